@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Orbits around the subject: how cameras and lights become azimuth, elevation and distance.
+
+An azimuth of 0 is in front of the subject (-Y), 90 is at +X, which is the right-hand side of a
+picture taken from the front; an elevation of 90 is straight above. Angles are in degrees.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+Vector = tuple[float, float, float]
+Matrix = tuple[Vector, Vector, Vector]
+
+
+def direction(azimuth: float, elevation: float) -> Vector:
+    """Unit vector from the subject towards something that stands at these angles."""
+    a, e = math.radians(azimuth), math.radians(elevation)
+    return math.cos(e) * math.sin(a), -math.cos(e) * math.cos(a), math.sin(e)
+
+
+def angles(vector: Sequence[float]) -> tuple[float, float]:
+    """Inverse of `direction`: (azimuth in (-180, 180], elevation in [-90, 90])."""
+    x, y, z = vector
+    return math.degrees(math.atan2(x, -y)) if x or y else 0.0, math.degrees(math.atan2(z, math.hypot(x, y)))
+
+
+def frame(azimuth: float, elevation: float) -> Matrix:
+    """Rotation (rows of a 3x3 matrix) whose columns are right, up, and the direction to the viewer.
+
+    It is the orientation of a camera that stands at these angles and looks at the subject.
+    """
+    a = math.radians(azimuth)
+    zx, zy, zz = direction(azimuth, elevation)
+    xx, xy = math.cos(a), math.sin(a)
+    return (xx, -zz * xy, zx), (xy, zz * xx, zy), (0.0, zx * xy - zy * xx, zz)
+
+
+def transpose(m: Matrix) -> Matrix:
+    """The transpose, which for a rotation is its inverse."""
+    return tuple(zip(*m, strict=True))  # type: ignore[return-value]
+
+
+def multiply(a: Matrix, b: Matrix) -> Matrix:
+    """Matrix product a @ b."""
+    columns = transpose(b)
+    return tuple(tuple(sum(p * q for p, q in zip(row, col, strict=True)) for col in columns) for row in a)  # type: ignore[return-value]

@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The table: every value that a vibe may change, in Blender's own terms. The only one there is."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import asdict
+
+from .spec import LINEAR, LOG, SRGB, Parameter, Scale
+
+VERSION = 1
+"""Raised when a row's meaning changes: presets carry it, and a newer one is refused."""
+
+REFERENCES = {
+    "light_distance": "distance from the light to the subject's centre, metres",
+    "light_distance_squared": "the same, squared: it cancels the inverse square law",
+    "view_distance": "distance from the camera to the subject's centre, metres",
+    "per_view_distance": "its inverse: a density becomes the optical depth to the subject",
+    "subject_height": "height of the subject's bounding box, metres",
+    "per_subject_height": "its inverse",
+}
+"""Scene lengths that bounds are multiples of, measured once, before anything is changed."""
+
+_LAMPS = ("POINT", "SPOT", "AREA")
+
+
+def _camera(name: str, *row, **more) -> Parameter:
+    return Parameter("camera", name, *row, **more)
+
+
+def _light(name: str, *row, **more) -> Parameter:
+    return Parameter("light", name, *row, **more)
+
+
+def _world(name: str, *row, **more) -> Parameter:
+    return Parameter("world", name, *row, **more)
+
+
+def _material(name: str, *row, **more) -> Parameter:
+    return Parameter("material", name, *row, **more)
+
+
+def _volume(name: str, *row, **more) -> Parameter:
+    return Parameter("volume", name, *row, **more)
+
+
+def _film(name: str, *row, **more) -> Parameter:
+    return Parameter("film", name, *row, **more)
+
+
+# fmt: off
+PARAMETERS: tuple[Parameter, ...] = (
+    #       name                kind      default  lower   upper   unit    scale              region
+    _camera("azimuth",          "angle",  0.0,   -360.0,   360.0,  "deg",  LINEAR,            "whole",
+            "Where the camera stands around the subject; 0 is in front (-Y), 90 on its left-hand side (+X).", "Camera object, orbit around the subject"),
+    _camera("elevation",        "angle",  10.0,   -85.0,    85.0,  "deg",  LINEAR,            "whole",
+            "How far the camera looks down on the subject.", "Camera object, orbit around the subject"),
+    _camera("distance",         "scalar", 1.0,      0.4,     2.5,  "m",    LOG,               "whole",
+            "Distance from the camera to the subject's centre.", "Camera object, orbit around the subject", reference="view_distance"),
+    _camera("fov",              "angle",  40.0,     8.0,   100.0,  "deg",  LOG,               "whole",
+            "Field of view along the picture's longer side.", "Camera > Lens > Field of View"),
+
+    _light("power",             "scalar", 40.0,    0.05,  4000.0,  "W",    LOG,               "whole",
+           "Radiant power.", "Light > Power", reference="light_distance_squared", only=_LAMPS),
+    _light("strength",          "scalar", 3.0,    0.005,   100.0,  "W/m2", LOG,               "whole",
+           "Irradiance of a surface that faces the sun.", "Sun light > Strength", only=("SUN",)),
+    _light("color",             "color",  1.0,      0.0,     1.0,  "",     SRGB,              "whole",
+           "Tint of the light, on top of its temperature.", "Light > Color"),
+    _light("temperature",       "scalar", 6500.0, 1200.0, 16000.0, "K",    LOG,               "whole",
+           "Colour temperature: low is warm, 6500 is white, high is cool.", "Light > Temperature (Blender 4.5 and later)"),
+    _light("size",              "scalar", 0.2,    0.002,     3.0,  "m",    LOG,               "whole",
+           "Size of the lamp: the larger, the softer its shadows.", "Light > Radius, or Size of an area light", reference="light_distance", only=_LAMPS),
+    _light("angle",             "angle",  0.526,    0.0,    90.0,  "deg",  Scale("power", 2), "whole",
+           "Angular diameter of the sun: the larger, the softer its shadows.", "Sun light > Angle", only=("SUN",)),
+    _light("azimuth",           "angle",  45.0,  -360.0,   360.0,  "deg",  LINEAR,            "whole",
+           "Direction that the light comes from, around the subject; 0 is from the front (-Y).", "Light object, orbit around the subject"),
+    _light("elevation",         "angle",  45.0,   -89.0,    89.0,  "deg",  LINEAR,            "whole",
+           "Height that the light comes from; 90 is straight above.", "Light object, orbit around the subject"),
+    _light("distance",          "scalar", 1.0,      0.3,     4.0,  "m",    LOG,               "whole",
+           "Distance from the light to the subject's centre.", "Light object, orbit around the subject", reference="light_distance", only=_LAMPS),
+
+    _world("color",             "color",  0.05,     0.0,     1.0,  "",     SRGB,              "surroundings",
+           "Colour of the background and of the light that it sheds.", "World > Background > Color"),
+    _world("tint",              "color",  1.0,      0.0,     2.0,  "",     SRGB,              "surroundings",
+           "Multiplies a linked environment.", "World > Vibe Tint > Tint"),
+    _world("strength",          "scalar", 1.0,      0.0,    10.0,  "",     Scale("power", 3), "whole",
+           "Strength of the background.", "World > Background > Strength"),
+    _world("rotation",          "angle",  0.0,   -360.0,   360.0,  "deg",  LINEAR,            "whole",
+           "Turns a linked environment around the vertical axis.", "World > Mapping > Rotation Z"),
+
+    _material("base_color",     "color",  0.8,      0.0,     1.0,  "",     SRGB,              "subject",
+              "Albedo of the surface, or reflectance of a metal.", "Principled BSDF > Base Color"),
+    _material("tint",           "color",  1.0,      0.0,     4.0,  "",     SRGB,              "subject",
+              "Multiplies a linked base colour.", "Vibe Tint > Tint"),
+    _material("recolor",        "scalar", 0.0,      0.0,     1.0,  "",     LINEAR,            "subject",
+              "How much of a linked base colour is reduced to its luminance before the tint.", "Vibe Tint > Recolor"),
+    _material("metallic",       "scalar", 0.0,      0.0,     1.0,  "",     LINEAR,            "subject",
+              "From dielectric (0) to metal (1).", "Principled BSDF > Metallic"),
+    _material("roughness",      "scalar", 0.5,      0.0,     1.0,  "",     LINEAR,            "subject",
+              "From mirror-sharp (0) to matte (1).", "Principled BSDF > Roughness"),
+    _material("ior",            "scalar", 1.5,      1.0,     3.0,  "",     LINEAR,            "subject",
+              "Index of refraction: the strength of reflection and the bending of light.", "Principled BSDF > IOR"),
+    _material("specular",       "scalar", 0.5,      0.0,     1.0,  "",     LINEAR,            "subject",
+              "Scales the dielectric reflection; 0.5 leaves it as the IOR says.", "Principled BSDF > Specular IOR Level"),
+    _material("specular_tint",  "color",  1.0,      0.0,     1.0,  "",     SRGB,              "subject",
+              "Colour of dielectric reflection, and of a metal's edge.", "Principled BSDF > Specular Tint"),
+    _material("coat",           "scalar", 0.0,      0.0,     1.0,  "",     LINEAR,            "subject",
+              "Clear lacquer on top.", "Principled BSDF > Coat Weight"),
+    _material("coat_roughness", "scalar", 0.03,     0.0,     1.0,  "",     LINEAR,            "subject",
+              "Roughness of the lacquer.", "Principled BSDF > Coat Roughness"),
+    _material("sheen",          "scalar", 0.0,      0.0,     1.0,  "",     LINEAR,            "subject",
+              "Soft glow at grazing angles: velvet, dust.", "Principled BSDF > Sheen Weight"),
+    _material("transmission",   "scalar", 0.0,      0.0,     1.0,  "",     LINEAR,            "subject",
+              "From opaque (0) to glass (1).", "Principled BSDF > Transmission Weight"),
+    _material("emission_color", "color",  1.0,      0.0,     1.0,  "",     SRGB,              "subject",
+              "Colour of the glow.", "Principled BSDF > Emission Color"),
+    _material("emission",       "scalar", 0.0,      0.0,    20.0,  "",     Scale("power", 3), "subject",
+              "Strength of the glow.", "Principled BSDF > Emission Strength"),
+
+    _volume("density",          "scalar", 0.0,      0.0,     8.0,  "1/m",  Scale("power", 3), "surroundings",
+            "Extinction of the fog at its base.", "Vibe Fog > Density", reference="per_view_distance"),
+    _volume("color",            "color",  0.8,      0.0,     1.0,  "",     SRGB,              "surroundings",
+            "Single-scattering albedo of the fog.", "Vibe Fog > Color"),
+    _volume("anisotropy",       "scalar", 0.0,     -0.8,     0.9,  "",     LINEAR,            "surroundings",
+            "Backward (-), even (0) or forward (+) scattering.", "Vibe Fog > Anisotropy"),
+    _volume("falloff",          "scalar", 0.0,      0.0,     8.0,  "1/m",  Scale("power", 2), "surroundings",
+            "How fast the fog thins with height; 0 is the same everywhere.", "Vibe Fog > Height Falloff", reference="per_subject_height"),
+    _volume("offset",           "scalar", 0.0,     -2.0,     2.0,  "m",    LINEAR,            "surroundings",
+            "Height at which the fog starts to thin, above the subject's base.", "Vibe Fog > Height Offset", reference="subject_height"),
+
+    _film("exposure",           "scalar", 0.0,     -6.0,     6.0,  "stops", LINEAR,           "whole",
+          "Brightness of the whole picture, before the view transform.", "Render > Color Management > Exposure"),
+    _film("gamma",              "scalar", 1.0,      0.4,     2.5,  "",     LOG,               "whole",
+          "Gamma after the view transform.", "Render > Color Management > Gamma"),
+    _film("grade_exposure",     "scalar", 0.0,     -3.0,     3.0,  "stops", LINEAR,           "whole",
+          "Brightness in the compositor, before the rest of the grade.", "Vibe Grade > Exposure"),
+    _film("lift",               "color",  1.0,      0.7,     1.3,  "",     LINEAR,            "whole",
+          "Tint and level of the shadows.", "Vibe Grade > Lift"),
+    _film("midtone",            "color",  1.0,      0.6,     1.5,  "",     LINEAR,            "whole",
+          "Tint and level of the midtones.", "Vibe Grade > Midtone"),
+    _film("gain",               "color",  1.0,      0.5,     1.6,  "",     LINEAR,            "whole",
+          "Tint and level of the highlights.", "Vibe Grade > Gain"),
+    _film("contrast",           "scalar", 1.0,      0.5,     2.0,  "",     LOG,               "whole",
+          "Contrast around middle grey.", "Vibe Grade > Contrast"),
+    _film("saturation",         "scalar", 1.0,      0.0,     2.0,  "",     LINEAR,            "whole",
+          "From grey (0) over unchanged (1) to vivid (2).", "Vibe Grade > Saturation"),
+    _film("hue",                "angle",  0.0,    -90.0,    90.0,  "deg",  LINEAR,            "whole",
+          "Turns every hue.", "Vibe Grade > Hue"),
+    _film("grade_gamma",        "scalar", 1.0,      0.5,     2.0,  "",     LOG,               "whole",
+          "Exponent on the graded picture: above 1 darkens the midtones.", "Vibe Grade > Gamma"),
+    _film("vignette",           "scalar", 0.0,      0.0,     1.0,  "",     LINEAR,            "whole",
+          "Darkens the corners.", "Vibe Grade > Vignette"),
+    _film("glare",              "scalar", 0.0,      0.0,     1.0,  "",     LINEAR,            "whole",
+          "Bloom around highlights.", "Vibe Grade > Glare"),
+)
+# fmt: on
+
+GROUPS: tuple[str, ...] = tuple(dict.fromkeys(p.group for p in PARAMETERS))
+FAMILIES: dict[str, Parameter] = {p.family: p for p in PARAMETERS}
+
+
+def schema_hash() -> str:
+    """A fingerprint of the table; both processes must have the same one."""
+    rows = [VERSION, *(asdict(p) for p in PARAMETERS)]
+    return hashlib.sha256(json.dumps(rows, sort_keys=True).encode()).hexdigest()[:16]
