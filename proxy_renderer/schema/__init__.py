@@ -2,6 +2,7 @@
 """The contract between Blender and the engine. Standard library and relative imports only:
 building the extension copies this folder into it."""
 
+from . import orbit
 from .errors import VibeError
 from .parameters import FAMILIES, GROUPS, PARAMETERS, REFERENCES, VERSION, schema_hash
 from .spec import Instance, Parameter, Scale, Values, matches, split_key
@@ -18,6 +19,7 @@ __all__ = [
     "Values",
     "VibeError",
     "matches",
+    "orbit",
     "schema_hash",
     "split_key",
 ]
