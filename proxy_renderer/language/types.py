@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The typed structures between a sentence and the optimiser, whoever fills them in."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from ..schema import Values
+
+Region = Literal["subject", "surroundings", "whole"]
+Lab = tuple[float, float, float]
+"""CIE L*a*b* under D65: L in [0, 100]."""
+
+
+@dataclass(frozen=True)
+class SceneWords:
+    """The names in a scene that a prompt may mean; all empty when there is no scene.
+
+    Attributes:
+        subject: What the subject is called, say the mesh file's name; "" when unknown.
+        objects: Object name -> "subject" or "surroundings".
+        materials: Material name -> "subject" or "surroundings".
+        object_materials: Object name -> names of the materials on it.
+    """
+
+    subject: str = ""
+    objects: dict[str, Region] = field(default_factory=dict)
+    materials: dict[str, Region] = field(default_factory=dict)
+    object_materials: dict[str, tuple[str, ...]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Attribute:
+    """One look word of the prompt, bound to what it describes.
+
+    Attributes:
+        word: As the prompt says it, with its intensity or negation: "very glossy", "no fog".
+        entry: Name of the vocabulary entry, or of the color.
+        slot: "color", "finish", "material", "lighting", "atmosphere", "grade", "mood" or "setting".
+        region: The part of the picture that it describes.
+        strength: 1 as named; below for "slightly", above for "very".
+        negated: "no", "without", "not".
+        owners: Materials that are meant; empty for all of the region.
+        guess: Not a known word, but this is the nearest one.
+    """
+
+    word: str
+    entry: str
+    slot: str
+    region: Region
+    strength: float = 1.0
+    negated: bool = False
+    owners: tuple[str, ...] = ()
+    guess: bool = False
+
+
+@dataclass
+class SceneObject:
+    """Something that the prompt describes, in the foreground or around it.
+
+    Attributes:
+        name: "teapot", "wall"; "subject" or "surroundings" where the prompt names nothing.
+        region: "subject" or "surroundings".
+        attributes: Slot -> words, comma separated: {"color": "teal", "finish": "very glossy"}.
+        materials: Materials that it is made of; empty when no name in the scene matches.
+    """
+
+    name: str
+    region: Region
+    attributes: dict[str, str] = field(default_factory=dict)
+    materials: tuple[str, ...] = ()
+
+
+@dataclass
+class Parsed:
+    """A prompt, understood.
+
+    Attributes:
+        prompt: The text, white space tidied.
+        objects: At least one for the subject.
+        attributes: Every look word found, in the order of the text.
+        targets: Attribute head -> class that the words ask for, see `attributes.ATTRIBUTES`.
+        colors: "subject"/"surroundings" -> Lab that its mean display color should come near.
+        ignored: Words that could not be used, in the order of the text.
+        guesses: Unknown word -> vocabulary entry that it was taken for.
+        conflicts: Contradictions, and how each was resolved, one sentence each.
+    """
+
+    prompt: str
+    objects: list[SceneObject] = field(default_factory=list)
+    attributes: list[Attribute] = field(default_factory=list)
+    targets: dict[str, str] = field(default_factory=dict)
+    colors: dict[Region, Lab] = field(default_factory=dict)
+    ignored: list[str] = field(default_factory=list)
+    guesses: dict[str, str] = field(default_factory=dict)
+    conflicts: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Prompts:
+    """What the encoder is asked, region by region (equations 5 and 6); never negations.
+
+    Attributes:
+        subject: Short caption of the subject alone.
+        surroundings: Short caption of the surroundings alone; "" when the words leave them open.
+        whole: Caption of the whole picture.
+        subject_negatives: What the subject must not look like: swaps and antonyms, positively worded.
+        surroundings_negatives: Likewise for the surroundings.
+        whole_negatives: Likewise for the whole picture: "thick fog" for "no fog".
+    """
+
+    subject: str
+    surroundings: str
+    whole: str
+    subject_negatives: tuple[str, ...] = ()
+    surroundings_negatives: tuple[str, ...] = ()
+    whole_negatives: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class PictureStats:
+    """Measurements of the current picture that plans are made from.
+
+    Attributes:
+        lab: "subject"/"surroundings" -> mean display color.
+        linear: "subject"/"surroundings" -> median luminance before grade and exposure, scene-linear.
+        percentiles: Display lightness L* of the whole picture at 5, 50 and 95 percent.
+    """
+
+    lab: dict[Region, Lab] = field(default_factory=dict)
+    linear: dict[Region, float] = field(default_factory=dict)
+    percentiles: tuple[float, float, float] | None = None
+
+
+@dataclass(frozen=True)
+class PlanContext:
+    """What the planner knows about the scene besides its instances.
+
+    Attributes:
+        camera_azimuth: Degrees, as in `schema.orbit`: light directions are relative to it.
+        camera_elevation: Degrees.
+        view: View transform: "AgX", "Filmic", "Standard", ...
+        values: Current values by key; the artist's where missing. Ranges never depend on them,
+            except that exposure and the like are re-aimed from what the picture shows.
+        picture: Measurements of the picture that these values give; None before the first one.
+    """
+
+    camera_azimuth: float = 0.0
+    camera_elevation: float = 10.0
+    view: str = "AgX"
+    values: dict[str, Values] = field(default_factory=dict)
+    picture: PictureStats | None = None
+
+
+@dataclass(frozen=True)
+class PlanEntry:
+    """What may happen to one parameter instance.
+
+    Attributes:
+        lower: Component-wise, within the instance's hard bounds.
+        upper: At least `lower`.
+        priority: The smaller the more important; None is never optimised (but still projected).
+        reason: For the artist; quotes the word that caused it.
+        prior: Weight in [0, 1] of the pull to the artist's value: 0 where words named the value.
+    """
+
+    lower: Values
+    upper: Values
+    priority: int | None
+    reason: str
+    prior: float = 1.0
+
+
+class Plan(dict[str, PlanEntry]):
+    """An entry for every instance of the scene, by key.
+
+    Attributes:
+        notes: Contradictions resolved and bounds that stood in the way, one sentence each.
+    """
+
+    def __init__(self, entries: dict[str, PlanEntry] | None = None, notes: tuple[str, ...] = ()) -> None:
+        super().__init__(entries or {})
+        self.notes = notes
