@@ -1,9 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The schema, from wherever it is: copied into a built extension, beside the add-on in a clone."""
 
-try:
-    from . import schema  # type: ignore[attr-defined]
-except ImportError:
-    from proxy_renderer import schema
+from typing import TYPE_CHECKING
 
-__all__ = ["schema"]
+if TYPE_CHECKING:
+    from proxy_renderer import schema
+    from proxy_renderer.schema import messages
+else:
+    try:
+        from . import schema
+        from .schema import messages
+    except ImportError:
+        from proxy_renderer import schema
+        from proxy_renderer.schema import messages
+
+__all__ = ["messages", "schema"]

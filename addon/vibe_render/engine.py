@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The engine, as Blender sees it: a process that exchanges NUL-delimited JSON. No bpy here."""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import os
+import queue
+import subprocess
+import sys
+import tempfile
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import BinaryIO, TypeAlias, cast
+
+from .contract import messages as wire
+from .contract import schema
+from .find_engine import engine_environment, find_python
+
+_Item: TypeAlias = wire.Message | schema.VibeError | None  # None: the engine's output has ended
+
+
+class Engine:
+    """A running engine. It stays warm between vibes; it ends when Blender does.
+
+    Args:
+        python: Which Python to use, or the folder of its environment; "" to search.
+        log: Where the engine's own output goes; None for a temporary file.
+    """
+
+    def __init__(self, python: str = "", log: Path | None = None) -> None:
+        self._choice = python
+        self.log = log or Path(tempfile.gettempdir()) / f"vibe-engine-{os.getpid()}.log"
+        self._process: subprocess.Popen[bytes] | None = None
+        self._inbox: queue.Queue[_Item] = queue.Queue()
+
+    @property
+    def alive(self) -> bool:
+        """Whether the process runs."""
+        return self._process is not None and self._process.poll() is None
+
+    def start(self) -> None:
+        """Starts the process; its first message is "ready". Nothing happens if it runs already.
+
+        Raises:
+            VibeError: If no engine is found, or it cannot be started.
+        """
+        if self.alive:
+            return
+        python = find_python(self._choice)
+        self._inbox = queue.Queue()
+        try:
+            with self.log.open("wb") as log:
+                self._process = subprocess.Popen(
+                    [python, "-m", "proxy_renderer.worker"],
+                    stdin=subprocess.PIPE,
+                    stdout=subprocess.PIPE,
+                    stderr=log,
+                    env=engine_environment(),
+                    **_own_group(),
+                )
+        except OSError as error:
+            raise schema.VibeError(
+                f"The engine could not be started: {error}.", f"Try {python} by hand."
+            ) from error
+        output = cast(BinaryIO, self._process.stdout)
+        threading.Thread(target=_receive, args=(output, self._inbox), daemon=True).start()
+        atexit.register(self.stop)
+
+    def send(self, message: wire.Message) -> None:
+        """Sends one message.
+
+        Raises:
+            VibeError: If the engine is gone.
+        """
+        if self._process is None or self._process.stdin is None:
+            raise schema.VibeError("The engine is not running.", "Start it first.")
+        try:
+            self._process.stdin.write(wire.encode(message))
+            self._process.stdin.flush()
+        except (OSError, ValueError) as error:
+            raise self._death() from error
+
+    def poll(self) -> list[wire.Message]:
+        """The messages that have arrived since the last call; never waits.
+
+        Raises:
+            VibeError: If the engine reports an error, speaks another schema, or is gone.
+        """
+        arrived = []
+        while True:
+            try:
+                arrived.append(self._checked(self._inbox.get_nowait()))
+            except queue.Empty:
+                return arrived
+
+    def messages(self) -> Iterator[wire.Message]:
+        """Waits for messages, for ever; raises as `poll` does."""
+        while True:
+            # A timeout in the wait lets Ctrl-C through on every platform.
+            with contextlib.suppress(queue.Empty):
+                yield self._checked(self._inbox.get(timeout=0.2))
+
+    def stop(self, patience: float = 3.0) -> None:
+        """Asks the process to quit, and ends it if it has not within `patience` seconds."""
+        process, self._process = self._process, None
+        atexit.unregister(self.stop)
+        if process is None:
+            return
+        with contextlib.suppress(OSError, ValueError):
+            process.stdin.write(wire.encode(wire.Quit()))  # type: ignore[union-attr]
+            process.stdin.close()  # type: ignore[union-attr]
+        for end in (lambda: None, process.terminate, process.kill):
+            end()
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(patience)
+                return
+
+    def _checked(self, item: _Item) -> wire.Message:
+        if item is None:
+            raise self._death()
+        if isinstance(item, schema.VibeError):
+            raise item
+        if isinstance(item, wire.Error):
+            raise schema.VibeError(item.message, item.remedy)
+        if isinstance(item, wire.Ready):
+            try:
+                wire.check_schema(item.schema, "engine")
+            except schema.VibeError:
+                self.stop()
+                raise
+        return item
+
+    def _death(self) -> schema.VibeError:
+        """What to say when the process has gone by itself."""
+        code = None
+        if self._process is not None:
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                code = self._process.wait(1.0)
+        self.stop(patience=0.5)
+        log = self.log.read_text(encoding="utf-8", errors="replace") if self.log.exists() else ""
+        last = log.strip().rpartition("\n")[2]
+        said = f" Its last words: {last}" if last else ""
+        return schema.VibeError(
+            f"The engine stopped unexpectedly (exit code {code}).{said}",
+            f"Try again; if it happens again, see {self.log}.",
+        )
+
+
+def _receive(stream: BinaryIO, inbox: queue.Queue[_Item]) -> None:
+    """Puts what arrives into the inbox, until the output ends."""
+    try:
+        for message in wire.read(stream):
+            inbox.put(message)
+    except schema.VibeError as error:
+        inbox.put(error)
+    inbox.put(None)
+
+
+def _own_group() -> dict:
+    """Ctrl-C in a terminal goes to the command, which asks the engine for its best so far."""
+    if sys.platform == "win32":
+        return {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP | subprocess.CREATE_NO_WINDOW}
+    return {"start_new_session": True}
