@@ -39,9 +39,13 @@ class Attribute:
         entry: Name of the vocabulary entry, or of the color.
         slot: "color", "finish", "material", "lighting", "atmosphere", "grade", "mood" or "setting".
         region: The part of the picture that it describes.
+        kind: The kind of thing that it describes: "subject", "surroundings", "sky", "light", "fog", ...
         strength: 1 as named; below for "slightly", above for "very".
         negated: "no", "without", "not".
         owners: Materials that are meant; empty for all of the region.
+        role: The light that is meant: "key", "fill" or "rim"; "" when no light is.
+        color: The named color, sRGB in [0, 1]; None unless the slot is "color".
+        cause: The mood or style word that stands for this one; "" when the prompt says it itself.
         guess: Not a known word, but this is the nearest one.
     """
 
@@ -49,9 +53,13 @@ class Attribute:
     entry: str
     slot: str
     region: Region
+    kind: str = "subject"
     strength: float = 1.0
     negated: bool = False
     owners: tuple[str, ...] = ()
+    role: str = ""
+    color: Values | None = None
+    cause: str = ""
     guess: bool = False
 
 
@@ -124,12 +132,10 @@ class PictureStats:
 
     Attributes:
         lab: "subject"/"surroundings" -> mean display color.
-        linear: "subject"/"surroundings" -> median luminance before grade and exposure, scene-linear.
         percentiles: Display lightness L* of the whole picture at 5, 50 and 95 percent.
     """
 
     lab: dict[Region, Lab] = field(default_factory=dict)
-    linear: dict[Region, float] = field(default_factory=dict)
     percentiles: tuple[float, float, float] | None = None
 
 
@@ -141,14 +147,21 @@ class PlanContext:
         camera_azimuth: Degrees, as in `schema.orbit`: light directions are relative to it.
         camera_elevation: Degrees.
         view: View transform: "AgX", "Filmic", "Standard", ...
-        values: Current values by key; the artist's where missing. Ranges never depend on them,
-            except that exposure and the like are re-aimed from what the picture shows.
+        light_types: Light -> "POINT", "SPOT", "AREA" or "SUN"; watts mean different things to them.
+        world_share: Fraction of the surroundings' pixels that show the world, not a surface; None if unknown.
+        material_share: Material -> fraction of its region's pixels; empty if unknown.
+        texture_luminance: Material -> mean luminance of its linked base color.
+        values: Current values by key; the artist's where missing.
         picture: Measurements of the picture that these values give; None before the first one.
     """
 
     camera_azimuth: float = 0.0
     camera_elevation: float = 10.0
     view: str = "AgX"
+    light_types: dict[str, str] = field(default_factory=dict)
+    world_share: float | None = None
+    material_share: dict[str, float] = field(default_factory=dict)
+    texture_luminance: dict[str, float] = field(default_factory=dict)
     values: dict[str, Values] = field(default_factory=dict)
     picture: PictureStats | None = None
 
