@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Typed records of one exported scene. Lengths in meters, angles in radians, colors linear Rec.709."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..schema import Instance, Values
+from ..schema.orbit import Matrix, Vector
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Camera:
+    """What a vibe leaves alone in the camera; its orbit and field of view are parameters.
+
+    Attributes:
+        type: "PERSP" or "ORTHO".
+        residual: Rotation that remains after the orbit's frame, so that off-center aims survive.
+        ortho_scale: Extent of the picture in an orthographic camera.
+        shift: Lens shift, in parts of the longer side.
+        sensor_fit: "AUTO", "HORIZONTAL" or "VERTICAL": the side that the field of view spans.
+        clip: Near and far distances.
+    """
+
+    name: str
+    type: str
+    residual: Matrix
+    ortho_scale: float
+    shift: tuple[float, float]
+    sensor_fit: str
+    clip: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Light:
+    """What a vibe leaves alone in a light.
+
+    Attributes:
+        type: "POINT", "SUN", "SPOT" or "AREA".
+        shape: For area lights "SQUARE", "RECTANGLE", "DISK" or "ELLIPSE".
+        aspect: Height over width of an area light.
+        spot_size: Full opening angle of a spot.
+        spot_blend: Softness of a spot's rim, in [0, 1].
+        shadow: Whether it casts shadows.
+        normalize: Whether power is shared by the lamp's area, so that size does not brighten it.
+        exposure: Stops on top of the power.
+        spread: Opening angle of an area light's emission; pi for a plain one.
+        role: "key", "fill", "rim" or "other".
+    """
+
+    name: str
+    type: str
+    residual: Matrix
+    position: Vector
+    shape: str = "SQUARE"
+    aspect: float = 1.0
+    spot_size: float = 0.785398
+    spot_blend: float = 0.15
+    shadow: bool = True
+    normalize: bool = True
+    exposure: float = 0.0
+    use_temperature: bool = False
+    spread: float = 3.141593
+    role: str = "other"
+
+
+@dataclass(frozen=True)
+class Texture:
+    """A linked base color: image (H, W, 3), row 0 at the bottom; extension "REPEAT", "EXTEND" or "CLIP"."""
+
+    image: Array
+    extension: str = "REPEAT"
+
+
+@dataclass(frozen=True)
+class Material:
+    """A material that the camera sees. `constants` are Principled inputs that no vibe changes."""
+
+    name: str
+    role: str
+    model: str = "principled"
+    warning: str = ""
+    alpha: float = 1.0
+    constants: Mapping[str, Any] = field(default_factory=dict)
+    texture: Texture | None = None
+
+
+@dataclass(frozen=True)
+class SceneObject:
+    """An object, and whether it belongs to the subject."""
+
+    name: str
+    subject: bool
+
+
+@dataclass(frozen=True)
+class World:
+    """kind "color" or "environment"; image (H, W, 3) is equirectangular, without tint and strength."""
+
+    kind: str
+    image: Array | None = None
+
+
+@dataclass(frozen=True)
+class Volume:
+    """kind "none", "box" or "world"; the box that fog fills, and the height of the subject's base."""
+
+    kind: str
+    center: Vector
+    half_size: Vector
+    base: float
+
+
+@dataclass(frozen=True)
+class FilmSettings:
+    """How Blender shows the picture: its OCIO configuration, display, view and look."""
+
+    ocio: str
+    display: str
+    view: str
+    look: str
+    transparent: bool
+    working_space: str
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """All triangles of the scene in world space.
+
+    Attributes:
+        vertices: (V, 3) float32.
+        faces: (F, 3) int32 into `vertices`.
+        normals: (F, 3, 3) float32, one per corner.
+        uvs: (F, 3, 2) float32.
+        material: (F,) int32 into the scene's materials.
+        object: (F,) int32 into the scene's objects.
+    """
+
+    vertices: Array
+    faces: Array
+    normals: Array
+    uvs: Array
+    material: Array
+    object: Array
+
+
+@dataclass(frozen=True)
+class SceneData:
+    """Everything that the engine knows about a scene.
+
+    Attributes:
+        resolution: Width and height of the artist's picture in pixels.
+        pivot: What the camera and the lights orbit: the center of the subject's bounding box.
+        references: Scene-wide lengths that bounds are multiples of.
+        instances: Every parameter of this scene by key, with the artist's value.
+    """
+
+    folder: Path
+    resolution: tuple[int, int]
+    pixel_aspect: float
+    pivot: Vector
+    references: Mapping[str, float]
+    camera: Camera
+    lights: tuple[Light, ...]
+    materials: tuple[Material, ...]
+    objects: tuple[SceneObject, ...]
+    world: World
+    volume: Volume
+    film: FilmSettings
+    mesh: Mesh
+    instances: Mapping[str, Instance]
+
+    def value(self, key: str, default: float | Values = 0.0) -> Values:
+        """The artist's value of a parameter, or the default where the scene does not have it."""
+        if key in self.instances:
+            return self.instances[key].value
+        return default if isinstance(default, tuple) else (default,)

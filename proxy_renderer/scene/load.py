@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Reads a job folder (`scene.json`, `meshes.npz`, pictures) that the add-on has written, and checks it."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import fields
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from ..schema import PARAMETERS, Instance, VibeError, schema_hash, split_key
+from .data import (
+    Array,
+    Camera,
+    FilmSettings,
+    Light,
+    Material,
+    Mesh,
+    SceneData,
+    SceneObject,
+    Texture,
+    Volume,
+    World,
+)
+
+FORMAT = 1
+_EXPORT_AGAIN = "Export the scene again with the add-on that belongs to this engine."
+_ROWS = {(p.group, p.name): p for p in PARAMETERS}
+_MESH_SHAPES = {"vertices": (3,), "faces": (3,), "normals": (3, 3), "uvs": (3, 2), "material": (), "object": ()}
+
+T = TypeVar("T")
+
+
+def load_scene(folder: Path | str) -> SceneData:
+    """Reads and validates an exported scene.
+
+    Args:
+        folder: The job folder.
+
+    Returns:
+        The scene; its arrays are float32 or int32 and finite, its indices in range.
+
+    Raises:
+        VibeError: If a file is missing or broken, was written by another version, or holds nothing
+            that can be rendered.
+    """
+    folder = Path(folder)
+    try:
+        content = json.loads((folder / "scene.json").read_text(encoding="utf-8"))
+        _check_version(content)
+        return _scene(folder, content)
+    except (OSError, ValueError, KeyError, TypeError, IndexError) as error:
+        reason = f"{type(error).__name__}: {error}"
+        raise VibeError(f"The exported scene in {folder} cannot be read ({reason}).", _EXPORT_AGAIN) from error
+
+
+def _scene(folder: Path, content: dict[str, Any]) -> SceneData:
+    materials = tuple(_material(folder, m) for m in content["materials"])
+    objects = tuple(_record(SceneObject, o) for o in content["objects"])
+    width, height = content["resolution"]
+    if width < 1 or height < 1:
+        raise VibeError(f"The picture's size {width} x {height} is empty.", "Set a resolution in Blender.")
+    camera = _record(Camera, content["camera"])
+    if camera.type not in ("PERSP", "ORTHO"):
+        raise VibeError(
+            f"The camera's type {camera.type} is not supported.", "Use a perspective or orthographic camera."
+        )
+    return SceneData(
+        folder=folder,
+        resolution=(int(width), int(height)),
+        pixel_aspect=float(content["pixel_aspect"]),
+        pivot=_vector(content["pivot"]),
+        references=content["references"],
+        camera=camera,
+        lights=tuple(_record(Light, light) for light in content["lights"]),
+        materials=materials,
+        objects=objects,
+        world=_world(folder, content["world"]),
+        volume=_record(Volume, content["volume"]),
+        film=_record(FilmSettings, content["film"]),
+        mesh=_mesh(folder / "meshes.npz", len(materials), len(objects)),
+        instances={key: _instance(key, p) for key, p in content["parameters"].items()},
+    )
+
+
+def _check_version(content: dict[str, Any]) -> None:
+    if content.get("format") != FORMAT or content.get("schema") != schema_hash():
+        raise VibeError("The scene was exported by another version of Vibe Render.", _EXPORT_AGAIN)
+
+
+def _record(kind: type[T], row: dict[str, Any]) -> T:
+    """Builds a dataclass from the JSON keys that it has fields for; lists become (nested) tuples."""
+    names = {f.name for f in fields(kind)}  # type: ignore[arg-type]
+    return kind(**{k: _tuples(v) for k, v in row.items() if k in names})
+
+
+def _tuples(value: Any) -> Any:
+    return tuple(_tuples(v) for v in value) if isinstance(value, list) else value
+
+
+def _vector(row: list[float]) -> tuple[float, float, float]:
+    x, y, z = (float(v) for v in row)
+    if not all(map(math.isfinite, (x, y, z))):
+        raise ValueError("a position is not finite")
+    return x, y, z
+
+
+def _material(folder: Path, row: dict[str, Any]) -> Material:
+    texture = row.get("texture")
+    if texture:
+        image = _picture(folder / texture["image"])
+        row = {**row, "texture": Texture(image, texture.get("extension", "REPEAT"))}
+    return _record(Material, row)
+
+
+def _world(folder: Path, row: dict[str, Any]) -> World:
+    if row["kind"] != "environment":
+        return World("color")
+    return World("environment", _picture(folder / row["image"]))
+
+
+def _picture(path: Path) -> Array:
+    """A linear picture (H, W, 3) as float32; what is not finite or is negative becomes 0."""
+    image = np.load(path, allow_pickle=False).astype(np.float32)
+    if image.ndim != 3 or image.shape[2] != 3 or 0 in image.shape:
+        raise ValueError(f"{path.name} has the shape {image.shape}, not (H, W, 3)")
+    return np.nan_to_num(image, nan=0.0, posinf=0.0, neginf=0.0).clip(0.0)
+
+
+def _mesh(path: Path, materials: int, objects: int) -> Mesh:
+    with np.load(path, allow_pickle=False) as stored:
+        arrays = {name: stored[name] for name in _MESH_SHAPES}
+    for name, tail in _MESH_SHAPES.items():
+        kind = np.float32 if name in ("vertices", "normals", "uvs") else np.int32
+        arrays[name] = np.ascontiguousarray(arrays[name], kind)
+        if arrays[name].shape[1:] != tail or (name != "vertices" and len(arrays[name]) != len(arrays["faces"])):
+            raise ValueError(f"{name} has the shape {arrays[name].shape}")
+    for name, count in (("faces", len(arrays["vertices"])), ("material", materials), ("object", objects)):
+        if arrays[name].size and not 0 <= arrays[name].min() <= arrays[name].max() < count:
+            raise ValueError(f"an index in {name} is out of range")
+    arrays = _drop_broken(arrays)
+    if not len(arrays["faces"]):
+        raise VibeError("The scene has no mesh that can be rendered.", "Add a mesh, or make one visible.")
+    return Mesh(**arrays)
+
+
+def _drop_broken(arrays: dict[str, Array]) -> dict[str, Array]:
+    """Removes triangles that have no area or a corner that is not finite; mends broken normals and UVs."""
+    corners = arrays["vertices"][arrays["faces"]]
+    finite = np.isfinite(corners).all((1, 2))
+    corners = np.where(finite[:, None, None], corners, 0.0)
+    flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = np.linalg.norm(flat, axis=1)
+    keep = finite & (area > 0) & np.isfinite(area)
+    length = np.linalg.norm(arrays["normals"], axis=2, keepdims=True)
+    facet = (flat / np.where(area > 0, area, 1.0)[:, None]).astype(np.float32)
+    sound = np.isfinite(length) & (length > 1e-6)
+    arrays["normals"] = np.where(sound, arrays["normals"] / np.where(sound, length, 1.0), facet[:, None])
+    arrays["uvs"] = np.nan_to_num(arrays["uvs"], nan=0.0, posinf=0.0, neginf=0.0)
+    return {k: v if k == "vertices" else v[keep] for k, v in arrays.items()}
+
+
+def _instance(key: str, row: dict[str, Any]) -> Instance:
+    group, owner, name = split_key(key)
+    parameter = _ROWS[group, name]
+    value = row["value"] if isinstance(row["value"], list) else [row["value"]]
+    if len(value) != parameter.components or not all(math.isfinite(v) for v in value):
+        raise VibeError(f"The value of {key} is not usable: {row['value']}.", "Correct it in Blender.")
+    return Instance(
+        parameter=parameter,
+        owner=owner,
+        value=tuple(float(v) for v in value),
+        reference=float(row.get("reference", 1.0)),
+        role=row.get("role", ""),
+        locked=row.get("locked", ""),
+    )
