@@ -1,0 +1,263 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Lights: where they stand, how bright they are, and what reaches a point, in Blender's calibration.
+
+Formulas follow Cycles (kernel/light, scene/light.cpp). Intensities are per unit of `Lamp.color`,
+so that everything geometric is constant while only power, color or temperature change.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from ..scene import Light, SceneData
+from . import color
+from .camera import direction, frame
+from .settings import Settings, wanted
+
+_POINT_RADIUS = 1e-3
+"""Least angular radius (radians) of a lamp: a true point would have no highlight in a mirror."""
+
+
+@dataclass(frozen=True)
+class Lamp:
+    """A light in one render.
+
+    Attributes:
+        light: The scene's record.
+        color: (3,) power or strength times color, temperature and exposure.
+        position: (3,) in meters; for suns the pivot, which nothing depends on.
+        axes: (3, 3) columns x, y, z of the lamp; it shines along -z.
+        size: () radius of a point or spot, width of an area light, angle of a sun in radians.
+    """
+
+    light: Light
+    color: Tensor
+    position: Tensor
+    axes: Tensor
+    size: Tensor
+
+    @property
+    def moving(self) -> bool:
+        """Whether gradients with respect to its place, direction or size are wanted."""
+        return wanted(self.position, self.axes, self.size)
+
+    @property
+    def round(self) -> bool:
+        """Whether its outline is a disc rather than a rectangle."""
+        return self.light.type != "AREA" or self.light.shape in ("DISK", "ELLIPSE")
+
+    @property
+    def area(self) -> Tensor:
+        """Area () of an area light in square meters."""
+        rectangle = self.size * self.size * self.light.aspect
+        return (rectangle * (math.pi / 4 if self.round else 1.0)).clamp_min(1e-8)
+
+    def signature(self) -> tuple[float, ...]:
+        """Numbers that change when anything that shadows depend on does."""
+        parts = torch.cat((self.position, self.axes.flatten(), self.size[None]))
+        return tuple(parts.detach().tolist())
+
+    def detached(self) -> Lamp:
+        """The same lamp without gradients."""
+        parts = (self.color, self.position, self.axes, self.size)
+        return Lamp(self.light, *(p.detach() for p in parts))
+
+
+def lamps_of(scene: SceneData, settings: Settings) -> list[Lamp]:
+    """All lights of the scene at the render's values."""
+    return [_lamp(light, scene, settings) for light in scene.lights]
+
+
+def _lamp(light: Light, scene: SceneData, settings: Settings) -> Lamp:
+    key = f"light/{light.name}/"
+    sun = light.type == "SUN"
+    azimuth, elevation = settings.scalar(key + "azimuth"), settings.scalar(key + "elevation")
+    power = settings.scalar(key + ("strength" if sun else "power"), 1.0)
+    tint = settings.color(key + "color", 1.0) * (power * 2.0**light.exposure)
+    if light.use_temperature:
+        tint = tint * color.blackbody(settings.scalar(key + "temperature", 6500.0))
+    pivot = torch.tensor(scene.pivot, device=settings.device)
+    distance = 0.0 if sun else settings.scalar(key + "distance", 1.0)
+    size = torch.deg2rad(settings.scalar(key + "angle")) if sun else settings.scalar(key + "size")
+    axes = frame(azimuth, elevation) @ torch.tensor(light.residual, device=settings.device)
+    position = pivot + distance * direction(azimuth, elevation)
+    return Lamp(light, tint, position, axes, size.clamp_min(0.0))
+
+
+@dataclass(frozen=True)
+class Arrival:
+    """What reaches N points from one lamp, unshadowed, per unit of its color.
+
+    Attributes:
+        toward: (3, N) unit vectors to the lamp's center.
+        distance: (N,) to the lamp's center; infinite for suns.
+        irradiance: (N,) on the surface, cosine included.
+        frontal: (N,) on a surface that faces the lamp: radiance times solid angle.
+        solid_angle: (N,) that the lamp fills.
+    """
+
+    toward: Tensor
+    distance: Tensor
+    irradiance: Tensor
+    frontal: Tensor
+    solid_angle: Tensor
+
+
+def arrival(lamp: Lamp, points: Tensor, normals: Tensor) -> Arrival:
+    """Unshadowed light at points (3, N) with unit normals (3, N)."""
+    if lamp.light.type == "SUN":
+        return _sun(lamp, normals)
+    offset = lamp.position[:, None] - points
+    squared = (offset * offset).sum(0).clamp_min(1e-8)
+    distance = squared.sqrt()
+    toward = offset / distance
+    if lamp.light.type == "AREA":
+        return _area(lamp, points, normals, toward, distance, squared)
+    return _point(lamp, normals, toward, distance, squared)
+
+
+def _sun(lamp: Lamp, normals: Tensor) -> Arrival:
+    """A sun's strength is the irradiance of a surface that faces it."""
+    z = lamp.axes[:, 2:3]
+    cosine = (normals * z).sum(0).clamp_min(0.0)
+    half = (lamp.size / 2).clamp(_POINT_RADIUS, math.pi / 2)
+    one = torch.ones_like(cosine)
+    solid = 2 * math.pi * (1 - half.cos())
+    return Arrival(z.expand_as(normals), one * math.inf, cosine, one, one * solid)
+
+
+def _point(lamp: Lamp, normals: Tensor, toward: Tensor, distance: Tensor, squared: Tensor) -> Arrival:
+    """Point and spot: the intensity is power / 4 pi, whatever the radius (blender_facts.md)."""
+    frontal = 1.0 / (4 * math.pi * squared)
+    if not lamp.light.normalize:
+        frontal = frontal * (4 * math.pi * lamp.size * lamp.size)
+    if lamp.light.type == "SPOT":
+        frontal = frontal * _spot_cone(lamp, toward)
+    cosine = (normals * toward).sum(0).clamp_min(0.0)
+    radius2 = (lamp.size * lamp.size).clamp_min(0.0)
+    solid = (math.pi * radius2 / squared).clamp(math.pi * _POINT_RADIUS**2, 2 * math.pi)
+    return Arrival(toward, distance, frontal * cosine, frontal, solid)
+
+
+def _spot_cone(lamp: Lamp, toward: Tensor) -> Tensor:
+    """Blender's smoothstep between the cone's rim and its blend (kernel/light/spot.h)."""
+    edge = math.cos(lamp.light.spot_size / 2)
+    slope = 1.0 / max((1.0 - edge) * lamp.light.spot_blend, 1e-5)
+    t = (((lamp.axes[:, 2:3] * toward).sum(0) - edge) * slope).clamp(0.0, 1.0)
+    return t * t * (3 - 2 * t)
+
+
+def _area(
+    lamp: Lamp, points: Tensor, normals: Tensor, toward: Tensor, distance: Tensor, squared: Tensor
+) -> Arrival:
+    """Area light: radiance power / (pi area) on the side that it shines to."""
+    facing = (lamp.axes[:, 2:3] * toward).sum(0).clamp_min(0.0)
+    radiance = 1.0 / (math.pi * (lamp.area if lamp.light.normalize else 1.0))
+    solid = (lamp.area * facing / (squared + lamp.area / math.pi)).clamp_min(1e-7)
+    front = (facing > 0).to(facing.dtype)
+    irradiance = radiance * front * _polygon(lamp, points, normals) * _spread(lamp, facing)
+    return Arrival(toward, distance, irradiance, radiance * front * solid * _spread(lamp, facing), solid)
+
+
+def _spread(lamp: Lamp, facing: Tensor) -> Tensor:
+    """Cycles' attenuation of a focused area light, at the angle to its center (kernel/light/area.h)."""
+    half = lamp.light.spread / 2
+    if half > math.pi / 2 - 1e-3:
+        return torch.ones_like(facing)
+    half = max(half, 1e-2)
+    tangent = math.tan(half)
+    angle = (1 / (facing * facing).clamp_min(1e-6) - 1).clamp_min(1e-12).sqrt()
+    return ((tangent - angle) / (tangent - half)).clamp_min(0.0)
+
+
+def _polygon(lamp: Lamp, points: Tensor, normals: Tensor) -> Tensor:
+    """Irradiance (N,) from a rectangle of radiance 1: Lambert's formula, clipped at the horizon.
+
+    The clipped part follows Hill and Heitz's sphere approximation ("Real-Time Area Lighting", 2016).
+    Discs count as squares of the same area.
+    """
+    half = half_axes(lamp)
+    corners = [lamp.position[:, None] + half[0] * sx + half[1] * sy - points for sx, sy in _CORNERS]
+    corners = [c / c.norm(dim=0).clamp_min(1e-6) for c in corners]
+    flux = torch.zeros_like(points)
+    for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
+        cosine = (a * b).sum(0).clamp(-0.99999, 0.99999)
+        flux = flux + torch.linalg.cross(a, b, dim=0) * _theta_over_sine(cosine)
+    flux = flux * -0.5
+    length = flux.norm(dim=0).clamp_min(1e-9)
+    cosine = (flux * normals).sum(0) / length
+    return length * _clipped_sphere(cosine, (length / math.pi).clamp_max(1.0))
+
+
+_CORNERS = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
+
+
+def half_axes(lamp: Lamp) -> tuple[Tensor, Tensor]:
+    """Half the sides of an area light, (3, 1) each; a disc counts as a square of the same area."""
+    half = lamp.size / 2 * (math.sqrt(math.pi) / 2 if lamp.round else 1.0)
+    return lamp.axes[:, 0:1] * half, lamp.axes[:, 1:2] * (half * lamp.light.aspect)
+
+
+def _theta_over_sine(cosine: Tensor) -> Tensor:
+    """theta / sin(theta) for cos(theta)."""
+    return torch.arccos(cosine) / (1 - cosine * cosine).sqrt()
+
+
+def _clipped_sphere(cosine: Tensor, share: Tensor) -> Tensor:
+    """Cosine-weighted part of a sphere above the horizon, relative to the unclipped vector flux.
+
+    A sphere with sin^2(radius) = share and its center at this cosine. Fully above: the cosine;
+    in between a smooth blend that meets both ends with the right slope.
+    """
+    sine = share.clamp_min(1e-8).sqrt()
+    t = (cosine / sine).clamp(-1.0, 1.0)
+    partial = sine * (1 + t) * (1 + t) / 4
+    return torch.where(cosine > sine, cosine, partial)
+
+
+def outline(lamp: Lamp, toward: Tensor, distance: Tensor, solid: Tensor, uv: Tensor) -> tuple[Tensor, Tensor]:
+    """Points on a lamp to which shadow rays go.
+
+    Args:
+        lamp: The lamp.
+        toward: (3, N) unit vectors to its center.
+        distance: (N,) to its center.
+        solid: (N,) its solid angle.
+        uv: (2, N) in [0, 1), stratified.
+
+    Returns:
+        Unit directions (3, N) and distances (N,).
+    """
+    if lamp.light.type == "AREA" and not lamp.round:
+        u, v = half_axes(lamp)
+        offset = u * (2 * uv[0] - 1) + v * (2 * uv[1] - 1)
+    else:
+        radius, angle = uv[0].sqrt(), 2 * math.pi * uv[1]
+        x, y = radius * angle.cos(), radius * angle.sin()
+        if lamp.light.type == "AREA":
+            offset = lamp.axes[:, 0:1] * (x * lamp.size / 2)
+            offset = offset + lamp.axes[:, 1:2] * (y * lamp.size / 2 * lamp.light.aspect)
+        else:
+            reach = torch.where(distance.isinf(), torch.ones_like(distance), distance)
+            across, up = tangents(toward)
+            offset = (across * x + up * y) * (solid / math.pi).sqrt() * reach
+    reach = torch.where(distance.isinf(), torch.ones_like(distance), distance)
+    target = toward * reach + offset
+    length = target.norm(dim=0).clamp_min(1e-8)
+    return target / length, torch.where(distance.isinf(), distance, length)
+
+
+def tangents(normal: Tensor) -> tuple[Tensor, Tensor]:
+    """Two unit vectors (3, N) that make a right-handed frame with unit vectors (3, N).
+
+    Duff et al., "Building an Orthonormal Basis, Revisited", 2017.
+    """
+    x, y, z = normal.unbind(0)
+    sign = torch.where(z < 0, -1.0, 1.0).to(z.dtype)
+    a = -1.0 / (sign + z)
+    b = x * y * a
+    return torch.stack((1 + sign * x * x * a, sign * b, -sign * x)), torch.stack((b, sign + y * y * a, -y))

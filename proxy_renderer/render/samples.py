@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which points of the picture are shaded, and how they add up to pixels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from .camera import View
+from .visibility import Geometry, Hits, Surface
+
+EDGE_SAMPLES = 6
+_FILTER_WIDTH = 1.5  # pixels, Cycles' default Blackman-Harris
+
+
+@dataclass(frozen=True)
+class Samples:
+    """All shaded points of one view, sorted by material, the background last.
+
+    Attributes:
+        pixel: (N,) index of the pixel (row-major, row 0 on top) that a sample counts towards.
+        weight: (N,) its share; the shares of a pixel sum to 1.
+        place: (2, N) picture position in pixels.
+        hits: What the samples' rays meet.
+        slices: Material index, first and last-plus-one sample of every material in view.
+        surfaces: How many samples meet a surface; the others see the background.
+        first: (P,) a sample of every pixel.
+        others: (E,) the samples that are no pixel's `first`.
+        center_hits: Hits of the rays through the pixels' centers (P,).
+        toward: (3, N) unit directions.
+    """
+
+    pixel: Tensor
+    weight: Tensor
+    place: Tensor
+    hits: Hits
+    slices: tuple[tuple[int, int, int], ...]
+    surfaces: int
+    first: Tensor
+    others: Tensor
+    center_hits: Hits
+    origin: Tensor
+    toward: Tensor
+
+    def resolve(self, values: Tensor) -> Tensor:
+        """Filters samples (C, N) into pixels (C, P)."""
+        return _Resolve.apply(values, self.pixel, self.weight, self.first, self.others)
+
+
+class _Resolve(torch.autograd.Function):
+    """A weighted sum per pixel whose backward is a gather, not a scatter."""
+
+    @staticmethod
+    def forward(ctx, values, pixel, weight, first, others):  # type: ignore[no-untyped-def]
+        ctx.save_for_backward(pixel, weight)
+        weighted = values * weight
+        picture = weighted.index_select(1, first)
+        return picture.index_add_(1, pixel[others], weighted.index_select(1, others))
+
+    @staticmethod
+    def backward(ctx, gradient):  # type: ignore[no-untyped-def]
+        pixel, weight = ctx.saved_tensors
+        return gradient.index_select(1, pixel) * weight, None, None, None, None
+
+
+def take(geometry: Geometry, view: View) -> Samples:
+    """Finds what the view sees: one sample in the middle of plain pixels, several where edges pass."""
+    width, height = view.size
+    y, x = torch.meshgrid(torch.arange(height), torch.arange(width), indexing="ij")
+    centers = torch.stack((x.flatten(), y.flatten())).to(geometry.device, torch.float32) + 0.5
+    origin, toward = view.rays(centers)
+    center_hits = geometry.first_hits(origin, toward)
+    edge = _edges(geometry, center_hits, toward, width, height)
+    plain, busy = (~edge).nonzero()[:, 0], edge.nonzero()[:, 0]
+    jitter = _filter_points(geometry.device)
+    places = (centers[:, busy, None] + jitter[:, None, :]).flatten(1)
+    more_origin, more_toward = view.rays(places)
+    more = geometry.first_hits(more_origin, more_toward)
+    pixel = torch.cat((plain, busy.repeat_interleave(EDGE_SAMPLES)))
+    weight = torch.ones(len(pixel), device=geometry.device)
+    weight[len(plain) :] = 1.0 / EDGE_SAMPLES
+    hits = Hits(*(torch.cat((a[plain], b)) for a, b in zip(_parts(center_hits), _parts(more), strict=True)))
+    place = torch.cat((centers[:, plain], places), 1)
+    rays = torch.cat((origin[:, plain], more_origin), 1), torch.cat((toward[:, plain], more_toward), 1)
+    return _sorted(geometry, pixel, weight, place, hits, center_hits, rays)
+
+
+def _parts(hits: Hits) -> tuple[Tensor, ...]:
+    return hits.triangle, hits.u, hits.v, hits.distance
+
+
+def _sorted(
+    geometry: Geometry,
+    pixel: Tensor,
+    weight: Tensor,
+    place: Tensor,
+    hits: Hits,
+    center_hits: Hits,
+    rays: tuple[Tensor, Tensor],
+) -> Samples:
+    materials = int(geometry.material.max()) + 1
+    owner = torch.where(hits.hit, geometry.material[hits.triangle.clamp_min(0)], materials)
+    owner, order = torch.sort(owner, stable=True)
+    counts = torch.bincount(owner, minlength=materials + 1).tolist()
+    slices, start = [], 0
+    for material, count in enumerate(counts[:-1]):
+        if count:
+            slices.append((material, start, start + count))
+        start += count
+    pixel = pixel[order]
+    index = torch.arange(len(pixel), device=pixel.device)
+    first = torch.empty(int(pixel.max()) + 1, dtype=torch.int64, device=pixel.device)
+    first[pixel] = index  # whichever comes last wins
+    others = index[first[pixel] != index]
+    return Samples(
+        pixel=pixel,
+        weight=weight[order],
+        place=place[:, order],
+        hits=Hits(*(p[order] for p in _parts(hits))),
+        slices=tuple(slices),
+        surfaces=start,
+        first=first,
+        others=others,
+        center_hits=center_hits,
+        origin=rays[0][:, order],
+        toward=rays[1][:, order],
+    )
+
+
+def _edges(geometry: Geometry, hits: Hits, toward: Tensor, width: int, height: int) -> Tensor:
+    """(P,) bool: pixels beside which the object, the material, the normal or the depth jumps."""
+    surface: Surface = geometry.surface(hits, toward)
+    index = hits.triangle.clamp_min(0)
+    name = torch.where(hits.hit, geometry.object[index] * 4096 + surface.material, -1).view(height, width)
+    normal = torch.where(hits.hit, surface.normal, 0.0).view(3, height, width)
+    depth = torch.where(hits.hit, hits.distance, 0.0).view(height, width)
+    slope = torch.where(hits.hit, (surface.facet * toward).sum(0).abs().clamp_min(0.05), 1.0).view(height, width)
+    pitch = 4.0 / max(width, height)
+    edge = torch.zeros((height, width), dtype=torch.bool, device=name.device)
+    for axis in (0, 1):
+        n = name.shape[axis] - 1
+        a, b = name.narrow(axis, 0, n), name.narrow(axis, 1, n)
+        na, nb = normal.narrow(axis + 1, 0, n), normal.narrow(axis + 1, 1, n)
+        da, db = depth.narrow(axis, 0, n), depth.narrow(axis, 1, n)
+        steep = torch.minimum(slope.narrow(axis, 0, n), slope.narrow(axis, 1, n))
+        jump = (a != b) | (((na * nb).sum(0) < 0.9) & (a >= 0)) | ((da - db).abs() * steep > pitch * da)
+        edge.narrow(axis, 0, n).logical_or_(jump)
+        edge.narrow(axis, 1, n).logical_or_(jump)
+    return edge.flatten()
+
+
+def _filter_points(device: torch.device) -> Tensor:
+    """(2, S) offsets from a pixel's center, distributed like Cycles' Blackman-Harris filter."""
+    x = torch.linspace(0, 1, 513, dtype=torch.float64)
+    angle = 2 * torch.pi * x
+    window = 0.35875 - 0.48829 * angle.cos() + 0.14128 * (2 * angle).cos() - 0.01168 * (3 * angle).cos()
+    total = window.cumsum(0) / window.sum()
+    index = torch.arange(EDGE_SAMPLES, dtype=torch.float64)
+    columns = (index + 0.5) / EDGE_SAMPLES
+    rows = ((index * 5 + 2) % EDGE_SAMPLES + 0.5) / EDGE_SAMPLES if EDGE_SAMPLES == 6 else columns.flip(0)
+    offsets = [x[torch.searchsorted(total, c).clamp_max(512)] - 0.5 for c in (columns, rows)]
+    return (torch.stack(offsets) * _FILTER_WIDTH).to(device, torch.float32)

@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What rays meet, by Embree. Everything here is a constant of one camera or one light: no gradients."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from embreex import rtcore_scene
+from embreex.mesh_construction import TriangleMesh
+from torch import Tensor
+
+from ..scene import Mesh, SceneData
+
+
+@dataclass(frozen=True)
+class Hits:
+    """Where N rays end.
+
+    Attributes:
+        triangle: (N,) int64, -1 for a miss.
+        u, v: (N,) barycentric weights of the triangle's second and third corner.
+        distance: (N,), infinite for a miss.
+    """
+
+    triangle: Tensor
+    u: Tensor
+    v: Tensor
+    distance: Tensor
+
+    @property
+    def hit(self) -> Tensor:
+        """(N,) bool."""
+        return self.triangle >= 0
+
+
+class Geometry:
+    """The scene's triangles, ready for rays and for look-ups.
+
+    Attributes:
+        corners: (3, F, 3) positions: corner, triangle, component.
+        normals: (3, F, 3) shading normals, likewise.
+        uvs: (3, F, 2).
+        material, object: (F,) int64.
+        size: Diagonal of the bounding box; offsets and tolerances are relative to it.
+    """
+
+    def __init__(self, scene: SceneData, device: torch.device) -> None:
+        mesh: Mesh = scene.mesh
+        triangles = mesh.vertices[mesh.faces]
+        self._embree = rtcore_scene.EmbreeScene()
+        TriangleMesh(self._embree, np.ascontiguousarray(triangles, np.float32))
+        self.device = device
+        self.corners = torch.from_numpy(triangles).to(device).permute(1, 0, 2).contiguous()
+        self.normals = torch.from_numpy(mesh.normals).to(device).permute(1, 0, 2).contiguous()
+        self.uvs = torch.from_numpy(mesh.uvs).to(device).permute(1, 0, 2).contiguous()
+        self.material = torch.from_numpy(mesh.material).to(device, torch.int64)
+        self.object = torch.from_numpy(mesh.object).to(device, torch.int64)
+        flat = triangles.reshape(-1, 3)
+        self.size = float(np.linalg.norm(flat.max(0) - flat.min(0)))
+
+    def first_hits(self, origin: Tensor, toward: Tensor) -> Hits:
+        """Nearest intersections of rays (3, N) with unit directions (3, N)."""
+        found = self._embree.run(_rows(origin), _rows(toward), output=1)
+        triangle = torch.from_numpy(found["primID"]).to(self.device, torch.int64)
+        distance = torch.from_numpy(found["tfar"]).to(self.device)
+        distance = torch.where(triangle >= 0, distance, torch.inf)
+        u, v = (torch.from_numpy(found[name]).to(self.device) for name in "uv")
+        return Hits(triangle, u, v, distance)
+
+    def clear(self, origin: Tensor, toward: Tensor, distance: Tensor) -> Tensor:
+        """1.0 where nothing blocks rays (3, N) over distances (N,), else 0.0."""
+        limit = distance.clamp_max(1e30).cpu().numpy().astype(np.float32)
+        blocked = self._embree.run(_rows(origin), _rows(toward), limit, query="OCCLUDED")
+        return torch.from_numpy((blocked < 0).astype(np.float32)).to(self.device)
+
+    def surface(self, hits: Hits, toward: Tensor) -> Surface:
+        """The surface at hits; where rays miss, whatever triangle 0 has (finite, to be ignored)."""
+        index = hits.triangle.clamp_min(0)
+        weights = torch.stack((1 - hits.u - hits.v, hits.u, hits.v))
+        weights = torch.where(hits.hit, weights, 1 / 3)
+        return self.interpolate(index, weights, toward)
+
+    def interpolate(self, triangle: Tensor, weights: Tensor, toward: Tensor) -> Surface:
+        """The surface at barycentric weights (3, N) of triangles (N,), turned to face rays (3, N)."""
+        a, b, c = (self.corners[k, triangle].T for k in range(3))
+        facet = torch.linalg.cross(b - a, c - a, dim=0)
+        facet = facet / facet.norm(dim=0).clamp_min(1e-30)
+        position = a * weights[0] + b * weights[1] + c * weights[2]
+        normal = sum((self.normals[k, triangle].T * weights[k] for k in range(3)), torch.zeros_like(a))
+        normal = normal / normal.norm(dim=0).clamp_min(1e-6)
+        back = torch.where((facet * toward).sum(0) > 0, -1.0, 1.0)
+        facet, normal = facet * back, normal * back
+        # A shading normal that looks away from the eye would put the whole surface in the dark.
+        cosine = -(normal * toward).sum(0)
+        normal = normal - toward * (0.02 - cosine).clamp_min(0.0)
+        normal = normal / normal.norm(dim=0).clamp_min(1e-6)
+        uv = sum((self.uvs[k, triangle].T * weights[k] for k in range(3)), torch.zeros_like(a[:2]))
+        return Surface(position, normal, facet, uv, self.material[triangle])
+
+    def lifted(self, surface: Surface) -> Tensor:
+        """Origins (3, N) for rays that leave a surface without meeting it again at once."""
+        scale = 1e-5 * (self.size + surface.position.abs().amax(0))
+        return surface.position + surface.facet * scale
+
+
+@dataclass(frozen=True)
+class Surface:
+    """N surface points.
+
+    Attributes:
+        position: (3, N).
+        normal: (3, N) unit shading normals, on the viewer's side.
+        facet: (3, N) unit normals of the triangles, on the viewer's side.
+        uv: (2, N).
+        material: (N,) int64.
+    """
+
+    position: Tensor
+    normal: Tensor
+    facet: Tensor
+    uv: Tensor
+    material: Tensor
+
+    def pick(self, index: Tensor | slice) -> Surface:
+        """The points at an index."""
+        parts = self.position, self.normal, self.facet, self.uv
+        return Surface(*(p[:, index] for p in parts), self.material[index])
+
+
+def sphere_points(count: int, copies: int, generator: torch.Generator) -> Tensor:
+    """Stratified points in [0, 1)^2: (2, copies, count), each copy shifted at random.
+
+    The additive R2 sequence (Roberts 2018) spreads well for any count.
+    """
+    index = torch.arange(1, count + 1, dtype=torch.float64)
+    base = torch.stack((index * 0.7548776662466927, index * 0.5698402909980532))
+    shift = torch.rand((2, copies, 1), generator=generator, dtype=torch.float64)
+    return ((base[:, None, :] + shift) % 1.0).to(torch.float32)
+
+
+def _rows(vectors: Tensor) -> np.ndarray:
+    return np.ascontiguousarray(vectors.detach().cpu().numpy().T, np.float32)
