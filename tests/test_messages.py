@@ -45,7 +45,9 @@ def test_cut_off_message_is_dropped():
     assert list(messages.read(io.BytesIO(wire))) == ALL[:1]
 
 
-@pytest.mark.parametrize("raw", [b"hello\0", b"[1]\0", b'{"type": "dance"}\0', b'{"type": "stop", "now": 1}\0', b"{}\0"])
+@pytest.mark.parametrize(
+    "raw", [b"hello\0", b"[1]\0", b'{"type": "dance"}\0', b'{"type": "stop", "now": 1}\0', b"{}\0"]
+)
 def test_nonsense_is_refused_with_a_remedy(raw):
     with pytest.raises(VibeError) as caught:
         messages.decode(raw)

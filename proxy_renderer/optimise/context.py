@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the language side is told about the scene and its current picture."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import torch
+
+from ..guidance import regions
+from ..language.types import PictureStats, PlanContext, SceneWords
+from ..render.color import LUMA, srgb_to_lab
+from ..scene import SceneData
+from ..schema import Values
+
+if TYPE_CHECKING:
+    from ..render.proxy import Render
+
+
+def scene_words(scene: SceneData) -> SceneWords:
+    """The names in the scene that a prompt may mean."""
+    mesh = scene.mesh
+    pairs = np.unique(np.stack([mesh.object, mesh.material], 1), axis=0)
+    worn: dict[str, list[str]] = {o.name: [] for o in scene.objects}
+    for o, m in pairs.tolist():
+        worn[scene.objects[o].name].append(scene.materials[m].name)
+    subjects = [o.name for o in scene.objects if o.subject]
+    return SceneWords(
+        subject=subjects[0] if len(subjects) == 1 else "",
+        objects={o.name: "subject" if o.subject else "surroundings" for o in scene.objects},
+        materials={m.name: "subject" if m.role == "subject" else "surroundings" for m in scene.materials},
+        object_materials={name: tuple(materials) for name, materials in worn.items()},
+    )
+
+
+def plan_context(scene: SceneData, values: dict[str, Values], picture: Render) -> PlanContext:
+    """What the planner knows: the scene, where its values are now, and what that looks like."""
+
+    def now(key: str, default: float) -> float:
+        return values[key][0] if key in values else default
+
+    textures = {m.name: m.texture.image for m in scene.materials if m.texture is not None}
+    return PlanContext(
+        camera_azimuth=now("camera/azimuth", 0.0),
+        camera_elevation=now("camera/elevation", 10.0),
+        view=scene.film.view,
+        light_types={light.name: light.type for light in scene.lights},
+        world_share=_world_share(picture),
+        texture_luminance={
+            name: float((image @ np.float32(LUMA)).mean()) for name, image in textures.items()
+        },
+        values=values,
+        picture=picture_stats(picture),
+    )
+
+
+def picture_stats(picture: Render) -> PictureStats:
+    """Mean colors of the regions, and how the lightness of the whole picture is spread."""
+    lab = srgb_to_lab(picture.display.detach()).cpu()
+    mask = picture.mask.detach().cpu()
+    means = {"subject": regions.mean(lab, mask), "surroundings": regions.mean(lab, 1.0 - mask)}
+    spread = torch.quantile(lab[..., 0].flatten(), torch.tensor([0.05, 0.5, 0.95]))
+    return PictureStats(
+        lab={region: tuple(m.tolist()) for region, m in means.items()},  # type: ignore[misc]
+        percentiles=tuple(spread.tolist()),  # type: ignore[arg-type]
+    )
+
+
+def _world_share(picture: Render) -> float | None:
+    """Share of the surroundings' pixels behind which there is no surface."""
+    around = picture.mask.detach() < 0.5
+    if not around.any():
+        return None
+    return float((~torch.isfinite(picture.depth.detach()) & around).sum() / around.sum())
+
+
+def picture_size(resolution: tuple[int, int], longest: int) -> tuple[int, int]:
+    """Width and height of the artist's picture, scaled so that the longer side has this many pixels."""
+    factor = longest / max(resolution)
+    width, height = (max(round(n * factor), 1) for n in resolution)
+    return width, height

@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The inner loop: Adam inside the feasible box, stabilised (Algorithm 1, steps 8 to 15)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import torch
+from torch import Tensor
+
+from .vector import project
+
+
+class Objective(Protocol):
+    """A picture of u, and how far it is from the words."""
+
+    def render(self, u: Tensor) -> Any:
+        """The picture of u (N,), differentiable in what may move."""
+
+    def loss(self, picture: Any, u: Tensor, generator: torch.Generator) -> Tensor:
+        """A scalar; the generator chooses the views."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How the inner loop steps.
+
+    Attributes:
+        rate: Greatest step, as a share of each component's feasible range; it falls to a tenth of
+            that along half a cosine.
+        clip: Greatest gradient norm.
+        every: Steps between two evaluations on the fixed views.
+        patience: Evaluations without progress after which the loop ends.
+        repairs: Non-finite losses after which the loop gives up.
+    """
+
+    rate: float = 0.04
+    clip: float = 1.0
+    every: int = 4
+    patience: int = 4
+    repairs: int = 4
+
+
+@dataclass
+class Descent:
+    """What the inner loop found.
+
+    Attributes:
+        u: The best point seen, judged on the fixed views.
+        loss: Its loss there.
+        start_loss: The loss that the loop started with.
+        steps: Steps taken.
+        repairs: Times that a non-finite loss or gradient was rolled back.
+    """
+
+    u: Tensor
+    loss: float
+    start_loss: float
+    steps: int = 0
+    repairs: int = 0
+
+
+def descend(
+    objective: Objective,
+    u: Tensor,
+    chosen: Tensor,
+    lower: Tensor,
+    upper: Tensor,
+    steps: int,
+    seed: int,
+    settings: Settings,
+    on_step: Callable[[int, float, Any], bool],
+) -> Descent:
+    """Minimises the objective over the chosen components.
+
+    Args:
+        objective: What to minimise.
+        u: (N,) start, inside the box.
+        chosen: (N,) bool, the components that may move.
+        lower: (N,) lower corner of the feasible box.
+        upper: (N,) upper corner.
+        steps: Most steps.
+        seed: Of the random views.
+        settings: Of the loop.
+        on_step: Called with (step from 1, loss, picture) after each step; True ends the loop.
+    """
+    if not chosen.any():
+        return Descent(u.clone(), 0.0, 0.0)
+    span = (upper - lower)[chosen]
+    generator = torch.Generator().manual_seed(seed)
+
+    def place(position: Tensor) -> Tensor:
+        """u with the chosen components at these positions within their ranges."""
+        return u.index_put((chosen.nonzero(as_tuple=True)[0],), lower[chosen] + span * position)
+
+    def judge(point: Tensor, picture: Any) -> float:
+        with torch.no_grad():
+            return float(objective.loss(picture, point, torch.Generator().manual_seed(_FIXED_VIEWS)))
+
+    best = Descent(u.clone(), math.inf, math.inf)
+    position, optimiser = _restart(((u - lower)[chosen] / span).clone(), settings.rate)
+    stale = 0
+    for step in range(1, steps + 2):  # the last turn only judges
+        point = place(position)
+        picture = objective.render(point)
+        if (step - 1) % settings.every == 0 or step > steps:
+            score = judge(point.detach(), picture)
+            best.start_loss = score if step == 1 else best.start_loss
+            stale = 0 if score < best.loss - 1e-4 else stale + 1
+            if score < best.loss:
+                best.u, best.loss = point.detach().clone(), score
+        if step > steps or stale > settings.patience:
+            break
+        loss = objective.loss(picture, point, generator)
+        best.steps = step
+        if _backward(loss, position, settings.clip):
+            optimiser.param_groups[0]["lr"] = _rate(settings.rate * 0.5**best.repairs, step, steps)
+            optimiser.step()
+            with torch.no_grad():
+                position.copy_(project(position, torch.zeros_like(position), torch.ones_like(position)))
+        else:
+            best.repairs += 1
+            calmer = settings.rate * 0.5**best.repairs
+            position, optimiser = _restart((best.u - lower)[chosen] / span, calmer)
+        if on_step(step, float(loss.detach()), picture) or best.repairs > settings.repairs:
+            break
+    return best
+
+
+_FIXED_VIEWS = 12345
+
+
+def _restart(position: Tensor, rate: float) -> tuple[Tensor, torch.optim.Adam]:
+    position = torch.nan_to_num(position.detach(), 0.0).clamp(0.0, 1.0).requires_grad_()
+    return position, torch.optim.Adam([position], lr=rate, betas=(0.8, 0.98), foreach=False)
+
+
+def _rate(rate: float, step: int, steps: int) -> float:
+    return rate * (0.1 + 0.9 * 0.5 * (1.0 + math.cos(math.pi * (step - 1) / steps)))
+
+
+def _backward(loss: Tensor, position: Tensor, clip: float) -> bool:
+    """Fills the clipped gradient; False if the loss or the gradient is not finite."""
+    if not torch.isfinite(loss):
+        return False
+    position.grad = None
+    loss.backward()
+    if position.grad is None or not torch.isfinite(position.grad).all():
+        return False
+    torch.nn.utils.clip_grad_norm_([position], clip)
+    return True
+
+
+def sensitivity(objective: Objective, u: Tensor, lower: Tensor, upper: Tensor, seed: int) -> Tensor:
+    """(N,) how much the loss changes, to first order, over each component's feasible range."""
+    point = u.clone().requires_grad_()
+    objective.loss(objective.render(point), point, torch.Generator().manual_seed(seed)).backward()
+    slope = torch.zeros_like(u) if point.grad is None else point.grad
+    return torch.nan_to_num(slope, 0.0, 0.0, 0.0).abs() * (upper - lower)

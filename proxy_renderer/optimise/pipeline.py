@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Algorithm 1 of the paper: parse, compose, confine, select, project, inner steps, stabilise."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from typing import Any
+
+import torch
+from torch import Tensor
+
+from ..guidance.encoder import Encoder
+from ..guidance.losses import Guide, Weights
+from ..guidance.regions import Views
+from ..language import compose, parse
+from ..language import plan as confine
+from ..language.types import Parsed, Plan, Prompts, SceneWords
+from ..render.proxy import Proxy
+from ..scene import SceneData
+from ..schema import Values, VibeError
+from ..schema.messages import Options
+from . import context
+from .baseline import GlobalGuide, plan_everything
+from .inner import Settings, descend, sensitivity
+from .objective import RoundObjective, Terms, draw
+from .plan import feasible_ranges, lock, top_k
+from .progress import Clock, Watch
+from .vector import ParameterVector, project
+
+INNER_SIZE = 256
+"""Longer side of the pictures inside the loop: the encoder looks at crops of about 128 pixels."""
+
+
+@dataclass
+class Outcome:
+    """What a vibe found.
+
+    Attributes:
+        vector: The parameters of u.
+        u: The values found, see `ParameterVector.values`.
+        plan: The last round's plan.
+        ranges: The last round's (lower, upper) by key, azimuths turned as the values are.
+        optimised: Keys that some round optimised.
+        parsed: The prompt, understood.
+        prompts: What the encoder was asked.
+        rounds: One record per round: parameters, losses, steps, seconds.
+        stopped: Whether the watcher ended the loop.
+    """
+
+    vector: ParameterVector
+    u: Tensor
+    plan: Plan
+    ranges: dict[str, tuple[Values, Values]]
+    optimised: set[str]
+    parsed: Parsed
+    prompts: Prompts
+    rounds: list[dict[str, Any]] = field(default_factory=list)
+    stopped: bool = False
+
+
+def run(
+    scene: SceneData, prompt: str, options: Options, encoder: Encoder, heads: Encoder | None, watch: Watch
+) -> Outcome:
+    """Finds the values that make the scene look like the prompt.
+
+    Args:
+        scene: The exported scene.
+        prompt: What the artist typed.
+        options: Budget, seed, locks; the same options give the same values, bit for bit, on a CPU.
+        encoder: Judges similarity.
+        heads: Encoder whose attribute heads guide beside it; None for none.
+        watch: Follows the loop, and may end it.
+
+    Raises:
+        VibeError: If no word of the prompt is known, or nothing that the words touch may change.
+    """
+    vector = ParameterVector(lock(scene.instances, options.groups, options.lock, options.camera))
+    proxy = Proxy(scene, inner_size(scene, options), device=encoder.device, seed=options.seed)
+    words = context.scene_words(scene)
+    clock = Clock(options, watch)
+    u = vector.encode({})
+    terms: Terms | None = None
+    rounds: list[dict[str, Any]] = []
+
+    for number in range(options.rounds):
+        started = time.monotonic()
+        picture = draw(proxy, vector, u)
+        values = vector.values(u)
+        parsed, prompts = understand(prompt, words, options)
+        plan = confine(parsed, prompts, vector.instances, context.plan_context(scene, values, picture))
+        if options.baseline:
+            plan = plan_everything(vector.instances)
+        ranges = feasible_ranges(plan, vector.instances, values)
+        lower, upper = vector.bounds(ranges)
+        u = project(u, lower, upper)
+
+        terms = terms or guidance(encoder, heads, parsed, prompts, prompt, options, picture)
+        chosen = select(plan, vector, proxy, terms, u, lower, upper, options)
+        objective = RoundObjective(
+            proxy, vector, terms, set(chosen), lower, upper, pull(plan, vector, chosen)
+        )
+        movable = vector.mark(chosen) & (upper > lower)
+        seed = options.seed * 1000 + number
+        found = descend(
+            objective, u, movable, lower, upper, options.steps, seed, Settings(), clock.follow(number)
+        )
+        u = found.u
+
+        rounds.append(
+            {
+                "parameters": chosen,
+                "loss": [found.start_loss, found.loss],
+                "steps": found.steps,
+                "repairs": found.repairs,
+                "seconds": round(time.monotonic() - started, 3),
+            }
+        )
+        if clock.stopped or not chosen:
+            break
+
+    optimised = {key for record in rounds for key in record["parameters"]}
+    return Outcome(vector, u, plan, ranges, optimised, parsed, prompts, rounds, clock.stopped)
+
+
+def understand(prompt: str, words: SceneWords, options: Options) -> tuple[Parsed, Prompts]:
+    """Objects, attributes and region prompts; the baseline needs none of them and takes any text."""
+    parsed = parse(prompt, words)
+    if not parsed.attributes and not options.baseline:
+        raise VibeError(
+            f"No word of {prompt.strip()[:60]!r} says what the picture should look like.",
+            'Name colors, materials, light, fog or a mood: "glossy teal, warm soft light, misty".',
+        )
+    return parsed, compose(parsed)
+
+
+def guidance(
+    encoder: Encoder,
+    heads: Encoder | None,
+    parsed: Parsed,
+    prompts: Prompts,
+    prompt: str,
+    options: Options,
+    start: Any,
+) -> Terms:
+    """The objective's terms, calibrated on the artist's picture; they are the same in all rounds."""
+    if options.baseline:
+        return GlobalGuide(encoder, prompt, Views())
+    return Guide(encoder, heads, prompts, parsed.targets, parsed.colors, (start.display, start.mask))
+
+
+def select(
+    plan: Plan,
+    vector: ParameterVector,
+    proxy: Proxy,
+    terms: Terms,
+    u: Tensor,
+    lower: Tensor,
+    upper: Tensor,
+    options: Options,
+) -> list[str]:
+    """S_K: the K parameters that gradients go to; the baseline's are all that can move."""
+    movable = {key: bool((upper > lower)[part].any()) for key, part in vector.slices.items()}
+    wanted = {key for key, entry in plan.items() if entry.priority is not None}
+    relevant = {key for key in wanted if movable[key]}
+    if wanted and not relevant:
+        raise VibeError(
+            "Nothing that the words name may change in this scene.",
+            "Unlock something, allow more groups, or use other words.",
+        )
+    if options.baseline:
+        return sorted(relevant)
+    probe = RoundObjective(proxy, vector, terms, relevant, lower, upper, torch.zeros_like(u))
+    change = sensitivity(probe, u, lower, upper, options.seed)
+    felt = {key: float(change[part].sum()) for key, part in vector.slices.items()}
+    return top_k(plan, options.top_k, movable, felt)
+
+
+def pull(plan: Plan, vector: ParameterVector, chosen: list[str]) -> Tensor:
+    """(N,) weight of the prior: on what is optimised though no word named it."""
+    weight = torch.zeros(vector.size, dtype=torch.float64)
+    for key in chosen:
+        weight[vector.slices[key]] = Weights().prior * plan[key].prior
+    return weight
+
+
+def inner_size(scene: SceneData, options: Options) -> tuple[int, int]:
+    """Width and height of the pictures inside the loop; the prediction has the full size."""
+    return context.picture_size(scene.resolution, min(options.size, INNER_SIZE))

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which parameters a round optimises, and how far each may go."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from ..language.types import Plan
+from ..schema import GROUPS, Instance, Values, VibeError, matches
+from .vector import nearest_turn
+
+
+def top_k(plan: Plan, k: int, movable: Mapping[str, bool], sensitivity: Mapping[str, float]) -> list[str]:
+    """The K most important of the relevant parameters (equation 7).
+
+    Those without a priority, and those that cannot move, are dropped before anything is ranked.
+
+    Args:
+        plan: Entries by key; a smaller priority is more important, None is irrelevant.
+        k: How many keys at most; a color counts as one.
+        movable: Key -> whether its feasible range is more than a point.
+        sensitivity: Key -> how much the loss changes over the feasible range; it decides among
+            equal priorities.
+    """
+    ranked = [
+        (entry.priority, -sensitivity.get(key, 0.0), key)
+        for key, entry in plan.items()
+        if entry.priority is not None and movable[key]
+    ]
+    return [key for _, _, key in sorted(ranked)[:k]]
+
+
+def feasible_ranges(
+    plan: Plan, instances: Mapping[str, Instance], values: Mapping[str, Values]
+) -> dict[str, tuple[Values, Values]]:
+    """Key -> (lower, upper) of the plan, azimuths turned to where the values are now."""
+    return {
+        key: nearest_turn(instances[key], entry.lower, entry.upper, values.get(key, instances[key].value))
+        for key, entry in plan.items()
+    }
+
+
+def hard_ranges(instances: Mapping[str, Instance]) -> dict[str, tuple[Values, Values]]:
+    """Key -> (lower, upper) of the schema: what the baseline may use."""
+    return {key: (i.lower, i.upper) for key, i in instances.items()}
+
+
+def lock(
+    instances: Mapping[str, Instance], groups: Sequence[str], locks: Sequence[str], camera: bool
+) -> dict[str, Instance]:
+    """Instances with the artist's wishes in them: what may not change says why.
+
+    Args:
+        instances: By key.
+        groups: Groups that may change; empty for all but the camera.
+        locks: Patterns of what must stay, see `schema.matches`.
+        camera: Whether the camera may move though no group names it.
+
+    Raises:
+        VibeError: For a group that does not exist and a pattern that nothing matches.
+    """
+    check_groups(groups)
+    for pattern in locks:
+        if not any(matches(key, [pattern]) for key in instances):
+            owners = sorted({key.rpartition("/")[0] for key in instances if key.count("/") > 1})
+            raise VibeError(
+                f"The lock {pattern!r} matches nothing in this scene.",
+                f"Lock a group ({', '.join(GROUPS)}), one thing ({', '.join(owners[:4])}) or a glob (*/roughness).",
+            )
+
+    def reason(key: str, group: str) -> str:
+        if matches(key, list(locks)):
+            return "locked by you"
+        if group == "camera" and "camera" not in groups and not camera:
+            return "the camera stays as you framed it"
+        if groups and group not in groups and not (group == "camera" and camera):
+            return f"only {', '.join(groups)} may change"
+        return ""
+
+    return {
+        key: replace(i, locked=i.locked or reason(key, i.parameter.group)) for key, i in instances.items()
+    }
+
+
+def check_groups(groups: Sequence[str]) -> None:
+    """Raises VibeError for a group that does not exist."""
+    if strange := [g for g in groups if g not in GROUPS]:
+        raise VibeError(f"Unknown group {strange[0]!r}.", f"Use some of: {', '.join(GROUPS)}.")

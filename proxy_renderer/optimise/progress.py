@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Who follows the loop, and how much longer it will take."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Protocol
+
+from ..schema.messages import Options, Progress
+
+if TYPE_CHECKING:
+    from torch import Tensor
+
+    from ..render.proxy import Render
+
+PREVIEW = "preview.png"
+"""The preview's name in the job folder."""
+
+
+class Watch(Protocol):
+    """Who follows the loop."""
+
+    def stage(self, name: str) -> None:
+        """Something other than a step begins."""
+
+    def step(self, progress: Progress, display: Tensor) -> bool:
+        """A step is done and looks like this (H, W, 3); True ends the loop with the best so far."""
+
+
+class Clock:
+    """Turns steps into progress messages.
+
+    Attributes:
+        stopped: Whether the watcher asked for the end.
+    """
+
+    def __init__(self, options: Options, watch: Watch) -> None:
+        self._options, self._watch = options, watch
+        self._start = time.monotonic()
+        self._steps = 0
+        self.stopped = False
+
+    def follow(self, number: int) -> Callable[[int, float, Render], bool]:
+        """The inner loop's callback for a round (from 0)."""
+        rounds, steps = self._options.rounds, self._options.steps
+
+        def on_step(step: int, loss: float, picture: Render) -> bool:
+            self._steps += 1
+            left = (rounds - number) * steps - step
+            seconds = (time.monotonic() - self._start) / self._steps * left
+            progress = Progress(number + 1, rounds, step, steps, loss, seconds, PREVIEW)
+            self.stopped |= self._watch.step(progress, picture.display.detach())
+            return self.stopped
+
+        return on_step

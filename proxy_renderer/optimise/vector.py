@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: Apache-2.0
+"""All values of a scene as one vector u in [0, 1]^N, on which equal steps look alike."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+
+import torch
+from torch import Tensor
+
+from ..schema import Instance, Values
+
+_FLATTEST = 0.05
+_TURN = 360.0
+
+
+class ParameterVector:
+    """The map between {key: values} and u, component by component (colors take three).
+
+    u is float64, so that a value that nothing moved survives the round trip; decoded values are
+    float32, as the renderer wants them.
+
+    Attributes:
+        instances: The instances by key, in the order of the vector.
+        slices: Where each key's components are.
+        size: N.
+    """
+
+    def __init__(self, instances: Mapping[str, Instance]) -> None:
+        self.instances = dict(instances)
+        self.slices: dict[str, slice] = {}
+        self.size = 0
+        for key, instance in self.instances.items():
+            self.slices[key] = slice(self.size, self.size + instance.parameter.components)
+            self.size += instance.parameter.components
+        each = [i for i in self.instances.values() for _ in range(i.parameter.components)]
+        self._lower = _stack(i.lower for i in self.instances.values())
+        self._upper = _stack(i.upper for i in self.instances.values())
+        self._log = torch.tensor([i.parameter.scale.name == "log" for i in each])
+        self._exponent = torch.tensor([i.parameter.scale.exponent for i in each], dtype=torch.float64)
+
+    def encode(self, values: Mapping[str, Sequence[float]]) -> Tensor:
+        """u (N,) of values in schema units; keys that are missing take the artist's value."""
+        out = []
+        for key, instance in self.instances.items():
+            scale = instance.parameter.scale
+            bounds = zip(values.get(key, instance.value), instance.lower, instance.upper, strict=True)
+            out += [scale.to_unit(float(v), low, high) if high > low else 0.0 for v, low, high in bounds]
+        return torch.tensor(out, dtype=torch.float64)
+
+    def decode(self, u: Tensor) -> dict[str, Tensor]:
+        """Values (C,) float32 by key in schema units, differentiable in u (N,).
+
+        A power scale is flat at its lower end, where a fog of density zero could never grow:
+        there the gradient takes the slope of a twentieth of the way up.
+        """
+        x = u.detach().clamp(0.0, 1.0)
+        span = self._upper - self._lower
+        ratio = (self._upper / self._lower.clamp_min(1e-30)).clamp_min(1e-30)
+        log_value = self._lower * ratio**x
+        power_value = self._lower + span * x**self._exponent
+        power_slope = span * self._exponent * x.clamp_min(_FLATTEST) ** (self._exponent - 1.0)
+        value = torch.where(self._log, log_value, power_value)
+        slope = torch.where(self._log, log_value * ratio.log(), power_slope)
+        linked = (value + slope * (u - u.detach())).float()
+        return {key: linked[part] for key, part in self.slices.items()}
+
+    def values(self, u: Tensor) -> dict[str, Values]:
+        """Plain values of u; components that are where the artist had them keep that very float."""
+        original = self.encode({})
+        moved = (u.detach() - original).abs() > 1e-9
+        raw = self.plain(u)
+        out: dict[str, Values] = {}
+        for key, part in self.slices.items():
+            instance = self.instances[key]
+            components = zip(raw[key], instance.value, moved[part].tolist(), strict=True)
+            out[key] = tuple(new if m else old for new, old, m in components)
+        return out
+
+    def plain(self, u: Tensor) -> dict[str, Values]:
+        """Values of u as plain numbers, without regard to the artist's."""
+        rows = {}
+        for key, part in self.slices.items():
+            i = self.instances[key]
+            bounds = zip(u[part].tolist(), i.lower, i.upper, strict=True)
+            rows[key] = tuple(i.parameter.scale.from_unit(x, low, high) for x, low, high in bounds)
+        return rows
+
+    def mark(self, keys: Iterable[str]) -> Tensor:
+        """(N,) bool: the components of these keys."""
+        marked = torch.zeros(self.size, dtype=torch.bool)
+        for key in keys:
+            marked[self.slices[key]] = True
+        return marked
+
+    def bounds(self, ranges: Mapping[str, tuple[Values, Values]]) -> tuple[Tensor, Tensor]:
+        """The feasible box in u: plan ∩ hard bounds ∩ locks, each (N,).
+
+        Args:
+            ranges: Key to (lower, upper); a missing key may go anywhere within its hard bounds. A
+                locked instance stays at the artist's value whatever its range says. A range that
+                lies outside of the hard bounds becomes their nearest end.
+        """
+        lower, upper = {}, {}
+        for key, instance in self.instances.items():
+            low, high = ranges.get(key, (instance.lower, instance.upper))
+            lower[key], upper[key] = (instance.value, instance.value) if instance.locked else (low, high)
+        u_lower, u_upper = self.encode(lower), self.encode(upper)
+        return torch.minimum(u_lower, u_upper), torch.maximum(u_lower, u_upper)
+
+
+def project(u: Tensor, lower: Tensor, upper: Tensor) -> Tensor:
+    """Π: the nearest point of the feasible box (Algorithm 1, steps 7 and 14)."""
+    return torch.minimum(torch.maximum(u, lower), upper)
+
+
+def nearest_turn(instance: Instance, lower: Values, upper: Values, value: Values) -> tuple[Values, Values]:
+    """The range of an angle, turned by whole circles so that it lies nearest to the value.
+
+    An azimuth of -170 is ten degrees from the range [180, 200], not 350. Other parameters' ranges
+    come back as they are.
+    """
+    if instance.parameter.unit != "deg" or instance.parameter.upper - instance.parameter.lower < 2 * _TURN:
+        return lower, upper
+
+    def distance(shift: float) -> float:
+        low, high = lower[0] + shift, upper[0] + shift
+        outside = low < instance.lower[0] - 1e-6 or high > instance.upper[0] + 1e-6
+        return math.inf if outside else max(low - value[0], value[0] - high, 0.0)
+
+    shift = min((0.0, -_TURN, _TURN), key=distance)
+    return (lower[0] + shift,), (upper[0] + shift,)
+
+
+def _stack(rows: Iterable[Values]) -> Tensor:
+    return torch.tensor([v for row in rows for v in row], dtype=torch.float64)

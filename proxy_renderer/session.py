@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One vibe in the engine: from a job folder to values, and, once Cycles has rendered, to its measure."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from PIL import Image
+
+from . import report
+from .guidance import augment
+from .guidance.encoder import Encoder, load_encoder
+from .optimise import context, pipeline
+from .optimise.objective import draw
+from .optimise.progress import Watch
+from .render.color import ciede2000, srgb_to_lab
+from .render.proxy import Proxy
+from .scene import load_scene
+from .schema import VibeError, messages
+
+PREDICTION, MASK = "prediction.png", "mask.png"
+
+
+class Session:
+    """A vibe's state between its result and its measure.
+
+    Args:
+        job: The job folder that the scene was exported to; pictures are written there too.
+        prompt: What the artist typed.
+        options: Of the vibe.
+        watch: Follows it.
+    """
+
+    def __init__(self, job: Path, prompt: str, options: messages.Options, watch: Watch) -> None:
+        self.job, self.prompt, self.options, self._watch = job, prompt, options, watch
+        self._caption = prompt
+        self._encoder: Encoder | None = None
+
+    def run(self) -> messages.Result:
+        """Finds the values, draws the prediction and says how it went."""
+        clock = _Laps()
+        self._watch.stage("loading the encoder")
+        device = pick_device(self.options.device)
+        encoder = self._encoder = load_encoder(self.options.encoder or None, device)
+        heads = encoder if encoder.heads is not None else load_encoder(None, device)
+        clock.lap("load encoder")
+        self._watch.stage("loading the scene")
+        scene = load_scene(self.job)
+        clock.lap("load scene")
+        outcome = pipeline.run(scene, self.prompt, self.options, encoder, heads, self._watch)
+        clock.lap("loop")
+        self._watch.stage("drawing the prediction")
+        proxy = Proxy(
+            scene, context.picture_size(scene.resolution, self.options.size), device, self.options.seed
+        )
+        with torch.no_grad():
+            picture = draw(proxy, outcome.vector, outcome.u)
+        report.save_picture(picture.display, self.job / PREDICTION)
+        report.save_picture(picture.mask, self.job / MASK)
+        clock.lap("prediction")
+        self._caption = outcome.prompts.whole or self.prompt
+        return messages.Result(
+            values=report.changed_values(outcome),
+            report={**self._facts(outcome, encoder), "timings": clock.laps},
+            prediction=PREDICTION,
+            stopped=outcome.stopped,
+        )
+
+    def finish(self, request: messages.Finish) -> messages.Finished:
+        """Measures Cycles' pictures against the prediction and the words, and composes them."""
+        if self._encoder is None:
+            raise VibeError("There is nothing to finish.", "Send a vibe first.")
+        before, after = (report.load_picture(Path(p)) for p in (request.before, request.after))
+        shape = (after.shape[1], after.shape[0])
+        with Image.open(self.job / PREDICTION) as image:
+            prediction = image.convert("RGB").resize(shape, Image.Resampling.LANCZOS)
+        predicted = np.asarray(prediction, np.float32) / 255.0
+        difference = ciede2000(*(srgb_to_lab(torch.from_numpy(p)) for p in (predicted, after)))
+        panels = [("before", before), ("the proxy's prediction", predicted), ("after (Cycles)", after)]
+        images = [(label, Image.fromarray((p * 255.0 + 0.5).astype(np.uint8))) for label, p in panels]
+        report.save_image(report.compare(images, self.prompt), Path(request.compare_out))
+        if request.mask_out:
+            with Image.open(self.job / MASK) as mask:
+                report.save_image(mask.resize(shape, Image.Resampling.LANCZOS), Path(request.mask_out))
+        return messages.Finished(
+            delta_e=round(float(difference.mean()), 3),
+            similarity={"before": self._similarity(before), "after": self._similarity(after)},
+        )
+
+    def _similarity(self, picture: np.ndarray) -> float:
+        """Cosine of a picture (H, W, 3) and the caption of the whole (equation 2)."""
+        encoder = self._encoder
+        assert encoder is not None
+        with torch.no_grad():
+            batch = torch.from_numpy(picture).permute(2, 0, 1)[None].to(encoder.device)
+            seen = encoder.encode_images(augment.whole(batch, encoder.size))
+            return round(float((seen @ encoder.encode_texts([self._caption]).T).item()), 4)
+
+    def _facts(self, outcome: pipeline.Outcome, encoder: Encoder) -> dict[str, Any]:
+        """The fields of report.json that the engine knows."""
+        parsed, prompts = outcome.parsed, outcome.prompts
+        return {
+            "prompt": self.prompt,
+            "encoder": encoder.name,
+            "seed": self.options.seed,
+            "baseline": self.options.baseline,
+            "parameters": report.parameter_records(outcome),
+            "rounds": outcome.rounds,
+            "understood": {
+                "subject": prompts.subject,
+                "surroundings": prompts.surroundings,
+                "whole": prompts.whole,
+                "targets": parsed.targets,
+                "ignored": parsed.ignored,
+                "guesses": parsed.guesses,
+                "notes": [*parsed.conflicts, *outcome.plan.notes],
+            },
+            "versions": report.versions(),
+        }
+
+
+def pick_device(name: str) -> str:
+    """The torch device for a name; "auto" is a CUDA card where there is one.
+
+    Raises:
+        VibeError: If torch does not have it here.
+    """
+    if name in ("", "auto"):
+        return "cuda" if torch.cuda.is_available() else "cpu"
+    try:
+        torch.zeros(1, device=name)
+    except (RuntimeError, AssertionError) as error:
+        raise VibeError(
+            f"There is no device {name!r} here.", "Use --device cpu, or run `vibe doctor`."
+        ) from error
+    return name
+
+
+class _Laps:
+    """A stopwatch."""
+
+    def __init__(self) -> None:
+        self.laps: dict[str, float] = {}
+        self._last = time.monotonic()
+
+    def lap(self, name: str) -> None:
+        """Notes the seconds since the last lap."""
+        now = time.monotonic()
+        self.laps[name] = round(now - self._last, 3)
+        self._last = now

@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the command shows: a progress bar in a terminal, plain lines elsewhere."""
+
+from __future__ import annotations
+
+import sys
+import time
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+
+class View:
+    """Shows events as they come. Use it as a context manager around them."""
+
+    def __init__(self) -> None:
+        self._start = time.monotonic()
+        self._round = 0
+        self._bar: Any = None
+        self._task: Any = None
+        self._result: dict[str, Any] = {}
+
+    def __enter__(self) -> View:
+        if sys.stdout.isatty():
+            from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+            columns = (
+                SpinnerColumn(),
+                TextColumn("{task.description}"),
+                BarColumn(bar_width=32),
+                TextColumn("{task.fields[detail]}"),
+                TimeElapsedColumn(),
+            )
+            self._bar = Progress(*columns, transient=True)
+            self._task = self._bar.add_task("starting Blender", total=None, detail="")
+            self._bar.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+            self._bar = None
+
+    def show(self, event: dict[str, Any]) -> None:
+        """One event of Blender's side; unknown kinds are left out."""
+        kind = event.get("type")
+        if kind == "stage":
+            self.stage(event["name"])
+        elif kind == "progress":
+            self._progress(event)
+        elif kind == "result":
+            self._result = event
+
+    def stage(self, name: str) -> None:
+        """Something new begins."""
+        if self._bar is not None:
+            self._bar.update(self._task, description=name, total=None, detail="")
+        else:
+            self.note(f"{time.monotonic() - self._start:5.1f} s  {name}")
+
+    def note(self, text: str) -> None:
+        """A line that stays."""
+        if self._bar is not None:
+            self._bar.console.print(text, markup=False, highlight=False)
+        else:
+            print(text, flush=True)
+
+    def end(self, out: Path) -> None:
+        """What came of it, and what to open."""
+        seconds = time.monotonic() - self._start
+        for line in self._result.get("lines", []):
+            self.note(line)
+        picture = out / "compare.png"
+        if self._result.get("stopped"):
+            self.note("Stopped early: this is the best so far.")
+        self.note(f"Done in {seconds:.0f} s. Open {picture if picture.is_file() else out}")
+
+    def _progress(self, event: dict[str, Any]) -> None:
+        number, rounds, steps = event["round"], event["rounds"], event["steps"]
+        detail = f"loss {event['loss']:.3f}   {_minutes(event['seconds_left'])} left"
+        if self._bar is not None:
+            done = (number - 1) * steps + event["step"]
+            title = f"round {number} of {rounds}"
+            self._bar.update(
+                self._task, description=title, total=rounds * steps, completed=done, detail=detail
+            )
+        elif number != self._round:
+            self._round = number
+            self.stage(f"round {number} of {rounds}: {detail}")
+
+
+def _minutes(seconds: float) -> str:
+    return f"{int(seconds) // 60}:{int(seconds) % 60:02d}"

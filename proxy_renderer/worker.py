@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The engine as a process: NUL-delimited JSON on stdin and stdout, see `schema.messages`.
+
+Start it with `python -m proxy_renderer.worker`. It says "ready" before it imports anything heavy,
+then warms up while the other side exports the scene, and stays warm between vibes.
+"""
+
+from __future__ import annotations
+
+import os
+import queue
+import sys
+import threading
+import time
+import traceback
+from pathlib import Path
+from typing import TYPE_CHECKING, BinaryIO
+
+from . import __version__
+from .schema import VibeError, messages, schema_hash
+
+if TYPE_CHECKING:
+    from torch import Tensor
+
+    from .session import Session
+
+_PREVIEW_SECONDS = 1.0
+_PROGRESS_SECONDS = 0.1
+
+
+class Wire:
+    """The two ends of the conversation.
+
+    A thread reads, so that "stop" is heard while the loop runs.
+
+    Attributes:
+        inbox: Requests in order; None when the other side has gone.
+        stop: Set when the loop should end now.
+    """
+
+    def __init__(self, source: BinaryIO, sink: BinaryIO) -> None:
+        self._source, self._sink = source, sink
+        self._lock = threading.Lock()
+        self.inbox: queue.Queue[messages.Message | VibeError | None] = queue.Queue()
+        self.stop = threading.Event()
+        threading.Thread(target=self._listen, daemon=True).start()
+
+    def send(self, message: messages.Message) -> None:
+        """Writes one message; quietly gives up when nobody listens any more."""
+        try:
+            with self._lock:
+                self._sink.write(messages.encode(message))
+                self._sink.flush()
+        except (BrokenPipeError, OSError):
+            self.stop.set()
+
+    def _listen(self) -> None:
+        try:
+            for message in messages.read(self._source):
+                if isinstance(message, messages.Vibe):
+                    self.stop.clear()
+                elif isinstance(message, messages.Stop | messages.Quit):
+                    self.stop.set()
+                if not isinstance(message, messages.Stop):
+                    self.inbox.put(message)
+        except VibeError as error:
+            self.inbox.put(error)
+        self.stop.set()
+        self.inbox.put(None)
+
+
+class Watch:
+    """Tells the other side how the loop goes, and the loop when to end."""
+
+    def __init__(self, wire: Wire, job: Path) -> None:
+        self._wire, self._job = wire, job
+        self._previewed = self._told = 0.0
+
+    def stage(self, name: str) -> None:
+        """Says what is going on outside of the loop."""
+        self._wire.send(messages.Stage(name))
+
+    def step(self, progress: messages.Progress, display: Tensor) -> bool:
+        """Reports a step, with a new preview about once a second; True when the loop should end."""
+        from .report import save_picture
+
+        now = time.monotonic()
+        if now - self._previewed > _PREVIEW_SECONDS:
+            save_picture(display, self._job / progress.preview)
+            self._previewed = now
+        if now - self._told > _PROGRESS_SECONDS or progress.step == progress.steps:
+            self._wire.send(progress)
+            self._told = now
+        return self._wire.stop.is_set()
+
+
+def serve(source: BinaryIO, sink: BinaryIO) -> None:
+    """Answers requests until the other side quits or goes."""
+    wire = Wire(source, sink)
+    wire.send(messages.Ready(schema_hash(), __version__))
+    _warm_up()
+    session: Session | None = None
+    while True:
+        request = wire.inbox.get()
+        if request is None or isinstance(request, messages.Quit):
+            return
+        try:
+            if isinstance(request, VibeError):
+                raise request
+            if isinstance(request, messages.Vibe):
+                session = _vibe(wire, request)
+            elif isinstance(request, messages.Finish):
+                if session is None:
+                    raise VibeError("There is nothing to finish.", "Send a vibe first.")
+                wire.send(session.finish(request))
+        except VibeError as error:
+            wire.send(messages.Error(error.message, error.remedy))
+        except MemoryError:
+            wire.send(
+                messages.Error("The engine ran out of memory.", "Use a smaller --size or a lighter scene.")
+            )
+        except Exception as error:
+            traceback.print_exc()
+            said = " ".join(f"{type(error).__name__}: {error}".split())[:300]
+            wire.send(
+                messages.Error(f"The engine failed: {said}.", "Please report this with the engine's log.")
+            )
+
+
+def _vibe(wire: Wire, request: messages.Vibe) -> Session:
+    """Carries out one vibe and sends its result."""
+    messages.check_schema(request.schema, "add-on")
+    options = messages.Options.from_dict(request.options)
+    job = Path(request.job)
+    watch = Watch(wire, job)
+    watch.stage("loading the engine")
+    from .session import Session
+
+    session = Session(job, request.prompt, options, watch)
+    wire.send(session.run())
+    return session
+
+
+def _warm_up() -> None:
+    """Imports torch and loads the embedded encoder; what fails here is reported by the vibe that needs it."""
+    try:
+        from .guidance.encoder import load_encoder
+        from .optimise import pipeline  # noqa: F401
+
+        load_encoder(None, "cpu")
+    except VibeError:
+        pass
+
+
+def main() -> None:
+    """Runs the worker on this process's standard streams."""
+    sink = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # whatever else prints must not break the protocol
+    serve(sys.stdin.buffer, sink)
+
+
+if __name__ == "__main__":
+    main()
