@@ -7,6 +7,7 @@ import argparse
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import NoReturn
 
 from . import __version__, check
 from .schema import VibeError
@@ -98,7 +99,8 @@ def parser() -> argparse.ArgumentParser:
 class _Parser(argparse.ArgumentParser):
     """Argument mistakes in one line, like every other mistake."""
 
-    def error(self, message: str):  # noqa: D102
+    def error(self, message: str) -> NoReturn:
+        """Exits with code 2."""
         self.exit(2, f"vibe: {message[:1].upper()}{message[1:]}. See `{self.prog} --help`.\n")
 
 
