@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""All that depends on the version of Blender: chosen by what is there, not by number, wherever possible."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import bpy
+from bpy.types import ID, Node, NodeSocket, NodeTree, Scene
+
+from .journal import Journal
+
+COMPOSITOR_IS_GROUP = "compositing_node_group" in Scene.bl_rna.properties  # 5.0 and later
+HAS_TEMPERATURE = "use_temperature" in bpy.types.Light.bl_rna.properties  # 4.5 and later
+HAS_IMAGE_COORDINATES = hasattr(bpy.types, "CompositorNodeImageCoordinates")  # 4.5 and later
+
+
+def enable_nodes(block: bpy.types.Material | bpy.types.World) -> NodeTree:
+    """The node tree of a fresh material or world, which Blender 4 makes only when asked."""
+    if block.node_tree is None:
+        block.use_nodes = True
+    return block.node_tree
+
+
+def node_tree(block: Any) -> NodeTree | None:
+    """The node tree that renders a material or world; None where its nodes are off."""
+    if COMPOSITOR_IS_GROUP:  # nodes cannot be off, and asking is deprecated
+        return block.node_tree
+    return block.node_tree if block.use_nodes else None
+
+
+def compositor(scene: Scene) -> NodeTree | None:
+    """The compositor tree that is applied to the scene's renders; None if there is none."""
+    if not scene.render.use_compositing:
+        return None
+    if COMPOSITOR_IS_GROUP:
+        return scene.compositing_node_group
+    return scene.node_tree if scene.use_nodes else None
+
+
+def compositor_output(tree: NodeTree) -> NodeSocket | None:
+    """The input that the finished picture goes into."""
+    kind = "NodeGroupOutput" if COMPOSITOR_IS_GROUP else "CompositorNodeComposite"
+    outputs = [node for node in tree.nodes if node.bl_idname == kind and not node.mute]
+    if kind == "NodeGroupOutput":
+        outputs.sort(key=lambda node: not node.is_active_output)
+    elif tree.nodes.active in outputs:
+        outputs = [tree.nodes.active]
+    return next((s for node in outputs for s in node.inputs if s.type == "RGBA"), None)
+
+
+def compositor_node(tree: NodeTree, name: str) -> Node:
+    """Adds a compositor node of one of the kinds that are called CompositorNode… or ShaderNode… by version."""
+    kinds = (f"ShaderNode{name}", f"CompositorNode{name}")
+    if name == "Gamma" and not COMPOSITOR_IS_GROUP:
+        kinds = ("CompositorNodeGamma",)  # 4.5 has ShaderNodeGamma too, but refuses it here
+    return tree.nodes.new(next(k for k in kinds if hasattr(bpy.types, k)))
+
+
+def set_option(node: Node, prop: str, socket: str, identifier: str, label: str) -> None:
+    """Chooses from a menu: a property with identifiers in Blender 4, a socket with labels in Blender 5."""
+    if prop in node.bl_rna.properties:
+        setattr(node, prop, identifier)
+    else:
+        node.inputs[socket].default_value = label
+
+
+def curves(block: ID) -> Iterator[bpy.types.FCurve]:
+    """Every animation curve of a data-block: its action's and its NLA strips', and its drivers."""
+    data = getattr(block, "animation_data", None)
+    if data is None:
+        return
+    yield from data.drivers
+    if data.action:
+        yield from _action_curves(data.action, getattr(data, "action_slot", None))
+    for strip in (s for track in data.nla_tracks for s in track.strips if s.action):
+        yield from _action_curves(strip.action, getattr(strip, "action_slot", None))
+
+
+def _action_curves(action: bpy.types.Action, slot: Any) -> Iterator[bpy.types.FCurve]:
+    if not hasattr(action, "layers"):
+        yield from action.fcurves
+        return
+    for strip in (s for layer in action.layers for s in layer.strips):
+        bag = strip.channelbag(slot) if slot else None
+        yield from bag.fcurves if bag else ()
+
+
+def start_compositor(journal: Journal, scene: Scene) -> NodeTree:
+    """Turns compositing on for a scene whose renders had none: the render goes straight to the output.
+
+    A tree that the artist had switched off stays as it is, apart from its output; its files are not written.
+    """
+    journal.set(scene.render, "use_compositing", True)
+    if COMPOSITOR_IS_GROUP:
+        tree = journal.new("node_groups", "Vibe Compositor", "CompositorNodeTree")
+        tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+        layers, output = tree.nodes.new("CompositorNodeRLayers"), tree.nodes.new("NodeGroupOutput")
+        layers.location = (-600.0, 0.0)
+        tree.links.new(layers.outputs["Image"], output.inputs["Image"])
+        journal.set(scene, "compositing_node_group", tree)
+        return tree
+    if scene.node_tree is None:
+        journal.start_compositor(scene)
+        return scene.node_tree
+    tree = scene.node_tree
+    journal.set(scene, "use_nodes", True)
+    for node in [n for n in tree.nodes if n.bl_idname == "CompositorNodeOutputFile"]:
+        journal.set(node, "mute", True)
+    output = (
+        compositor_output(tree) or journal.node(tree, "CompositorNodeComposite", "Composite").inputs["Image"]
+    )
+    journal.link(journal.node(tree, "CompositorNodeRLayers", "Render Layers").outputs["Image"], output)
+    return tree
+
+
+def own_compositor(journal: Journal, scene: Scene, tree: NodeTree) -> NodeTree:
+    """The scene's compositor tree, as a copy of its own if other scenes use it too."""
+    if not COMPOSITOR_IS_GROUP or sum(s.compositing_node_group == tree for s in bpy.data.scenes) < 2:
+        return tree
+    twin = journal.copy("node_groups", tree)
+    journal.set(scene, "compositing_node_group", twin)
+    return twin

@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Vibe Fog: an owned box of fog around the camera, the subject and what else is near.
+
+A box, because Cycles lets a world volume absorb the light of the world and of suns, which come from
+infinitely far away, altogether. Inside, with z above the box's origin, which is at the subject's base:
+
+    extinction = Density · exp(−Height Falloff · max(0, z − Height Offset)), scattering = Color · extinction
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from bpy.types import Material, NodeTree, Object, Scene
+from mathutils import Vector
+
+from . import compat, locks, owned, roster
+from .journal import Journal
+from .places import Lazy, Place, value
+
+NAME = "Vibe Fog"
+_IDENTITY = {
+    "Density": 0.0,
+    "Color": (0.8, 0.8, 0.8),
+    "Anisotropy": 0.0,
+    "Height Falloff": 0.0,
+    "Height Offset": 0.0,
+}
+
+
+@dataclass(frozen=True)
+class Domain:
+    """Where the fog is.
+
+    Attributes:
+        center: Of the box, world space.
+        half_size: Half the box's sides, metres.
+        base: Height of the subject's base, from which height fog is measured.
+    """
+
+    center: Vector
+    half_size: Vector
+    base: float
+
+
+def find(scene: Scene) -> Object | None:
+    """The scene's fog box; None as long as there has been no fog."""
+    return owned.find(scene.objects, NAME)
+
+
+def domain(cast: roster.Cast) -> Domain:
+    """The box that is there, or the one that would be made.
+
+    It holds the camera, and as much of the visible scene as lies within four camera distances:
+    beyond, fog would hide it, but a longer way through fog would put out the world's light.
+    """
+    box = find(cast.scene)
+    if box is not None:
+        low, high = (box.matrix_world @ Vector(box.bound_box[i]) for i in (0, 6))
+        return Domain((low + high) / 2.0, (high - low) / 2.0, box.matrix_world.translation.z)
+    view = roster.references(cast)["view_distance"]
+    low, high = roster.bounds(cast.scene, roster.meshes(cast.scene))
+    base = roster.bounds(cast.scene, cast.subject or roster.meshes(cast.scene))[0].z
+    reach, least = Vector((4.0, 4.0, 4.0)) * view, Vector((1.5, 1.5, 0.0)) * view
+    camera = cast.scene.camera.matrix_world.translation if cast.scene.camera else cast.pivot
+    margin = Vector((0.25, 0.25, 0.25)) * view
+    low = _each(min, _each(max, low, cast.pivot - reach), cast.pivot - least, camera) - margin
+    high = _each(max, _each(min, high, cast.pivot + reach), cast.pivot + least, camera) + margin
+    return Domain((low + high) / 2.0, (high - low) / 2.0, base)
+
+
+def _each(pick, *vectors: Vector) -> Vector:
+    return Vector([pick(parts) for parts in zip(*vectors, strict=True)])
+
+
+def place(cast: roster.Cast, name: str) -> Place:
+    """An input of the scene's fog. The box is made when a density above 0 is written, not before."""
+
+    def find_input() -> Place | None:
+        box = find(cast.scene)
+        nodes = owned.group_nodes(compat.node_tree(box.data.materials[0]), NAME) if box else []
+        if not nodes:
+            return None
+        socket = nodes[0].inputs[name]
+        return value(socket, locks.of_socket(socket, None))
+
+    def make(journal: Journal) -> Place | None:
+        if name != "Density":
+            return None
+        _box(journal, cast)
+        return find_input()
+
+    existing = find_input()
+    return existing or Lazy(find_input, make, _IDENTITY[name])
+
+
+def _box(journal: Journal, cast: roster.Cast) -> None:
+    shape = domain(cast)
+    origin = Vector((shape.center.x, shape.center.y, shape.base))
+    mesh = journal.new("meshes", NAME)
+    box = journal.new("objects", NAME, mesh)
+    for block in (mesh, box):
+        owned.mark(block, NAME)
+    low, high = shape.center - shape.half_size - origin, shape.center + shape.half_size - origin
+    corners = [(x, y, z) for x in (low.x, high.x) for y in (low.y, high.y) for z in (low.z, high.z)]
+    faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    mesh.from_pydata(corners, [], faces)
+    mesh.materials.append(_material(journal))
+    box.location = origin
+    box.display_type, box.hide_select = "WIRE", True
+    cast.scene.collection.objects.link(box)
+    cast.scene.view_layers.update()
+
+
+def _material(journal: Journal) -> Material:
+    material = journal.new("materials", NAME)
+    owned.mark(material, NAME)
+    tree = compat.enable_nodes(material)
+    tree.nodes.clear()
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    node = tree.nodes.new("ShaderNodeGroup")
+    node.node_tree, node.name, node.label = _group(journal), NAME, NAME
+    node.use_custom_color, node.color = True, owned.COLOR
+    node.location = (output.location.x - 200.0, output.location.y)
+    tree.links.new(node.outputs["Volume"], output.inputs["Volume"])
+    return material
+
+
+def _group(journal: Journal) -> NodeTree:
+    tree, new = owned.group(journal, NAME, "ShaderNodeTree")
+    if new:
+        owned.socket(tree, "Density", "NodeSocketFloat", 0.0, 0.0, 1000.0)
+        owned.socket(tree, "Color", "NodeSocketColor", (0.8, 0.8, 0.8, 1.0))
+        owned.socket(tree, "Anisotropy", "NodeSocketFloat", 0.0, -0.99, 0.99)
+        owned.socket(tree, "Height Falloff", "NodeSocketFloat", 0.0, 0.0, 1000.0)
+        owned.socket(tree, "Height Offset", "NodeSocketFloat", 0.0, -1000.0, 1000.0)
+        tree.interface.new_socket("Volume", in_out="OUTPUT", socket_type="NodeSocketShader")
+        _fill(tree)
+    return tree
+
+
+def _fill(tree: NodeTree) -> None:
+    build = owned.Builder(tree)
+    density, color, anisotropy, falloff, offset = build.inputs(*_IDENTITY)
+    position = build.node("ShaderNodeTexCoord").outputs["Object"]
+    height = build.node("ShaderNodeSeparateXYZ", Vector=position).outputs["Z"]
+    above = build.math("MAXIMUM", build.math("SUBTRACT", height, offset), 0.0)
+    # With a falloff of 0 Cycles folds all this to the density and sees that the fog is homogeneous.
+    thinning = build.math("EXPONENT", build.math("MULTIPLY", above, build.math("MULTIPLY", falloff, -1.0)))
+    extinction = build.math("MULTIPLY", density, thinning)
+    fog = build.node("ShaderNodeVolumePrincipled", Color=color, Density=extinction, Anisotropy=anisotropy)
+    build.output(fog.outputs["Volume"])

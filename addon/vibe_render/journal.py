@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Changes to a .blend, made so that every one of them can be taken back.
+
+A journal writes down what it is about to change. Its entries are JSON, its data-blocks are named by
+their place in `ids`, so that an artist may rename them, and undoing is replaying it backwards.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import bpy
+from bpy.types import ID, Node, NodeSocket, NodeTree, bpy_struct
+
+Entry = dict[str, Any]
+
+
+class Journal:
+    """Recorded changes.
+
+    Attributes:
+        entries: What was changed, in order.
+        ids: The data-blocks that the entries speak of; None where one has been deleted since.
+    """
+
+    def __init__(self, entries: list[Entry] | None = None, ids: list[ID | None] | None = None) -> None:
+        self.entries: list[Entry] = entries if entries is not None else []
+        self.ids: list[ID | None] = ids if ids is not None else []
+
+    def refer(self, block: ID) -> int:
+        """The place of a data-block in `ids`."""
+        if block not in self.ids:
+            self.ids.append(block)
+        return self.ids.index(block)
+
+    def set(self, owner: bpy_struct, name: str, value: Any) -> None:
+        """Sets a property that is a number, a string, an array or a pointer to a data-block."""
+        block, path = address(owner)
+        entry = {"op": "set", "id": self.refer(block), "path": path, "name": name}
+        self.entries.append({**entry, "old": self._plain(getattr(owner, name))})
+        setattr(owner, name, value)
+
+    def link(self, source: NodeSocket, target: NodeSocket) -> None:
+        """Links two sockets of a tree, in place of the link that went into the target."""
+        tree = target.id_data
+        block, path = address(tree)
+        old = _end(target.links[0].from_socket) if target.is_linked else None
+        ends = {"source": _end(source), "target": _end(target), "old": old}
+        self.entries.append({"op": "link", "id": self.refer(block), "path": path, **ends})
+        tree.links.new(source, target)
+
+    def node(self, tree: NodeTree, kind: str, name: str) -> Node:
+        """Adds a node."""
+        node = tree.nodes.new(kind)
+        node.name = name
+        block, path = address(tree)
+        self.entries.append({"op": "node", "id": self.refer(block), "path": path, "node": node.name})
+        return node
+
+    def new(self, collection: str, name: str, *kind: Any) -> Any:
+        """Adds a data-block to a collection of `bpy.data`."""
+        block = getattr(bpy.data, collection).new(name, *kind)
+        self.entries.append({"op": "new", "id": self.refer(block), "collection": collection})
+        return block
+
+    def copy(self, collection: str, block: ID) -> Any:
+        """Adds a copy of a data-block of a collection of `bpy.data`."""
+        twin = block.copy()
+        self.entries.append({"op": "new", "id": self.refer(twin), "collection": collection})
+        return twin
+
+    def append_material(self, data: ID, material: bpy.types.Material) -> None:
+        """Adds a material slot to a mesh or curve."""
+        self.entries.append({"op": "slot", "id": self.refer(data)})
+        data.materials.append(material)
+
+    def start_compositor(self, scene: bpy.types.Scene) -> None:
+        """Turns the compositor tree of Blender 4 on, which makes one where there is none."""
+        self.entries.append({"op": "compositor", "id": self.refer(scene)})
+        scene.use_nodes = True
+
+    def _plain(self, value: Any) -> Any:
+        if isinstance(value, ID):
+            return {"id": self.refer(value)}
+        return value if isinstance(value, bool | int | float | str | None) else list(value)
+
+    def undo(self, first: int = 0) -> list[str]:
+        """Takes back the entries from number `first` on, the last one first.
+
+        Returns:
+            What could not be restored because the artist has removed it meanwhile.
+        """
+        lost: list[str] = []
+        made: list[tuple[str, ID]] = []
+        for entry in reversed(self.entries[first:]):
+            block = self.ids[entry["id"]]
+            try:
+                if block is None:
+                    raise LookupError("its data-block")
+                if entry["op"] == "new":
+                    made.append((entry["collection"], block))
+                else:
+                    _UNDO[entry["op"]](self, block, entry)
+            except (LookupError, ValueError, AttributeError, ReferenceError) as error:
+                lost.append(f"{entry['op']} {entry.get('path', '')} {entry.get('name', '')}: {error} is gone")
+        del self.entries[first:]
+        self._remove(made)
+        return lost
+
+    def _remove(self, made: list[tuple[str, ID]]) -> None:
+        """Removes what nobody uses any more; objects anyway, for their collections always use them."""
+        while free := [pair for pair in made if isinstance(pair[1], bpy.types.Object) or not _users(pair[1])]:
+            for collection, block in free:
+                self.ids[self.ids.index(block)] = None
+                getattr(bpy.data, collection).remove(block)
+            made = [pair for pair in made if pair not in free]
+
+    def extend(self, later: Journal) -> None:
+        """Appends a later journal. Values that this one has already recorded keep their first record."""
+        number = {i: self.refer(block) for i, block in enumerate(later.ids) if block is not None}
+        known = {_slot(entry) for entry in self.entries if entry["op"] == "set"}
+        for entry in later.entries:
+            entry = {**entry, "id": number[entry["id"]]}
+            if entry["op"] == "set":
+                if _slot(entry) in known:
+                    continue
+                if isinstance(entry["old"], dict):
+                    entry["old"] = {"id": number[entry["old"]["id"]]}
+            self.entries.append(entry)
+
+
+def address(struct: bpy_struct) -> tuple[ID, str]:
+    """The data-block that owns a struct, and the path from it; node trees inside others included."""
+    root = struct.id_data
+    path = "" if isinstance(struct, ID) else struct.path_from_id()
+    if not (isinstance(root, NodeTree) and root.is_embedded_data):
+        return root, path
+    for collection in (bpy.data.materials, bpy.data.worlds, bpy.data.scenes, bpy.data.lights):
+        for block in collection:
+            if getattr(block, "node_tree", None) == root:
+                return block, f"node_tree.{path}".rstrip(".")
+    raise LookupError(f"nobody owns {root.name}")
+
+
+def _resolve(block: ID, path: str) -> Any:
+    return block.path_resolve(path) if path else block
+
+
+def _slot(entry: Entry) -> tuple:
+    return entry["id"], entry["path"], entry["name"]
+
+
+def _end(socket: NodeSocket) -> list[str]:
+    return [socket.node.name, socket.identifier]
+
+
+def _socket(tree: NodeTree, end: list[str], side: str) -> NodeSocket:
+    sockets = getattr(tree.nodes[end[0]], side)
+    return next(s for s in sockets if s.identifier == end[1])
+
+
+def _undo_set(journal: Journal, block: ID, entry: Entry) -> None:
+    old = entry["old"]
+    setattr(
+        _resolve(block, entry["path"]),
+        entry["name"],
+        journal.ids[old["id"]] if isinstance(old, dict) else old,
+    )
+
+
+def _undo_link(_journal: Journal, block: ID, entry: Entry) -> None:
+    tree = _resolve(block, entry["path"])
+    target = _socket(tree, entry["target"], "inputs")
+    if not target.is_linked or _end(target.links[0].from_socket) != entry["source"]:
+        return  # the artist has rewired it since
+    tree.links.remove(target.links[0])
+    if entry["old"]:
+        tree.links.new(_socket(tree, entry["old"], "outputs"), target)
+
+
+def _undo_node(_journal: Journal, block: ID, entry: Entry) -> None:
+    nodes = _resolve(block, entry["path"]).nodes
+    nodes.remove(nodes[entry["node"]])
+
+
+def _users(block: ID) -> int:
+    return block.users - block.use_fake_user
+
+
+def _undo_slot(_journal: Journal, block: ID, _entry: Entry) -> None:
+    block.materials.pop()
+
+
+def _undo_compositor(_journal: Journal, block: ID, _entry: Entry) -> None:
+    block.node_tree.nodes.clear()
+    block.use_nodes = False
+
+
+_UNDO: dict[str, Callable[[Journal, Any, Entry], None]] = {
+    "set": _undo_set,
+    "link": _undo_link,
+    "node": _undo_node,
+    "slot": _undo_slot,
+    "compositor": _undo_compositor,
+}

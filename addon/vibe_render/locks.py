@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Why a value must be left alone, in words for the artist; "" where it may change."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.types import NodeSocket, NodeTree, Object, bpy_struct
+
+from . import compat
+from .journal import address
+
+
+def of_property(owner: bpy_struct, name: str) -> str:
+    """The reason for one property of a data-block or node socket."""
+    block, path = address(owner)
+    if block.library:
+        return f'"{block.name}" is linked from {bpy.path.basename(block.library.filepath)}'
+    if block.override_library and not owner.is_property_overridable_library(name):
+        return f'"{block.name}" is a library override that keeps this value'
+    full = f"{path}.{name}" if path else name
+    # The curves of a node tree inside a material belong to the tree, and their paths start there.
+    if any(c.data_path == full for c in compat.curves(block)):
+        return f'"{block.name}" is animated or driven here'
+    tree = owner.id_data
+    if tree != block and any(f"node_tree.{c.data_path}" == full for c in compat.curves(tree)):
+        return f'"{block.name}" is animated or driven here'
+    return ""
+
+
+def of_pose(obj: Object) -> str:
+    """The reason for the place and rotation of an object."""
+    if obj.parent:
+        return f'"{obj.name}" follows its parent "{obj.parent.name}"'
+    if any(not c.mute and c.influence > 0.0 for c in obj.constraints):
+        return f'"{obj.name}" is constrained'
+    if any(obj.delta_location) or any(obj.delta_rotation_euler):
+        return f'"{obj.name}" has delta transforms'
+    rotation = {"QUATERNION": "rotation_quaternion", "AXIS_ANGLE": "rotation_axis_angle"}
+    names = ("location", rotation.get(obj.rotation_mode, "rotation_euler"))
+    if any(any(getattr(obj, f"lock_{part}")) for part in ("location", "rotation")):
+        return f'"{obj.name}" has locked transforms'
+    return next(filter(None, (of_property(obj, name) for name in names)), "")
+
+
+def of_socket(socket: NodeSocket, source: NodeSocket | None) -> str:
+    """The reason for a node input whose value comes from `source`, if that is not None."""
+    if source is not None:
+        return f'{socket.name} comes from "{source.node.label or source.node.name}"'
+    tree = socket.id_data
+    if not tree.is_embedded_data and uses(tree) > 1:
+        return f'{socket.name} is inside the shared node group "{tree.name}"'
+    return of_property(socket, "default_value")
+
+
+def uses(tree: NodeTree) -> int:
+    """How many nodes use a group."""
+    blocks = (*bpy.data.materials, *bpy.data.worlds, *bpy.data.lights, *bpy.data.scenes)
+    trees = [t for t in (getattr(b, "node_tree", None) for b in blocks) if t]
+    nodes = (node for t in (*trees, *bpy.data.node_groups) for node in t.nodes)
+    return sum(node.type == "GROUP" and node.node_tree == tree for node in nodes)

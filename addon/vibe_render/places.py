@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Places: where one value of a parameter is in a scene, with a reader, a writer and a reason to leave it alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from bpy.types import NodeSocket, bpy_struct
+
+from .journal import Journal
+
+
+class Place(Protocol):
+    """A value in a scene, in the form that Blender stores.
+
+    Attributes:
+        locked: Why it must be left alone; "" where it may change.
+    """
+
+    locked: str
+
+    def get(self) -> Any:
+        """The stored value."""
+
+    def set(self, journal: Journal, raw: Any) -> None:
+        """Changes it, recorded in the journal; does nothing where it is the same already."""
+
+
+@dataclass
+class Property:
+    """A property of anything: a node socket's value, a light's energy."""
+
+    owner: bpy_struct
+    name: str
+    locked: str = ""
+    index: int | None = None
+
+    def get(self) -> Any:
+        """A number, or a tuple for arrays."""
+        raw = getattr(self.owner, self.name)
+        if self.index is not None:
+            return raw[self.index]
+        return raw if isinstance(raw, bool | int | float | str) else tuple(raw)
+
+    def set(self, journal: Journal, raw: Any) -> None:
+        """Sets it; of an array that is longer than `raw` (RGBA), the rest stays."""
+        old = getattr(self.owner, self.name)
+        if self.index is not None:
+            raw = (*old[: self.index], raw, *old[self.index + 1 :])
+        elif isinstance(raw, tuple):
+            raw = (*raw, *old[len(raw) :])
+        if not same(raw, old):
+            journal.set(self.owner, self.name, raw)
+
+
+def value(socket: NodeSocket, locked: str = "") -> Property:
+    """The place of an unlinked socket's value."""
+    return Property(socket, "default_value", locked)
+
+
+@dataclass
+class Lazy:
+    """A value of something of ours that is made only when a value is written that changes the picture.
+
+    Attributes:
+        find: Its place if it is there.
+        make: Makes it; None where it must not be made for this value alone.
+        identity: The value that changes nothing.
+    """
+
+    find: Callable[[], Place | None]
+    make: Callable[[Journal], Place | None]
+    identity: Any
+    locked: str = ""
+
+    def get(self) -> Any:
+        """The stored value, or the identity."""
+        place = self.find()
+        return place.get() if place else self.identity
+
+    def set(self, journal: Journal, raw: Any) -> None:
+        """Sets it, making it if need be."""
+        place = self.find()
+        if place is None and not same(raw, self.identity):
+            place = self.make(journal)
+        if place is not None:
+            place.set(journal, raw)
+
+
+def same(a: Any, b: Any) -> bool:
+    """Whether two values are equal as the 32-bit floats that Blender stores."""
+    return bool(np.array_equal(np.float32(a), np.float32(b)))
