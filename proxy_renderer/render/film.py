@@ -4,24 +4,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Protocol
 
 import torch
 from torch import Tensor
 
+from ..scene import FilmSettings
 from ..schema import FAMILIES
 from . import grade
 from .bloom import bloom
 from .view import ViewTransform
-
-
-class FilmSpec(Protocol):
-    """How the scene is shown: `scene.film` of an exported scene."""
-
-    ocio: str
-    display: str
-    view: str
-    look: str
 
 
 class Film:
@@ -36,7 +27,7 @@ class Film:
         VibeError: The view transform cannot be read.
     """
 
-    def __init__(self, spec: FilmSpec, size: tuple[int, int], device: str = "cpu") -> None:
+    def __init__(self, spec: FilmSettings, size: tuple[int, int], device: str = "cpu") -> None:
         self._view = ViewTransform(spec.ocio, spec.display, spec.view, spec.look, device)
         self._falloff = grade.falloff(*size).to(device)
 

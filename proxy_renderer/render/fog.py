@@ -2,106 +2,100 @@
 """The fog as a medium: how much light gets through it, analytically.
 
 Extinction σ(x) = density · exp(−falloff · max(0, z − base − offset)), grey, inside an axis-aligned box or everywhere.
+Vectors are planar, (3, …), as in all shading code.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Protocol
-
 import torch
 from torch import Tensor
 
-from ..schema import FAMILIES
+from ..scene import SceneData
+from .settings import Settings
 
-FAR = 1.0e3
-"""How far away an infinite fog still counts, in scene sizes."""
-
-
-class VolumeSpec(Protocol):
-    """Where the fog is: `scene.volume` of an exported scene."""
-
-    kind: str
-    center: Sequence[float]
-    half_size: Sequence[float]
-    base: float
+_EVERYWHERE = 1.0e3
+"""Diameter of an infinite fog in sizes of the box: farther away it counts no more."""
 
 
 class Fog:
     """The scene's fog with one set of values.
 
-    Args:
-        spec: Its domain: kind "world" is infinite, "box" and "none" are the box (which "none" does not fill yet).
-        values: "volume/…" to (1,) or (3,) in Blender's units; what is missing has the schema's default.
-        device: Where points will be.
-
     Attributes:
-        density: (1,) extinction below the height where it thins, 1/m.
+        density: () extinction below the height where it thins, 1/m.
         albedo: (3,) share of the extinguished light that is scattered.
-        anisotropy: (1,) Henyey-Greenstein g.
-        active: False when there is no fog and nothing learns its density: then skip it.
+        anisotropy: () Henyey-Greenstein g.
+        extent: Length that crosses all of it, meters.
     """
 
-    def __init__(self, spec: VolumeSpec, values: Mapping[str, Tensor], device: str = "cpu") -> None:
-        def value(name: str) -> Tensor:
-            key = f"volume/{name}"
-            return values[key] if key in values else torch.full((1,), FAMILIES[key].default, device=device)
-
-        self.density, self.albedo, self.anisotropy = value("density"), value("color"), value("anisotropy")
-        self._falloff, self._top = value("falloff"), spec.base + value("offset")
+    def __init__(self, scene: SceneData, settings: Settings) -> None:
+        spec = scene.volume
+        self.density = settings.scalar("volume/density")
+        self.albedo = settings.color("volume/color", 0.8)
+        self.anisotropy = settings.scalar("volume/anisotropy")
+        self._falloff = settings.scalar("volume/falloff")
+        self._top = spec.base + settings.scalar("volume/offset")
         self._thins = self._falloff.requires_grad or bool(self._falloff > 0)
-        center = torch.as_tensor(spec.center, dtype=torch.float32, device=device)
-        half = torch.as_tensor(spec.half_size, dtype=torch.float32, device=device)
+        center, half = (torch.tensor(v, device=settings.device) for v in (spec.center, spec.half_size))
         self._box = None if spec.kind == "world" else (center - half, center + half)
-        self.extent = float(2 * half.norm())
-        self.active = self.density.requires_grad or bool(self.density > 0)
+        self.extent = float(2 * half.norm()) * (1 if self._box else _EVERYWHERE)
+
+    @property
+    def active(self) -> bool:
+        """False when there is no fog and nothing learns its density: then it costs nothing to leave it out."""
+        return self.density.requires_grad or bool(self.density > 0)
 
     def reach(self, origin: Tensor) -> float:
-        """Distance from `origin` (3,) beyond which there is no fog (or none that counts), in metres."""
+        """Distance from `origin` (3,) beyond which there is no fog that counts, meters."""
         if self._box is None:
-            return FAR * self.extent
+            return self.extent
         low, high = self._box
         return float(torch.maximum((origin - low).abs(), (origin - high).abs()).norm())
 
-    def transmittance(self, start: Tensor, end: Tensor) -> Tensor:
-        """Share of light (..., 1) that gets from `start` (..., 3) to `end` (..., 3)."""
-        return torch.exp(-self.density * self.thickness(start, end - start))[..., None]
+    def transmittance(self, start: Tensor, toward: Tensor, distance: Tensor | float) -> Tensor:
+        """Share of light (…) that gets through.
 
-    def escape(self, start: Tensor, direction: Tensor) -> Tensor:
-        """Share of light (..., 1) that gets from `start` out of the fog along unit `direction`: suns and the world."""
-        far = FAR * self.extent if self._box is None else self.extent
-        return torch.exp(-self.density * self.thickness(start, direction * far))[..., None]
+        Args:
+            start: (3, …) meters.
+            toward: (3, …) unit vectors.
+            distance: (…) meters; infinite for suns and the world.
+        """
+        return torch.exp(-self.density * self.thickness(start, toward, distance))
 
-    def thickness(self, start: Tensor, delta: Tensor) -> Tensor:
-        """Metres of undiluted fog (...) on the way from `start` (..., 3) to `start + delta`."""
-        first, last = self._inside(start, delta)
-        length = delta.norm(dim=-1) * (last - first)
+    def thickness(self, start: Tensor, toward: Tensor, distance: Tensor | float) -> Tensor:
+        """Meters of undiluted fog (…) on a way; arguments as for `transmittance`."""
+        first, last = self._inside(start, toward, distance)
+        length = last - first
         if not self._thins:
             return length
-        low = start[..., 2] - self._top
-        return length * self._mean_dilution(low + delta[..., 2] * first, low + delta[..., 2] * last)
+        height = start[2] - self._top
+        return length * self._mean_dilution(height + toward[2] * first, height + toward[2] * last)
 
-    def _inside(self, start: Tensor, delta: Tensor) -> tuple[Tensor, Tensor]:
-        """The part of the way that is in the box, as fractions (first, last) in [0, 1], first ≤ last."""
+    def _inside(self, start: Tensor, toward: Tensor, distance: Tensor | float) -> tuple[Tensor, Tensor]:
+        """The part of the way that is in the fog: distances (…) of its ends, first ≤ last."""
+        limit = torch.as_tensor(distance, dtype=start.dtype, device=start.device)
         if self._box is None:
-            return delta.new_zeros(()), delta.new_ones(())
-        safe = torch.where(delta.abs() < 1e-9, torch.full_like(delta, 1e-9), delta)
-        one, two = (self._box[0] - start) / safe, (self._box[1] - start) / safe
-        first = torch.minimum(one, two).amax(-1).clamp(0, 1)
-        last = torch.maximum(one, two).amin(-1).clamp(0, 1)
-        return first, torch.maximum(first, last)
+            return torch.zeros_like(limit), limit.clamp_max(self.extent)
+        near, far = torch.zeros_like(limit), limit
+        for axis in range(3):
+            slope = torch.where(toward[axis].abs() < 1e-9, 1e-9, toward[axis])
+            one = (self._box[0][axis] - start[axis]) / slope
+            two = (self._box[1][axis] - start[axis]) / slope
+            near = torch.maximum(near, torch.minimum(one, two))
+            far = torch.minimum(far, torch.maximum(one, two))
+        far = far.clamp_min(0)
+        return torch.minimum(near, far), far
 
     def _mean_dilution(self, a: Tensor, b: Tensor) -> Tensor:
         """Mean of exp(−falloff · max(0, h)) for heights h from `a` to `b`."""
         rise = b - a
         level = rise.abs() <= 1e-3 * (a.abs() + b.abs())
-        slope = (self._below(b) - self._below(a)) / torch.where(level, torch.ones_like(rise), rise)
+        slope = (self._below(b) - self._below(a)) / torch.where(level, 1.0, rise)
         return torch.where(level, torch.exp(-self._falloff * ((a + b) / 2).clamp_min(0)), slope)
 
     def _below(self, height: Tensor) -> Tensor:
         """∫ exp(−falloff · max(0, h)) dh up to `height`, from the height where the fog starts to thin."""
         x = self._falloff * height.clamp_min(0)
         thin = x < 1e-3
-        safe = torch.where(thin, torch.ones_like(x), x)
+        safe = torch.where(thin, 1.0, x)
         share = torch.where(thin, 1 - x / 2, -torch.expm1(-safe) / safe)
         return torch.where(height > 0, height * share, height)
