@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What judges a picture against words: the encoder, its views of a picture, and the objective."""
