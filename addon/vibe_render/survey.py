@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A first look at a scene: its geometry, what the camera sees, what the subject is, and around what it turns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from . import render_view, subject
+from .contract import schema
+from .export_material import uv_of
+from .export_mesh import Geometry, collect
+
+
+@dataclass(frozen=True)
+class Survey:
+    """What is known about a scene before anything is changed.
+
+    Attributes:
+        scene: The scene.
+        geometry: Everything that a render shows.
+        seen: What the camera sees of it.
+        chosen: (number of objects in the geometry,) bool: the subject.
+        objects: The subject's objects, including the instancers that make it.
+        pivot: The center of the subject's bounding box, world space, meters.
+        low: Its least corner.
+        high: Its greatest corner.
+    """
+
+    scene: bpy.types.Scene
+    geometry: Geometry
+    seen: subject.Visibility
+    chosen: np.ndarray
+    objects: tuple[bpy.types.Object, ...]
+    low: tuple[float, float, float]
+    high: tuple[float, float, float]
+
+    @property
+    def pivot(self) -> tuple[float, float, float]:
+        x, y, z = ((a + b) / 2 for a, b in zip(self.low, self.high, strict=True))
+        return x, y, z
+
+
+def survey(scene: bpy.types.Scene, choice: subject.Choice) -> Survey:
+    """Looks at the scene; nothing in it is changed.
+
+    Raises:
+        VibeError: There is no mesh, no usable camera, no mesh in view, or no such subject.
+    """
+    if scene.camera is None or scene.camera.type != "CAMERA":
+        raise schema.VibeError("The scene has no camera.", "Add one, and aim it at the subject.")
+    if scene.camera.data.type not in ("PERSP", "ORTHO"):
+        raise schema.VibeError(
+            f"{scene.camera.name} is a panoramic camera.", "Use a perspective or orthographic one."
+        )
+    geometry = render_view.look(scene, lambda depsgraph: collect(depsgraph, uv_of))
+    if not len(geometry.faces):
+        raise schema.VibeError(
+            "The scene has no mesh that a render shows.", "Add one, or unhide it for renders."
+        )
+    seen = subject.see(scene, geometry)
+    if (seen.object < 0).all():
+        raise schema.VibeError("The camera sees no mesh.", "Point the scene's camera at the subject.")
+    chosen = subject.choose(scene, geometry, seen, choice)
+    points = geometry.vertices[np.unique(geometry.faces[chosen[geometry.object]])].astype(float)
+    names = {n for keep, pair in zip(chosen, geometry.objects, strict=True) if keep for n in pair if n}
+    objects = tuple(o for o in scene.objects if o.name_full in names)
+    return Survey(
+        scene, geometry, seen, chosen, objects, tuple(points.min(0).tolist()), tuple(points.max(0).tolist())
+    )
