@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# mypy: disable-error-code="valid-type"
+"""What the panel holds, kept in the scene at `scene.vibe`. The groups come from the schema."""
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+from . import changes, preferences
+from .contract import messages, schema
+
+MAX_PROMPT = 2000  # characters that the field takes
+
+BUDGETS: dict[str, tuple[int, int, int]] = {  # rounds, steps in each, longer side of the picture
+    "QUICK": (3, 30, 256),
+    "STANDARD": (6, 40, 512),
+    "THOROUGH": (10, 60, 512),
+}
+_LEFT_ALONE = ("camera",)  # unless asked: the artist framed the shot
+
+
+class VibeChange(bpy.types.PropertyGroup):
+    """One value that the last vibe changed. Its `name` is the parameter's key; a scalar is the first component."""
+
+    before: FloatVectorProperty(size=3, subtype="COLOR")
+    after: FloatVectorProperty(size=3, subtype="COLOR")
+    reason: StringProperty()
+
+    def values(self) -> tuple[schema.Values, schema.Values]:
+        """The old and the new value, with as many components as the parameter has."""
+        count = changes.parameter(self.name).components
+        return tuple(self.before)[:count], tuple(self.after)[:count]
+
+
+def _toggles() -> dict[str, BoolProperty]:
+    """A toggle for every group of the schema."""
+    toggles = {}
+    for group in schema.GROUPS:
+        names = ", ".join(changes.words(p.name).lower() for p in schema.PARAMETERS if p.group == group)
+        toggles[f"change_{group}"] = BoolProperty(
+            name=changes.GROUPS[group][0],
+            description=f"A vibe may change: {names}",
+            default=group not in _LEFT_ALONE,
+        )
+    return toggles
+
+
+_Toggles = type("VibeToggles", (), {"__annotations__": _toggles(), "__module__": __name__})
+
+
+def _mix(settings: "VibeSettings", context: bpy.types.Context) -> None:
+    from . import result  # it reads these properties
+
+    result.mix(settings.id_data)
+
+
+class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
+    """The panel's fields, and what the last vibe changed."""
+
+    prompt: StringProperty(
+        name="Prompt",
+        description="The mood in your own words, for example: misty tree silhouette, cool blue fog, vignette",
+        maxlen=MAX_PROMPT,
+        options={"TEXTEDIT_UPDATE"},
+    )
+    subject: EnumProperty(
+        name="Subject",
+        description="What the words about things are about; the rest are its surroundings",
+        items=(
+            ("AUTO", "Automatic", "The prominent things in view, without what they stand on or in front of"),
+            ("SELECTED", "Selected Objects", "What is selected when the vibe starts"),
+            ("COLLECTION", "Collection", "Everything in one collection"),
+        ),
+    )
+    collection: PointerProperty(type=bpy.types.Collection, name="Collection")
+    budget: EnumProperty(
+        name="Effort",
+        description="How long to look for the look",
+        items=(
+            ("QUICK", "Quick", "A first idea: {} rounds of {} steps".format(*BUDGETS["QUICK"])),
+            ("STANDARD", "Standard", "{} rounds of {} steps".format(*BUDGETS["STANDARD"])),
+            ("THOROUGH", "Thorough", "{} rounds of {} steps".format(*BUDGETS["THOROUGH"])),
+            ("CUSTOM", "Custom", "Your own numbers"),
+        ),
+        default="STANDARD",
+    )
+    rounds: IntProperty(name="Rounds", description="The plan is made anew in each", default=6, min=1, max=100)
+    steps: IntProperty(name="Steps", description="Refinements in each round", default=40, min=1, max=1000)
+    size: IntProperty(
+        name="Picture", description="Longer side of the prediction, pixels", default=512, min=64, max=2048
+    )
+    top_k: IntProperty(
+        name="Values at Once", description="How many values a round may refine", default=8, min=1, max=64
+    )
+    seed: IntProperty(name="Seed", description="Another seed finds another look", min=0)
+    lock: StringProperty(
+        name="Lock",
+        description="Values that must stay, separated by commas: light/Key, material/*/metallic, film/exposure",
+    )
+    strength: FloatProperty(
+        name="Strength",
+        description="From the original (0) to the vibe (1)",
+        default=1.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=_mix,
+    )
+    show_original: BoolProperty(
+        name="Show Original", description="Look at the scene as it was, to compare", update=_mix
+    )
+    changes: CollectionProperty(type=VibeChange)
+    active_change: IntProperty(name="Change")
+    vibed_prompt: StringProperty()
+    pivot: FloatVectorProperty(size=3, description="What lights and camera orbit: the subject's centre")
+
+    def groups(self) -> tuple[str, ...]:
+        """The groups that a vibe may change."""
+        return tuple(g for g in schema.GROUPS if getattr(self, f"change_{g}"))
+
+    def engine_options(self, context: bpy.types.Context) -> messages.Options:
+        """What the engine is asked to do."""
+        chosen = preferences.get(context)
+        rounds, steps, size = BUDGETS.get(self.budget, (self.rounds, self.steps, self.size))
+        return messages.Options(
+            rounds=rounds,
+            steps=steps,
+            size=size,
+            top_k=self.top_k,
+            seed=self.seed,
+            groups=self.groups(),
+            lock=tuple(filter(None, (pattern.strip() for pattern in self.lock.split(",")))),
+            encoder=chosen.encoder if chosen else "",
+            device=chosen.device if chosen else "auto",
+        )
+
+
+CLASSES = (VibeChange, VibeSettings)

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a vibe found, in the scene: written, mixed with the original, kept or reverted."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import bpy
+
+from . import bindings, changes, snapshot
+from .contract import messages, schema
+
+
+def apply(
+    scene: bpy.types.Scene,
+    prompt: str,
+    found: messages.Result,
+    subject: Sequence[bpy.types.Object],
+    pivot: Sequence[float],
+) -> None:
+    """Writes a result into the scene and lists what it changed; a failure leaves the scene as it was.
+
+    Args:
+        scene: The scene that was exported.
+        prompt: What it was asked for.
+        found: The engine's result.
+        subject: The subject at export.
+        pivot: Its centre at export.
+
+    Raises:
+        VibeError: If the result does not fit the scene.
+    """
+    before = bindings.read(scene, subject, pivot)
+    skipped = bindings.write(scene, found.values, subject, pivot)
+    settings = scene.vibe
+    forget(scene)
+    settings.vibed_prompt, settings.pivot = prompt, pivot
+    records = found.report.get("parameters", {})
+    for key, values in found.values.items():
+        if key in skipped or key not in before:
+            continue
+        _list_change(settings, key, before[key], tuple(values), records.get(key, {}))
+
+
+def _list_change(
+    settings: Any, key: str, before: schema.Values, after: schema.Values, record: Mapping[str, Any]
+) -> None:
+    change = settings.changes.add()
+    change.name = key
+    change.before[: len(before)] = before
+    change.after[: len(after)] = after
+    change.reason = record.get("reason", "")
+
+
+def mix(scene: bpy.types.Scene) -> None:
+    """Writes the values that lie `strength` of the way from the original to the vibe."""
+    settings = scene.vibe
+    strength = 0.0 if settings.show_original else settings.strength
+    values = {}
+    for change in settings.changes:
+        before, after = change.values()
+        values[change.name] = changes.blend(change.name, before, after, strength)
+    bindings.write(scene, values, (), settings.pivot)
+
+
+def forget(scene: bpy.types.Scene) -> None:
+    """Empties the list of changes; the scene's values stay."""
+    settings = scene.vibe
+    settings.changes.clear()  # first: without changes, resetting the sliders writes nothing
+    settings.strength, settings.show_original, settings.active_change = 1.0, False, 0
+    settings.vibed_prompt = ""
+
+
+def keep(scene: bpy.types.Scene) -> None:
+    """Makes the values the artist's own; there is nothing to revert to afterwards."""
+    settings = scene.vibe
+    if settings.show_original:
+        settings.show_original = False
+    snapshot.forget(scene)
+    forget(scene)
+
+
+def revert(scene: bpy.types.Scene) -> list[str]:
+    """Restores the scene as it was before the first vibe; returns what could not be."""
+    lost = snapshot.revert(scene)
+    forget(scene)
+    return lost

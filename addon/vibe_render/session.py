@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A vibe on its way, while Blender stays free: every call of `advance` does a little and returns."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from collections.abc import Generator
+from dataclasses import asdict
+from pathlib import Path
+from typing import cast
+
+import bpy
+
+from . import preferences, result, scene_io, snapshot
+from .contract import messages, schema
+from .engine import Engine
+from .subject import Choice
+
+
+class Session:
+    """One vibe.
+
+    It names the scene instead of holding it: an undo meanwhile would leave a dangling reference.
+
+    Attributes:
+        scene: The scene's name.
+        stage: What is going on, in words.
+        progress: The engine's last word on it.
+        preview: The newest picture.
+    """
+
+    def __init__(self, context: bpy.types.Context, engine: Engine) -> None:
+        settings = context.scene.vibe
+        self.scene = context.scene.name
+        self.prompt = settings.prompt.strip()
+        self.stage = "Starting the engine"
+        self.progress: messages.Progress | None = None
+        self.preview: Path | None = None
+        self._options = settings.engine_options(context)
+        self._choice = choice(settings)
+        self._engine = engine
+        self._job = Path(tempfile.mkdtemp(prefix="vibe-", dir=bpy.app.tempdir))
+        self._found: messages.Result | None = None
+        self._steps = self._run()
+
+    @property
+    def fraction(self) -> float:
+        """How much of the loop is done, 0 to 1."""
+        p = self.progress
+        return ((p.round - 1) * p.steps + p.step) / (p.rounds * p.steps) if p else 0.0
+
+    def advance(self) -> bool:
+        """Does the next bit; False when the vibe is in the scene.
+
+        Raises:
+            VibeError: If it fails; the scene is as it was.
+        """
+        return next(self._steps, None) is not None
+
+    def stop(self) -> None:
+        """Asks for the best so far."""
+        self.stage = "Stopping"
+        self._engine.send(messages.Stop())
+
+    def cancel(self) -> None:
+        """Gives up. An engine that is still at it is ended, so that it owes nobody an answer."""
+        self._steps.close()
+        self._engine.stop(patience=0.2)
+        self.discard()
+
+    def discard(self) -> None:
+        """Deletes the temporary files, the preview among them."""
+        shutil.rmtree(self._job, ignore_errors=True)
+
+    def _run(self) -> Generator[str]:
+        """Yields before every wait, so that the panel can show what comes."""
+        yield self.stage
+        self._engine.start()
+        self.stage = "Reading the scene"
+        yield self.stage
+        scene = self._find_scene()
+        vibed, start = snapshot.exists(scene), snapshot.mark(scene)
+        try:
+            subject, pivot = scene_io.export(scene, self._job, self._choice)
+            names = [obj.name_full for obj in subject]
+            yield from self._wait_for_result()
+            scene = self._find_scene()
+            there = [scene.objects[name] for name in names if name in scene.objects]
+            result.apply(scene, self.prompt, cast(messages.Result, self._found), there, pivot)
+        except BaseException:  # Esc closes this generator, which raises here
+            self._restore(vibed, start)
+            raise
+
+    def _wait_for_result(self) -> Generator[str]:
+        request = messages.Vibe(schema.schema_hash(), str(self._job), self.prompt, asdict(self._options))
+        self._engine.send(request)
+        self.stage = "Warming up the engine"
+        while self._found is None:
+            yield self.stage
+            for message in self._engine.poll():
+                self._hear(message)
+
+    def _restore(self, vibed: bool, start: int) -> None:
+        """Takes back what the export has added, unless an undo or another file has done so already."""
+        scene = bpy.data.scenes.get(self.scene)
+        if scene is None or not snapshot.exists(scene) or snapshot.mark(scene) < start:
+            return
+        snapshot.rollback(scene, start)
+        if vibed:
+            snapshot.take(scene)
+
+    def _hear(self, message: messages.Message) -> None:
+        if isinstance(message, messages.Stage):
+            self.stage = message.name.capitalize()
+        elif isinstance(message, messages.Progress):
+            self.progress = message
+            self.stage = "Looking for the look"
+            if message.preview:
+                self.preview = self._job / message.preview
+        elif isinstance(message, messages.Result):
+            self._found = message
+            self.preview = self._job / message.prediction
+
+    def _find_scene(self) -> bpy.types.Scene:
+        scene = bpy.data.scenes.get(self.scene)
+        if scene is None:
+            raise schema.VibeError(f'The scene "{self.scene}" is gone.', "Start again in another scene.")
+        return scene
+
+
+def choice(settings: bpy.types.PropertyGroup) -> Choice:
+    """What the panel says the subject is."""
+    if settings.subject == "COLLECTION" and settings.collection:
+        return Choice(objects=(settings.collection.name,))
+    return Choice(selected=settings.subject == "SELECTED")
+
+
+class Desk:
+    """What the add-on holds while Blender runs: a warm engine, and the vibe that runs or ran last.
+
+    Attributes:
+        session: The newest vibe; its preview outlives it.
+        running: Whether it is on its way.
+        failure: Why it failed, until that has been dismissed.
+    """
+
+    def __init__(self) -> None:
+        self.session: Session | None = None
+        self.running = False
+        self.failure: schema.VibeError | None = None
+        self._engine: Engine | None = None
+        self._engine_choice = ""
+
+    def begin(self, context: bpy.types.Context) -> Session:
+        """Starts a vibe; the engine is the one of the last, unless the preferences have changed since."""
+        self.forget()
+        chosen = preferences.get(context)
+        place = chosen.engine if chosen else ""
+        if self._engine is None or place != self._engine_choice:
+            self.close_engine()
+            self._engine, self._engine_choice = Engine(place), place
+        self.session, self.running = Session(context, self._engine), True
+        return self.session
+
+    def end(self, failure: schema.VibeError | None = None) -> None:
+        """The vibe is over."""
+        self.running, self.failure = False, failure
+
+    def forget(self) -> None:
+        """Drops what is left of the last vibe."""
+        if self.session:
+            self.session.discard()
+        self.session, self.failure = None, None
+
+    def close_engine(self) -> None:
+        """Ends the engine."""
+        if self._engine:
+            self._engine.stop(patience=0.5)
+        self._engine = None
+
+    def close(self) -> None:
+        """Gives everything back, when the add-on is switched off or Blender ends."""
+        if self.session and self.running:
+            self.session.cancel()
+        self.end()
+        self.forget()
+        self.close_engine()
+
+
+desk = Desk()
