@@ -78,8 +78,9 @@ def _lamp(light: Light, scene: SceneData, settings: Settings) -> Lamp:
     azimuth, elevation = settings.scalar(key + "azimuth"), settings.scalar(key + "elevation")
     power = settings.scalar(key + ("strength" if sun else "power"), 1.0)
     tint = settings.color(key + "color", 1.0) * (power * 2.0**light.exposure)
-    if light.use_temperature:
-        tint = tint * color.blackbody(settings.scalar(key + "temperature", 6500.0))
+    temperature = settings.scalar(key + "temperature", 6500.0)
+    if light.use_temperature or wanted(temperature) or float(temperature) != 6500.0:
+        tint = tint * color.blackbody(temperature)
     pivot = torch.tensor(scene.pivot, device=settings.device)
     distance = 0.0 if sun else settings.scalar(key + "distance", 1.0)
     size = torch.deg2rad(settings.scalar(key + "angle")) if sun else settings.scalar(key + "size")

@@ -11,7 +11,7 @@ from torch import Tensor
 from .camera import View
 from .visibility import Geometry, Hits, Surface
 
-EDGE_SAMPLES = 6
+EDGE_SAMPLES = 5
 _FILTER_WIDTH = 1.5  # pixels, Cycles' default Blackman-Harris
 
 
@@ -20,6 +20,7 @@ class Samples:
     """All shaded points of one view, sorted by material, the background last.
 
     Attributes:
+        size: Width and height of the picture.
         pixel: (N,) index of the pixel (row-major, row 0 on top) that a sample counts towards.
         weight: (N,) its share; the shares of a pixel sum to 1.
         place: (2, N) picture position in pixels.
@@ -29,9 +30,10 @@ class Samples:
         first: (P,) a sample of every pixel.
         others: (E,) the samples that are no pixel's `first`.
         center_hits: Hits of the rays through the pixels' centers (P,).
-        toward: (3, N) unit directions.
+        origin, toward: (3, N) rays, directions of unit length.
     """
 
+    size: tuple[int, int]
     pixel: Tensor
     weight: Tensor
     place: Tensor
@@ -84,7 +86,7 @@ def take(geometry: Geometry, view: View) -> Samples:
     hits = Hits(*(torch.cat((a[plain], b)) for a, b in zip(_parts(center_hits), _parts(more), strict=True)))
     place = torch.cat((centers[:, plain], places), 1)
     rays = torch.cat((origin[:, plain], more_origin), 1), torch.cat((toward[:, plain], more_toward), 1)
-    return _sorted(geometry, pixel, weight, place, hits, center_hits, rays)
+    return _sorted(geometry, view.size, pixel, weight, place, hits, center_hits, rays)
 
 
 def _parts(hits: Hits) -> tuple[Tensor, ...]:
@@ -93,6 +95,7 @@ def _parts(hits: Hits) -> tuple[Tensor, ...]:
 
 def _sorted(
     geometry: Geometry,
+    size: tuple[int, int],
     pixel: Tensor,
     weight: Tensor,
     place: Tensor,
@@ -115,6 +118,7 @@ def _sorted(
     first[pixel] = index  # whichever comes last wins
     others = index[first[pixel] != index]
     return Samples(
+        size=size,
         pixel=pixel,
         weight=weight[order],
         place=place[:, order],
@@ -159,6 +163,6 @@ def _filter_points(device: torch.device) -> Tensor:
     total = window.cumsum(0) / window.sum()
     index = torch.arange(EDGE_SAMPLES, dtype=torch.float64)
     columns = (index + 0.5) / EDGE_SAMPLES
-    rows = ((index * 5 + 2) % EDGE_SAMPLES + 0.5) / EDGE_SAMPLES if EDGE_SAMPLES == 6 else columns.flip(0)
+    rows = ((index * 2 + 1) % EDGE_SAMPLES + 0.5) / EDGE_SAMPLES  # five rooks that do not attack each other
     offsets = [x[torch.searchsorted(total, c).clamp_max(512)] - 0.5 for c in (columns, rows)]
     return (torch.stack(offsets) * _FILTER_WIDTH).to(device, torch.float32)

@@ -34,6 +34,10 @@ class Hits:
         """(N,) bool."""
         return self.triangle >= 0
 
+    def first(self, count: int) -> Hits:
+        """The first hits."""
+        return Hits(self.triangle[:count], self.u[:count], self.v[:count], self.distance[:count])
+
 
 class Geometry:
     """The scene's triangles, ready for rays and for look-ups.
@@ -81,6 +85,21 @@ class Geometry:
         weights = torch.stack((1 - hits.u - hits.v, hits.u, hits.v))
         weights = torch.where(hits.hit, weights, 1 / 3)
         return self.interpolate(index, weights, toward)
+
+    def follow(self, hits: Hits, origin: Tensor, toward: Tensor) -> Surface:
+        """The surface where differentiable rays (3, N) meet the planes of the triangles they hit.
+
+        All rays must have hit. Their barycentric weights are those of Moeller and Trumbore (1997).
+        """
+        a, b, c = (self.corners[k, hits.triangle].T for k in range(3))
+        e1, e2, offset = b - a, c - a, origin - a
+        p = torch.linalg.cross(toward, e2, dim=0)
+        q = torch.linalg.cross(offset, e1, dim=0)
+        determinant = (e1 * p).sum(0)
+        flat = determinant.abs() < 1e-12
+        inverse = torch.where(flat, 0.0, 1 / torch.where(flat, 1.0, determinant))
+        u, v = (offset * p).sum(0) * inverse, (toward * q).sum(0) * inverse
+        return self.interpolate(hits.triangle, torch.stack((1 - u - v, u, v)), toward)
 
     def interpolate(self, triangle: Tensor, weights: Tensor, toward: Tensor) -> Surface:
         """The surface at barycentric weights (3, N) of triangles (N,), turned to face rays (3, N)."""

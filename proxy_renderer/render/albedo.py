@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Directional albedos of GGX reflection, as short sums over fixed functions of the cosine.
+
+What energy compensation and layering need are functions of (cosine, roughness, IOR). Roughness and IOR
+belong to a material, the cosine to a sample: written as coefficients(roughness, IOR) @ basis(cosine),
+a sample costs one small dot product forwards and backwards. Integrated once by quadrature.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+
+import torch
+from torch import Tensor
+
+_POWERS = (0, 1, 2, 3, 5, 8, 14)
+"""Powers of (1 - cosine) that make the basis."""
+_ROUGHNESS = 17
+_CONTRAST = 17
+_COSINES = 24
+
+
+def basis(cosine: Tensor) -> Tensor:
+    """(7, N) powers of 1 - cosine (N,)."""
+    x = (1 - cosine).clamp(0.0, 1.0)
+    x2 = x * x
+    x3 = x2 * x
+    x5 = x3 * x2
+    x8 = x5 * x3
+    return torch.stack((torch.ones_like(x), x, x2, x3, x5, x8, x8 * x5 * x))
+
+
+def fresnel(cosine: Tensor, ior: Tensor | float) -> Tensor:
+    """Unpolarized reflectance of a dielectric (IOR at least 1) at the incident cosine."""
+    c = cosine.abs()
+    g = (ior * ior - 1 + c * c).sqrt()
+    a = (g - c) / (g + c)
+    b = (c * (g + c) - 1) / (c * (g - c) + 1)
+    return 0.5 * a * a * (1 + b * b)
+
+
+def f0_of(ior: Tensor) -> Tensor:
+    """Reflectance of a dielectric seen head on."""
+    return ((ior - 1) / (ior + 1)) ** 2
+
+
+def energy(roughness: Tensor) -> tuple[Tensor, Tensor]:
+    """Coefficients (7,) of single-scattering albedo without Fresnel, and its cosine-weighted mean ()."""
+    table, mean = _tables()[:2]
+    return _between(table, roughness), _between(mean, roughness)
+
+
+def schlick_share(roughness: Tensor) -> Tensor:
+    """Coefficients (7,) of s in albedo = mix(F0, 1, s) for Schlick's fifth power."""
+    return _between(_tables()[2], roughness)
+
+
+def dielectric_share(roughness: Tensor, ior: Tensor) -> Tensor:
+    """Coefficients (7,) of s in albedo = mix(F0, 1, s) for a dielectric's true Fresnel curve."""
+    rows = _between(_tables()[3], ((ior - 1) / (ior + 1)).clamp_min(1e-4).sqrt())
+    return _between(rows, roughness)
+
+
+def dielectric_curve(ior: Tensor) -> Tensor:
+    """Coefficients (7,) of (F - F0) / (1 - F0) itself, over the cosine at the half vector."""
+    return _between(_tables()[4], ((ior - 1) / (ior + 1)).clamp_min(1e-4).sqrt())
+
+
+SCHLICK_CURVE = tuple(float(p == 5) for p in _POWERS)
+"""Coefficients of (1 - c)^5."""
+
+
+@functools.cache
+def edge_curve() -> Tensor:
+    """Coefficients (7,) of c (1 - c)^6, by which the F82 model tints a metal's edge."""
+    cosine = _cosines()
+    return _fit(cosine * (1 - cosine) ** 6)
+
+
+def _between(table: Tensor, place: Tensor) -> Tensor:
+    """Cubic (Catmull-Rom) look-up along the first axis of a table over [0, 1]: smooth, so gradients are."""
+    last = len(table) - 1
+    x = place.clamp(0.0, 1.0) * last
+    i = int(x.detach().clamp(0, last - 1))
+    t = x - i
+    p0, p1, p2, p3 = (table[min(max(i + k, 0), last)].to(place.device) for k in (-1, 0, 1, 2))
+    return p1 + 0.5 * t * (p2 - p0 + t * (2 * p0 - 5 * p1 + 4 * p2 - p3 + t * (3 * (p1 - p2) + p3 - p0)))
+
+
+def _cosines() -> Tensor:
+    """Denser towards grazing angles, where albedos bend."""
+    return torch.linspace(0.0, 1.0, _COSINES) ** 1.25 * 0.99 + 0.01
+
+
+def _fit(values: Tensor) -> Tensor:
+    """Least-squares coefficients (..., 7) of functions given at `_cosines` (..., 24)."""
+    matrix = basis(_cosines()).T.double()
+    return (torch.linalg.pinv(matrix) @ values.double()[..., None])[..., 0].float()
+
+
+@functools.cache
+def _tables() -> tuple[Tensor, ...]:
+    """Energy (R, 7), its mean (R,), Schlick share (R, 7), dielectric share (Z, R, 7) and curve (Z, 7)."""
+    roughness = torch.linspace(0, 1, _ROUGHNESS).clamp_min(0.02)
+    cosine = _cosines()
+    weight, at_half = _visible_normals(cosine, roughness)
+    e = weight.mean(-1)
+    schlick = ((1 - at_half) ** 5 * weight).mean(-1) / e
+    fine = torch.linspace(0, 1, 257)[1:] - 1 / 512
+    coefficients = _fit(e)
+    mean = (coefficients @ basis(fine) * (2 * fine)).mean(-1)
+    contrast = torch.linspace(0, 1, _CONTRAST).clamp(0.01, 0.99) ** 2
+    shares, curves = [], []
+    for ior in (1 + contrast) / (1 - contrast):
+        f0 = f0_of(ior)
+        share = (((fresnel(at_half, ior) - f0) / (1 - f0)) * weight).mean(-1) / e
+        shares.append(_fit(share))
+        curves.append(_fit((fresnel(cosine, ior) - f0) / (1 - f0)))
+    return coefficients, mean, _fit(schlick), torch.stack(shares), torch.stack(curves)
+
+
+def _visible_normals(cosine: Tensor, roughness: Tensor) -> tuple[Tensor, Tensor]:
+    """Weights G2/G1 and half-vector cosines (R, C, S) of normals drawn as a viewer sees them (Heitz 2018)."""
+    side = 12
+    grid = (torch.arange(side) + 0.5) / side
+    u, v = (g.flatten() for g in torch.meshgrid(grid, grid, indexing="ij"))
+    alpha = (roughness * roughness)[:, None, None]
+    c = cosine[None, :, None]
+    s = (1 - c * c).sqrt()
+    length = ((alpha * s) ** 2 + c * c).sqrt()
+    vx, vz = alpha * s / length, c / length
+    radius, angle = u.sqrt(), 2 * math.pi * v
+    t1, t2 = radius * angle.cos(), radius * angle.sin()
+    t2 = (1 - (1 + vz) / 2) * (1 - t1 * t1).sqrt() + (1 + vz) / 2 * t2
+    t3 = (1 - t1 * t1 - t2 * t2).clamp_min(0.0).sqrt()
+    # The view lies in the x-z plane: the tangent frame is (0, 1, 0) and (-vz, 0, vx).
+    hx, hy, hz = alpha * (t3 * vx - t2 * vz), alpha * t1, (t3 * vz + t2 * vx).clamp_min(1e-6)
+    norm = (hx * hx + hy * hy + hz * hz).sqrt()
+    hx, hz = hx / norm, hz / norm
+    at_half = (s * hx + c * hz).clamp(0.0, 1.0)
+    lz = 2 * at_half * hz - c
+    tan_l = 1 / lz.clamp(1e-4, 1.0) ** 2 - 1
+    root_v = (1 + alpha**2 * (1 / (c * c) - 1)).sqrt()
+    root_l = (1 + alpha**2 * tan_l).sqrt()
+    return torch.where(lz > 0, (1 + root_v) / (root_v + root_l), 0.0), at_half

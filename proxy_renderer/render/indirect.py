@@ -1,0 +1,323 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Light that comes over other surfaces and from the world: rays traced once, weighed anew every render.
+
+A ray's hit is shaded simply: its albedo times the lights' irradiance there, plus its glow. That is
+linear in (albedo x light), so the rays of a point add up to a fixed row of weights over a small table
+of radiances, and one matrix product per render gives every point its bounced light.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from .environment import harmonics
+from .lights import Lamp, arrival, tangents
+from .samples import Samples
+from .visibility import Geometry, Surface, sphere_points
+
+GLOSSY = 0.4
+"""Roughness of the blurred reflection between the mirror image and the diffuse light."""
+_ANCHORS_ACROSS = 96
+_DIFFUSE_RAYS = 16
+_GLOSSY_RAYS = 8
+
+
+@dataclass(frozen=True)
+class Table:
+    """What far hits and the world radiate in one render; the rows of `radiances` are:
+
+    for every material, the light of each lamp that it scatters and of the world; then every
+    material's glow; then the world's nine spherical harmonics.
+    """
+
+    radiances: Tensor
+
+    @staticmethod
+    def of(albedo: Tensor, glow: Tensor, lamp_colors: Tensor, sky_mean: Tensor, sky: Tensor) -> Table:
+        """Builds the table.
+
+        Args:
+            albedo: (M, 3) share of light that each material scatters.
+            glow: (M, 3) emitted radiance.
+            lamp_colors: (L, 3).
+            sky_mean: (3,) average radiance of the world.
+            sky: (9, 3) its spherical harmonics.
+        """
+        sources = torch.cat((lamp_colors / math.pi, sky_mean[None]))
+        scattered = (albedo[:, None, :] * sources).flatten(0, 1)
+        return Table(torch.cat((scattered, glow, sky)))
+
+
+class Far:
+    """Rays from A points, R each, and what they meet.
+
+    Attributes:
+        count: Rays per point.
+        open: (A,) share of rays that leave the scene.
+        surface: The surface at the hits, (A * R).
+    """
+
+    def __init__(
+        self, geometry: Geometry, origin: Tensor, toward: Tensor, count: int, materials: int, lamps: int
+    ) -> None:
+        self.geometry, self.count = geometry, count
+        hits = geometry.first_hits(origin, toward)
+        self.hit = hits.hit.to(torch.float32)
+        self.surface: Surface = geometry.surface(hits, toward)
+        self.distance = hits.distance
+        self.open = 1 - self.hit.view(-1, count).mean(1)
+        self.owner = self.surface.material * hits.hit + materials * ~hits.hit
+        self.materials = materials
+        self.irradiance = torch.zeros((lamps, len(self.hit)), device=self.hit.device)
+        self.sky_seen = self._ambient()
+        self.harmonics = (harmonics(toward) * (1 - self.hit)).view(9, -1, count).mean(2)
+
+    def _ambient(self) -> Tensor:
+        """(A * R,) whether a hit sees the world along its normal's side: one random ray tells."""
+        generator = torch.Generator().manual_seed(7)
+        uv = torch.rand((2, self.surface.position.shape[1]), generator=generator).to(self.hit.device)
+        origin = self.geometry.lifted(self.surface)
+        reach = torch.full_like(self.hit, math.inf)
+        return self.geometry.clear(origin, cosine_directions(self.surface.normal, uv), reach)
+
+    def light(self, index: int, lamp: Lamp) -> None:
+        """Traces the hits' shadow rays to one lamp."""
+        met = arrival(lamp, self.surface.position, self.surface.normal)
+        shade = torch.ones_like(self.hit)
+        if lamp.light.shadow:
+            facing = (self.surface.facet * met.toward).sum(0) > 0
+            origin = self.geometry.lifted(self.surface)
+            shade = self.geometry.clear(origin, met.toward, met.distance * 0.999) * facing
+        self.irradiance[index] = met.irradiance * shade
+
+    def weights(self) -> Tensor:
+        """(A, K) average over each point's rays: weights over the rows of `Table.radiances`."""
+        rays = -1, self.count
+        slots = torch.cat((self.irradiance, self.sky_seen[None], torch.ones_like(self.hit)[None]))
+        slots = slots.view(len(slots), *rays).permute(1, 2, 0)
+        owner = self.owner.view(rays)
+        one_hot = torch.nn.functional.one_hot(owner, self.materials + 1)[..., :-1].to(slots.dtype)
+        summed = torch.einsum("arm,ars->ams", one_hot, slots) / self.count
+        scattered, glow = summed[..., :-1].flatten(1), summed[..., -1]
+        return torch.cat((scattered, glow, self.harmonics.T), 1)
+
+
+class Indirect:
+    """Bounced light and reflections for the samples of one view.
+
+    `open_sky` holds the shares (N,) of the blurred and of the mirrored reflection that the world fills.
+
+    Diffuse light and blurred reflections vary slowly, so they are gathered at a coarse grid of
+    anchors and spread to the samples by position and normal; mirror images are traced per sample.
+    """
+
+    def __init__(self, geometry: Geometry, samples: Samples, surface: Surface, materials: int, lamps: int,
+                 generator: torch.Generator) -> None:  # fmt: skip
+        n = samples.surfaces
+        anchors, self.spread = _anchors(samples, surface)
+        points = surface.pick(anchors)
+        toward = samples.toward[:, anchors]
+        origin = geometry.lifted(points)
+        shape = geometry, materials, lamps
+        self.diffuse = _far(*shape, origin, _diffuse_rays(points, generator), _DIFFUSE_RAYS)
+        self.glossy = _far(*shape, origin, _glossy_rays(points, toward, generator), _GLOSSY_RAYS)
+        mirrored = reflect(samples.toward[:, :n], surface.normal)
+        mirrored = above(mirrored, surface.facet)
+        self.mirror = Far(geometry, geometry.lifted(surface), mirrored, 1, materials, lamps)
+        self.open_sky = self.spread(self.glossy.open[:, None])[:, 0], self.mirror.open
+        self._weights: tuple[Tensor, Tensor] | None = None
+        self._skies = materials * (lamps + 2)
+
+    def light(self, index: int, lamp: Lamp) -> None:
+        """Takes up that a lamp has moved."""
+        for far in (self.diffuse, self.glossy, self.mirror):
+            far.light(index, lamp)
+        self._weights = None
+
+    def gather(self, table: Table) -> tuple[Tensor, Tensor, Tensor]:
+        """Irradiance (3, N), blurred and mirrored radiance of surfaces (3, N each), world not included
+        in the latter two."""
+        if self._weights is None:
+            low, glossy = self.diffuse.weights() * math.pi, self.glossy.weights()
+            self._weights = low, glossy[:, : self._skies]
+        wide, narrow = self._weights
+        low = torch.cat((wide @ table.radiances, narrow @ table.radiances[: self._skies]), 1)
+        full = self.spread(low).T
+        return full[:3].clamp_min(0.0), full[3:], self._mirror(table)
+
+    def _mirror(self, table: Table) -> Tensor:
+        return _MirrorImage.apply(table.radiances, *self._mirror_rows())
+
+    def _mirror_rows(self) -> tuple[Tensor, Tensor, int]:
+        sources = torch.cat((self.mirror.irradiance, self.mirror.sky_seen[None]))
+        return self.mirror.owner, sources, self.mirror.materials
+
+
+
+def _far(geometry: Geometry, materials: int, lamps: int, origin: Tensor, toward: Tensor, count: int) -> Far:
+    origins = origin.repeat_interleave(count, 1)
+    return Far(geometry, origins, toward, count, materials, lamps)
+
+
+class _MirrorImage(torch.autograd.Function):
+    """Radiance (3, N) of single hits: like `Far.weights() @ radiances`, without the mostly empty matrix."""
+
+    @staticmethod
+    def forward(ctx, radiances, owner, sources, materials):  # type: ignore[no-untyped-def]
+        ctx.save_for_backward(owner, sources)
+        ctx.shape = radiances.shape, materials
+        count = len(sources)
+        table = radiances[: materials * count].view(materials, count, 3)
+        glow = radiances[materials * count : materials * (count + 1)]
+        out = torch.zeros((3, len(owner)), device=owner.device)
+        for m in range(materials):
+            chosen = (owner == m).nonzero()[:, 0]
+            if len(chosen):
+                out[:, chosen] = table[m].T @ sources[:, chosen] + glow[m][:, None]
+        return out
+
+    @staticmethod
+    def backward(ctx, gradient):  # type: ignore[no-untyped-def]
+        owner, sources = ctx.saved_tensors
+        shape, materials = ctx.shape
+        count = len(sources)
+        result = gradient.new_zeros(shape)
+        for m in range(materials):
+            chosen = (owner == m).nonzero()[:, 0]
+            if len(chosen):
+                part = gradient[:, chosen]
+                result[m * count : (m + 1) * count] = sources[:, chosen] @ part.T
+                result[materials * count + m] = part.sum(1)
+        return result, None, None, None
+
+
+class Spread:
+    """A fixed sparse matrix (N, A), applied to (A, C), with its transpose ready for gradients."""
+
+    def __init__(self, rows: Tensor, columns: Tensor, weights: Tensor, shape: tuple[int, int]) -> None:
+        index = torch.stack((rows, columns))
+        matrix = torch.sparse_coo_tensor(index, weights, shape).coalesce()
+        self.forward = matrix.to_sparse_csr()
+        self.backward = matrix.t().coalesce().to_sparse_csr()
+
+    def __call__(self, values: Tensor) -> Tensor:
+        return _SparseProduct.apply(values, self.forward, self.backward)
+
+
+class _SparseProduct(torch.autograd.Function):
+    @staticmethod
+    def forward(ctx, values, matrix, transposed):  # type: ignore[no-untyped-def]
+        ctx.transposed = transposed
+        return matrix @ values
+
+    @staticmethod
+    def backward(ctx, gradient):  # type: ignore[no-untyped-def]
+        return ctx.transposed @ gradient.contiguous(), None, None
+
+
+def _anchors(samples: Samples, surface: Surface) -> tuple[Tensor, Spread]:
+    """Chooses anchors among the samples on a coarse grid, and spreads them to all samples.
+
+    Returns:
+        Indices (A,) of samples, and the sparse weights from anchors to samples.
+    """
+    width, height = size = samples.size
+    n, device = samples.surfaces, surface.position.device
+    stride = max(1, round(max(size) / _ANCHORS_ACROSS))
+    columns, rows = -(-width // stride), -(-height // stride)
+    cell = (samples.place[1, :n] / stride).long().clamp(0, rows - 1) * columns
+    cell = cell + (samples.place[0, :n] / stride).long().clamp(0, columns - 1)
+    # One anchor for each material seen in each cell, the one that lies nearest to the cell's middle.
+    name = cell * 4096 + surface.material
+    middle = (samples.place[:, :n] / stride) % 1.0 - 0.5
+    order = torch.argsort(middle.abs().sum(0), descending=True, stable=True)
+    _, group = torch.unique(name, return_inverse=True)
+    chosen = torch.empty(int(group.max()) + 1 if n else 0, dtype=torch.int64, device=device)
+    chosen[group[order]] = order
+    table = _cell_lists(cell[chosen], columns, rows)
+    return chosen, _spread(samples, surface, chosen, table, cell, columns, rows, stride)
+
+
+def _cell_lists(cell: Tensor, columns: int, rows: int, most: int = 4) -> Tensor:
+    """(rows, columns, most) anchors of every cell, -1 where there are fewer."""
+    order = torch.argsort(cell, stable=True)
+    count = torch.bincount(cell, minlength=columns * rows)
+    rank = torch.arange(len(cell), device=cell.device) - (count.cumsum(0) - count)[cell[order]]
+    lists = torch.full((columns * rows, most), -1, dtype=torch.int64, device=cell.device)
+    keep = rank < most
+    lists[cell[order][keep], rank[keep]] = order[keep]
+    return lists.view(rows, columns, most)
+
+
+def _spread(samples: Samples, surface: Surface, chosen: Tensor, lists: Tensor, cell: Tensor, columns: int,
+            rows: int, stride: int, nearest: int = 4) -> Spread:  # fmt: skip
+    """The few anchors around every sample that fit its normal, plane and place best."""
+    n = samples.surfaces
+    place = samples.place[:, :n] / stride
+    x, y = (place[0] - 0.5).floor().long(), (place[1] - 0.5).floor().long()
+    near = []
+    for dy in (0, 1):
+        for dx in (0, 1):
+            near.append(lists[(y + dy).clamp(0, rows - 1), (x + dx).clamp(0, columns - 1)])
+    own = lists.flatten(0, 1)[cell]
+    candidates = torch.cat((own, *near), 1)
+    index = candidates.clamp_min(0)
+    points, normals = surface.position[:, chosen], surface.normal[:, chosen]
+    plane = torch.zeros(index.shape, device=index.device)
+    alike = torch.zeros_like(plane)
+    for axis in range(3):
+        plane += (points[axis, index] - surface.position[axis, :n, None]) * surface.normal[axis, :n, None]
+        alike += normals[axis, index] * surface.normal[axis, :n, None]
+    apart = samples.place[:, chosen][:, index] / stride - place[..., None]
+    reach = (samples.hits.distance[:n] * (2.0 * stride / max(columns * stride, rows * stride)))[:, None]
+    fit = (-(plane / reach) ** 2 * 4).exp() * alike.clamp_min(0.0) ** 8
+    weight = (fit + 1e-6) * (1.0 - apart.abs()).clamp_min(0.02).prod(0)
+    weight = torch.where(candidates >= 0, weight, 0.0)
+    weight, best = weight.topk(nearest, 1)
+    weight = weight / weight.sum(1, keepdim=True).clamp_min(1e-20)
+    rows_index = torch.arange(n, device=index.device)[:, None].expand(-1, nearest)
+    return Spread(rows_index.flatten(), index.gather(1, best).flatten(), weight.flatten(), (n, len(chosen)))
+
+
+def reflect(toward: Tensor, normal: Tensor) -> Tensor:
+    """Mirror directions (3, N) of rays (3, N) at unit normals (3, N)."""
+    return toward - 2 * (toward * normal).sum(0) * normal
+
+
+def above(toward: Tensor, facet: Tensor) -> Tensor:
+    """Lifts directions (3, N) that would enter the surface to just above it."""
+    cosine = (toward * facet).sum(0)
+    lifted = toward + facet * (0.01 - cosine).clamp_min(0.0)
+    return lifted / lifted.norm(dim=0).clamp_min(1e-6)
+
+
+def cosine_directions(normal: Tensor, uv: Tensor) -> Tensor:
+    """Cosine-distributed directions (3, N) around unit normals (3, N) from points (2, N) in [0, 1)^2."""
+    radius, angle = uv[0].sqrt(), 2 * math.pi * uv[1]
+    across, up = tangents(normal)
+    return across * (radius * angle.cos()) + up * (radius * angle.sin()) + normal * (1 - uv[0]).sqrt()
+
+
+def _diffuse_rays(points: Surface, generator: torch.Generator) -> Tensor:
+    count = points.position.shape[1]
+    uv = sphere_points(_DIFFUSE_RAYS, count, generator).to(points.position.device).flatten(1)
+    normal = points.normal.repeat_interleave(_DIFFUSE_RAYS, 1)
+    return above(cosine_directions(normal, uv), points.facet.repeat_interleave(_DIFFUSE_RAYS, 1))
+
+
+def _glossy_rays(points: Surface, toward: Tensor, generator: torch.Generator) -> Tensor:
+    """Rays reflected by GGX-distributed microfacets (Walter et al. 2007, equations 35 and 36)."""
+    count = points.position.shape[1]
+    uv = sphere_points(_GLOSSY_RAYS, count, generator).to(points.position.device).flatten(1)
+    normal = points.normal.repeat_interleave(_GLOSSY_RAYS, 1)
+    facet = points.facet.repeat_interleave(_GLOSSY_RAYS, 1)
+    tangent2 = GLOSSY**4 * uv[0] / (1 - uv[0]).clamp_min(1e-4)
+    cosine = (1 / (1 + tangent2)).sqrt()
+    sine, angle = (1 - cosine * cosine).clamp_min(0.0).sqrt(), 2 * math.pi * uv[1]
+    across, up = tangents(normal)
+    half = across * (sine * angle.cos()) + up * (sine * angle.sin()) + normal * cosine
+    return above(reflect(toward.repeat_interleave(_GLOSSY_RAYS, 1), half), facet)

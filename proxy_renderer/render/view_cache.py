@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What stays the same while the camera stands still: samples, surfaces, and per lamp its beam."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+from torch.nn.functional import grid_sample
+
+from ..scene import Material, SceneData
+from . import albedo
+from .camera import View
+from .environment import Sky
+from .highlight import Highlight, highlight
+from .indirect import Indirect, above, reflect
+from .lights import Lamp, arrival
+from .samples import take
+from .settings import wanted
+from .shadows import shadow
+from .visibility import Geometry, Surface
+
+_BLURRED = 0.5
+"""Level of the world's picture that glossy reflections see."""
+
+
+@dataclass(frozen=True)
+class Sight:
+    """The samples as one eye sees them; differentiable when the camera is.
+
+    Attributes:
+        surface: What N samples meet.
+        toward_eye: (3, N) unit vectors.
+        basis: (7, N) albedo basis of the viewing cosine.
+        mirrored: (3, N) mirror directions.
+        beyond: (3, B) directions of the samples that meet nothing.
+    """
+
+    surface: Surface
+    toward_eye: Tensor
+    basis: Tensor
+    mirrored: Tensor
+    beyond: Tensor
+
+    @staticmethod
+    def of(surface: Surface, toward: Tensor) -> Sight:
+        """From the surface at the first N of the rays (3, N + B)."""
+        n = surface.position.shape[1]
+        cosine = -(surface.normal * toward[:, :n]).sum(0)
+        mirrored = above(reflect(toward[:, :n], surface.normal), surface.facet)
+        return Sight(surface, -toward[:, :n], albedo.basis(cosine.clamp(1e-3, 1.0)), mirrored, toward[:, n:])
+
+    @property
+    def moving(self) -> bool:
+        """Whether gradients with respect to the camera are wanted."""
+        return wanted(self.toward_eye)
+
+
+@dataclass(frozen=True)
+class Beam:
+    """A lamp's shadowed irradiance (N,) and highlight at all samples, per unit of its color."""
+
+    irradiance: Tensor
+    highlight: Highlight
+
+    @staticmethod
+    def of(lamp: Lamp, sight: Sight, visible: Tensor) -> Beam:
+        """From the share (N,) of the lamp that is seen."""
+        point, normal = sight.surface.position, sight.surface.normal
+        met = arrival(lamp, point, normal)
+        shine = highlight(lamp, met, point, normal, sight.toward_eye)
+        return Beam(met.irradiance * visible, shine.times(visible))
+
+
+class ViewCache:
+    """Everything that is traced and looked up once per camera position.
+
+    Args:
+        scene: The exported scene.
+        geometry: Its triangles.
+        view: The camera.
+        seed: For jitter.
+    """
+
+    def __init__(self, scene: SceneData, geometry: Geometry, view: View, seed: int) -> None:
+        self.scene, self.geometry = scene, geometry
+        self.signature = view.signature()
+        with torch.no_grad():
+            self.samples = samples = take(geometry, view.detached())
+            self._hits = samples.hits.first(samples.surfaces)
+            toward = samples.toward
+            self._sight = Sight.of(geometry.surface(self._hits, toward[:, : samples.surfaces]), toward)
+            generator = torch.Generator().manual_seed(seed)
+            counts = len(scene.materials), len(scene.lights)
+            self.indirect = Indirect(geometry, samples, self._sight.surface, *counts, generator)
+            self.mean_texture = [_mean(m, geometry.device) for m in scene.materials]
+            self.mask, self.depth = self._mask(), self._depth()
+        self._beams: dict[int, tuple[tuple[float, ...], Beam, Tensor]] = {}
+        self._worlds: tuple[object, tuple[Tensor, Tensor, Tensor]] | None = None
+
+    def sight(self, view: View) -> Sight:
+        """The samples as the view sees them; re-evaluated with gradients when it asks for them."""
+        if not view.moving:
+            return self._sight
+        origin, toward = view.rays(self.samples.place)
+        n = self.samples.surfaces
+        surface = self.geometry.follow(self._hits, origin[:, :n], toward[:, :n])
+        return Sight.of(surface, toward)
+
+    def beam(self, index: int, lamp: Lamp, sight: Sight) -> Beam:
+        """A lamp's beam; its shadows are traced again when it has moved."""
+        signature = lamp.signature()
+        kept = self._beams.get(index)
+        if kept is None or kept[0] != signature:
+            with torch.no_grad():
+                still, surface = lamp.detached(), self._sight.surface
+                met = arrival(still, surface.position, surface.normal)
+                visible = shadow(self.geometry, self.samples, surface, still, met, lamp.moving)
+                self.indirect.light(index, still)
+                kept = signature, Beam.of(still, self._sight, visible), visible
+            self._beams[index] = kept
+        return Beam.of(lamp, sight, kept[2]) if lamp.moving or sight.moving else kept[1]
+
+    def worlds(self, sky: Sky, sight: Sight) -> tuple[Tensor, Tensor, Tensor]:
+        """Uncolored world in the mirror directions, sharp and blurred (3, N), and behind all (3, B)."""
+        if wanted(sky.turn) or (sight.moving and not sky.plain):
+            return _worlds(sky, sight)
+        if self._worlds is None or self._worlds[0] != sky.signature():
+            with torch.no_grad():
+                self._worlds = sky.signature(), _worlds(sky, self._sight)
+        return self._worlds[1]
+
+    def texture(self, material: int, uv: Tensor) -> Tensor | None:
+        """Linked base color (3, n) of a material at texture coordinates (2, n)."""
+        texture = self.scene.materials[material].texture
+        if texture is None:
+            return None
+        image = torch.from_numpy(texture.image).to(uv.device).permute(2, 0, 1)[None]
+        if texture.extension == "REPEAT":
+            uv = uv - uv.detach().floor()
+        place = (uv * 2 - 1).T[None, None]
+        padding = "zeros" if texture.extension == "CLIP" else "border"
+        return grid_sample(image, place, padding_mode=padding, align_corners=False)[0, :, 0]
+
+    def _mask(self) -> Tensor:
+        """(H, W) share of each pixel that belongs to the subject."""
+        subject = torch.tensor([o.subject for o in self.scene.objects], device=self.geometry.device)
+        owner = self.geometry.object[self.samples.hits.triangle.clamp_min(0)]
+        inside = (subject[owner] & self.samples.hits.hit).to(torch.float32)
+        width, height = self.samples.size
+        return self.samples.resolve(inside[None]).view(height, width)
+
+    def _depth(self) -> Tensor:
+        """(H, W) distance along the rays through the pixels' centers."""
+        width, height = self.samples.size
+        return self.samples.center_hits.distance.view(height, width)
+
+
+def _worlds(sky: Sky, sight: Sight) -> tuple[Tensor, Tensor, Tensor]:
+    sharp, blurred = sky.levels(sight.mirrored, (0.0, _BLURRED))
+    return sharp, blurred, sky.levels(sight.beyond, (0.0,))[0]
+
+
+def _mean(material: Material, device: torch.device) -> Tensor:
+    """(3,) average of a linked base color; 1 where none is linked."""
+    if material.texture is None:
+        return torch.ones(3, device=device)
+    return torch.from_numpy(material.texture.image.mean((0, 1))).to(device)
