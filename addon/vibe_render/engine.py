@@ -7,6 +7,7 @@ import atexit
 import contextlib
 import os
 import queue
+import re
 import subprocess
 import sys
 import tempfile
@@ -141,7 +142,8 @@ class Engine:
                 code = self._process.wait(1.0)
         self.stop(patience=0.5)
         log = self.log.read_text(encoding="utf-8", errors="replace") if self.log.exists() else ""
-        last = log.strip().rpartition("\n")[2]
+        lines = log.strip().splitlines() or [""]
+        last = next((line for line in reversed(lines) if re.match(r"\w+(Error|Exception)", line)), lines[-1])
         said = f" Its last words: {last}" if last else ""
         return schema.VibeError(
             f"The engine stopped unexpectedly (exit code {code}).{said}",
