@@ -9,6 +9,7 @@ infinitely far away, altogether. Inside, with z above the box's origin, which is
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from bpy.types import Material, NodeTree, Object, Scene
@@ -16,9 +17,9 @@ from mathutils import Vector
 
 from . import compat, locks, owned, roster
 from .journal import Journal
-from .places import Lazy, Place, value
+from .places import Lazy, Place, Property, value
 
-NAME = "Vibe Fog"
+NAME = owned.FOG
 _IDENTITY = {
     "Density": 0.0,
     "Color": (0.8, 0.8, 0.8),
@@ -69,8 +70,30 @@ def domain(cast: roster.Cast) -> Domain:
     return Domain((low + high) / 2.0, (high - low) / 2.0, base)
 
 
-def _each(pick, *vectors: Vector) -> Vector:
+def _each(pick: Callable, *vectors: Vector) -> Vector:
     return Vector([pick(parts) for parts in zip(*vectors, strict=True)])
+
+
+@dataclass
+class Density:
+    """A place: the density, together with whether renders see the box, for fog of no density costs time too."""
+
+    box: Object
+    input: Place
+
+    @property
+    def locked(self) -> str:
+        """Why it must be left alone."""
+        return self.input.locked
+
+    def get(self) -> float:
+        """Extinction at the base, 1/m."""
+        return 0.0 if self.box.hide_render else self.input.get()
+
+    def set(self, journal: Journal, raw: float) -> None:
+        """Thickens or thins the fog."""
+        self.input.set(journal, raw)
+        Property(self.box, "hide_render").set(journal, raw <= 0.0)
 
 
 def place(cast: roster.Cast, name: str) -> Place:
@@ -79,10 +102,11 @@ def place(cast: roster.Cast, name: str) -> Place:
     def find_input() -> Place | None:
         box = find(cast.scene)
         nodes = owned.group_nodes(compat.node_tree(box.data.materials[0]), NAME) if box else []
-        if not nodes:
+        if box is None or not nodes:
             return None
         socket = nodes[0].inputs[name]
-        return value(socket, locks.of_socket(socket, None))
+        found = value(socket, locks.of_socket(socket, None))
+        return Density(box, found) if name == "Density" else found
 
     def make(journal: Journal) -> Place | None:
         if name != "Density":
@@ -109,6 +133,7 @@ def _box(journal: Journal, cast: roster.Cast) -> None:
     box.location = origin
     box.display_type, box.hide_select = "WIRE", True
     cast.scene.collection.objects.link(box)
+    compat.march_volumes(journal, cast.scene)
     cast.scene.view_layers.update()
 
 

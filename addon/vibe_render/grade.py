@@ -133,7 +133,7 @@ def _contrast(build: owned.Builder, color: NodeSocket, contrast: NodeSocket) -> 
 
 
 def _gamma(build: owned.Builder, color: NodeSocket, gamma: NodeSocket) -> NodeSocket:
-    node = build.add(compat.compositor_node(build.tree, "Gamma"))
+    node = build.node(compat.GAMMA_NODE)
     build.put(node.inputs[0], color)
     build.put(node.inputs["Gamma"], gamma)
     return node.outputs[0]

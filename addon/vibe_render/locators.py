@@ -133,8 +133,8 @@ def shader(name: str) -> Locator:
 
     def locate(cast: Cast, material: Material) -> Place | None:
         found = shaders.surface(material)
-        entry = found and found.input(name)
-        if not entry:
+        entry = found.input(name) if found else None
+        if not found or not entry:
             return None
         socket, source = shaders.resolve(entry, found.inside)
         if source and name == "Base Color":
@@ -157,7 +157,7 @@ def material_tint(name: str) -> Locator:
     def locate(cast: Cast, material: Material) -> Place | None:
         found = shaders.surface(material)
         entry = found and found.input("Base Color")
-        return tint.place(entry, found.inside, name) if entry and found else None
+        return tint.place(entry, found.inside, name) if found and entry else None
 
     return locate
 

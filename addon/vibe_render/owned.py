@@ -7,17 +7,23 @@ from collections.abc import Iterable
 from typing import Any
 
 import bpy
-from bpy.types import ID, Node, NodeSocket, NodeTree
+from bpy.types import ID, Node, NodeSocket, NodeTree, Object
 
 from .journal import Journal
 
 MARK = "vibe_owned"
+FOG = "Vibe Fog"
 COLOR = (0.32, 0.22, 0.46)
 
 
 def is_owned(block: ID) -> bool:
     """Whether we have made this data-block."""
     return MARK in block
+
+
+def is_fog(obj: Object) -> bool:
+    """Whether an object is a fog box of ours, which has no surface."""
+    return obj.get(MARK) == FOG
 
 
 def mark(block: Any, role: str) -> None:

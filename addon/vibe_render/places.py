@@ -14,13 +14,11 @@ from .journal import Journal
 
 
 class Place(Protocol):
-    """A value in a scene, in the form that Blender stores.
+    """A value in a scene, in the form that Blender stores."""
 
-    Attributes:
-        locked: Why it must be left alone; "" where it may change.
-    """
-
-    locked: str
+    @property
+    def locked(self) -> str:
+        """Why it must be left alone; "" where it may change."""
 
     def get(self) -> Any:
         """The stored value."""

@@ -75,7 +75,7 @@ def lights(scene: Scene) -> list[Object]:
 
 def meshes(scene: Scene) -> list[Object]:
     """The objects with a surface that a render sees, by name; fog boxes of ours are none."""
-    found = [o for o in scene.objects if o.type in GEOMETRY and visible(scene, o) and not owned.is_owned(o)]
+    found = [o for o in scene.objects if o.type in GEOMETRY and visible(scene, o) and not owned.is_fog(o)]
     return sorted(found, key=lambda o: o.name_full)
 
 
@@ -89,7 +89,7 @@ def materials(scene: Scene, subject: Sequence[Object], everything: bool = False)
     roles: dict[Material, str] = {}
     for item in depsgraph(scene).object_instances:
         original, parent = item.object.original, item.parent and item.parent.original
-        if item.object.type not in GEOMETRY or owned.is_owned(original) or not item.show_self:
+        if item.object.type not in GEOMETRY or owned.is_fog(original) or not item.show_self:
             continue
         if (parent or original).hide_render or not (everything or in_frame(scene, item)):
             continue
