@@ -24,14 +24,23 @@ from .lights import Lamp, _spot_cone, _spread
 
 SEGMENTS = 16
 COARSE = 8  # pixels of the picture per ray of the coarse one
+_SPOT_PARTS = 4  # pieces of a segment in a spot's light, whose cone has an edge
 _WORLD_COARSE = 4  # rays of the coarse picture per ray along which the world's light is summed
 
-_D = 3**-0.5
-DIRECTIONS = torch.tensor(
-    [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]]
-    + [[x, y, z] for x in (_D, -_D) for y in (_D, -_D) for z in (_D, -_D)]
-).T
-"""(3, 14) directions over which the world's light is summed: Lebedev's rule, exact to the fifth degree."""
+
+def _lebedev() -> Tensor:
+    """Lebedev's 14 directions, turned so that their heights are evenly spread: none lies along a floor."""
+    d = 3**-0.5
+    corners = [[x, y, z] for x in (d, -d) for y in (d, -d) for z in (d, -d)]
+    axes = torch.cat((torch.eye(3), -torch.eye(3), torch.tensor(corners))).T
+    (c, s), (e, f) = ((math.cos(math.radians(a)), math.sin(math.radians(a))) for a in (21, 15))
+    around_z = torch.tensor([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    around_x = torch.tensor([[1, 0, 0], [0, e, -f], [0, f, e]])
+    return around_x @ around_z @ axes
+
+
+DIRECTIONS = _lebedev()
+"""(3, 14) unit vectors over which the world's light is summed; the rule is exact to the fifth degree."""
 _WEIGHTS = torch.tensor([1 / 15] * 6 + [3 / 40] * 8)
 
 Clear = Callable[[Tensor, Tensor, Tensor], Tensor]
@@ -126,7 +135,7 @@ class Volume:
             strength = strength * self._shadow(lamp.light.name, points, to_lamp, distance)
         strength = strength * fog.transmittance(points, to_lamp, distance)
         strength = strength * _phase((to_lamp * toward[:, None]).sum(0), fog.anisotropy)
-        return strength * lamp.color.view(3, 1, 1, 1)
+        return strength.unflatten(0, (len(cuts) - 1, -1)).mean(1) * lamp.color.view(3, 1, 1, 1)
 
     def _world_light(
         self, fog: Fog, view: View, cuts: Tensor, world: Tensor, size: tuple[int, ...]
@@ -172,18 +181,22 @@ def _coarse_rays(view: View, coarse: int) -> tuple[Tensor, Tensor]:
 
 
 def _toward_lamp(start: Tensor, toward: Tensor, cuts: Tensor, lamp: Lamp) -> tuple[Tensor, Tensor]:
-    """Where each segment gets the middle of its light (3, S, rows, columns), and its mean of 1 / distance² to a lamp.
+    """Where segments get the middle of their light (3, S · parts, rows, columns), and their mean of 1 / distance².
 
-    Both are analytic along a straight ray (equiangular sampling: Kulla and Fajardo 2012).
+    Both are analytic along a straight ray (equiangular sampling: Kulla and Fajardo 2012); parts of a segment
+    subtend the same angle at the lamp, and so count the same.
     """
+    parts = _SPOT_PARTS if lamp.light.type == "SPOT" else 1
     to_lamp = lamp.position.view(3, 1, 1) - start
     closest = (to_lamp * toward).sum(0)
     aside = (to_lamp * to_lamp).sum(0) - closest * closest
     aside = (aside.clamp_min(0) + lamp.size * lamp.size / 4 + 1e-6).sqrt()
-    angle = torch.atan((cuts - closest) / aside)
-    middle = closest + aside * torch.tan((angle[1:] + angle[:-1]) / 2)
-    mean = (angle[1:] - angle[:-1]) / (aside * (cuts[1:] - cuts[:-1]))
-    return start[:, None] + toward[:, None] * middle, mean
+    angle = torch.atan((cuts - closest) / aside)[:, None]
+    step = angle[1:] - angle[:-1]
+    part = (torch.arange(parts, device=cuts.device) + 0.5).view(-1, 1, 1) / parts
+    middle = closest + aside * torch.tan(angle[:-1] + step * part)
+    mean = (step / (aside * (cuts[1:] - cuts[:-1])[:, None])).expand_as(middle)
+    return start[:, None] + toward[:, None] * middle.flatten(0, 1), mean.flatten(0, 1)
 
 
 def _intensity(lamp: Lamp, to_lamp: Tensor) -> Tensor:
