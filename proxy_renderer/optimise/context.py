@@ -10,12 +10,16 @@ import torch
 
 from ..guidance import regions
 from ..language.types import PictureStats, PlanContext, SceneWords
+from ..render.camera import view_of
 from ..render.color import LUMA, srgb_to_lab
+from ..render.settings import Settings
 from ..scene import SceneData
 from ..schema import Values
 
 if TYPE_CHECKING:
-    from ..render.proxy import Render
+    from ..render.proxy import Proxy, Render
+
+_GRID = 64  # rays along each side of the picture
 
 
 def scene_words(scene: SceneData) -> SceneWords:
@@ -34,19 +38,22 @@ def scene_words(scene: SceneData) -> SceneWords:
     )
 
 
-def plan_context(scene: SceneData, values: dict[str, Values], picture: Render) -> PlanContext:
+def plan_context(proxy: Proxy, values: dict[str, Values], picture: Render) -> PlanContext:
     """What the planner knows: the scene, where its values are now, and what that looks like."""
+    scene = proxy.scene
 
     def now(key: str, default: float) -> float:
         return values[key][0] if key in values else default
 
+    world, materials = coverage(proxy, values)
     textures = {m.name: m.texture.image for m in scene.materials if m.texture is not None}
     return PlanContext(
         camera_azimuth=now("camera/azimuth", 0.0),
         camera_elevation=now("camera/elevation", 10.0),
         view=scene.film.view,
         light_types={light.name: light.type for light in scene.lights},
-        world_share=_world_share(picture),
+        world_share=world,
+        material_share=materials,
         texture_luminance={
             name: float((image @ np.float32(LUMA)).mean()) for name, image in textures.items()
         },
@@ -67,12 +74,28 @@ def picture_stats(picture: Render) -> PictureStats:
     )
 
 
-def _world_share(picture: Render) -> float | None:
-    """Share of the surroundings' pixels behind which there is no surface."""
-    around = picture.mask.detach() < 0.5
-    if not around.any():
-        return None
-    return float((~torch.isfinite(picture.depth.detach()) & around).sum() / around.sum())
+def coverage(proxy: Proxy, values: dict[str, Values]) -> tuple[float | None, dict[str, float]]:
+    """What the camera sees, from a coarse grid of rays.
+
+    Returns:
+        The share of the surroundings that is the world (None if there are no surroundings), and the
+        share of its region, subject or surroundings, that each material covers.
+    """
+    scene, geometry = proxy.scene, proxy.geometry
+    cameras = {k: torch.tensor(v) for k, v in values.items() if k.startswith("camera/")}
+    view = view_of(scene, Settings(scene, cameras, geometry.device), (_GRID, _GRID))
+    y, x = torch.meshgrid(torch.arange(_GRID), torch.arange(_GRID), indexing="ij")
+    hits = geometry.first_hits(*view.rays(torch.stack((x.flatten(), y.flatten())).to(geometry.device) + 0.5))
+    triangle = hits.triangle[hits.hit].cpu()
+    owner, material = geometry.object.cpu()[triangle], geometry.material.cpu()[triangle]
+    mine = torch.tensor([o.subject for o in scene.objects])[owner]
+    missed = _GRID * _GRID - len(triangle)
+    around = missed + int((~mine).sum())
+    shares = {}
+    for index, m in enumerate(scene.materials):
+        region, total = (mine, int(mine.sum())) if m.role == "subject" else (~mine, around)
+        shares[m.name] = float((region & (material == index)).sum()) / max(total, 1)
+    return (missed / around if around else None), shares
 
 
 def picture_size(resolution: tuple[int, int], longest: int) -> tuple[int, int]:

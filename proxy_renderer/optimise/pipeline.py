@@ -76,7 +76,7 @@ def run(
         VibeError: If no word of the prompt is known, or nothing that the words touch may change.
     """
     vector = ParameterVector(lock(scene.instances, options.groups, options.lock, options.camera))
-    proxy = Proxy(scene, inner_size(scene, options), device=encoder.device, seed=options.seed)
+    proxy = Proxy(scene, inner_size(scene, options), device=str(encoder.device), seed=options.seed)
     words = context.scene_words(scene)
     clock = Clock(options, watch)
     u = vector.encode({})
@@ -88,7 +88,7 @@ def run(
         picture = draw(proxy, vector, u)
         values = vector.values(u)
         parsed, prompts = understand(prompt, words, options)
-        plan = confine(parsed, prompts, vector.instances, context.plan_context(scene, values, picture))
+        plan = confine(parsed, prompts, vector.instances, context.plan_context(proxy, values, picture))
         if options.baseline:
             plan = plan_everything(vector.instances)
         ranges = feasible_ranges(plan, vector.instances, values)
