@@ -188,7 +188,7 @@ def _polygon(lamp: Lamp, points: Tensor, normals: Tensor) -> Tensor:
     for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
         cosine = (a * b).sum(0).clamp(-0.99999, 0.99999)
         flux = flux + torch.linalg.cross(a, b, dim=0) * _theta_over_sine(cosine)
-    flux = flux * -0.5
+    flux = flux * 0.5
     length = flux.norm(dim=0).clamp_min(1e-9)
     cosine = (flux * normals).sum(0) / length
     return length * _clipped_sphere(cosine, (length / math.pi).clamp_max(1.0))
