@@ -190,7 +190,8 @@ def _toward_lamp(start: Tensor, toward: Tensor, cuts: Tensor, lamp: Lamp) -> tup
     to_lamp = lamp.position.view(3, 1, 1) - start
     closest = (to_lamp * toward).sum(0)
     aside = (to_lamp * to_lamp).sum(0) - closest * closest
-    aside = (aside.clamp_min(0) + lamp.size * lamp.size / 4 + 1e-6).sqrt()
+    soft = lamp.size * (0.25 if lamp.light.type == "AREA" else 0.5)  # about what averaging over the lamp does
+    aside = (aside.clamp_min(0) + soft * soft + 1e-6).sqrt()
     angle = torch.atan((cuts - closest) / aside)[:, None]
     step = angle[1:] - angle[:-1]
     part = (torch.arange(parts, device=cuts.device) + 0.5).view(-1, 1, 1) / parts
