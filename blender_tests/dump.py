@@ -10,7 +10,7 @@ from typing import Any
 import bpy
 from bpy.types import ID, bpy_prop_collection, bpy_struct
 
-COLLECTIONS = (
+COLLECTIONS = (  # noqa: SIM905
     "actions cameras collections curves images lights materials meshes node_groups objects scenes texts worlds"
 ).split()
 
@@ -35,6 +35,8 @@ OF_MESHES = {*BULK, "name", "materials", "users", "use_fake_user"}
 def dump() -> dict[str, Any]:
     """Path to value, for every property of every data-block that a vibe might touch."""
     found: dict[str, Any] = {}
+    for layer in (layer for scene in bpy.data.scenes for layer in scene.view_layers):
+        layer.update()  # matrices
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)
         for name in COLLECTIONS:

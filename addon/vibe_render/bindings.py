@@ -166,7 +166,7 @@ def write(
             rest[key] = place.locked
             if not place.locked:
                 place.set(journal, row.codec.encode(tuple(map(float, values[key]))))
-    scene.view_layers.update()
+    scene.view_layers[0].update()
     return {key: reason for key, reason in rest.items() if reason}
 
 

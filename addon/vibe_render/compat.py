@@ -98,7 +98,6 @@ def start_compositor(journal: Journal, scene: Scene) -> NodeTree:
         return tree
     if scene.node_tree is None:
         journal.start_compositor(scene)
-        return scene.node_tree
     tree = scene.node_tree
     journal.set(scene, "use_nodes", True)
     for node in [n for n in tree.nodes if n.bl_idname == "CompositorNodeOutputFile"]:

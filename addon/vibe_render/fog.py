@@ -134,7 +134,7 @@ def _box(journal: Journal, cast: roster.Cast) -> None:
     box.display_type, box.hide_select = "WIRE", True
     cast.scene.collection.objects.link(box)
     compat.march_volumes(journal, cast.scene)
-    cast.scene.view_layers.update()
+    cast.scene.view_layers[0].update()
 
 
 def _material(journal: Journal) -> Material:

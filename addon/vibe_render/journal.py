@@ -71,14 +71,18 @@ class Journal:
         return twin
 
     def append_material(self, data: ID, material: bpy.types.Material) -> None:
-        """Adds a material slot to a mesh or curve."""
+        """Adds the first material slot to a mesh or curve."""
         self.entries.append({"op": "slot", "id": self.refer(data)})
         data.materials.append(material)
 
     def start_compositor(self, scene: bpy.types.Scene) -> None:
-        """Turns the compositor tree of Blender 4 on, which makes one where there is none."""
+        """Makes the compositor tree of a scene in Blender 4 that has none yet, empty."""
         self.entries.append({"op": "compositor", "id": self.refer(scene)})
+        images = set(bpy.data.images)
         scene.use_nodes = True
+        scene.node_tree.nodes.clear()
+        for image in set(bpy.data.images) - images:  # of the Viewer node that Blender puts there
+            bpy.data.images.remove(image)
 
     def _plain(self, value: Any) -> Any:
         if isinstance(value, ID):
@@ -189,7 +193,10 @@ def _users(block: ID) -> int:
 
 
 def _undo_slot(_journal: Journal, block: ID, _entry: Entry) -> None:
-    block.materials.pop()
+    if len(block.materials) > 1:  # the artist has added others
+        block.materials[0] = None
+    else:
+        block.materials.clear()
 
 
 def _undo_compositor(_journal: Journal, block: ID, _entry: Entry) -> None:

@@ -34,7 +34,7 @@ def prepare(scene: Scene, subject: Sequence[Object] = ()) -> list[str]:
             _light(journal, scene, low, high),
             *(_material(journal, obj) for obj in about),
         ]
-    scene.view_layers.update()
+    scene.view_layers[0].update()
     return [words for words in added if words]
 
 

@@ -53,6 +53,9 @@ class Cast:
     everything: bool = False
     poses: dict[Object, Any] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        self.scene.view_layers[0].update()  # matrices and memberships of what has changed just now
+
 
 def visible(scene: Scene, obj: Object) -> bool:
     """Whether a render shows the object (its own flags, its collections', its view layer's)."""

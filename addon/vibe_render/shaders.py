@@ -128,7 +128,7 @@ def resolve(socket: NodeSocket, inside: tuple[Node, ...]) -> tuple[NodeSocket, N
     node = source.node
     if node.type == "REROUTE" and active_links(node.inputs[0]):
         end, computed = resolve(node.inputs[0], inside)
-        return (socket, source) if computed else (end, None)
+        return (socket, computed) if computed else (end, None)
     if node.type == "GROUP_INPUT" and inside:
         outer = next((s for s in inside[-1].inputs if s.identifier == source.identifier), None)
         return resolve(outer, inside[:-1]) if outer else (socket, source)

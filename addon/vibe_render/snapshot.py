@@ -48,7 +48,7 @@ def revert(scene: Scene) -> list[str]:
     journal = _load(scene)
     forget(scene)  # first: it counts as a user of what is to be removed
     lost = journal.undo()
-    scene.view_layers.update()
+    scene.view_layers[0].update()
     return lost
 
 
@@ -92,16 +92,18 @@ def _load(scene: Scene) -> Journal:
         raise schema.VibeError(
             "This scene was vibed by a newer version of Vibe Render.", "Update Vibe Render, then revert."
         )
-    ids = [stored["ids"].get(str(i)) for i in range(stored["count"])]
+    ids = [scene if i == stored["self"] else stored["ids"].get(str(i)) for i in range(stored["count"])]
     return Journal(json.loads(stored["entries"]), ids)
 
 
 def _store(scene: Scene, journal: Journal) -> None:
     # Pointers instead of names: they survive renaming, saving and reopening.
-    ids = {str(i): block for i, block in enumerate(journal.ids) if block is not None}
+    # The scene itself is left out: it must not count as its own user.
+    ids = {str(i): block for i, block in enumerate(journal.ids) if block not in (None, scene)}
     scene[KEY] = {
         "version": VERSION,
         "entries": json.dumps(journal.entries),
         "count": len(journal.ids),
+        "self": journal.ids.index(scene) if scene in journal.ids else -1,
         "ids": ids,
     }
