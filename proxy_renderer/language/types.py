@@ -45,6 +45,7 @@ class Attribute:
         owners: Materials that are meant; empty for all of the region.
         role: The light that is meant: "key", "fill" or "rim"; "" when no light is.
         color: The named color, sRGB in [0, 1]; None unless the slot is "color".
+        thing: What the prompt calls the thing that it describes: "teapot", "wall", "key light".
         cause: The mood or style word that stands for this one; "" when the prompt says it itself.
         guess: Not a known word, but this is the nearest one.
     """
@@ -59,6 +60,7 @@ class Attribute:
     owners: tuple[str, ...] = ()
     role: str = ""
     color: Values | None = None
+    thing: str = ""
     cause: str = ""
     guess: bool = False
 

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Cuts a prompt into clauses of tokens; a token knows every role that its phrase can play."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+
+from ..schema import Values
+from .color import shade
+from .types import SceneWords
+from .vocabulary import Vocabulary, normalize
+
+_LONGEST = 5  # words in a phrase
+_BREAK = re.compile(r"[.,;:!?()\[\]{}<>|\n\"*#=+]|\s[-–—/]\s|/")
+
+
+@dataclass(frozen=True)
+class SceneName:
+    """Something in the scene that a word of the prompt names."""
+
+    name: str
+    region: str
+    materials: tuple[str, ...] = ()
+
+
+@dataclass
+class Token:
+    """One word or known phrase of the prompt.
+
+    Attributes:
+        text: As the prompt has it, normalized.
+        entry: Vocabulary entry that it names; "" for none.
+        color: sRGB of the color that it names.
+        adjective: A key of the vocabulary's adjectives; "" for none.
+        noun: Kind of thing that it names; "" for none.
+        scene: The thing in the scene that it names.
+        strength: What it multiplies the next look word with, if it is an intensity.
+        lists: Names of the grammar lists that it is in: "negation", "link", ...
+        guess: It is misspelled, and this is the nearest known word.
+    """
+
+    text: str
+    entry: str = ""
+    color: Values | None = None
+    adjective: str = ""
+    noun: str = ""
+    scene: SceneName | None = None
+    strength: float | None = None
+    lists: frozenset[str] = field(default_factory=frozenset)
+    guess: str = ""
+
+    @property
+    def known(self) -> bool:
+        """Whether it plays any role."""
+        look = self.entry or self.color or self.adjective or self.noun or self.scene
+        return bool(look or self.strength or self.lists)
+
+
+def _plain_name(name: str) -> str:
+    """A name as somebody would say it: "WoodTable.001" -> "wood table"."""
+    spaced = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", " ", re.sub(r"\.\d+$", "", name))
+    return normalize(re.sub(r"[^\w\s]|\d+", " ", spaced))
+
+
+def scene_names(words: SceneWords) -> dict[str, SceneName]:
+    """Spoken name -> what it names; objects come before materials, whole names before last words."""
+    things = [SceneName(name, region, words.object_materials.get(name, ())) for name, region in words.objects.items()]
+    things += [SceneName(name, region, (name,)) for name, region in words.materials.items()]
+    names: dict[str, SceneName] = {}
+    if words.subject:
+        names[_plain_name(words.subject)] = SceneName(_plain_name(words.subject), "subject")
+    for whole in (True, False):
+        for thing in things:
+            spoken = _plain_name(thing.name)
+            spoken = spoken if whole else spoken.rpartition(" ")[2]
+            merged = names.get(spoken)
+            if merged and thing.name not in words.materials and merged.region == thing.region and merged.materials:
+                both = tuple(dict.fromkeys((*merged.materials, *thing.materials)))
+                names[spoken] = SceneName(merged.name, merged.region, both)  # "the chairs": Chair, Chair.001
+            elif len(spoken) > 2:
+                names.setdefault(spoken, thing)
+    return names
+
+
+class Lexer:
+    """Finds the longest known phrases; built once per prompt, as scenes bring their own names."""
+
+    def __init__(self, vocabulary: Vocabulary, words: SceneWords) -> None:
+        self.vocabulary = vocabulary
+        self.names = scene_names(words)
+        self._spelling = sorted(
+            w for w in {*vocabulary.synonyms, *vocabulary.colors, *vocabulary.adjectives} if " " not in w and len(w) > 3
+        )
+
+    def clauses(self, prompt: str) -> list[list[Token]]:
+        """Tokens of each clause of a prompt."""
+        text = normalize(re.sub(r"\s*&\s*", " and ", prompt))
+        words = [re.findall(r"[^\W_]+(?:'[a-z]+)?", part) for part in _BREAK.split(text)]
+        return [self._tokens(part) for part in words if part]
+
+    def _tokens(self, words: list[str]) -> list[Token]:
+        tokens: list[Token] = []
+        start = 0
+        while start < len(words):
+            for count in range(min(_LONGEST, len(words) - start), 0, -1):
+                token = self._shaded(words[start : start + count]) or self._phrase(" ".join(words[start : start + count]))
+                if token.known or count == 1:
+                    tokens.append(token if token.known else self._guess(token))
+                    start += count
+                    break
+        return tokens
+
+    def _phrase(self, text: str) -> Token:
+        v = self.vocabulary
+        for spelling in (text, text.removesuffix("s"), text.removesuffix("es"), text.removesuffix("ed")):
+            if len(spelling) < 3 and spelling != text:
+                continue
+            token = Token(
+                text,
+                v.synonyms.get(spelling, ""),
+                v.colors.get(spelling),
+                spelling if spelling in v.adjectives else "",
+                v.nouns.get(spelling, "") or self._head_noun(spelling),
+                self.names.get(spelling),
+                v.intensity.get(spelling),
+                frozenset(kind for kind, phrases in v.lists.items() if spelling in phrases),
+            )
+            if token.known:
+                return token
+        return Token(text)
+
+    def _head_noun(self, text: str) -> str:
+        """Phrases for a setting end in the thing itself: "minimal backdrop"."""
+        v = self.vocabulary
+        entry = v.entries.get(v.synonyms.get(text, ""))
+        return v.nouns.get(text.rpartition(" ")[2], "") if entry and entry.slot == "setting" else ""
+
+    def _shaded(self, words: list[str]) -> Token | None:
+        """A color with shade words before it: "very dark blue", "dusty rose"."""
+        v = self.vocabulary
+        for split in range(1, len(words)):
+            color = v.colors.get(" ".join(words[split:]))
+            leading = words[:split]
+            if color and all(w in v.shades or v.intensity.get(w) for w in leading) and leading[-1] in v.shades:
+                if " ".join(words) in v.colors:
+                    return None
+                for position in range(split - 1, -1, -1):
+                    if leading[position] in v.shades:
+                        before = leading[position - 1] if position else ""
+                        color = _shade(color, v.shades[leading[position]], v.intensity.get(before, 1.0))
+                return Token(" ".join(words), color=color)
+        return None
+
+    def _guess(self, token: Token) -> Token:
+        """The nearest known word, where it can only be a slip of the keyboard."""
+        if len(token.text) < 4:
+            return token
+        for known in get_close_matches(token.text, self.names, 1, 0.86) or get_close_matches(
+            token.text, self._spelling, 3, 0.84
+        ):
+            if known[0] == token.text[0]:
+                meant = self._phrase(known)
+                meant.text, meant.guess = token.text, known
+                return meant
+        return token
+
+
+def _shade(color: Values, row: dict[str, float], strength: float) -> Values:
+    """One shade word applied, `strength` times as much as it does alone."""
+    lightness = max(1 - (1 - row.get("lightness", 1.0)) * strength, 0.05)
+    tinted = 1 - (1 - row.get("chroma", 1.0)) * strength
+    return shade(color, lightness, tinted, row.get("towards", 60.0), row.get("warmth", 0.0) * strength)

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What bound look words add up to: objects, attribute targets, and the colors that regions should have."""
+
+from __future__ import annotations
+
+from .attributes import ATTRIBUTES, COLORS
+from .color import basic, chroma, to_lab
+from .types import Attribute, Lab, Parsed, Region, SceneObject
+from .vocabulary import Vocabulary
+
+_COLORED = {"light": "lighting", "fill": "lighting", "rim": "lighting", "fog": "atmosphere", "glow": "material"}
+Named = tuple[str, Region, tuple[str, ...]]
+
+
+def complete(parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[Named]) -> None:
+    """Fills in objects, targets, colors and conflicts of a prompt whose attributes are bound."""
+    parsed.objects = _objects(parsed.attributes, subject, things)
+    for attribute in sorted(parsed.attributes, key=lambda a: bool(a.cause)):
+        for head, value in _heads(attribute, vocabulary).items():
+            settled = parsed.targets.setdefault(head, value)
+            if head == "fog" and {settled, value} == {"light", "thick"}:
+                settled = parsed.targets[head] = value if not attribute.cause and value == "thick" else settled
+                continue
+            if settled != value and not attribute.cause and not head.endswith("_color"):
+                note = f"'{attribute.word}' asks for {value} {_readable(head)}, but {settled} was asked for first."
+                parsed.conflicts.append(note)
+    _region_colors(parsed)
+    for region in ("subject", "surroundings"):
+        if region in parsed.colors and f"{region}_color" not in parsed.targets:
+            named = next(a for a in parsed.attributes if a.color and _region_of(a) == region)
+            parsed.targets[f"{region}_color"] = color_class(named)
+    parsed.ignored = list(dict.fromkeys(parsed.ignored))
+    parsed.conflicts = list(dict.fromkeys(parsed.conflicts))
+
+
+def color_class(attribute: Attribute) -> str:
+    """The basic color of a color word: its own last word where that is one ("light blue")."""
+    last = attribute.entry.rpartition(" ")[2].replace("gray", "grey")
+    return last if last in COLORS else basic(attribute.color or (0.5, 0.5, 0.5))
+
+
+def display_color(color: tuple[float, ...], region: Region) -> Lab:
+    """A Lab value that a lit region of a color can reach on the display.
+
+    Shading and the view transform's shoulder keep saturated colors from the gamut's corners, and
+    nothing lit is as black as its name.
+    """
+    light, a, b = to_lab(color)
+    if chroma((light, a, b)) > 20:
+        return min(max(light, 22.0), 74.0), 0.8 * a, 0.8 * b
+    ceiling = 95.0 if region == "surroundings" else 86.0
+    return min(max(light, 8.0), ceiling), a, b
+
+
+def _readable(head: str) -> str:
+    return head.replace("_", " ")
+
+
+def _region_of(attribute: Attribute) -> Region | None:
+    if attribute.kind == "subject":
+        return "subject"
+    return "surroundings" if attribute.kind in ("surroundings", "sky", "fog") else None
+
+
+def _heads(attribute: Attribute, vocabulary: Vocabulary) -> dict[str, str]:
+    """The attribute classes that one word asks for."""
+    if attribute.entry not in vocabulary.entries:
+        return {}
+    entry = vocabulary.entries[attribute.entry]
+    if attribute.negated:
+        opposite = vocabulary.entries.get(entry.opposite)
+        return entry.never_heads or (opposite.heads if opposite else {})
+    heads = dict(entry.heads)
+    if attribute.region == "surroundings":
+        heads = {head: value for head, value in heads.items() if not head.startswith("subject_")}
+    if attribute.strength < 0.8:
+        heads = {head: _softer(head, value) for head, value in heads.items()}
+    return {head: value for head, value in heads.items() if value}
+
+
+def _softer(head: str, value: str) -> str:
+    """What is left of a class under "slightly": thick fog becomes light fog, most others say nothing."""
+    if head == "fog":
+        return "light" if value == "thick" else value
+    return value if head in ("light_side", "light_temperature", "vignette", "subject_color") else ""
+
+
+def _region_colors(parsed: Parsed) -> None:
+    """Lab targets: from the color words of the subject and of what lies around it, fog last."""
+    for kind in ("subject", "surroundings", "sky", "fog"):
+        named = [a for a in parsed.attributes if a.kind == kind and a.color and not a.negated]
+        named.sort(key=lambda a: (bool(a.cause), bool(a.owners) and kind == "subject"))
+        for attribute in named:
+            region = _region_of(attribute)
+            if region and attribute.color and region not in parsed.colors:
+                light, a, b = display_color(attribute.color, region)
+                veil = kind == "fog"  # fog is paler than its name
+                parsed.colors[region] = (0.5 * light + 32, 0.5 * a, 0.5 * b) if veil else (light, a, b)
+                parsed.targets[f"{region}_color"] = color_class(attribute)
+            elif kind != "fog" and not attribute.cause and not attribute.owners:
+                first = next(a for a in named if not a.negated)
+                if first.entry != attribute.entry:
+                    parsed.conflicts.append(f"'{attribute.word}' gives way to '{first.word}', which was named first.")
+    assert all(head in ATTRIBUTES for head in parsed.targets)
+
+
+def _objects(attributes: list[Attribute], subject: str, things: list[Named]) -> list[SceneObject]:
+    """The prompt's objects with their attributes, the subject first."""
+    main = next((name for name, region, _ in things if region == "subject"), subject) or "subject"
+    objects = {(main, "subject"): SceneObject(main, "subject")}
+    for name, region, owners in things:
+        objects.setdefault((name, region), SceneObject(name, region, materials=owners)).materials = owners
+    around = next((key for key in objects if key[1] == "surroundings"), ("surroundings", "surroundings"))
+    for attribute in attributes:
+        if attribute.cause:
+            continue
+        key = (attribute.thing, attribute.region)
+        if key not in objects:
+            outer = attribute.region == "surroundings" or attribute.slot in ("atmosphere", "setting") or attribute.kind == "fog"
+            key = around if outer else (main, "subject")
+            objects.setdefault(key, SceneObject(key[0], key[1]))  # type: ignore[arg-type]
+        slots = objects[key].attributes
+        slot, word = attribute.slot, attribute.word
+        if slot == "color" and attribute.region == "whole":
+            slot, word = _COLORED.get(attribute.kind, "grade"), f"{word} {attribute.thing}"
+        slots[slot] = f"{slots[slot]}, {word}" if slot in slots else word
+    return list(objects.values())
