@@ -98,7 +98,7 @@ def descend(
 
     def judge(point: Tensor, picture: Any) -> float:
         with torch.no_grad():
-            return float(objective.loss(picture, point, torch.Generator().manual_seed(_FIXED_VIEWS)))
+            return float(objective.loss(picture, point, fixed_views()))
 
     best = Descent(u.clone(), math.inf, math.inf)
     position, optimiser = _restart(((u - lower)[chosen] / span).clone(), settings.rate)
@@ -130,7 +130,9 @@ def descend(
     return best
 
 
-_FIXED_VIEWS = 12345
+def fixed_views() -> torch.Generator:
+    """The generator of the views that points are compared on."""
+    return torch.Generator().manual_seed(12345)
 
 
 def _restart(position: Tensor, rate: float) -> tuple[Tensor, torch.optim.Adam]:

@@ -10,6 +10,7 @@ import torch
 from torch import Tensor
 
 from ..guidance.losses import prior_loss
+from .inner import fixed_views
 from .vector import ParameterVector
 
 if TYPE_CHECKING:
@@ -58,6 +59,13 @@ class RoundObjective:
         where, home = ((x - self._lower) / self._span for x in (u, self._home))
         prior = prior_loss(where, home.clamp(0.0, 1.0), self._pull)
         return torch.stack(list(terms.values())).sum() + prior.float().to(picture.display.device)
+
+    def account(self, u: Tensor) -> dict[str, float]:
+        """Each weighted term at u, on the views that the best point is judged on."""
+        with torch.no_grad():
+            picture = draw(self.proxy, self.vector, u)
+            terms = self.terms(picture.display, picture.mask, fixed_views())
+        return {name: round(float(value), 4) for name, value in terms.items()}
 
 
 def draw(

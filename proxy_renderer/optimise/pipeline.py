@@ -44,7 +44,7 @@ class Outcome:
         optimised: Keys that some round optimised.
         parsed: The prompt, understood.
         prompts: What the encoder was asked.
-        rounds: One record per round: parameters, losses, steps, seconds.
+        rounds: One record per round: parameters, loss at start and end, its terms, steps, seconds.
         stopped: Whether the watcher ended the loop.
     """
 
@@ -111,6 +111,7 @@ def run(
             {
                 "parameters": chosen,
                 "loss": [found.start_loss, found.loss],
+                "terms": objective.account(u),
                 "steps": found.steps,
                 "repairs": found.repairs,
                 "seconds": round(time.monotonic() - started, 3),
