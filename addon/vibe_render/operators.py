@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import bpy
 
-from . import result, snapshot
+from . import changes, result, snapshot
 from .contract import schema
 from .roster import GEOMETRY
 from .session import Session, desk
@@ -210,4 +210,26 @@ class VIBE_OT_dismiss(bpy.types.Operator):
         return {"FINISHED"}
 
 
-CLASSES = (VIBE_OT_run, VIBE_OT_stop, VIBE_OT_revert, VIBE_OT_keep, VIBE_OT_dismiss)
+class VIBE_OT_why(bpy.types.Operator):
+    """Why this value changed"""
+
+    bl_idname = "vibe.why"
+    bl_label = "Why"
+    bl_options: ClassVar[set[str]] = {"INTERNAL"}
+
+    key: bpy.props.StringProperty()  # type: ignore[valid-type]
+
+    @classmethod
+    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
+        """The reason, as a tool tip."""
+        change = context.scene.vibe.changes[properties.key]
+        where = f"{changes.title(change.name)}, found at {changes.parameter(change.name).blender}"
+        return f"{change.reason}.\n{where}" if change.reason else where
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Says it in the status bar too."""
+        self.report({"INFO"}, context.scene.vibe.changes[self.key].reason or "The look asked for it")
+        return {"CANCELLED"}
+
+
+CLASSES = (VIBE_OT_run, VIBE_OT_stop, VIBE_OT_revert, VIBE_OT_keep, VIBE_OT_dismiss, VIBE_OT_why)

@@ -4,16 +4,17 @@
 from __future__ import annotations
 
 import textwrap
+from itertools import groupby
 from typing import Any, ClassVar
 
 import bpy
 
 from . import changes, operators, preview, snapshot
 from .contract import schema
-from .session import Session, desk
+from .session import LOOKING, Session, desk
 
 
-class _Tab:
+class _Tab(bpy.types.Panel):
     """Where every panel is."""
 
     bl_space_type = "VIEW_3D"
@@ -21,7 +22,16 @@ class _Tab:
     bl_category = "Vibe"
 
 
-class VIBE_PT_main(_Tab, bpy.types.Panel):
+class _IdleTab(_Tab):
+    """A panel that makes way while a vibe runs."""
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Not while a vibe runs."""
+        return not desk.running
+
+
+class VIBE_PT_main(_Tab):
     """Prompt and button; progress while a vibe runs; what went wrong."""
 
     bl_label = "Vibe Render"
@@ -31,14 +41,14 @@ class VIBE_PT_main(_Tab, bpy.types.Panel):
         layout, settings = self.layout, context.scene.vibe
         column = layout.column()
         column.enabled = not desk.running
-        column.label(text="Mood")
+        column.label(text="Describe the mood")
         field = column.row()
         field.scale_y = 1.3
         field.prop(settings, "prompt", text="", placeholder="misty, cool blue fog, vignette")
         if desk.running and desk.session:
             _draw_progress(layout, desk.session)
             return
-        column.prop(settings, "budget", expand=False)
+        column.prop(settings, "budget")
         button = layout.row()
         button.scale_y = 1.8
         again = settings.changes and settings.prompt.strip() == settings.vibed_prompt
@@ -54,20 +64,19 @@ class VIBE_PT_main(_Tab, bpy.types.Panel):
 def _draw_progress(layout: bpy.types.UILayout, session: Session) -> None:
     """The bar, the picture so far, and the way out."""
     box = layout.box()
-    progress = session.progress
     if icon := preview.icon(session.preview):
-        box.template_icon(icon_value=icon, scale=11.0)
-    text = session.stage + "…"
-    if progress and session.stage == "Looking for the look":
+        box.template_icon(icon_value=icon, scale=9.0)
+    text, progress = session.stage + "…", session.progress
+    if progress and session.stage == LOOKING:
         text = f"Round {progress.round} of {progress.rounds}  ·  {_duration(progress.seconds_left)} left"
     box.progress(factor=session.fraction, text=text)
     row = box.row()
     row.scale_y = 1.3
-    row.operator("vibe.stop", text="Stop & Keep Best", icon="CHECKMARK")
+    row.operator("vibe.stop", text="Stop and Use Best", icon="CHECKMARK")
     hint = box.row()
     hint.active = False
     hint.alignment = "CENTER"
-    hint.label(text="Esc cancels. Blender stays yours meanwhile.")
+    hint.label(text="Esc cancels")
 
 
 def _draw_failure(layout: bpy.types.UILayout, context: bpy.types.Context, failure: schema.VibeError) -> None:
@@ -81,7 +90,7 @@ def _draw_failure(layout: bpy.types.UILayout, context: bpy.types.Context, failur
         _paragraph(box, context, failure.remedy)
 
 
-class VIBE_PT_result(_Tab, bpy.types.Panel):
+class VIBE_PT_result(_IdleTab):
     """What the last vibe did, and what to do with it."""
 
     bl_label = "Result"
@@ -94,22 +103,24 @@ class VIBE_PT_result(_Tab, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         """Draws the panel."""
         layout, settings = self.layout, context.scene.vibe
+        if desk.session and (icon := preview.icon(desk.session.preview)):
+            layout.template_icon(icon_value=icon, scale=7.0)
         if settings.changes:
-            row = layout.row(align=True)
-            strength = row.row(align=True)
+            column = layout.column()
+            strength = column.row()
             strength.enabled = not settings.show_original
             strength.prop(settings, "strength", slider=True)
-            row.prop(
-                settings, "show_original", text="", icon="HIDE_OFF" if settings.show_original else "HIDE_ON"
-            )
+            row = column.row(align=True)
+            row.prop(settings, "show_original", text="Original", toggle=True, icon="LOOP_BACK")
+            row.prop_enum(context.space_data.shading, "type", "RENDERED", text="Rendered")
         row = layout.row(align=True)
         row.scale_y = 1.3
         row.operator("vibe.keep", icon="CHECKMARK")
-        row.operator("vibe.revert", icon="LOOP_BACK")
+        row.operator("vibe.revert", icon="X")
 
 
-class VIBE_PT_changes(_Tab, bpy.types.Panel):
-    """Every value that changed: old, new, and why."""
+class VIBE_PT_changes(_IdleTab):
+    """Every value that changed: old, new, and why; one heading for each light, material and so on."""
 
     bl_label = "What Changed"
     bl_parent_id = "VIBE_PT_result"
@@ -117,53 +128,41 @@ class VIBE_PT_changes(_Tab, bpy.types.Panel):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Only when there are changes."""
-        return bool(context.scene.vibe.changes) and not desk.running
-
-    def draw_header_preset(self, context: bpy.types.Context) -> None:
-        """How many there are."""
-        self.layout.label(text=f"{len(context.scene.vibe.changes)} values")
+        return bool(context.scene.vibe.changes)
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draws the list, and the chosen entry in full."""
-        layout, settings = self.layout, context.scene.vibe
-        layout.template_list("VIBE_UL_changes", "", settings, "changes", settings, "active_change", rows=7)
-        if 0 <= settings.active_change < len(settings.changes):
-            _draw_change(layout, context, settings.changes[settings.active_change])
+        """Draws the list."""
+        layout = self.layout
+        for (group, owner), entries in groupby(context.scene.vibe.changes, key=_owner):
+            name, icon = changes.GROUPS[group]
+            column = layout.column(align=True)
+            column.label(text=owner or name, icon=icon)
+            for entry in entries:
+                _draw_change(column, entry)
 
 
-def _draw_change(layout: bpy.types.UILayout, context: bpy.types.Context, change: Any) -> None:
-    """Where the value is found in Blender, what it was, and the reason for the change."""
-    row = changes.parameter(change.name)
-    column = layout.box().column(align=True)
-    column.label(text=changes.title(change.name), icon=changes.GROUPS[row.group][1])
+def _owner(change: Any) -> tuple[str, str]:
+    return schema.split_key(change.name)[:2]
+
+
+def _draw_change(layout: bpy.types.UILayout, change: Any) -> None:
+    """A line: name, old, new, and an icon that tells why."""
+    parameter = changes.parameter(change.name)
+    row = layout.row(align=True)
+    split = row.split(factor=0.44, align=True)
+    split.label(text=changes.words(parameter.name))
+    values = split.row(align=True)
     before, after = change.values()
-    if row.kind != "color":
-        column.label(text=f"{changes.text(change.name, before)}  →  {changes.text(change.name, after)}")
-    if change.reason:
-        _paragraph(column, context, change.reason)
-    _paragraph(column, context, row.blender, dim=True)
+    if parameter.kind == "color":
+        values.prop(change, "before", text="")
+        values.prop(change, "after", text="")
+    else:
+        values.alignment = "RIGHT"
+        values.label(text=f"{changes.text(change.name, before)} → {changes.text(change.name, after)}")
+    row.operator("vibe.why", text="", icon="INFO", emboss=False).key = change.name
 
 
-class VIBE_UL_changes(bpy.types.UIList):
-    """A line for each change."""
-
-    def draw_item(self, context, layout, data, item, icon, active_data, active_property, index=0, flag=0):
-        """Draws the line: icon, name, old, new."""
-        parameter = changes.parameter(item.name)
-        split = layout.split(factor=0.6)
-        split.label(text=changes.title(item.name), icon=changes.GROUPS[parameter.group][1])
-        row = split.row(align=True)
-        before, after = item.values()
-        if parameter.kind == "color":
-            row.enabled = False
-            row.prop(item, "before", text="")
-            row.prop(item, "after", text="")
-        else:
-            row.alignment = "RIGHT"
-            row.label(text=f"{changes.text(item.name, before)} → {changes.text(item.name, after)}")
-
-
-class VIBE_PT_scope(_Tab, bpy.types.Panel):
+class VIBE_PT_scope(_IdleTab):
     """What a vibe may change, and what the picture is about."""
 
     bl_label = "May Change"
@@ -171,47 +170,43 @@ class VIBE_PT_scope(_Tab, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         """Draws the panel."""
         layout, settings = self.layout, context.scene.vibe
-        layout.enabled = not desk.running
         grid = layout.grid_flow(columns=2, even_columns=True, align=True)
         for group in schema.GROUPS:
             free = getattr(settings, f"change_{group}")
             grid.prop(settings, f"change_{group}", toggle=True, icon="UNLOCKED" if free else "LOCKED")
-        layout.use_property_split = True
-        layout.use_property_decorate = False
         column = layout.column()
-        column.prop(settings, "lock", placeholder="light/Key, */metallic")
         column.prop(settings, "subject")
         if settings.subject == "COLLECTION":
-            column.prop(settings, "collection", text=" ")
+            column.prop(settings, "collection", text="")
 
 
-class VIBE_PT_effort(_Tab, bpy.types.Panel):
-    """How hard to look."""
+class VIBE_PT_advanced(_IdleTab):
+    """Numbers that few need."""
 
-    bl_label = "Effort"
+    bl_label = "Advanced"
     bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draws the panel."""
         layout, settings = self.layout, context.scene.vibe
-        layout.enabled = not desk.running
         layout.use_property_split = True
         layout.use_property_decorate = False
         column = layout.column()
-        column.prop(settings, "budget", text="Effort")
-        if settings.budget == "CUSTOM":
-            for name in ("rounds", "steps", "size"):
-                column.prop(settings, name)
+        column.prop(settings, "lock", placeholder="light/Key, */metallic")
         column.prop(settings, "top_k")
         column.prop(settings, "seed")
+        column = layout.column()
+        column.active = settings.budget == "CUSTOM"
+        column.prop(settings, "budget")
+        for name in ("rounds", "steps", "size"):
+            column.prop(settings, name)
 
 
-def _paragraph(layout: bpy.types.UILayout, context: bpy.types.Context, text: str, dim: bool = False) -> None:
+def _paragraph(layout: bpy.types.UILayout, context: bpy.types.Context, text: str) -> None:
     """Text in as many lines as the sidebar is wide for."""
     scale = context.preferences.system.ui_scale
     column = layout.column(align=True)
     column.scale_y = 0.8
-    column.active = not dim
     for line in textwrap.wrap(text, max(16, int(context.region.width / (7.5 * scale)) - 4)):
         column.label(text=line)
 
@@ -220,4 +215,4 @@ def _duration(seconds: float) -> str:
     return f"{seconds / 60:.0f} min" if seconds >= 90 else f"{max(seconds, 1):.0f} s"
 
 
-CLASSES = (VIBE_PT_main, VIBE_PT_result, VIBE_UL_changes, VIBE_PT_changes, VIBE_PT_scope, VIBE_PT_effort)
+CLASSES = (VIBE_PT_main, VIBE_PT_result, VIBE_PT_changes, VIBE_PT_scope, VIBE_PT_advanced)

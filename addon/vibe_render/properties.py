@@ -118,7 +118,6 @@ class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
         name="Show Original", description="Look at the scene as it was, to compare", update=_mix
     )
     changes: CollectionProperty(type=VibeChange)
-    active_change: IntProperty(name="Change")
     vibed_prompt: StringProperty()
     pivot: FloatVectorProperty(size=3, description="What lights and camera orbit: the subject's centre")
 

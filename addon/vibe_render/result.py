@@ -68,7 +68,7 @@ def forget(scene: bpy.types.Scene) -> None:
     """Empties the list of changes; the scene's values stay."""
     settings = scene.vibe
     settings.changes.clear()  # first: without changes, resetting the sliders writes nothing
-    settings.strength, settings.show_original, settings.active_change = 1.0, False, 0
+    settings.strength, settings.show_original = 1.0, False
     settings.vibed_prompt = ""
 
 

@@ -17,6 +17,8 @@ from .contract import messages, schema
 from .engine import Engine
 from .subject import Choice
 
+LOOKING = "Looking for the look"
+
 
 class Session:
     """One vibe.
@@ -115,7 +117,7 @@ class Session:
             self.stage = message.name.capitalize()
         elif isinstance(message, messages.Progress):
             self.progress = message
-            self.stage = "Looking for the look"
+            self.stage = LOOKING
             if message.preview:
                 self.preview = self._job / message.preview
         elif isinstance(message, messages.Result):

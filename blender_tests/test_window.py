@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel in a real Blender window, by mouse and keyboard. See window_driver.py for the way that is walked."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from proxy_renderer import extension
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+TOOL = REPOSITORY.parent / "shared" / "tools" / "blender-window"
+_BUNDLED = ("numpy", "requests")  # official builds bring them along; Debian's minimal one does not
+
+
+def _root() -> Path:
+    """The folder that Blender is in; skips the test where it cannot be used."""
+    if not TOOL.is_file():
+        pytest.skip(f"needs {TOOL} (a Blender with a window in a root of its own)")
+    if os.geteuid() != 0:
+        pytest.skip("needs root, for chroot")
+    root = Path(subprocess.run(["bash", TOOL, "path"], capture_output=True, text=True).stdout.strip())
+    if not (root / ".ready").exists():
+        pytest.skip(f"needs `{TOOL} setup` to have been run")
+    return root
+
+
+def _bundle(root: Path, folder: Path) -> None:
+    """Puts the packages that official builds of Blender bring along into a folder."""
+    version = os.readlink(root / "usr/bin/python3").removeprefix("python")
+    options = ["--python-version", version, "--only-binary=:all:", "--no-compile", "--target", folder]
+    done = subprocess.run(
+        [sys.executable, "-m", "pip", "install", "-q", *options, *_BUNDLED], capture_output=True
+    )
+    if done.returncode:
+        pytest.skip(f"needs {' and '.join(_BUNDLED)} for Blender's Python {version}, from pip")
+
+
+@pytest.fixture(scope="module")
+def walked(tmp_path_factory):
+    """Walks the way once; what was seen, and the folder of the screenshots."""
+    root = _root()
+    out = Path(os.environ.get("VIBE_WINDOW_OUT") or tmp_path_factory.mktemp("window"))
+    out.mkdir(parents=True, exist_ok=True)
+    user = tmp_path_factory.mktemp("user")
+    _bundle(root, user / "scripts" / "addons" / "modules")
+    places = [out, user, *(p for p in (sys.prefix, sys.base_prefix) if not p.startswith("/usr"))]
+    environment = {
+        **os.environ,
+        "BLENDER_WINDOW_BIND": ":".join(map(str, places)),
+        "BLENDER_USER_RESOURCES": str(user),
+        "PYTHONPATH": str(REPOSITORY),  # for the engine; Blender itself must not need it
+    }
+    environment.setdefault("VIBE_ENGINE", sys.executable)
+    command = [
+        "blender",
+        "--window-geometry",
+        "0",
+        "0",
+        "1600",
+        "1000",
+        "--factory-startup",
+        "--offline-mode",
+    ]
+    driver = ["--python", REPOSITORY / "blender_tests" / "window_driver.py", "--", extension.build(out), out]
+    done = subprocess.run(
+        ["bash", TOOL, "run", *command, *driver],
+        cwd=REPOSITORY, env=environment, capture_output=True, text=True, timeout=240,
+    )  # fmt: skip
+    report = out / "steps.json"
+    assert report.is_file(), done.stdout[-3000:] + done.stderr[-3000:]
+    return json.loads(report.read_text()), out
+
+
+def test_whole_way(walked):
+    """Nothing on the way failed, and there is a screenshot of each step."""
+    seen, out = walked
+    assert "error" not in seen, seen["error"]
+    assert len(list(out.glob("*.png"))) == 7
+
+
+def test_vibe_changes_what_it_lists(walked):
+    """The typed prompt leads to a result that is in the scene and in the list."""
+    seen, _ = walked
+    assert seen["prompt"].startswith("misty night")
+    assert seen["failure"] == ""
+    assert seen["changed"]
+    assert seen["listed"]
+
+
+@pytest.mark.parametrize("way_back", ["esc", "undo", "redo", "revert"])
+def test_way_back_is_exact(walked, way_back):
+    """Esc, one undo and Revert lead back to the same values; redo to the vibe's."""
+    assert walked[0][f"{way_back}_restores"]
+
+
+def test_extension_needs_no_engine_code(walked):
+    """The installed extension uses the schema that was copied into it."""
+    assert walked[0]["schema_is_the_copy"]

@@ -1,0 +1,230 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs inside a Blender with a window: an artist's way through the panel, with mouse and keyboard.
+
+    blender --python window_driver.py -- ZIP OUT
+
+Writes a screenshot of every step and OUT/steps.json: what was seen, or what went wrong.
+"""
+
+import json
+import subprocess
+import sys
+import time
+import traceback
+from pathlib import Path
+
+import bpy
+
+ZIP, OUT = map(Path, sys.argv[sys.argv.index("--") + 1 :])
+PROMPT = "misty night, cool blue fog, glossy red monkey, vignette"
+seen: dict[str, object] = {}
+
+
+class Screen:
+    """The mouse, the keyboard and the eye of somebody who sits in front of the window."""
+
+    def __init__(self) -> None:
+        self.window = bpy.context.window_manager.windows[0]
+        self.area = next(a for a in self.window.screen.areas if a.type == "VIEW_3D")
+        self.sidebar = next(r for r in self.area.regions if r.type == "UI")
+        self.view = next(r for r in self.area.regions if r.type == "WINDOW")
+        self._number = 0
+
+    def inside(self):
+        """Context of the sidebar."""
+        return bpy.context.temp_override(window=self.window, area=self.area, region=self.sidebar)
+
+    def shoot(self, name):
+        """Takes a screenshot."""
+        self._number += 1
+        subprocess.run(["import", "-window", "root", OUT / f"{self._number:02}_{name}.png"], check=True)
+
+    def move(self, x, y):
+        """Moves the mouse; Blender's coordinates, from the lower left."""
+        subprocess.run(["xdotool", "mousemove", str(int(x)), str(int(self.window.height - y))], check=True)
+
+    def press(self, *keys):
+        """Presses keys, one after the other."""
+        subprocess.run(["xdotool", "key", *keys], check=True)
+
+    def type(self, text):
+        """Types."""
+        subprocess.run(["xdotool", "type", "--delay", "5", text], check=True)
+
+    def click(self):
+        """Clicks where the mouse is."""
+        subprocess.run(["xdotool", "click", "1"], check=True)
+
+    def under_mouse(self):
+        """The property or operator of the button that the mouse is over, as Blender says it."""
+        with self.inside():
+            if bpy.context.property:
+                return bpy.context.property[1]
+            bpy.context.window_manager.clipboard = ""
+            if bpy.ops.ui.copy_python_command_button.poll():
+                bpy.ops.ui.copy_python_command_button()
+            return bpy.context.window_manager.clipboard
+
+    def find(self, what):
+        """Sweeps the sidebar with the mouse until it is over a button; a generator of waits."""
+        region = self.sidebar
+        for y in range(region.y + region.height - 30, region.y, -9):
+            for x in (0.3, 0.75):
+                self.move(region.x + region.width * x, y)
+                yield 0.03
+                if what in self.under_mouse():
+                    return
+        raise LookupError(f"There is no {what} in the sidebar.")
+
+    def click_on(self, what):
+        """Finds a button and clicks it."""
+        yield from self.find(what)
+        self.click()
+        yield 0.3
+
+
+def a_scene():
+    """A monkey on a floor, lit by two lamps."""
+    bpy.ops.object.select_all(action="SELECT")
+    bpy.ops.object.delete()
+    bpy.ops.mesh.primitive_plane_add(size=12)
+    bpy.ops.mesh.primitive_monkey_add(size=2, location=(0, 0, 1.0))
+    monkey = bpy.context.object
+    monkey.modifiers.new("Subdivision", "SUBSURF").levels = 1
+    bpy.ops.object.shade_smooth()
+    for name, color in (("Floor", (0.35, 0.33, 0.3, 1)), ("Monkey", (0.75, 0.6, 0.45, 1))):
+        material = bpy.data.materials.new(name)
+        material.use_nodes = True
+        material.diffuse_color = color
+        material.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = color
+        bpy.data.objects["Plane" if name == "Floor" else "Suzanne"].data.materials.append(material)
+    for name, place, power in (("Key", (3, -3, 4), 400), ("Rim", (-3, 3, 3), 200)):
+        bpy.ops.object.light_add(type="AREA", location=place)
+        bpy.context.object.name, bpy.context.object.data.energy = name, power
+        bpy.context.object.rotation_euler = bpy.context.object.location.to_track_quat("Z", "Y").to_euler()
+    bpy.ops.object.camera_add(location=(0, -6.5, 2.2), rotation=(1.4, 0, 0))
+    bpy.context.scene.camera = bpy.context.object
+
+
+def values():
+    """What a vibe may change, as far as a scene like this one has it."""
+    scene = bpy.context.scene
+    dump = {
+        f"{light.name}.{p}": repr(getattr(light, p)) for light in bpy.data.lights for p in ("energy", "color")
+    }
+    for material in (bpy.data.materials["Floor"], bpy.data.materials["Monkey"]):
+        inputs = material.node_tree.nodes["Principled BSDF"].inputs
+        dump |= {f"{material.name}.{i.name}": _plain(i) for i in inputs if hasattr(i, "default_value")}
+    dump |= {f"{o.name}.matrix": str(o.matrix_world) for o in bpy.data.objects if o.type != "MESH"}
+    return dump | {"objects": str(len(bpy.data.objects)), "exposure": repr(scene.view_settings.exposure)}
+
+
+def _plain(socket):
+    value = socket.default_value
+    return repr(list(value)) if hasattr(value, "__len__") and not isinstance(value, str) else repr(value)
+
+
+def wait(condition, seconds, what):
+    """Waits, as a generator of waits."""
+    end = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > end:
+            raise TimeoutError(f"{what} within {seconds} s")
+        yield 0.1
+
+
+def the_way():
+    """Every step; yields how long to wait before the next one, in seconds."""
+    yield 0.5
+    screen = Screen()
+    with bpy.context.temp_override(window=screen.window, area=screen.area, region=screen.view):
+        bpy.ops.extensions.package_install_files(
+            filepath=str(ZIP), repo="user_default", enable_on_install=True
+        )
+        a_scene()
+        bpy.ops.ed.undo_push(message="Scene")
+    from bl_ext.user_default.vibe_render import snapshot
+    from bl_ext.user_default.vibe_render.session import desk
+
+    seen["schema_is_the_copy"] = not any(name.startswith("proxy_renderer") for name in sys.modules)
+    space = screen.area.spaces.active
+    space.shading.color_type, space.region_3d.view_perspective = "MATERIAL", "CAMERA"
+    space.show_region_ui = True
+    yield 0.5
+    screen.sidebar.active_panel_category = "Vibe"
+    screen.sidebar.tag_redraw()
+    scene = bpy.context.scene
+    scene.vibe.budget, scene.vibe.rounds, scene.vibe.steps, scene.vibe.size = "CUSTOM", 1, 500, 192
+    yield 0.5
+    screen.shoot("panel")
+    before = values()
+
+    yield from screen.click_on("vibe.prompt")
+    screen.press("ctrl+a")
+    screen.type(PROMPT)
+    screen.press("Return")
+    yield 0.5
+    seen["prompt"] = bpy.context.scene.vibe.prompt
+    screen.shoot("prompt")
+
+    yield from screen.click_on("vibe.run")
+    yield from wait(lambda: desk.running, 5, "Vibe It starts")
+    yield from wait(lambda: desk.session.progress, 60, "progress is seen")
+    yield 1.0
+    screen.shoot("progress")
+    seen["progress"] = desk.session.fraction
+    screen.press("Escape")
+    yield from wait(lambda: not desk.running, 10, "Esc ends it")
+    yield 0.3
+    screen.shoot("canceled")
+    seen["esc_restores"] = values() == before and not snapshot.exists(bpy.context.scene)
+
+    bpy.context.scene.vibe.steps = 4
+    bpy.ops.ed.undo_push(message="Fewer steps")
+    yield from screen.click_on("vibe.run")
+    yield from wait(lambda: desk.running, 5, "Vibe It starts again")
+    yield from wait(lambda: not desk.running, 60, "the vibe ends")
+    yield 0.7
+    screen.shoot("result")
+    seen["failure"] = str(desk.failure or "")
+    after = values()
+    seen["changed"] = [key for key in after if after[key] != before.get(key)]
+    seen["listed"] = [change.name for change in bpy.context.scene.vibe.changes]
+
+    screen.move(screen.view.x + 200, screen.view.y + 200)
+    yield 0.2
+    screen.press("ctrl+z")
+    yield 0.7
+    screen.shoot("undone")
+    seen["undo_restores"] = values() == before and not snapshot.exists(bpy.context.scene)
+    screen.press("ctrl+shift+z")
+    yield 0.7
+    seen["redo_restores"] = values() == after
+
+    yield from screen.click_on("vibe.revert")
+    yield 0.5
+    screen.shoot("reverted")
+    seen["revert_restores"] = values() == before and not snapshot.exists(bpy.context.scene)
+
+
+def main():
+    """Walks the way on Blender's timer, so that Blender works in between."""
+    bpy.context.preferences.view.show_splash = False
+    steps = the_way()
+
+    def tick():
+        try:
+            return next(steps)
+        except StopIteration:
+            pass
+        except Exception:
+            seen["error"] = traceback.format_exc()
+            subprocess.run(["import", "-window", "root", OUT / "99_error.png"], check=False)
+        (OUT / "steps.json").write_text(json.dumps(seen, indent=1))
+        bpy.ops.wm.quit_blender()
+        return None
+
+    bpy.app.timers.register(tick, first_interval=1.0)
+
+
+main()
