@@ -14,6 +14,7 @@ from torch import Tensor
 
 from ..scene import SceneData
 from .settings import Settings, wanted
+from .vectors import unit
 
 
 def direction(azimuth: Tensor, elevation: Tensor) -> Tensor:
@@ -84,7 +85,7 @@ class View:
         if self.orthographic:
             return self.position[:, None] + across, -back[:, None].expand_as(across)
         toward = across - back[:, None]
-        return self.position[:, None].expand_as(toward), toward / toward.norm(dim=0)
+        return self.position[:, None].expand_as(toward), unit(toward)
 
     def project(self, points: Tensor) -> Tensor:
         """Picture positions (2, N) in pixels of points (3, N), which must lie in front of the camera."""

@@ -17,6 +17,7 @@ from torch import Tensor
 
 from .albedo import basis
 from .lights import Arrival, Lamp, half_axes, tangents
+from .vectors import dot, unit
 
 _LEAST_ALPHA = 2e-3
 
@@ -59,12 +60,11 @@ class Highlight:
 
 def highlight(lamp: Lamp, arriving: Arrival, points: Tensor, normal: Tensor, view: Tensor) -> Highlight:
     """The highlight of a lamp, unshadowed, at points (3, N) seen along `view` (3, N), towards the eye."""
-    into = (normal * arriving.toward).sum(0)
-    out = (normal * view).sum(0).clamp_min(1e-3)
-    half = arriving.toward + view
-    half = half / half.norm(dim=0).clamp_min(1e-4)
-    up = (half * normal).sum(0).clamp_min(1e-2)
-    aside = (half * view).sum(0).clamp(1e-3, 1.0)
+    into = dot(normal, arriving.toward)
+    out = dot(normal, view).clamp_min(1e-3)
+    half = unit(arriving.toward + view, 1e-4)
+    up = dot(half, normal).clamp_min(1e-2)
+    aside = dot(half, view).clamp(1e-3, 1.0)
     lit = torch.where(into > 0, arriving.frontal, 0.0)
     if lamp.round:
         squared = (1 / (up * up) - 1).clamp_min(0.0)
@@ -86,23 +86,22 @@ def _box(lamp: Lamp, points: Tensor, normal: Tensor, view: Tensor, arriving: Arr
     u, v = half_axes(lamp)
 
     def slope(offset: Tensor) -> Tensor:
-        toward = offset / offset.norm(dim=0).clamp_min(1e-6)
-        half = toward + view
-        height = (half * normal).sum(0).clamp_min(2e-2)
-        return torch.stack(((half * across).sum(0), (half * up).sum(0))) / height
+        half = unit(offset) + view
+        height = dot(half, normal).clamp_min(2e-2)
+        return torch.stack((dot(half, across), dot(half, up))) / height
 
     middle = slope(center)
     e1 = (slope(center + u) - slope(center - u)) / 2
     e2 = (slope(center + v) - slope(center - v)) / 2
     area = (e1[0] * e2[1] - e1[1] * e2[0]).abs().clamp_min(1e-10)
-    wide = e1.norm(dim=0).clamp_min(1e-5)
+    wide = (e1[0] * e1[0] + e1[1] * e1[1]).clamp_min(1e-10).sqrt()
     high = (area / wide).clamp_min(1e-5)
     sign = torch.where(e1[0] * e2[1] - e1[1] * e2[0] < 0, -1.0, 1.0)
     # The origin in coordinates along e1 and across it.
-    x = -(middle * e1).sum(0) / wide
+    x = -(middle[0] * e1[0] + middle[1] * e1[1]) / wide
     y = -(e1[0] * middle[1] - e1[1] * middle[0]) / wide * sign
     # Shear: the box leans with e2; follow it at the origin's height.
-    x = x - y * (e1 * e2).sum(0) / wide / high
+    x = x - y * (e1[0] * e2[0] + e1[1] * e2[1]) / wide / high
     return torch.stack((-wide - x, wide - x, -high - y, high - y))
 
 

@@ -18,6 +18,7 @@ from .environment import harmonics
 from .lights import Lamp, arrival, tangents
 from .samples import Samples
 from .visibility import Geometry, Surface, sphere_points
+from .vectors import dot, unit
 
 GLOSSY = 0.4
 """Roughness of the blurred reflection between the mirror image and the diffuse light."""
@@ -89,7 +90,7 @@ class Far:
         met = arrival(lamp, self.surface.position, self.surface.normal)
         shade = torch.ones_like(self.hit)
         if lamp.light.shadow:
-            facing = (self.surface.facet * met.toward).sum(0) > 0
+            facing = dot(self.surface.facet, met.toward) > 0
             origin = self.geometry.lifted(self.surface)
             shade = self.geometry.clear(origin, met.toward, met.distance * 0.999) * facing
         self.irradiance[index] = met.irradiance * shade
@@ -285,14 +286,13 @@ def _spread(samples: Samples, surface: Surface, chosen: Tensor, lists: Tensor, c
 
 def reflect(toward: Tensor, normal: Tensor) -> Tensor:
     """Mirror directions (3, N) of rays (3, N) at unit normals (3, N)."""
-    return toward - 2 * (toward * normal).sum(0) * normal
+    return toward - normal * (2 * dot(toward, normal))
 
 
 def above(toward: Tensor, facet: Tensor) -> Tensor:
     """Lifts directions (3, N) that would enter the surface to just above it."""
-    cosine = (toward * facet).sum(0)
-    lifted = toward + facet * (0.01 - cosine).clamp_min(0.0)
-    return lifted / lifted.norm(dim=0).clamp_min(1e-6)
+    cosine = dot(toward, facet)
+    return unit(toward + facet * (0.01 - cosine).clamp_min(0.0))
 
 
 def cosine_directions(normal: Tensor, uv: Tensor) -> Tensor:

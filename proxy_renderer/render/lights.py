@@ -17,6 +17,7 @@ from ..scene import Light, SceneData
 from . import color
 from .camera import direction, frame
 from .settings import Settings, wanted
+from .vectors import cross, dot, length, unit
 
 _POINT_RADIUS = 1e-3
 """Least angular radius (radians) of a lamp: a true point would have no highlight in a mirror."""
@@ -113,7 +114,7 @@ def arrival(lamp: Lamp, points: Tensor, normals: Tensor) -> Arrival:
     if lamp.light.type == "SUN":
         return _sun(lamp, normals)
     offset = lamp.position[:, None] - points
-    squared = (offset * offset).sum(0).clamp_min(1e-8)
+    squared = dot(offset, offset).clamp_min(1e-8)
     distance = squared.sqrt()
     toward = offset / distance
     if lamp.light.type == "AREA":
@@ -124,7 +125,7 @@ def arrival(lamp: Lamp, points: Tensor, normals: Tensor) -> Arrival:
 def _sun(lamp: Lamp, normals: Tensor) -> Arrival:
     """A sun's strength is the irradiance of a surface that faces it."""
     z = lamp.axes[:, 2:3]
-    cosine = (normals * z).sum(0).clamp_min(0.0)
+    cosine = dot(normals, z).clamp_min(0.0)
     half = (lamp.size / 2).clamp(_POINT_RADIUS, math.pi / 2)
     one = torch.ones_like(cosine)
     solid = 2 * math.pi * (1 - half.cos())
@@ -138,7 +139,7 @@ def _point(lamp: Lamp, normals: Tensor, toward: Tensor, distance: Tensor, square
         frontal = frontal * (4 * math.pi * lamp.size * lamp.size)
     if lamp.light.type == "SPOT":
         frontal = frontal * _spot_cone(lamp, toward)
-    cosine = (normals * toward).sum(0).clamp_min(0.0)
+    cosine = dot(normals, toward).clamp_min(0.0)
     radius2 = (lamp.size * lamp.size).clamp_min(0.0)
     solid = (math.pi * radius2 / squared).clamp(math.pi * _POINT_RADIUS**2, 2 * math.pi)
     return Arrival(toward, distance, frontal * cosine, frontal, solid)
@@ -148,7 +149,7 @@ def _spot_cone(lamp: Lamp, toward: Tensor) -> Tensor:
     """Blender's smoothstep between the cone's rim and its blend (kernel/light/spot.h)."""
     edge = math.cos(lamp.light.spot_size / 2)
     slope = 1.0 / max((1.0 - edge) * lamp.light.spot_blend, 1e-5)
-    t = (((lamp.axes[:, 2:3] * toward).sum(0) - edge) * slope).clamp(0.0, 1.0)
+    t = ((dot(toward, lamp.axes[:, 2:3]) - edge) * slope).clamp(0.0, 1.0)
     return t * t * (3 - 2 * t)
 
 
@@ -156,7 +157,7 @@ def _area(
     lamp: Lamp, points: Tensor, normals: Tensor, toward: Tensor, distance: Tensor, squared: Tensor
 ) -> Arrival:
     """Area light: radiance power / (pi area) on the side that it shines to."""
-    facing = (lamp.axes[:, 2:3] * toward).sum(0).clamp_min(0.0)
+    facing = dot(toward, lamp.axes[:, 2:3]).clamp_min(0.0)
     radiance = 1.0 / (math.pi * (lamp.area if lamp.light.normalize else 1.0))
     solid = (lamp.area * facing / (squared + lamp.area / math.pi)).clamp_min(1e-7)
     front = (facing > 0).to(facing.dtype)
@@ -183,15 +184,15 @@ def _polygon(lamp: Lamp, points: Tensor, normals: Tensor) -> Tensor:
     """
     half = half_axes(lamp)
     corners = [lamp.position[:, None] + half[0] * sx + half[1] * sy - points for sx, sy in _CORNERS]
-    corners = [c / c.norm(dim=0).clamp_min(1e-6) for c in corners]
+    corners = [unit(c) for c in corners]
     flux = torch.zeros_like(points)
     for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
-        cosine = (a * b).sum(0).clamp(-0.99999, 0.99999)
-        flux = flux + torch.linalg.cross(a, b, dim=0) * _theta_over_sine(cosine)
+        cosine = dot(a, b).clamp(-0.99999, 0.99999)
+        flux = flux + cross(a, b) * _theta_over_sine(cosine)
     flux = flux * 0.5
-    length = flux.norm(dim=0).clamp_min(1e-9)
-    cosine = (flux * normals).sum(0) / length
-    return length * _clipped_sphere(cosine, (length / math.pi).clamp_max(1.0))
+    size = length(flux, 1e-9)
+    cosine = dot(flux, normals) / size
+    return size * _clipped_sphere(cosine, (size / math.pi).clamp_max(1.0))
 
 
 _CORNERS = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
@@ -248,8 +249,8 @@ def outline(lamp: Lamp, toward: Tensor, distance: Tensor, solid: Tensor, uv: Ten
             offset = (across * x + up * y) * (solid / math.pi).sqrt() * reach
     reach = torch.where(distance.isinf(), torch.ones_like(distance), distance)
     target = toward * reach + offset
-    length = target.norm(dim=0).clamp_min(1e-8)
-    return target / length, torch.where(distance.isinf(), distance, length)
+    away = length(target)
+    return target / away, torch.where(distance.isinf(), distance, away)
 
 
 def tangents(normal: Tensor) -> tuple[Tensor, Tensor]:

@@ -10,6 +10,7 @@ from torch import Tensor
 
 from .camera import View
 from .visibility import Geometry, Hits, Surface
+from .vectors import dot
 
 EDGE_SAMPLES = 5
 _FILTER_WIDTH = 1.5  # pixels, Cycles' default Blackman-Harris
@@ -140,7 +141,7 @@ def _edges(geometry: Geometry, hits: Hits, toward: Tensor, width: int, height: i
     name = torch.where(hits.hit, geometry.object[index] * 4096 + surface.material, -1).view(height, width)
     normal = torch.where(hits.hit, surface.normal, 0.0).view(3, height, width)
     depth = torch.where(hits.hit, hits.distance, 0.0).view(height, width)
-    slope = torch.where(hits.hit, (surface.facet * toward).sum(0).abs().clamp_min(0.05), 1.0).view(height, width)
+    slope = torch.where(hits.hit, dot(surface.facet, toward).abs().clamp_min(0.05), 1.0).view(height, width)
     pitch = 4.0 / max(width, height)
     edge = torch.zeros((height, width), dtype=torch.bool, device=name.device)
     for axis in (0, 1):
@@ -149,7 +150,7 @@ def _edges(geometry: Geometry, hits: Hits, toward: Tensor, width: int, height: i
         na, nb = normal.narrow(axis + 1, 0, n), normal.narrow(axis + 1, 1, n)
         da, db = depth.narrow(axis, 0, n), depth.narrow(axis, 1, n)
         steep = torch.minimum(slope.narrow(axis, 0, n), slope.narrow(axis, 1, n))
-        jump = (a != b) | (((na * nb).sum(0) < 0.9) & (a >= 0)) | ((da - db).abs() * steep > pitch * da)
+        jump = (a != b) | ((dot(na, nb) < 0.9) & (a >= 0)) | ((da - db).abs() * steep > pitch * da)
         edge.narrow(axis, 0, n).logical_or_(jump)
         edge.narrow(axis, 1, n).logical_or_(jump)
     return edge.flatten()

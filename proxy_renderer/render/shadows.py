@@ -11,6 +11,7 @@ from torch import Tensor
 from .lights import Arrival, Lamp, outline
 from .samples import Samples
 from .visibility import Geometry, Surface, sphere_points
+from .vectors import dot
 
 _MOST_RAYS = 4
 _SHARP = 1e-3
@@ -36,7 +37,7 @@ def shadow(
     solid = float(arriving.solid_angle.max()) if count else 0.0
     rays = 1 if solid < _SHARP else (2 if moving else _MOST_RAYS)
     seen = torch.zeros(count, device=surface.position.device)
-    lit = ((surface.facet * arriving.toward).sum(0) > 0) & (arriving.frontal > 0)
+    lit = (dot(surface.facet, arriving.toward) > 0) & (arriving.frontal > 0)
     index = lit.nonzero()[:, 0]
     origin = geometry.lifted(surface)[:, index]
     spots = sphere_points(rays, count, torch.Generator().manual_seed(11)).to(seen.device)[:, index]
@@ -78,7 +79,7 @@ def _add_neighbor(
     height, width = value.shape
     to = slice(max(0, -dy), min(height, height - dy)), slice(max(0, -dx), min(width, width - dx))
     of = slice(max(0, dy), min(height, height + dy)), slice(max(0, dx), min(width, width + dx))
-    alike = (normal[:, to[0], to[1]] * normal[:, of[0], of[1]]).sum(0) > 0.95
+    alike = dot(normal[:, to[0], to[1]], normal[:, of[0], of[1]]) > 0.95
     near = (depth[to] - depth[of]).abs() < depth[to] * (8.0 * math.hypot(dx, dy) / max(width, height))
     same = (alike & near).to(value.dtype)
     total[to] += value[of] * same

@@ -20,6 +20,7 @@ from .samples import take
 from .settings import wanted
 from .shadows import shadow
 from .visibility import Geometry, Surface
+from .vectors import dot
 
 _BLURRED = 0.5
 """Level of the world's picture that glossy reflections see."""
@@ -47,7 +48,7 @@ class Sight:
     def of(surface: Surface, toward: Tensor) -> Sight:
         """From the surface at the first N of the rays (3, N + B)."""
         n = surface.position.shape[1]
-        cosine = -(surface.normal * toward[:, :n]).sum(0)
+        cosine = -dot(surface.normal, toward[:, :n])
         mirrored = above(reflect(toward[:, :n], surface.normal), surface.facet)
         return Sight(surface, -toward[:, :n], albedo.basis(cosine.clamp(1e-3, 1.0)), mirrored, toward[:, n:])
 

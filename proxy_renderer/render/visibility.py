@@ -12,6 +12,7 @@ from embreex.mesh_construction import TriangleMesh
 from torch import Tensor
 
 from ..scene import Mesh, SceneData
+from .vectors import cross, dot, unit
 
 
 @dataclass(frozen=True)
@@ -93,28 +94,27 @@ class Geometry:
         """
         a, b, c = (self.corners[k, hits.triangle].T for k in range(3))
         e1, e2, offset = b - a, c - a, origin - a
-        p = torch.linalg.cross(toward, e2, dim=0)
-        q = torch.linalg.cross(offset, e1, dim=0)
-        determinant = (e1 * p).sum(0)
+        p = cross(toward, e2)
+        q = cross(offset, e1)
+        determinant = dot(e1, p)
         flat = determinant.abs() < 1e-12
         inverse = torch.where(flat, 0.0, 1 / torch.where(flat, 1.0, determinant))
-        u, v = (offset * p).sum(0) * inverse, (toward * q).sum(0) * inverse
+        u, v = dot(offset, p) * inverse, dot(toward, q) * inverse
         return self.interpolate(hits.triangle, torch.stack((1 - u - v, u, v)), toward)
 
     def interpolate(self, triangle: Tensor, weights: Tensor, toward: Tensor) -> Surface:
         """The surface at barycentric weights (3, N) of triangles (N,), turned to face rays (3, N)."""
         a, b, c = (self.corners[k, triangle].T for k in range(3))
-        facet = torch.linalg.cross(b - a, c - a, dim=0)
-        facet = facet / facet.norm(dim=0).clamp_min(1e-30)
+        facet = unit(cross(b - a, c - a), 1e-15)
         position = a * weights[0] + b * weights[1] + c * weights[2]
         normal = sum((self.normals[k, triangle].T * weights[k] for k in range(3)), torch.zeros_like(a))
-        normal = normal / normal.norm(dim=0).clamp_min(1e-6)
-        back = torch.where((facet * toward).sum(0) > 0, -1.0, 1.0)
+        normal = unit(normal)
+        back = torch.where(dot(facet, toward) > 0, -1.0, 1.0)
         facet, normal = facet * back, normal * back
         # A shading normal that looks away from the eye would put the whole surface in the dark.
-        cosine = -(normal * toward).sum(0)
+        cosine = -dot(normal, toward)
         normal = normal - toward * (0.02 - cosine).clamp_min(0.0)
-        normal = normal / normal.norm(dim=0).clamp_min(1e-6)
+        normal = unit(normal)
         uv = sum((self.uvs[k, triangle].T * weights[k] for k in range(3)), torch.zeros_like(a[:2]))
         return Surface(position, normal, facet, uv, self.material[triangle])
 
