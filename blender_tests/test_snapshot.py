@@ -105,7 +105,10 @@ def test_a_failure_in_the_middle_leaves_the_scene_as_it_was(scene, kind, monkeyp
         def set(self, journal, raw):
             raise RuntimeError("the disk is on fire")
 
-    rows = [*bindings.BINDINGS[:-1], bindings.Binding(bindings.BINDINGS[-1].parameter, lambda cast, thing: Broken())]
+    rows = [
+        *bindings.BINDINGS[:-1],
+        bindings.Binding(bindings.BINDINGS[-1].parameter, lambda cast, thing: Broken()),
+    ]
     monkeypatch.setattr(bindings, "BINDINGS", tuple(rows))
     with pytest.raises(RuntimeError, match="fire"):
         bindings.write(scene, wanted, subject, PIVOT)
@@ -137,7 +140,9 @@ def test_revert_after_the_artist_has_renamed_and_removed_things(scene):
     assert after["material/Skin/roughness"] == before["material/Body/roughness"]
     assert after["light/Sonne/elevation"] == pytest.approx(before["light/Sun/elevation"], abs=1e-3)
     assert after["film/exposure"] == before["film/exposure"]
-    assert not [b for c in ("objects", "materials", "node_groups") for b in getattr(bpy.data, c) if owned.is_owned(b)]
+    assert not [
+        b for c in ("objects", "materials", "node_groups") for b in getattr(bpy.data, c) if owned.is_owned(b)
+    ]
 
 
 def test_a_shared_world_is_changed_for_one_scene_only(scene):

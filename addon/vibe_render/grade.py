@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Vibe Grade: an owned compositor group before the output of the artist's own compositing.
 
-In order, on linear colors c: bloom; c·2^Exposure; lift, midtone, gain (Color Balance); contrast around
+In order, on linear colors c: bloom; c·2^Exposure; lift, midtone, gain; contrast around
 middle grey, 0.18·(c/0.18)^Contrast; saturation around Rec.709 luma; hue; c^Gamma; vignette. The engine
 has the same formulas in torch (proxy_renderer/render/film.py).
 """
@@ -118,11 +118,19 @@ def _bloom(build: owned.Builder, image: NodeSocket, strength: NodeSocket) -> Nod
     return node.outputs["Image"]
 
 
-def _balance(build: owned.Builder, color: NodeSocket, *controls: NodeSocket) -> NodeSocket:
-    node = build.node("CompositorNodeColorBalance", Image=color)
-    for name, control in zip(("Color Lift", "Color Gamma", "Color Gain"), controls, strict=True):
-        build.put(_input(node, name), control)
-    return node.outputs[0]
+def _balance(
+    build: owned.Builder, color: NodeSocket, lift: NodeSocket, midtone: NodeSocket, gain: NodeSocket
+) -> NodeSocket:
+    """max(((c − 1)·(2 − lift) + 1)·gain, 0) ^ (1 / midtone): the Color Balance node of Blender 5.
+
+    Built of Vector Math nodes, for in Blender 4 that node does the same on the sRGB curve.
+    """
+    below_white = build.vector("SUBTRACT", color, _WHITE)
+    lifted = build.vector(
+        "MULTIPLY_ADD", below_white, build.vector("SUBTRACT", (2.0, 2.0, 2.0), lift), _WHITE
+    )
+    gained = build.vector("MAXIMUM", build.vector("MULTIPLY", lifted, gain), (0.0, 0.0, 0.0))
+    return build.vector("POWER", gained, build.vector("DIVIDE", _WHITE, midtone))
 
 
 def _contrast(build: owned.Builder, color: NodeSocket, contrast: NodeSocket) -> NodeSocket:
