@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The options that commands share. Those of a vibe have the names and defaults of `messages.Options`."""
+
+from __future__ import annotations
+
+import argparse
+from typing import NoReturn
+
+from .schema import GROUPS
+from .schema.messages import Options
+
+_DEFAULTS = Options()
+_BUDGET = {
+    "rounds": "times that the plan is made",
+    "steps": "gradient steps in each round",
+    "top_k": "parameters that a round may optimise",
+    "seed": "the same seed gives the same look",
+}
+_RENDER = {
+    "size": (_DEFAULTS.size, "longer side of the pictures in pixels; the loop itself looks at 256 at most"),
+    "samples": (128, "Cycles samples of the pictures"),
+}
+_GROUPS = (
+    f"only these may change: {', '.join(GROUPS)} (default: all but the camera, which a bare mesh leaves free)"
+)
+_LOCK = "leave this alone: a group, light/Key, or */roughness; can be given several times"
+_ENCODER = "an open_clip model such as ViT-B-32-256/datacomp_s34b_b86k, or a local checkpoint (default: the embedded one)"
+
+
+class Parser(argparse.ArgumentParser):
+    """Argument mistakes in one line, like every other mistake."""
+
+    def error(self, message: str) -> NoReturn:
+        """Exits with code 2."""
+        self.exit(2, f"vibe: {message[:1].upper()}{message[1:]}. See `{self.prog} --help`.\n")
+
+
+class Help(argparse.HelpFormatter):
+    """Help texts in a column wide enough for the option names."""
+
+    def __init__(self, prog: str) -> None:
+        super().__init__(prog, max_help_position=28, width=100)
+
+
+def add_vibe_options(sub: argparse.ArgumentParser) -> None:
+    """Budget, reach, engine and render."""
+    budget = sub.add_argument_group("budget")
+    for name, text in _BUDGET.items():
+        _add_number(budget, name, getattr(_DEFAULTS, name), text)
+    reach = sub.add_argument_group("reach")
+    reach.add_argument("--groups", action="append", default=[], metavar="A,B", help=_GROUPS)
+    reach.add_argument("--lock", action="append", default=[], metavar="PATTERN", help=_LOCK)
+    engine = sub.add_argument_group("engine")
+    engine.add_argument("--encoder", default="", metavar="TAG|PATH", help=_ENCODER)
+    engine.add_argument(
+        "--device", default=_DEFAULTS.device, metavar="NAME", help="auto, cpu, cuda, cuda:1 (default: auto)"
+    )
+    engine.add_argument(
+        "--baseline",
+        choices=("clip-only",),
+        default="",
+        help="the paper's baseline instead: one similarity, all parameters",
+    )
+    add_render_options(sub)
+
+
+def add_render_options(sub: argparse.ArgumentParser) -> None:
+    """Size and samples of what Cycles renders."""
+    render = sub.add_argument_group("render")
+    for name, (default, text) in _RENDER.items():
+        _add_number(render, name, default, text)
+
+
+def vibe_arguments(a: argparse.Namespace, groups: list[str]) -> list[str]:
+    """The same options again, for the command line of Blender's side."""
+    names = (*_BUDGET, *_RENDER, "device", *(n for n in ("encoder", "baseline") if getattr(a, n)))
+    options = [f"--{name.replace('_', '-')}={getattr(a, name)}" for name in names]
+    options += [f"--groups={','.join(groups)}"] if groups else []
+    return options + [f"--lock={pattern}" for pattern in a.lock]
+
+
+def _add_number(group: argparse._ArgumentGroup, name: str, default: int, text: str) -> None:
+    option = f"--{name.replace('_', '-')}"
+    group.add_argument(option, type=int, default=default, metavar="N", help=f"{text} (default: {default})")
