@@ -2,6 +2,10 @@
 """From a sentence to what the optimiser may do: parse, compose, plan. Standard library only."""
 
 from .attributes import ATTRIBUTES
+from .explain import explain
+from .parser import parse
+from .planner import plan
+from .prompts import compose
 from .types import (
     Attribute,
     Parsed,
@@ -25,4 +29,8 @@ __all__ = [
     "Prompts",
     "SceneObject",
     "SceneWords",
+    "compose",
+    "explain",
+    "parse",
+    "plan",
 ]

@@ -15,7 +15,7 @@ LONGEST_PROMPT = 2000
 _BOUND_SLOTS = ("finish", "material", "color", "setting")
 """Slots whose words wait for the noun that they describe; the others describe the whole picture."""
 _KIND_OF_SLOT = {"lighting": "light", "atmosphere": "fog", "grade": "tone", "setting": "surroundings"}
-_ROLES = {"light": "key", "fill": "fill", "rim": "rim"}
+_ROLES = ("fill", "rim")
 
 
 @dataclass
@@ -195,10 +195,9 @@ class Binder:
         if token.entry == "silhouette":
             kind = ""
         word = self._word(state, token)
-        role = _ROLES.get(token.noun, "")
+        role = _role(token)
         if kind == "light" and self._directs_light(entry.name) and not role:
-            noun = following.noun if following else ""
-            role = _ROLES.get(noun, "") or (state.last.role if state.last else "")
+            role = (_role(following) if following else "") or (state.last.role if state.last else "")
         region: Region = "subject" if token.entry == "silhouette" else "whole"
         thing = _Thing(kind or "whole", token.text, region, role=role)
         self._add(word, entry.name, thing, entry.slot)
@@ -211,13 +210,11 @@ class Binder:
     def _noun(self, state: _Clause, token: Token) -> None:
         kind = token.noun
         region: Region = "surroundings" if kind in ("surroundings", "sky") else "subject" if kind == "subject" else "whole"
-        thing = _Thing(kind, token.text, region, role=_ROLES.get(kind, ""))
+        thing = _Thing(kind, token.text, region, role=_role(token))
         if token.entry:
             self._add(self._word(state, token), token.entry, thing, self.vocabulary.entries[token.entry].slot)
         if kind in ("surroundings", "subject", "sky"):
             self.things.append(thing)
-        if token.entry and kind == "rim" and not self.scene.objects:
-            thing.role = "rim"
         self._arrive(state, thing)
 
     def _scene_thing(self, scene: SceneName) -> _Thing:
@@ -299,7 +296,7 @@ class Binder:
             where = thing if slot != "setting" else _Thing("surroundings", region="surroundings")
             self._add(word, token.entry, where, slot)
         elif token.color and painted:
-            self._add(word, token.text, thing, "color")
+            self._add(word, token.guess or token.text, thing, "color")
         elif token.color and thing.kind == "whole":
             return False
         elif "otherwise" in kinds:
@@ -347,6 +344,13 @@ class Binder:
         inner = Binder(self.vocabulary, SceneWords(), means, cause=mood.entry)
         inner.read(means)
         self.parsed.attributes += [replace(a, strength=a.strength * mood.strength) for a in inner.parsed.attributes]
+
+
+def _role(token: Token) -> str:
+    """The light that a noun means: "key light" the key, "light" light in general ("")."""
+    if token.noun in _ROLES:
+        return token.noun
+    return "key" if {"key", "keylight", "main"} & set(token.text.split()) else ""
 
 
 def _next_content(tokens: list[Token]) -> Token | None:

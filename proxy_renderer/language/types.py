@@ -43,7 +43,7 @@ class Attribute:
         strength: 1 as named; below for "slightly", above for "very".
         negated: "no", "without", "not".
         owners: Materials that are meant; empty for all of the region.
-        role: The light that is meant: "key", "fill" or "rim"; "" when no light is.
+        role: The lights that are meant: "key", "fill", "rim" or "others"; "" for light in general.
         color: The named color, sRGB in [0, 1]; None unless the slot is "color".
         thing: What the prompt calls the thing that it describes: "teapot", "wall", "key light".
         cause: The mood or style word that stands for this one; "" when the prompt says it itself.
@@ -152,6 +152,7 @@ class PlanContext:
         light_types: Light -> "POINT", "SPOT", "AREA" or "SUN"; watts mean different things to them.
         world_share: Fraction of the surroundings' pixels that show the world, not a surface; None if unknown.
         material_share: Material -> fraction of its region's pixels; empty if unknown.
+        environment_luminance: Mean luminance of a linked environment at strength 1, untinted.
         texture_luminance: Material -> mean luminance of its linked base color.
         values: Current values by key; the artist's where missing.
         picture: Measurements of the picture that these values give; None before the first one.
@@ -163,6 +164,7 @@ class PlanContext:
     light_types: dict[str, str] = field(default_factory=dict)
     world_share: float | None = None
     material_share: dict[str, float] = field(default_factory=dict)
+    environment_luminance: float = 0.5
     texture_luminance: dict[str, float] = field(default_factory=dict)
     values: dict[str, Values] = field(default_factory=dict)
     picture: PictureStats | None = None

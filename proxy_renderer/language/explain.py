@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What was understood and decided, for people (`vibe explain`) and for programs (`--json`)."""
+
+from __future__ import annotations
+
+from ..schema import Values
+from .types import Parsed, Plan, Prompts
+
+
+def explain(parsed: Parsed, prompts: Prompts, plan: Plan) -> str:
+    """A readable account of a prompt: what it says, what the encoder is told, what may change and why."""
+    lines = [f"Prompt: {parsed.prompt}", "", "Understood"]
+    for thing in parsed.objects:
+        said = "; ".join(f"{slot}: {words}" for slot, words in thing.attributes.items()) or "as it is"
+        materials = f" [{', '.join(thing.materials)}]" if thing.materials else ""
+        lines.append(f"  {thing.name} ({thing.region}){materials}: {said}")
+    lines += [f"  '{mood}' stands for: {words}" for mood, words in _moods(parsed).items()]
+    lines += [f"  guessed: '{word}' as '{entry}'" for word, entry in parsed.guesses.items()]
+    if parsed.ignored:
+        lines.append(f"  not used: {', '.join(parsed.ignored)}")
+    lines += ["", "Told to the encoder", f"  subject: {prompts.subject}"]
+    lines.append(f"  surroundings: {prompts.surroundings or '(left open)'}")
+    lines.append(f"  picture: {prompts.whole}")
+    unwanted = (*prompts.subject_negatives, *prompts.surroundings_negatives, *prompts.whole_negatives)
+    lines += [f"  not: {text}" for text in unwanted]
+    if parsed.targets:
+        lines.append("  measured by: " + ", ".join(f"{head} = {value}" for head, value in parsed.targets.items()))
+    lines += ["", "Plan (the smaller the priority, the more important)"]
+    moving = sorted((e.priority, key) for key, e in plan.items() if e.priority is not None)
+    for priority, key in moving:
+        entry = plan[key]
+        lines.append(f"  {priority:3d}  {key}: {_range(entry.lower, entry.upper)}  {entry.reason}")
+    kept = len(plan) - len(moving)
+    lines.append(f"  {kept} other parameters keep the artist's value.")
+    lines += [f"  note: {note}" for note in plan.notes]
+    return "\n".join(lines)
+
+
+def as_dict(parsed: Parsed, prompts: Prompts, plan: Plan) -> dict:
+    """The same for `--json`: objects, prompts, plan, and what was ignored or guessed."""
+    return {
+        "prompt": parsed.prompt,
+        "objects": [
+            {"name": o.name, "region": o.region, "attributes": o.attributes, "materials": list(o.materials)}
+            for o in parsed.objects
+        ],
+        "prompts": {name: getattr(prompts, name) for name in prompts.__dataclass_fields__},
+        "targets": parsed.targets,
+        "colors": {region: list(lab) for region, lab in parsed.colors.items()},
+        "plan": {
+            key: {"lower": list(e.lower), "upper": list(e.upper), "priority": e.priority, "reason": e.reason}
+            for key, e in plan.items()
+        },
+        "ignored": parsed.ignored,
+        "guesses": parsed.guesses,
+        "notes": list(plan.notes),
+    }
+
+
+def _moods(parsed: Parsed) -> dict[str, str]:
+    moods: dict[str, str] = {}
+    for attribute in parsed.attributes:
+        if attribute.cause:
+            said = moods.get(attribute.cause)
+            moods[attribute.cause] = f"{said}, {attribute.word}" if said else attribute.word
+    return moods
+
+
+def _range(lower: Values, upper: Values) -> str:
+    def show(values: Values) -> str:
+        return ", ".join(f"{v:.3g}" for v in values) if len(values) == 1 else f"({', '.join(f'{v:.2g}' for v in values)})"
+
+    return f"{show(lower)} .. {show(upper)}" if lower != upper else show(lower)

@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The confiner without a model: for every parameter a range, a priority and a reason (paper, section 3.6)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from ..schema import FAMILIES, Instance
+from .color import to_srgb
+from .owners import Owners
+from .ranges import Range, Sources, clip, effect_range
+from .support import supports
+from .types import Attribute, Parsed, Plan, PlanContext, PlanEntry, Prompts
+from .vocabulary import OWNERS, Effect, Vocabulary, default_vocabulary
+
+_NOT = 0.6  # "not glossy" asks for a mild "matte"
+_SECOND = 6  # how much later a mood's own words come than the prompt's
+
+
+@dataclass(frozen=True)
+class Demand:
+    """What one word wants of one parameter instance."""
+
+    key: str
+    lower: tuple[float, ...]
+    upper: tuple[float, ...]
+    attribute: Attribute
+    reason: str
+    weak: bool
+    priority: int
+
+    @property
+    def rank(self) -> tuple[bool, bool]:
+        """Words of the prompt before those that a mood stands for; defaults last."""
+        return self.weak, bool(self.attribute.cause)
+
+
+def plan(
+    parsed: Parsed,
+    prompts: Prompts,
+    instances: dict[str, Instance],
+    context: PlanContext,
+    vocabulary: Vocabulary | None = None,
+) -> Plan:
+    """Decides what may happen to every parameter of a scene.
+
+    What words name gets a range (projection moves the value inside) and a priority; a few others
+    may move a little to keep the subject visible; the rest keeps the artist's value.
+    """
+    planner = _Planner(parsed, instances, context, vocabulary or default_vocabulary())
+    entries = planner.entries()
+    for key, entry in supports(parsed, prompts, instances, context, entries, planner.owners).items():
+        entries[key] = entry
+    return Plan({key: entries[key] for key in instances}, tuple(dict.fromkeys(planner.notes)))
+
+
+class _Planner:
+    def __init__(
+        self, parsed: Parsed, instances: dict[str, Instance], context: PlanContext, vocabulary: Vocabulary
+    ) -> None:
+        self.parsed, self.instances, self.vocabulary = parsed, instances, vocabulary
+        self.owners = Owners(parsed, instances, context)
+        stops = [i.value[0] for i in instances.values() if i.parameter.name in ("exposure", "grade_exposure")]
+        self.sources = Sources(context, exposure=sum(stops))
+        self.notes = list(parsed.conflicts)
+        self.settled: dict[str, tuple[Range, list[Demand]]] = {}
+
+    def entries(self) -> dict[str, PlanEntry]:
+        """An entry for every instance, from the words alone."""
+        wishes = [(attribute, effect) for attribute in self._attributes() for effect in self._effects(attribute)]
+        # Colors first: how strong a world has to be, and what glows, depends on them.
+        for late in (False, True):
+            demands = [d for a, e in wishes if _late(e) == late for d in self._demands(a, e)]
+            self._settle(demands)
+            self._note_colors()
+        return {key: self._entry(instance) for key, instance in self.instances.items()}
+
+    def _attributes(self) -> list[Attribute]:
+        """With "red and blue lights" shared out: the first color to the key, the next to the others."""
+        gels = [a for a in self.parsed.attributes if a.color and a.kind == "light" and not a.role and not a.cause]
+        if len(gels) < 2:
+            return self.parsed.attributes
+        roles = {id(gels[0]): "key", id(gels[1]): "others"}
+        return [replace(a, role=roles.get(id(a), a.role)) for a in self.parsed.attributes]
+
+    def _effects(self, attribute: Attribute) -> list[Effect]:
+        """What a word does; negated, what it forbids or the mild opposite."""
+        if attribute.color:
+            return [] if attribute.negated else list(self.vocabulary.painted.get(attribute.kind, ()))
+        entry = self.vocabulary.entries[attribute.entry]
+        if not attribute.negated:
+            return list(entry.effects)
+        if entry.never:
+            return list(entry.never)
+        if entry.opposite:
+            return list(self.vocabulary.entries[entry.opposite].effects)
+        return [Effect(e.owner, e.name, "", (n,), (n,)) for e in entry.effects if (n := _neutral(e)) is not None]
+
+    def _demands(self, attribute: Attribute, effect: Effect) -> list[Demand]:
+        shown = self.vocabulary.entries.get(attribute.entry)
+        strength = attribute.strength
+        if attribute.negated and shown and not shown.never and shown.opposite:
+            strength = _NOT
+        demands = []
+        for instance in self.owners.of(effect, attribute):
+            sources = replace(self.sources, own_color=self._own_color(instance.owner))
+            lower, upper = effect_range(effect, replace(attribute, strength=strength), instance, sources)
+            priority = effect.priority + (2 if effect.weak else 0) + (_SECOND if attribute.cause else 0)
+            reason = _reason(attribute, shown.phrase if shown else "")
+            demands.append(Demand(instance.key, lower, upper, attribute, reason, effect.weak, priority))
+        return demands
+
+    def _settle(self, demands: list[Demand]) -> None:
+        """Intersects what the words want; where they contradict each other, the first one has its way."""
+        for demand in sorted(demands, key=lambda d: d.rank):
+            if demand.key not in self.settled:
+                self.settled[demand.key] = (demand.lower, demand.upper), [demand]
+                continue
+            (lower, upper), winners = self.settled[demand.key]
+            low, high = tuple(map(max, lower, demand.lower)), tuple(map(min, upper, demand.upper))
+            if all(a <= b for a, b in zip(low, high, strict=True)):
+                self.settled[demand.key] = (low, high), [*winners, demand]
+            elif not demand.weak and not demand.attribute.cause and demand.attribute.word != winners[0].attribute.word:
+                self.notes.append(
+                    f"'{demand.attribute.word}' gives way to '{winners[0].attribute.word}' on {demand.key}: "
+                    "they contradict each other, and the first one named counts."
+                )
+
+    def _note_colors(self) -> None:
+        for family in ("world/color", "world/tint"):
+            instance = self.instances.get(family)
+            if instance:
+                (lower, upper), _ = self.settled.get(family, ((instance.value, instance.value), []))
+                middle = tuple((a + b) / 2 for a, b in zip(lower, upper, strict=True))
+                if family == "world/tint":
+                    middle = tuple(v * self.sources.context.environment_luminance for v in middle)
+                self.sources = replace(self.sources, world_color=middle)
+
+    def _own_color(self, owner: str) -> tuple[float, ...]:
+        """The color that a material gets, or has."""
+        for family in ("base_color", "tint"):
+            key = f"material/{owner}/{family}"
+            if key in self.settled:
+                (lower, upper), _ = self.settled[key]
+                return to_srgb([(a + b) / 2 for a, b in zip(lower, upper, strict=True)])
+            if key in self.instances:
+                return to_srgb(self.instances[key].value)
+        return 1.0, 1.0, 1.0
+
+    def _entry(self, instance: Instance) -> PlanEntry:
+        settled = self.settled.get(instance.key)
+        if instance.locked:
+            if settled:
+                self.notes.append(f"{instance.key} is locked ({instance.locked}), so {settled[1][0].reason} cannot touch it.")
+            return PlanEntry(instance.value, instance.value, None, f"locked: {instance.locked}")
+        if not settled:
+            return PlanEntry(instance.lower, instance.upper, None, "no word touches it: keeps the artist's value")
+        (lower, upper), winners = settled
+        lower, upper = clip(lower, upper, instance)
+        reason = "; ".join(dict.fromkeys(d.reason for d in winners))
+        return PlanEntry(lower, upper, min(d.priority for d in winners), reason, prior=0.0)
+
+
+def _late(effect: Effect) -> bool:
+    return effect.owner == "world" and effect.name == "strength" or effect.color == "own"
+
+
+def _neutral(effect: Effect) -> float | None:
+    """The value at which an effect does nothing, where a parameter has one."""
+    measured = effect.mode == "" and len(effect.lower) == 1 and OWNERS[effect.owner] != "light"
+    return FAMILIES[effect.family].default if measured else None
+
+
+
+
+def _reason(attribute: Attribute, phrase: str) -> str:
+    """Quotes the word: "'glossy': glossy, with bright reflections", "'warm' in 'cosy'"."""
+    if attribute.cause:
+        return f"'{attribute.cause}' means '{attribute.word}'"
+    what = f" on the {attribute.thing}" if attribute.color and attribute.thing else ""
+    return f"'{attribute.word}'{what}" + (f" ({phrase})" if phrase and not attribute.negated and phrase != attribute.word else "")

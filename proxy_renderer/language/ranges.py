@@ -1,0 +1,220 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From one effect of a word to a range of one parameter instance, in the parameter's unit."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ..schema import Instance, Values
+from .color import from_hex, from_lab, luminance, to_lab, to_linear, to_srgb
+from .meaning import display_color
+from .types import Attribute, PlanContext
+from .view import purer, radiance
+from .vocabulary import Effect, default_vocabulary
+
+Range = tuple[Values, Values]
+_MIDDLE = 45.0  # L* that neither brightens nor darkens; "slightly" moves towards it
+# Watts per d^2 that give a facing white surface a radiance of 1 (Cycles' calibration); W/m2 for the sun.
+_WATTS = {"POINT": 4 * math.pi**2, "SPOT": 4 * math.pi**2, "AREA": math.pi**2, "SUN": math.pi}
+_DIRECTIONS = ("azimuth", "elevation", "rotation")
+_BOX = 0.06  # half the width of a color's box, in steps that look even
+
+
+@dataclass(frozen=True)
+class Sources:
+    """What ranges are computed from besides the effect itself.
+
+    Attributes:
+        context: The scene and its current picture.
+        exposure: Stops between the scene's radiance and the view transform, as the artist has them.
+        world_color: Linear color of the world that the plan settles on, strength 1.
+        own_color: sRGB of the color that the material gets or has, for glows.
+    """
+
+    context: PlanContext
+    exposure: float = 0.0
+    world_color: Values = (1.0, 1.0, 1.0)
+    own_color: Values = (1.0, 1.0, 1.0)
+
+
+def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Range:
+    """The range that an effect asks for, clipped to the instance's hard bounds (never empty)."""
+    if effect.color:
+        low, high = _color_range(effect, attribute, instance, sources)
+    elif effect.name == "azimuth" and effect.mode in ("camera", "sides"):
+        low, high = _azimuth(effect, instance, sources.context.camera_azimuth)
+    else:
+        mode = {"times": _times, "plus": _plus, "lightness": _lightness, "aim": _aim}.get(effect.mode, _plain)
+        low, high = mode(effect, attribute.strength, instance, sources)
+    return clip(low, high, instance)
+
+
+def clip(low: Values, high: Values, instance: Instance) -> Range:
+    """Componentwise intersection with the hard bounds; what lies outside becomes the nearest bound."""
+    pairs = list(zip(_spread(low, instance), _spread(high, instance), instance.lower, instance.upper, strict=True))
+    lower = tuple(min(max(a, bottom), top) for a, _, bottom, top in pairs)
+    upper = tuple(min(max(b, bottom), top) for _, b, bottom, top in pairs)
+    return lower, tuple(map(max, lower, upper))
+
+
+def scaled(low: float, high: float, neutral: float, strength: float, bounds: tuple[float, float]) -> tuple[float, float]:
+    """Moves a range towards the neutral value for "slightly", away from it for "very".
+
+    Monotone in `strength`; a range around the neutral value stays as it is.
+    """
+    if strength == 1.0 or low <= neutral <= high and not (low == neutral or high == neutral):
+        return low, high
+    if strength < 1.0:
+        return neutral + (low - neutral) * strength, neutral + (high - neutral) * strength
+    near, far = (low, high) if low >= neutral else (high, low)
+    far = min(max(neutral + (far - neutral) * strength, bounds[0]), bounds[1])
+    near = near + (far - near) * min(strength - 1.0, 1.0)
+    return min(near, far), max(near, far)
+
+
+def _spread(values: Values, instance: Instance) -> Values:
+    return values * instance.parameter.components if len(values) == 1 else values
+
+
+def _plain(effect: Effect, strength: float, instance: Instance, _: Sources) -> Range:
+    parameter, unit = instance.parameter, instance.reference
+    if parameter.name in _DIRECTIONS or parameter.name in ("ior", "base_color", "color", "specular_tint", "tint"):
+        strength = 1.0
+    bounds = (parameter.lower, parameter.upper)
+    logs = parameter.scale.name == "log"
+    pairs = []
+    for low, high in zip(effect.lower, effect.upper, strict=True):
+        if logs:
+            ends = scaled(*map(math.log, (low, high, parameter.default)), strength, tuple(map(math.log, bounds)))
+            pairs.append(tuple(math.exp(v) * unit for v in ends))
+        else:
+            pairs.append(tuple(v * unit for v in scaled(low, high, parameter.default, strength, bounds)))
+    return tuple(a for a, _ in pairs), tuple(b for _, b in pairs)
+
+
+def _times(effect: Effect, strength: float, instance: Instance, _: Sources) -> Range:
+    """Multiples of the artist's value; a value too small to multiply counts as a hundredth of the upper bound."""
+    floor = [u * (0.01 if instance.parameter.kind == "scalar" else 0.0) for u in instance.upper]
+    value = tuple(map(max, instance.value, floor)) if effect.lower[0] > 1 else instance.value
+    low = tuple(v * a**strength for v, a in zip(value, _spread(effect.lower, instance), strict=True))
+    return low, tuple(v * b**strength for v, b in zip(value, _spread(effect.upper, instance), strict=True))
+
+
+def _plus(effect: Effect, strength: float, instance: Instance, _: Sources) -> Range:
+    return (instance.value[0] + effect.lower[0] * strength,), (instance.value[0] + effect.upper[0] * strength,)
+
+
+def _lightness(effect: Effect, strength: float, instance: Instance, sources: Sources) -> Range:
+    low, high = scaled(effect.lower[0], effect.upper[0], _MIDDLE, strength, (0.5, 97.0))
+    if instance.parameter.kind == "color":
+        light, a, b = to_lab(to_srgb(instance.value))
+        shades = [to_linear(from_lab((goal, a * _fade(goal, light), b * _fade(goal, light)))) for goal in (low, high)]
+        return tuple(map(min, *shades)), tuple(map(max, *shades))
+    context = sources.context
+    per_unit = instance.reference / _watts(instance, context)
+    if instance.parameter.group == "world":
+        per_unit = luminance(sources.world_color)
+        return tuple((radiance(v, context.view) / 2**sources.exposure / max(per_unit, 1e-3),) for v in (low, high))  # type: ignore[return-value]
+    scale = _watts(instance, context) * instance.reference / 2**sources.exposure
+    return (radiance(low, context.view) * scale,), (radiance(high, context.view) * scale,)
+
+
+def _fade(goal: float, light: float) -> float:
+    """Very dark and very light colors have little chroma."""
+    return min(1.0, goal / max(light, 10.0))
+
+
+def _watts(instance: Instance, context: PlanContext) -> float:
+    sun = instance.parameter.name == "strength"
+    return _WATTS["SUN" if sun else context.light_types.get(instance.owner, "AREA")]
+
+
+def _aim(effect: Effect, strength: float, instance: Instance, sources: Sources) -> Range:
+    """Stops that bring the subject's mean lightness (or the picture's median) into the range."""
+    context = sources.context
+    now, current = 50.0, context.values.get(instance.key, instance.value)[0]
+    if context.picture and "subject" in context.picture.lab:
+        now = context.picture.lab["subject"][0]
+    elif context.picture and context.picture.percentiles:
+        now = context.picture.percentiles[1]
+    low, high = scaled(effect.lower[0], effect.upper[0], 50.0, strength, (2.0, 94.0))
+    stops = [current + math.log2(radiance(goal, context.view) / radiance(now, context.view)) for goal in (low, high)]
+    # A black subject is not made white: exposure stays within three stops of the artist's.
+    kept = [min(max(s, instance.value[0] - 3.0), instance.value[0] + 3.0) for s in stops]
+    return (kept[0],), (kept[1],)
+
+
+def _azimuth(effect: Effect, instance: Instance, camera: float) -> Range:
+    """The range nearest to the artist's value among those that mean the same direction."""
+    low, high = effect.lower[0], effect.upper[0]
+    sides = [(low, high)] if effect.mode == "camera" else [(low, high), (-high, -low)]
+    turns = [(camera + a + 360 * k, camera + b + 360 * k) for a, b in sides for k in (-2, -1, 0, 1, 2)]
+    legal = [t for t in turns if instance.lower[0] <= t[0] and t[1] <= instance.upper[0]] or turns
+    value = instance.value[0]
+    best = min(legal, key=lambda t: (max(t[0] - value, value - t[1], 0.0), abs(t[0] + t[1] - 2 * value)))
+    return (best[0],), (best[1],)
+
+
+# ---- colors
+
+
+def _color_range(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Range:
+    srgb = _named(effect, attribute, sources)
+    if effect.mode == "backdrop" and instance.parameter.kind == "scalar":
+        return _backdrop_strength(srgb, instance, sources)
+    view = sources.context.view
+    linear = to_linear(srgb)
+    if effect.mode == "gel" or effect.mode == "backdrop" and instance.parameter.name == "tint":
+        linear = _gel(linear, 0.9)
+    elif effect.mode == "albedo":
+        linear = tuple(0.95 * v for v in _gel(linear, 0.75))
+    elif effect.mode == "cast":
+        linear = _cast(linear, 0.06 if instance.parameter.name == "lift" else 0.16)
+        return tuple(v - 0.02 for v in linear), tuple(v + 0.02 for v in linear)
+    else:
+        linear = tuple(min(v, 0.9) for v in purer(linear, view)) if effect.mode == "color" else purer(linear, view)
+    if instance.parameter.family == "material/tint":
+        texture = max(sources.context.texture_luminance.get(instance.owner, 0.4), 0.02)
+        linear = tuple(v / texture for v in linear)
+    if attribute.strength < 0.8:
+        linear = tuple(a + (b - a) * attribute.strength for a, b in zip(instance.value, linear, strict=True))
+    return _box(linear)
+
+
+def _named(effect: Effect, attribute: Attribute, sources: Sources) -> Values:
+    if effect.color == "@":
+        return attribute.color or (0.5, 0.5, 0.5)
+    if effect.color == "own":
+        return sources.own_color
+    return from_hex(effect.color) if effect.color.startswith("#") else default_vocabulary().colors[effect.color]
+
+
+def _box(linear: Values) -> Range:
+    """All that looks about like a linear color: even steps of `_BOX` on the screen's scale."""
+    shown = [max(v, 0.0) ** (1 / 2.2) for v in linear]
+    return tuple(max(v - _BOX, 0.0) ** 2.2 for v in shown), tuple((v + _BOX * min(1.0, 0.5 + v)) ** 2.2 for v in shown)
+
+
+def _gel(linear: Values, purity: float) -> Values:
+    """The color with its largest component at 1, and not fully saturated: filters and fog never are."""
+    top = max(linear)
+    return tuple(1 - purity * (1 - v / top) for v in linear) if top > 0.01 else (1.0, 1.0, 1.0)
+
+
+def _cast(linear: Values, amount: float) -> Values:
+    gel = _gel(linear, 1.0)
+    mean = sum(gel) / 3
+    return tuple(1 + amount * (v - mean) / max(mean, 0.2) for v in gel)
+
+
+def _backdrop_strength(srgb: Values, instance: Instance, sources: Sources) -> Range:
+    """Strength at which the world is displayed as light as its color; white as white, not grey."""
+    context = sources.context
+    glow = luminance(sources.world_color)
+    goal = display_color(srgb, "surroundings")[0]
+    if goal < 20 or glow < 0.004:
+        return (0.0,), (1.0,)
+    low, high = (88.0, 93.0) if goal > 90 else (goal - 6, goal + 5)
+    strengths = [radiance(v, context.view) / 2**sources.exposure / glow for v in (low, high)]
+    return (min(strengths[0], 8.0),), (min(strengths[1], 10.0),)
