@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Final pictures: the scene's own render with Cycles, and a mask of where the subject is in it."""
+
+from __future__ import annotations
+
+import os
+import uuid
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from . import compat
+from .contract import schema
+from .export_mesh import has_surface
+from .settings import changed
+
+_NOISE = 0.05
+"""Where a pixel's noise is below this, sampling it stops: the denoiser does the rest."""
+
+_MASK_SAMPLES = 16
+
+
+def render(scene: bpy.types.Scene, path: Path, size: int, samples: int, seed: int = 0) -> None:
+    """Renders the current frame with Cycles on the CPU, compositor and view transform included, to a PNG.
+
+    The file appears whole or not at all, and every setting is put back.
+
+    Args:
+        size: Longer side of the picture, pixels; the scene's aspect is kept.
+        samples: Most samples in a pixel.
+        seed: Of the sampling pattern.
+
+    Raises:
+        VibeError: The file cannot be written.
+    """
+    with _cycles(scene, size, samples, seed), _quiet_outputs(scene):
+        mode = "RGBA" if scene.render.film_transparent else "RGB"
+        _write(scene, path, mode)
+
+
+def render_mask(scene: bpy.types.Scene, path: Path, size: int, subject: Iterable[bpy.types.Object]) -> None:
+    """Renders where the subject is in the picture: a grey PNG, white where it covers a pixel all.
+
+    What stands before the subject hides it; fog and the grade do not. Raises as `render` does.
+
+    Args:
+        subject: The objects, including instancers.
+    """
+    theirs = {o.name_full for o in subject}
+    with ExitStack() as stack:
+        stack.enter_context(_cycles(scene, size, _MASK_SAMPLES, 0))
+        stack.enter_context(changed(scene.cycles, use_denoising=False, max_bounces=0))
+        stack.enter_context(changed(scene.render, film_transparent=True, use_compositing=False))
+        stack.enter_context(changed(scene, world=None))
+        for thing in scene.objects:
+            fog = thing.type == "VOLUME" or _is_fog(thing)
+            holdout = thing.name_full not in theirs and thing.type not in ("LIGHT", "CAMERA")
+            stack.enter_context(changed(thing, **({"hide_render": True} if fog else {"is_holdout": holdout})))
+        whole = _beside(path)
+        try:
+            _write(scene, whole, "RGBA")
+            _keep_alpha(whole, path)
+        finally:
+            whole.unlink(missing_ok=True)
+
+
+@contextmanager
+def _cycles(scene: bpy.types.Scene, size: int, samples: int, seed: int) -> Iterator[None]:
+    """The scene set up for one picture of this size."""
+    render = scene.render
+    width, height = render.resolution_x, render.resolution_y
+    factor = size / max(width, height)
+    with (
+        changed(
+            render,
+            engine="CYCLES",
+            resolution_x=max(1, round(width * factor)),
+            resolution_y=max(1, round(height * factor)),
+            resolution_percentage=100,
+            use_border=False,
+            use_sequencer=False,
+            use_multiview=False,
+            use_overwrite=True,
+            use_file_extension=True,
+        ),
+        changed(
+            scene.cycles,
+            device="CPU",
+            samples=samples,
+            seed=seed,
+            use_animated_seed=False,
+            use_adaptive_sampling=True,
+            adaptive_threshold=_NOISE,
+            adaptive_min_samples=min(16, samples),
+            use_denoising=_can_denoise(),
+            time_limit=0.0,
+        ),
+        changed(scene.cycles, **({"denoiser": "OPENIMAGEDENOISE"} if _can_denoise() else {})),
+    ):
+        yield
+
+
+def _can_denoise() -> bool:
+    import _cycles  # Cycles' own module: there as soon as its add-on is
+
+    return bool(getattr(_cycles, "with_openimagedenoise", False))
+
+
+@contextmanager
+def _quiet_outputs(scene: bpy.types.Scene) -> Iterator[None]:
+    """File Output nodes of the artist's compositor write nothing meanwhile."""
+    tree = compat.compositor(scene)
+    nodes = [n for n in (tree.nodes if tree else ()) if n.bl_idname == "CompositorNodeOutputFile"]
+    with ExitStack() as stack:
+        for node in nodes:
+            stack.enter_context(changed(node, mute=True))
+        yield
+
+
+def _write(scene: bpy.types.Scene, path: Path, mode: str) -> None:
+    """Renders to a PNG, atomically."""
+    whole = _beside(path)
+    picture = scene.render.image_settings
+    try:
+        with (
+            changed(picture, media_type="IMAGE"),
+            changed(picture, file_format="PNG"),
+            changed(picture, color_mode=mode, color_depth="8", compression=15),
+            changed(scene.render, filepath=str(whole)),
+        ):
+            bpy.ops.render.render(scene=scene.name, write_still=True)
+        os.replace(whole, path)
+    except (OSError, RuntimeError) as error:
+        raise schema.VibeError(f"{path} cannot be written: {error}.", "Choose another folder.") from error
+    finally:
+        whole.unlink(missing_ok=True)
+
+
+def _beside(path: Path) -> Path:
+    return path.with_name(f".{path.stem}-{uuid.uuid4().hex[:8]}.png")
+
+
+def _is_fog(thing: bpy.types.Object) -> bool:
+    slots = [slot.material for slot in thing.material_slots if slot.material]
+    return bool(slots) and not any(has_surface(m) for m in slots)
+
+
+def _keep_alpha(rendered: Path, path: Path) -> None:
+    """Writes the alpha of one PNG as the grey of another, atomically."""
+    source = bpy.data.images.load(str(rendered))
+    source.alpha_mode = "CHANNEL_PACKED"
+    source.colorspace_settings.name = "Non-Color"
+    width, height = source.size
+    flat = np.empty(width * height * 4, np.float32)
+    source.pixels.foreach_get(flat)
+    bpy.data.images.remove(source)
+    whole = _beside(path)
+    mask = bpy.data.images.new("Vibe Mask", width, height, alpha=False, is_data=True)
+    try:
+        mask.pixels.foreach_set(np.repeat(flat[3::4, None], 4, axis=1).ravel())
+        mask.filepath_raw, mask.file_format = str(whole), "PNG"
+        mask.save()
+        os.replace(whole, path)
+    finally:
+        bpy.data.images.remove(mask)
+        whole.unlink(missing_ok=True)
