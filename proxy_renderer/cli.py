@@ -80,6 +80,7 @@ def parser() -> argparse.ArgumentParser:
 
     explain = command("explain", _explain, "Say what the words mean to Vibe Render, without a scene.")
     explain.add_argument("prompt", metavar="TEXT", help="the look")
+    explain.add_argument("--json", action="store_true", help="for programs")
 
     command("doctor", _doctor, "Check what is installed, and say what to fix.")
 
@@ -141,10 +142,10 @@ def _revert(a: argparse.Namespace) -> int:
 
 
 def _explain(a: argparse.Namespace) -> int:
-    from .explain import explain
+    from .explain import account
 
     check.prompt(a.prompt)
-    print(explain(a.prompt))
+    print(account(a.prompt, a.json))
     return 0
 
 

@@ -1,42 +1,40 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`vibe explain`: what the words of a prompt mean to Vibe Render."""
+"""`vibe explain`: what a prompt would do to a plain scene, without one."""
 
 from __future__ import annotations
 
-from .language import compose, parse
-from .language.types import Parsed, Prompts, SceneWords
+import json
+
+from .language import compose, explain, parse, plan
+from .language.explain import as_dict
+from .language.types import PlanContext, SceneWords
+from .schema import PARAMETERS, Instance
+
+_OWNERS = {
+    "light": (("Key", "AREA", "key"), ("Fill", "AREA", "fill"), ("Rim", "AREA", "rim")),
+    "material": (("Subject", "", "subject"), ("Surroundings", "", "surroundings")),
+}
+_LINKED = ("tint", "recolor", "rotation")
 
 
-def explain(prompt: str) -> str:
-    """Readable lines: what was understood, what the encoder will be asked, and what was ignored."""
-    parsed = parse(prompt, SceneWords())
+def account(prompt: str, as_json: bool) -> str:
+    """What the words mean, readable or as JSON, for a subject, its surroundings and three lights."""
+    words = SceneWords(materials={"Subject": "subject", "Surroundings": "surroundings"})
+    parsed = parse(prompt, words)
     prompts = compose(parsed)
-    sections = [*_understood(parsed), *_asked(prompts), *_left_out(parsed)]
-    return "\n".join(f"{title}\n" + "\n".join(f"  {row}" for row in rows) for title, rows in sections if rows)
+    lights = {name: kind for name, kind, _ in _OWNERS["light"]}
+    decided = plan(parsed, prompts, _plain_scene(), PlanContext(light_types=lights))
+    if as_json:
+        return json.dumps(as_dict(parsed, prompts, decided), indent=2, ensure_ascii=False)
+    return explain(parsed, prompts, decided)
 
 
-def _understood(parsed: Parsed) -> list[tuple[str, list[str]]]:
-    objects = [
-        f"{o.name} ({o.region}): "
-        + ("; ".join(f"{slot} {words}" for slot, words in o.attributes.items()) or "-")
-        for o in parsed.objects
+def _plain_scene() -> dict[str, Instance]:
+    """Every parameter at its default; lengths are in units of the scene's own."""
+    found = [
+        Instance(p, owner, (p.default,) * p.components, role=role)
+        for p in PARAMETERS
+        for owner, kind, role in _OWNERS.get(p.group, (("", "", ""),))
+        if p.name not in _LINKED and (not p.only or kind in p.only)
     ]
-    measured = [f"{name.replace('_', ' ')}: {value}" for name, value in parsed.targets.items()]
-    return [("What the words describe", objects), ("What will be measured", measured)]
-
-
-def _asked(prompts: Prompts) -> list[tuple[str, list[str]]]:
-    asked = [("subject", prompts.subject), ("surroundings", prompts.surroundings), ("picture", prompts.whole)]
-    avoided = (*prompts.subject_negatives, *prompts.surroundings_negatives, *prompts.whole_negatives)
-    return [
-        ("What the encoder is asked", [f"{name}: {text}" for name, text in asked if text]),
-        ("What it must not look like", list(avoided)),
-    ]
-
-
-def _left_out(parsed: Parsed) -> list[tuple[str, list[str]]]:
-    return [
-        ("Guessed", [f"{word} -> {entry}" for word, entry in parsed.guesses.items()]),
-        ("Contradictions", parsed.conflicts),
-        ("Not understood", [", ".join(parsed.ignored)] if parsed.ignored else []),
-    ]
+    return {i.key: i for i in found}

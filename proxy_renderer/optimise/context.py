@@ -54,12 +54,22 @@ def plan_context(proxy: Proxy, values: dict[str, Values], picture: Render) -> Pl
         light_types={light.name: light.type for light in scene.lights},
         world_share=world,
         material_share=materials,
+        environment_luminance=_environment_luminance(scene),
         texture_luminance={
             name: float((image @ np.float32(LUMA)).mean()) for name, image in textures.items()
         },
         values=values,
         picture=picture_stats(picture),
     )
+
+
+def _environment_luminance(scene: SceneData) -> float:
+    """Mean luminance over the sphere of a linked environment; 0.5, which says nothing, without one."""
+    image = scene.world.image
+    if image is None:
+        return 0.5
+    heights = (np.arange(len(image)) + 0.5) / len(image) * np.pi - np.pi / 2
+    return float(np.average((image @ np.float32(LUMA)).mean(1), weights=np.cos(heights)))
 
 
 def picture_stats(picture: Render) -> PictureStats:

@@ -171,7 +171,9 @@ def select(
         )
     if options.baseline:
         return sorted(relevant)
-    probe = RoundObjective(proxy, vector, terms, relevant, lower, upper, torch.zeros_like(u))
+    last = max(plan[key].priority or 0 for key in top_k(plan, options.top_k, movable, {}))
+    rivals = {key for key in relevant if (plan[key].priority or 0) <= last}
+    probe = RoundObjective(proxy, vector, terms, rivals, lower, upper, torch.zeros_like(u))
     change = sensitivity(probe, u, lower, upper, options.seed)
     felt = {key: float(change[part].sum()) for key, part in vector.slices.items()}
     return top_k(plan, options.top_k, movable, felt)
