@@ -73,6 +73,7 @@ class Far:
         self.open = 1 - self.hit.view(-1, count).mean(1)
         self.owner = self.surface.material * hits.hit + materials * ~hits.hit
         self.materials = materials
+        self._sources: Tensor | None = None
         self.irradiance = torch.zeros((lamps, len(self.hit)), device=self.hit.device)
         self.sky_seen = self._ambient()
         self.harmonics = (harmonics(toward) * (1 - self.hit)).view(9, -1, count).mean(2)
@@ -94,6 +95,14 @@ class Far:
             origin = self.geometry.lifted(self.surface)
             shade = self.geometry.clear(origin, met.toward, met.distance * 0.999) * facing
         self.irradiance[index] = met.irradiance * shade
+        self._sources = None
+
+    def image(self, table: Table) -> Tensor:
+        """Radiance (3, A) of the hits of single rays; 0 where they leave the scene."""
+        if self._sources is None:
+            self._sources = torch.cat((self.irradiance, self.sky_seen[None]))
+            self._members = [(self.owner == m).nonzero()[:, 0] for m in range(self.materials)]
+        return _Image.apply(table.radiances, self._sources, self._members)
 
     def weights(self) -> Tensor:
         """(A, K) average over each point's rays: weights over the rows of `Table.radiances`."""
@@ -110,7 +119,8 @@ class Far:
 class Indirect:
     """Bounced light and reflections for the samples of one view.
 
-    `open_sky` holds the shares (N,) of the blurred and of the mirrored reflection that the world fills.
+    `points` are the anchors' surface; `open_sky` holds the shares (N,) of the blurred and of the mirrored
+    reflection that the world fills.
 
     Diffuse light and blurred reflections vary slowly, so they are gathered at a coarse grid of
     anchors and spread to the samples by position and normal; mirror images are traced per sample.
@@ -120,7 +130,7 @@ class Indirect:
                  generator: torch.Generator) -> None:  # fmt: skip
         n = samples.surfaces
         anchors, self.spread = _anchors(samples, surface)
-        points = surface.pick(anchors)
+        self.points = points = surface.pick(anchors)
         toward = samples.toward[:, anchors]
         origin = geometry.lifted(points)
         shape = geometry, materials, lamps
@@ -139,23 +149,27 @@ class Indirect:
             far.light(index, lamp)
         self._weights = None
 
-    def gather(self, table: Table) -> tuple[Tensor, Tensor, Tensor]:
-        """Irradiance (3, N), blurred and mirrored radiance of surfaces (3, N each), world not included
-        in the latter two."""
+    def gather(self, table: Table, ambient: Tensor | None = None) -> tuple[Tensor, Tensor, Tensor]:
+        """Light that comes over other surfaces and from the world.
+
+        Args:
+            table: The radiances of all there is to see.
+            ambient: (A,) share of the world's light that fog lets through to the anchors.
+
+        Returns:
+            Irradiance (3, N), the world's included; blurred and mirrored radiance of surfaces, (3, N)
+            each, without the world.
+        """
         if self._weights is None:
             low, glossy = self.diffuse.weights() * math.pi, self.glossy.weights()
             self._weights = low, glossy[:, : self._skies]
         wide, narrow = self._weights
-        low = torch.cat((wide @ table.radiances, narrow @ table.radiances[: self._skies]), 1)
+        sky = wide[:, self._skies :] @ table.radiances[self._skies :]
+        sky = sky if ambient is None else sky * ambient[:, None]
+        over = table.radiances[: self._skies]
+        low = torch.cat((wide[:, : self._skies] @ over + sky, narrow @ over), 1)
         full = self.spread(low).T
-        return full[:3].clamp_min(0.0), full[3:], self._mirror(table)
-
-    def _mirror(self, table: Table) -> Tensor:
-        return _MirrorImage.apply(table.radiances, *self._mirror_rows())
-
-    def _mirror_rows(self) -> tuple[Tensor, Tensor, int]:
-        sources = torch.cat((self.mirror.irradiance, self.mirror.sky_seen[None]))
-        return self.mirror.owner, sources, self.mirror.materials
+        return full[:3].clamp_min(0.0), full[3:], self.mirror.image(table)
 
 
 
@@ -164,36 +178,30 @@ def _far(geometry: Geometry, materials: int, lamps: int, origin: Tensor, toward:
     return Far(geometry, origins, toward, count, materials, lamps)
 
 
-class _MirrorImage(torch.autograd.Function):
+class _Image(torch.autograd.Function):
     """Radiance (3, N) of single hits: like `Far.weights() @ radiances`, without the mostly empty matrix."""
 
     @staticmethod
-    def forward(ctx, radiances, owner, sources, materials):  # type: ignore[no-untyped-def]
-        ctx.save_for_backward(owner, sources)
-        ctx.shape = radiances.shape, materials
-        count = len(sources)
-        table = radiances[: materials * count].view(materials, count, 3)
-        glow = radiances[materials * count : materials * (count + 1)]
-        out = torch.zeros((3, len(owner)), device=owner.device)
-        for m in range(materials):
-            chosen = (owner == m).nonzero()[:, 0]
+    def forward(ctx, radiances, sources, members):  # type: ignore[no-untyped-def]
+        ctx.members, ctx.sources, ctx.rows = members, sources, len(radiances)
+        count, materials = len(sources), len(members)
+        out = torch.zeros((3, sources.shape[1]), device=sources.device)
+        for m, chosen in enumerate(members):
             if len(chosen):
-                out[:, chosen] = table[m].T @ sources[:, chosen] + glow[m][:, None]
+                rows, glow = radiances[m * count : (m + 1) * count], radiances[materials * count + m]
+                out.index_copy_(1, chosen, rows.T @ sources.index_select(1, chosen) + glow[:, None])
         return out
 
     @staticmethod
     def backward(ctx, gradient):  # type: ignore[no-untyped-def]
-        owner, sources = ctx.saved_tensors
-        shape, materials = ctx.shape
-        count = len(sources)
-        result = gradient.new_zeros(shape)
-        for m in range(materials):
-            chosen = (owner == m).nonzero()[:, 0]
+        count, materials = len(ctx.sources), len(ctx.members)
+        result = gradient.new_zeros((ctx.rows, 3))
+        for m, chosen in enumerate(ctx.members):
             if len(chosen):
-                part = gradient[:, chosen]
-                result[m * count : (m + 1) * count] = sources[:, chosen] @ part.T
+                part = gradient.index_select(1, chosen)
+                result[m * count : (m + 1) * count] = ctx.sources.index_select(1, chosen) @ part.T
                 result[materials * count + m] = part.sum(1)
-        return result, None, None, None
+        return result, None, None
 
 
 class Spread:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,17 +13,20 @@ from torch import Tensor
 
 from ..scene import SceneData
 from ..schema import FAMILIES
-from .camera import view_of
+from .camera import View, view_of
 from .environment import Environment, Sky, sky_of
 from .film import Film
+from .fog import Fog
 from .indirect import GLOSSY, Table
 from .lights import Lamp, lamps_of
-from .principled import Light, Paint, Reflected, paint_of, shade
+from .principled import Light, Paint, Reflected, paint_of, shade, used
 from .settings import Settings
 from .view_cache import Sight, ViewCache
 from .visibility import Geometry
+from .volume import DIRECTIONS, Volume, ambient_transmittance
 
 _FILM_KEYS = tuple(key for key, p in FAMILIES.items() if p.group == "film")
+_KNOTS = (0.0, GLOSSY, 1.0)
 
 
 @dataclass(frozen=True)
@@ -60,6 +64,7 @@ class Proxy:
         self.geometry = Geometry(scene, self.device)
         self.environment = Environment(scene, self.device)
         self.film = Film(scene.film, size, device)
+        self.volume = Volume(self.geometry.clear)
         self._cache: ViewCache | None = None
 
     def render(self, values: Mapping[str, Tensor]) -> Render:
@@ -71,46 +76,104 @@ class Proxy:
         """
         settings = Settings(self.scene, values, self.device)
         view = view_of(self.scene, settings, self.size)
-        lamps, sky = lamps_of(self.scene, settings), sky_of(self.environment, settings)
-        paints = [paint_of(m, settings) for m in self.scene.materials]
         if self._cache is None or self._cache.signature != view.signature():
             self._cache = ViewCache(self.scene, self.geometry, view, self.seed)
         cache = self._cache
-        radiance = self._radiance(cache, cache.sight(view), lamps, sky, paints)
-        linear = cache.samples.resolve(radiance).view(3, *self.size[::-1]).permute(1, 2, 0)
+        frame = Frame(
+            cache=cache,
+            sight=cache.sight(view),
+            lamps=lamps_of(self.scene, settings),
+            sky=sky_of(self.environment, settings),
+            paints=[paint_of(m, settings) for m in self.scene.materials],
+            fog=Fog(self.scene, settings),
+        )
+        radiance = self._radiance(frame)
+        if frame.fog.active:
+            radiance = self._through_fog(frame, view, radiance)
+        picture, mask = cache.samples.resolve(radiance), cache.mask
+        if view.moving:
+            term = cache.outlines().term(view, torch.cat((radiance, cache.inside)), picture.shape[1])
+            picture, mask = picture + term[:3], mask + term[3].view(mask.shape)
+        linear = picture.view(3, *self.size[::-1]).permute(1, 2, 0)
         film = {key: settings.color(key) for key in _FILM_KEYS if settings.has(key)}
-        return Render(self.film.develop(linear, film), linear, cache.mask, cache.depth)
+        return Render(self.film.develop(linear, film), linear, mask, cache.depth)
 
-    def _radiance(
-        self, cache: ViewCache, sight: Sight, lamps: list[Lamp], sky: Sky, paints: list[Paint]
-    ) -> Tensor:
+    def _radiance(self, frame: Frame) -> Tensor:
         """Radiance (3, N + B) of all samples: surfaces in the order of their materials, then background."""
-        colors = torch.stack([lamp.color for lamp in lamps]) if lamps else torch.zeros((0, 3))
-        beams = [cache.beam(i, lamp, sight) for i, lamp in enumerate(lamps)]
-        irradiance, glossy, mirror = cache.indirect.gather(_table(cache, colors, sky, paints))
+        cache, sight, sky = frame.cache, frame.sight, frame.sky
+        beams = [cache.beam(i, lamp, sight) for i, lamp in enumerate(frame.lamps)]
+        if frame.fog.active:
+            beams = [beam.through(frame.fog, sight) for beam in beams]
+        table = _table(frame)
+        irradiance, glossy, mirror = cache.indirect.gather(table, _ambient(frame))
         if beams:
-            irradiance = irradiance + colors.T @ torch.stack([beam.irradiance for beam in beams])
+            irradiance = irradiance + frame.colors.T @ torch.stack([beam.irradiance for beam in beams])
         sharp, blurred, behind = cache.worlds(sky, sight)
         open_glossy, open_mirror = cache.indirect.open_sky
         tint = sky.color[:, None]
-        images = mirror + tint * (sharp * open_mirror), glossy + tint * (blurred * open_glossy)
+        images = mirror + tint * (sharp * open_mirror), glossy + tint * (blurred * open_glossy), irradiance / math.pi
         pieces = []
         for material, start, stop in cache.samples.slices:
-            part = slice(start, stop)
+            part, paint = slice(start, stop), frame.paints[material]
             incoming = Light(
                 irradiance=irradiance[:, part],
-                lamps=colors,
+                lamps=frame.colors,
                 highlights=[beam.highlight.pick(part) for beam in beams],
                 view=sight.basis[:, part],
-                reflected=Reflected((0.0, GLOSSY, 1.0), [*(i[:, part] for i in images), irradiance[:, part] / math.pi]),
-                behind=None,
+                reflected=Reflected(_KNOTS, [image[:, part] for image in images]),
+                behind=_behind(frame, table, material, part) if used(paint.transmission) else None,
             )
-            pieces.append(shade(paints[material], incoming, cache.texture(material, sight.surface.uv[:, part])))
+            texture = cache.texture(material, sight.surface.uv[:, part])
+            pieces.append(shade(paint, incoming, texture))
         return torch.cat((*pieces, behind * tint), 1)
 
+    def _through_fog(self, frame: Frame, view: View, radiance: Tensor) -> Tensor:
+        """Adds the light that fog scatters to the eye, takes what it extinguishes."""
+        sky, samples = frame.sky, frame.cache.samples
+        near = float(self.scene.references.get("view_distance", self.geometry.size))
+        world = sky.color[:, None] * sky.levels(DIRECTIONS.to(self.device), (0.5,))[0]
+        haze = self.volume.scatter(frame.fog, view, near, frame.lamps, world)
+        light, passing = haze.look_up(samples.place, samples.hits.distance)
+        return radiance * passing + light
 
-def _table(cache: ViewCache, colors: Tensor, sky: Sky, paints: list[Paint]) -> Table:
+
+@dataclass(frozen=True)
+class Frame:
+    """All that one render is made of."""
+
+    cache: ViewCache
+    sight: Sight
+    lamps: list[Lamp]
+    sky: Sky
+    paints: list[Paint]
+    fog: Fog
+
+    @functools.cached_property
+    def colors(self) -> Tensor:
+        """(L, 3) colors of the lamps."""
+        return torch.stack([lamp.color for lamp in self.lamps]) if self.lamps else self.sky.color.new_zeros((0, 3))
+
+
+def _table(frame: Frame) -> Table:
     """Radiances of what secondary rays meet."""
-    albedos = [p.base * mean * (1 - p.transmission) for p, mean in zip(paints, cache.mean_texture, strict=True)]
-    glow = torch.stack([p.emission for p in paints])
-    return Table.of(torch.stack(albedos).clamp_max(1.0), glow, colors, sky.mean, sky.coefficients())
+    rows = zip(frame.paints, frame.cache.mean_texture, strict=True)
+    albedos = torch.stack([p.base * mean * (1 - p.transmission) for p, mean in rows]).clamp_max(1.0)
+    glow = torch.stack([p.emission for p in frame.paints])
+    sky = frame.sky
+    return Table.of(albedos, glow, frame.colors, sky.mean, sky.coefficients())
+
+
+def _ambient(frame: Frame) -> Tensor | None:
+    """Share (A,) of the world's light that fog lets through to the anchors of indirect light."""
+    if not frame.fog.active:
+        return None
+    points = frame.cache.indirect.points
+    return ambient_transmittance(frame.fog, points.position, points.normal)
+
+
+def _behind(frame: Frame, table: Table, material: int, part: slice) -> Tensor:
+    """Radiance (3, n) seen through a transparent material."""
+    ior = float(frame.paints[material].ior)
+    far, toward = frame.cache.behind(material, part, ior, frame.lamps)
+    world = frame.sky.levels(toward, (0.0,))[0] * frame.sky.color[:, None]
+    return far.image(table) + world * far.open

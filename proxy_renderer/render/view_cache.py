@@ -13,12 +13,15 @@ from ..scene import Material, SceneData
 from . import albedo
 from .camera import View
 from .environment import Sky
+from .fog import Fog
 from .highlight import Highlight, highlight
-from .indirect import Indirect, above, reflect
+from .indirect import Far, Indirect, above, reflect
 from .lights import Lamp, arrival
+from .refraction import through
 from .samples import take
 from .settings import wanted
 from .shadows import shadow
+from .silhouette import Silhouettes
 from .visibility import Geometry, Surface
 from .vectors import dot
 
@@ -60,10 +63,17 @@ class Sight:
 
 @dataclass(frozen=True)
 class Beam:
-    """A lamp's shadowed irradiance (N,) and highlight at all samples, per unit of its color."""
+    """A lamp's shadowed irradiance (N,) and highlight at all samples, per unit of its color, and its place."""
 
     irradiance: Tensor
     highlight: Highlight
+    toward: Tensor
+    distance: Tensor
+
+    def through(self, fog: Fog, sight: Sight) -> Beam:
+        """The beam after the fog between lamp and samples."""
+        passing = fog.transmittance(sight.surface.position, self.toward, self.distance)
+        return Beam(self.irradiance * passing, self.highlight.times(passing), self.toward, self.distance)
 
     @staticmethod
     def of(lamp: Lamp, sight: Sight, visible: Tensor) -> Beam:
@@ -71,7 +81,7 @@ class Beam:
         point, normal = sight.surface.position, sight.surface.normal
         met = arrival(lamp, point, normal)
         shine = highlight(lamp, met, point, normal, sight.toward_eye)
-        return Beam(met.irradiance * visible, shine.times(visible))
+        return Beam(met.irradiance * visible, shine.times(visible), met.toward, met.distance)
 
 
 class ViewCache:
@@ -96,8 +106,11 @@ class ViewCache:
             counts = len(scene.materials), len(scene.lights)
             self.indirect = Indirect(geometry, samples, self._sight.surface, *counts, generator)
             self.mean_texture = [_mean(m, geometry.device) for m in scene.materials]
-            self.mask, self.depth = self._mask(), self._depth()
+            self.inside, self.depth = self._inside(), self._depth()
+            self.mask = samples.resolve(self.inside).view(self.depth.shape)
         self._beams: dict[int, tuple[tuple[float, ...], Beam, Tensor]] = {}
+        self._outlines: Silhouettes | None = None
+        self._through: dict[int, tuple[float, object, tuple[Far, Tensor]]] = {}
         self._worlds: tuple[object, tuple[Tensor, Tensor, Tensor]] | None = None
 
     def sight(self, view: View) -> Sight:
@@ -123,6 +136,31 @@ class ViewCache:
             self._beams[index] = kept
         return Beam.of(lamp, sight, kept[2]) if lamp.moving or sight.moving else kept[1]
 
+    def behind(self, material: int, part: slice, ior: float, lamps: list[Lamp]) -> tuple[Far, Tensor]:
+        """What is seen through a material's samples: far hits and directions; traced anew for a new IOR."""
+        place = tuple(lamp.signature() for lamp in lamps)
+        kept = self._through.get(material)
+        if kept is None or abs(kept[0] - ior) > 1e-3:
+            with torch.no_grad():
+                toward = self.samples.toward[:, part]
+                counts = len(self.scene.materials), len(self.scene.lights)
+                found = through(self.geometry, self._sight.surface.pick(part), toward, ior, *counts)
+            kept = ior, None, found
+        if kept[1] != place:
+            with torch.no_grad():
+                for i, lamp in enumerate(lamps):
+                    kept[2][0].light(i, lamp.detached())
+            kept = kept[0], place, kept[2]
+        self._through[material] = kept
+        return kept[2]
+
+    def outlines(self) -> Silhouettes:
+        """The outlines, for gradients with respect to the camera."""
+        if self._outlines is None:
+            with torch.no_grad():
+                self._outlines = Silhouettes.of(self.samples, self._sight.surface)
+        return self._outlines
+
     def worlds(self, sky: Sky, sight: Sight) -> tuple[Tensor, Tensor, Tensor]:
         """Uncolored world in the mirror directions, sharp and blurred (3, N), and behind all (3, B)."""
         if wanted(sky.turn) or (sight.moving and not sky.plain):
@@ -144,13 +182,11 @@ class ViewCache:
         padding = "zeros" if texture.extension == "CLIP" else "border"
         return grid_sample(image, place, padding_mode=padding, align_corners=False)[0, :, 0]
 
-    def _mask(self) -> Tensor:
-        """(H, W) share of each pixel that belongs to the subject."""
+    def _inside(self) -> Tensor:
+        """(1, N + B) 1 for samples of the subject, else 0."""
         subject = torch.tensor([o.subject for o in self.scene.objects], device=self.geometry.device)
         owner = self.geometry.object[self.samples.hits.triangle.clamp_min(0)]
-        inside = (subject[owner] & self.samples.hits.hit).to(torch.float32)
-        width, height = self.samples.size
-        return self.samples.resolve(inside[None]).view(height, width)
+        return (subject[owner] & self.samples.hits.hit).to(torch.float32)[None]
 
     def _depth(self) -> Tensor:
         """(H, W) distance along the rays through the pixels' centers."""

@@ -118,6 +118,12 @@ class Geometry:
         uv = sum((self.uvs[k, triangle].T * weights[k] for k in range(3)), torch.zeros_like(a[:2]))
         return Surface(position, normal, facet, uv, self.material[triangle])
 
+    def from_behind(self, hits: Hits, toward: Tensor) -> Tensor:
+        """(N,) whether rays (3, N) meet triangles on the side that their shading normals look away from."""
+        index = hits.triangle.clamp_min(0)
+        outside = sum((self.normals[k, index].T for k in range(3)), torch.zeros_like(toward))
+        return dot(outside, toward) > 0
+
     def lifted(self, surface: Surface) -> Tensor:
         """Origins (3, N) for rays that leave a surface without meeting it again at once."""
         scale = 1e-5 * (self.size + surface.position.abs().amax(0))
