@@ -57,11 +57,9 @@ def text(key: str, values: schema.Values) -> str:
 
 def _number(value: float) -> str:
     """About three significant digits, without exponents."""
-    size = abs(value)
-    if size < 1e-4:
+    if abs(value) < 1e-4:
         return "0"
-    decimals = 0 if size >= 100 else 1 if size >= 10 else 2 if size >= 0.1 else 4
-    return f"{value:.{decimals}f}"
+    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"
 
 
 def same(key: str, before: schema.Values, after: schema.Values) -> bool:

@@ -154,8 +154,9 @@ class Engine:
 def _receive(stream: BinaryIO, inbox: queue.Queue[_Item]) -> None:
     """Puts what arrives into the inbox, until the output ends."""
     try:
-        for message in wire.read(stream):
-            inbox.put(message)
+        with stream:
+            for message in wire.read(stream):
+                inbox.put(message)
     except schema.VibeError as error:
         inbox.put(error)
     inbox.put(None)

@@ -103,6 +103,8 @@ class VIBE_PT_result(_IdleTab):
     def draw(self, context: bpy.types.Context) -> None:
         """Draws the panel."""
         layout, settings = self.layout, context.scene.vibe
+        if settings.vibed_prompt:
+            _paragraph(layout, context, f"“{settings.vibed_prompt}”")
         if desk.session and (icon := preview.icon(desk.session.preview)):
             layout.template_icon(icon_value=icon, scale=7.0)
         if settings.changes:
@@ -130,6 +132,10 @@ class VIBE_PT_changes(_IdleTab):
         """Only when there are changes."""
         return bool(context.scene.vibe.changes)
 
+    def draw_header_preset(self, context: bpy.types.Context) -> None:
+        """How many there are."""
+        self.layout.label(text=f"{len(context.scene.vibe.changes)} values ")
+
     def draw(self, context: bpy.types.Context) -> None:
         """Draws the list."""
         layout = self.layout
@@ -154,6 +160,7 @@ def _draw_change(layout: bpy.types.UILayout, change: Any) -> None:
     values = split.row(align=True)
     before, after = change.values()
     if parameter.kind == "color":
+        values.enabled = False
         values.prop(change, "before", text="")
         values.prop(change, "after", text="")
     else:
