@@ -1,7 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """What can be read off a picture: the attributes that words name, heads predict and losses use."""
 
-COLORS = ("black", "grey", "white", "brown", "red", "orange", "yellow", "green", "teal", "blue", "purple", "pink")
+COLORS = (
+    "black",
+    "grey",
+    "white",
+    "brown",
+    "red",
+    "orange",
+    "yellow",
+    "green",
+    "teal",
+    "blue",
+    "purple",
+    "pink",
+)
 
 ATTRIBUTES: dict[str, tuple[str, ...]] = {
     "subject_color": COLORS,

@@ -10,11 +10,31 @@ from ..schema import Values
 from .types import Lab
 
 _WHITE = (0.95047, 1.0, 1.08883)  # D65
-_TO_XYZ = ((0.4124564, 0.3575761, 0.1804375), (0.2126729, 0.7151522, 0.0721750), (0.0193339, 0.1191920, 0.9503041))
-_TO_RGB = ((3.2404542, -1.5371385, -0.4985314), (-0.9692660, 1.8760108, 0.0415560), (0.0556434, -0.2040259, 1.0572252))
-_TO_CONES = ((0.4122215, 0.5363325, 0.0514460), (0.2119035, 0.6806995, 0.1073970), (0.0883025, 0.2817188, 0.6299787))
-_FROM_CONES = ((4.0767417, -3.3077116, 0.2309699), (-1.2684380, 2.6097574, -0.3413194), (-0.0041961, -0.7034186, 1.7076147))
-_TO_OKLAB = ((0.2104543, 0.7936178, -0.0040720), (1.9779985, -2.4285922, 0.4505937), (0.0259040, 0.7827718, -0.8086758))
+_TO_XYZ = (
+    (0.4124564, 0.3575761, 0.1804375),
+    (0.2126729, 0.7151522, 0.0721750),
+    (0.0193339, 0.1191920, 0.9503041),
+)
+_TO_RGB = (
+    (3.2404542, -1.5371385, -0.4985314),
+    (-0.9692660, 1.8760108, 0.0415560),
+    (0.0556434, -0.2040259, 1.0572252),
+)
+_TO_CONES = (
+    (0.4122215, 0.5363325, 0.0514460),
+    (0.2119035, 0.6806995, 0.1073970),
+    (0.0883025, 0.2817188, 0.6299787),
+)
+_FROM_CONES = (
+    (4.0767417, -3.3077116, 0.2309699),
+    (-1.2684380, 2.6097574, -0.3413194),
+    (-0.0041961, -0.7034186, 1.7076147),
+)
+_TO_OKLAB = (
+    (0.2104543, 0.7936178, -0.0040720),
+    (1.9779985, -2.4285922, 0.4505937),
+    (0.0259040, 0.7827718, -0.8086758),
+)
 _FROM_OKLAB = ((1.0, 0.3963378, 0.2158038), (1.0, -0.1055613, -0.0638542), (1.0, -0.0894842, -1.2914855))
 
 # Several typical shades for each basic color: the nearest one decides.
@@ -58,7 +78,10 @@ def luminance(linear: Sequence[float]) -> float:
 def to_lab(srgb: Sequence[float]) -> Lab:
     """CIE L*a*b* (D65) of sRGB in [0, 1]."""
     linear = to_linear(srgb)
-    xyz = (sum(m * v for m, v in zip(row, linear, strict=True)) / w for row, w in zip(_TO_XYZ, _WHITE, strict=True))
+    xyz = (
+        sum(m * v for m, v in zip(row, linear, strict=True)) / w
+        for row, w in zip(_TO_XYZ, _WHITE, strict=True)
+    )
     x, y, z = (t ** (1 / 3) if t > 216 / 24389 else t * 841 / 108 + 4 / 29 for t in xyz)
     return 116 * y - 16, 500 * (x - y), 200 * (y - z)
 
@@ -87,7 +110,9 @@ def _apply(matrix: Sequence[Lab], vector: Sequence[float]) -> Lab:
     return x, y, z
 
 
-def shade(srgb: Values, lightness: float = 1.0, chroma: float = 1.0, towards: float = 60.0, warmth: float = 0.0) -> Values:
+def shade(
+    srgb: Values, lightness: float = 1.0, chroma: float = 1.0, towards: float = 60.0, warmth: float = 0.0
+) -> Values:
     """A shade of a color.
 
     Args:
@@ -99,7 +124,9 @@ def shade(srgb: Values, lightness: float = 1.0, chroma: float = 1.0, towards: fl
     """
     light, a, b = _oklab(srgb)
     goal = (towards + 16) / 116  # of a grey of that L*
-    return _from_oklab((goal + (light - goal) * lightness, a * chroma + warmth / 1200, b * chroma + warmth / 330))
+    return _from_oklab(
+        (goal + (light - goal) * lightness, a * chroma + warmth / 1200, b * chroma + warmth / 330)
+    )
 
 
 def chroma(lab: Lab) -> float:
@@ -114,7 +141,9 @@ def basic(srgb: Sequence[float]) -> str:
         return "black" if lab[0] < 18 else "white" if lab[0] > 85 else "grey"
     # Hue decides more than lightness does.
     distances = {
-        name: min(0.5 * abs(lab[0] - s[0]) + math.dist(lab[1:], s[1:]) for s in map(to_lab, map(from_hex, shades)))
+        name: min(
+            0.5 * abs(lab[0] - s[0]) + math.dist(lab[1:], s[1:]) for s in map(to_lab, map(from_hex, shades))
+        )
         for name, shades in _SHADES.items()
     }
     return min(distances, key=distances.__getitem__)

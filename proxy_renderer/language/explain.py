@@ -24,7 +24,9 @@ def explain(parsed: Parsed, prompts: Prompts, plan: Plan) -> str:
     unwanted = (*prompts.subject_negatives, *prompts.surroundings_negatives, *prompts.whole_negatives)
     lines += [f"  not: {text}" for text in unwanted]
     if parsed.targets:
-        lines.append("  measured by: " + ", ".join(f"{head} = {value}" for head, value in parsed.targets.items()))
+        lines.append(
+            "  measured by: " + ", ".join(f"{head} = {value}" for head, value in parsed.targets.items())
+        )
     lines += ["", "Plan (the smaller the priority, the more important)"]
     moving = sorted((e.priority, key) for key, e in plan.items() if e.priority is not None)
     for priority, key in moving:
@@ -68,6 +70,10 @@ def _moods(parsed: Parsed) -> dict[str, str]:
 
 def _range(lower: Values, upper: Values) -> str:
     def show(values: Values) -> str:
-        return ", ".join(f"{v:.3g}" for v in values) if len(values) == 1 else f"({', '.join(f'{v:.2g}' for v in values)})"
+        return (
+            ", ".join(f"{v:.3g}" for v in values)
+            if len(values) == 1
+            else f"({', '.join(f'{v:.2g}' for v in values)})"
+        )
 
     return f"{show(lower)} .. {show(upper)}" if lower != upper else show(lower)

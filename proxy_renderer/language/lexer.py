@@ -66,7 +66,10 @@ def _plain_name(name: str) -> str:
 
 def scene_names(words: SceneWords) -> dict[str, SceneName]:
     """Spoken name -> what it names; objects come before materials, whole names before last words."""
-    things = [SceneName(name, region, words.object_materials.get(name, ())) for name, region in words.objects.items()]
+    things = [
+        SceneName(name, region, words.object_materials.get(name, ()))
+        for name, region in words.objects.items()
+    ]
     things += [SceneName(name, region, (name,)) for name, region in words.materials.items()]
     names: dict[str, SceneName] = {}
     if words.subject:
@@ -76,7 +79,12 @@ def scene_names(words: SceneWords) -> dict[str, SceneName]:
             spoken = _plain_name(thing.name)
             spoken = spoken if whole else spoken.rpartition(" ")[2]
             merged = names.get(spoken)
-            if merged and thing.name not in words.materials and merged.region == thing.region and merged.materials:
+            if (
+                merged
+                and thing.name not in words.materials
+                and merged.region == thing.region
+                and merged.materials
+            ):
                 both = tuple(dict.fromkeys((*merged.materials, *thing.materials)))
                 names[spoken] = SceneName(merged.name, merged.region, both)  # "the chairs": Chair, Chair.001
             elif len(spoken) > 2:
@@ -91,7 +99,9 @@ class Lexer:
         self.vocabulary = vocabulary
         self.names = scene_names(words)
         self._spelling = sorted(
-            w for w in {*vocabulary.synonyms, *vocabulary.colors, *vocabulary.adjectives} if " " not in w and len(w) > 3
+            w
+            for w in {*vocabulary.synonyms, *vocabulary.colors, *vocabulary.adjectives}
+            if " " not in w and len(w) > 3
         )
 
     def clauses(self, prompt: str) -> list[list[Token]]:
@@ -105,7 +115,9 @@ class Lexer:
         start = 0
         while start < len(words):
             for count in range(min(_LONGEST, len(words) - start), 0, -1):
-                token = self._shaded(words[start : start + count]) or self._phrase(" ".join(words[start : start + count]))
+                token = self._shaded(words[start : start + count]) or self._phrase(
+                    " ".join(words[start : start + count])
+                )
                 if token.known or count == 1:
                     tokens.append(token if token.known else self._guess(token))
                     start += count
@@ -143,7 +155,11 @@ class Lexer:
         for split in range(1, len(words)):
             color = v.colors.get(" ".join(words[split:]))
             leading = words[:split]
-            if color and all(w in v.shades or v.intensity.get(w) for w in leading) and leading[-1] in v.shades:
+            if (
+                color
+                and all(w in v.shades or v.intensity.get(w) for w in leading)
+                and leading[-1] in v.shades
+            ):
                 if " ".join(words) in v.colors:
                     return None
                 for position in range(split - 1, -1, -1):

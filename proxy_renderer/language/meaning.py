@@ -4,11 +4,17 @@
 from __future__ import annotations
 
 from .attributes import ATTRIBUTES, COLORS
-from .color import basic, chroma, to_lab
+from .color import basic, chroma, shade, to_lab
 from .types import Attribute, Lab, Parsed, Region, SceneObject
 from .vocabulary import Vocabulary
 
-_COLORED = {"light": "lighting", "fill": "lighting", "rim": "lighting", "fog": "atmosphere", "glow": "material"}
+_COLORED = {
+    "light": "lighting",
+    "fill": "lighting",
+    "rim": "lighting",
+    "fog": "atmosphere",
+    "glow": "material",
+}
 Named = tuple[str, Region, tuple[str, ...]]
 
 
@@ -19,7 +25,9 @@ def complete(parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[
         for head, value in _heads(attribute, vocabulary).items():
             settled = parsed.targets.setdefault(head, value)
             if head == "fog" and {settled, value} == {"light", "thick"}:
-                settled = parsed.targets[head] = value if not attribute.cause and value == "thick" else settled
+                settled = parsed.targets[head] = (
+                    value if not attribute.cause and value == "thick" else settled
+                )
                 continue
             if settled != value and not attribute.cause and not head.endswith("_color"):
                 note = f"'{attribute.word}' asks for {value} {_readable(head)}, but {settled} was asked for first."
@@ -93,32 +101,40 @@ def _region_colors(parsed: Parsed) -> None:
         for attribute in named:
             region = _region_of(attribute)
             if region and attribute.color and region not in parsed.colors:
-                light, a, b = display_color(attribute.color, region)
-                veil = kind == "fog"  # fog is paler than its name
-                parsed.colors[region] = (0.5 * light + 32, 0.5 * a, 0.5 * b) if veil else (light, a, b)
+                # Fog is paler than its name.
+                shown = shade(attribute.color, 0.4, 0.55, 66.0) if kind == "fog" else attribute.color
+                parsed.colors[region] = display_color(shown, region)
                 parsed.targets[f"{region}_color"] = color_class(attribute)
             elif kind != "fog" and not attribute.cause and not attribute.owners:
                 first = next(a for a in named if not a.negated)
                 if first.entry != attribute.entry:
-                    parsed.conflicts.append(f"'{attribute.word}' gives way to '{first.word}', which was named first.")
+                    parsed.conflicts.append(
+                        f"'{attribute.word}' gives way to '{first.word}', which was named first."
+                    )
     assert all(head in ATTRIBUTES for head in parsed.targets)
 
 
 def _objects(attributes: list[Attribute], subject: str, things: list[Named]) -> list[SceneObject]:
     """The prompt's objects with their attributes, the subject first."""
     main = next((name for name, region, _ in things if region == "subject"), subject) or "subject"
-    objects = {(main, "subject"): SceneObject(main, "subject")}
+    objects: dict[tuple[str, Region], SceneObject] = {(main, "subject"): SceneObject(main, "subject")}
     for name, region, owners in things:
         objects.setdefault((name, region), SceneObject(name, region, materials=owners)).materials = owners
-    around = next((key for key in objects if key[1] == "surroundings"), ("surroundings", "surroundings"))
+    around: tuple[str, Region] = next(
+        (k for k in objects if k[1] == "surroundings"), ("surroundings", "surroundings")
+    )
     for attribute in attributes:
         if attribute.cause:
             continue
         key = (attribute.thing, attribute.region)
         if key not in objects:
-            outer = attribute.region == "surroundings" or attribute.slot in ("atmosphere", "setting") or attribute.kind == "fog"
+            outer = (
+                attribute.region == "surroundings"
+                or attribute.slot in ("atmosphere", "setting")
+                or attribute.kind == "fog"
+            )
             key = around if outer else (main, "subject")
-            objects.setdefault(key, SceneObject(key[0], key[1]))  # type: ignore[arg-type]
+            objects.setdefault(key, SceneObject(*key))
         slots = objects[key].attributes
         slot, word = attribute.slot, attribute.word
         if slot == "color" and attribute.region == "whole":

@@ -64,7 +64,11 @@ class Owners:
             return True
         sky = any(a.kind == "sky" for a in self.parsed.attributes)
         share = self.context.world_share
-        return not attribute.owners and not sky and (share is None or share > 0.05 or not self.materials("surroundings"))
+        return (
+            not attribute.owners
+            and not sky
+            and (share is None or share > 0.05 or not self.materials("surroundings"))
+        )
 
     # ---- lights
 
@@ -83,7 +87,9 @@ class Owners:
         return [name for name in self.lights if name not in own]
 
     def _roles(self, role: str) -> list[str]:
-        return [n for n in self.lights if any(i.owner == n and i.role == role for i in self.instances.values())]
+        return [
+            n for n in self.lights if any(i.owner == n and i.role == role for i in self.instances.values())
+        ]
 
     def _value(self, light: str, name: str) -> float | None:
         instance = self.instances.get(f"light/{light}/{name}")

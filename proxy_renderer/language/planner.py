@@ -49,7 +49,7 @@ def plan(
     """
     planner = _Planner(parsed, instances, context, vocabulary or default_vocabulary())
     entries = planner.entries()
-    for key, entry in supports(parsed, prompts, instances, context, entries, planner.owners).items():
+    for key, entry in supports(parsed, instances, planner.sources, entries, planner.owners).items():
         entries[key] = entry
     return Plan({key: entries[key] for key in instances}, tuple(dict.fromkeys(planner.notes)))
 
@@ -67,7 +67,9 @@ class _Planner:
 
     def entries(self) -> dict[str, PlanEntry]:
         """An entry for every instance, from the words alone."""
-        wishes = [(attribute, effect) for attribute in self._attributes() for effect in self._effects(attribute)]
+        wishes = [
+            (attribute, effect) for attribute in self._attributes() for effect in self._effects(attribute)
+        ]
         # Colors first: how strong a world has to be, and what glows, depends on them.
         for late in (False, True):
             demands = [d for a, e in wishes if _late(e) == late for d in self._demands(a, e)]
@@ -77,7 +79,9 @@ class _Planner:
 
     def _attributes(self) -> list[Attribute]:
         """With "red and blue lights" shared out: the first color to the key, the next to the others."""
-        gels = [a for a in self.parsed.attributes if a.color and a.kind == "light" and not a.role and not a.cause]
+        gels = [
+            a for a in self.parsed.attributes if a.color and a.kind == "light" and not a.role and not a.cause
+        ]
         if len(gels) < 2:
             return self.parsed.attributes
         roles = {id(gels[0]): "key", id(gels[1]): "others"}
@@ -94,7 +98,9 @@ class _Planner:
             return list(entry.never)
         if entry.opposite:
             return list(self.vocabulary.entries[entry.opposite].effects)
-        return [Effect(e.owner, e.name, "", (n,), (n,)) for e in entry.effects if (n := _neutral(e)) is not None]
+        return [
+            Effect(e.owner, e.name, "", (n,), (n,)) for e in entry.effects if (n := _neutral(e)) is not None
+        ]
 
     def _demands(self, attribute: Attribute, effect: Effect) -> list[Demand]:
         shown = self.vocabulary.entries.get(attribute.entry)
@@ -106,6 +112,7 @@ class _Planner:
             sources = replace(self.sources, own_color=self._own_color(instance.owner))
             lower, upper = effect_range(effect, replace(attribute, strength=strength), instance, sources)
             priority = effect.priority + (2 if effect.weak else 0) + (_SECOND if attribute.cause else 0)
+            priority += 2 * (effect.owner == "lights" and instance.owner not in self.owners.key)
             reason = _reason(attribute, shown.phrase if shown else "")
             demands.append(Demand(instance.key, lower, upper, attribute, reason, effect.weak, priority))
         return demands
@@ -120,7 +127,11 @@ class _Planner:
             low, high = tuple(map(max, lower, demand.lower)), tuple(map(min, upper, demand.upper))
             if all(a <= b for a, b in zip(low, high, strict=True)):
                 self.settled[demand.key] = (low, high), [*winners, demand]
-            elif not demand.weak and not demand.attribute.cause and demand.attribute.word != winners[0].attribute.word:
+            elif (
+                not demand.weak
+                and not demand.attribute.cause
+                and demand.attribute.word != winners[0].attribute.word
+            ):
                 self.notes.append(
                     f"'{demand.attribute.word}' gives way to '{winners[0].attribute.word}' on {demand.key}: "
                     "they contradict each other, and the first one named counts."
@@ -147,22 +158,33 @@ class _Planner:
                 return to_srgb(self.instances[key].value)
         return 1.0, 1.0, 1.0
 
+    def _glows(self, owner: str) -> bool:
+        key = f"material/{owner}/emission"
+        asked = self.settled[key][0][1][0] if key in self.settled else 0.0
+        return max(asked, self.instances[key].value[0] if key in self.instances else 0.0) > 0.02
+
     def _entry(self, instance: Instance) -> PlanEntry:
         settled = self.settled.get(instance.key)
         if instance.locked:
             if settled:
-                self.notes.append(f"{instance.key} is locked ({instance.locked}), so {settled[1][0].reason} cannot touch it.")
+                self.notes.append(
+                    f"{instance.key} is locked ({instance.locked}), so {settled[1][0].reason} cannot touch it."
+                )
             return PlanEntry(instance.value, instance.value, None, f"locked: {instance.locked}")
         if not settled:
-            return PlanEntry(instance.lower, instance.upper, None, "no word touches it: keeps the artist's value")
+            return PlanEntry(
+                instance.lower, instance.upper, None, "no word touches it: keeps the artist's value"
+            )
         (lower, upper), winners = settled
+        if instance.parameter.family == "material/emission_color" and not self._glows(instance.owner):
+            return PlanEntry(instance.lower, instance.upper, None, "does not glow: keeps the artist's value")
         lower, upper = clip(lower, upper, instance)
         reason = "; ".join(dict.fromkeys(d.reason for d in winners))
         return PlanEntry(lower, upper, min(d.priority for d in winners), reason, prior=0.0)
 
 
 def _late(effect: Effect) -> bool:
-    return effect.owner == "world" and effect.name == "strength" or effect.color == "own"
+    return (effect.owner == "world" and effect.name == "strength") or effect.color == "own"
 
 
 def _neutral(effect: Effect) -> float | None:
@@ -171,11 +193,11 @@ def _neutral(effect: Effect) -> float | None:
     return FAMILIES[effect.family].default if measured else None
 
 
-
-
 def _reason(attribute: Attribute, phrase: str) -> str:
     """Quotes the word: "'glossy': glossy, with bright reflections", "'warm' in 'cosy'"."""
     if attribute.cause:
         return f"'{attribute.cause}' means '{attribute.word}'"
     what = f" on the {attribute.thing}" if attribute.color and attribute.thing else ""
-    return f"'{attribute.word}'{what}" + (f" ({phrase})" if phrase and not attribute.negated and phrase != attribute.word else "")
+    return f"'{attribute.word}'{what}" + (
+        f" ({phrase})" if phrase and not attribute.negated and phrase != attribute.word else ""
+    )

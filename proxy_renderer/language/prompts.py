@@ -25,11 +25,13 @@ def compose(parsed: Parsed, vocabulary: Vocabulary | None = None) -> Prompts:
     mine = _of_region(said, "subject")
     theirs = _of_region(said, "surroundings")
     whole = [a for a in said if a.region == "whole" or a.slot in ("lighting", "atmosphere", "grade", "mood")]
-    looks = list(dict.fromkeys(_words(a, vocabulary) for a in whole))[:_MOST]
+    foreground = _caption(mine, noun, vocabulary)
+    background = _caption(theirs, backdrop, vocabulary) if theirs else ""
+    looks = [_words(a, vocabulary) for a in whole if a not in mine and a not in theirs][:_MOST]
     return Prompts(
-        _caption(mine, noun, vocabulary),
-        _caption(theirs, backdrop, vocabulary) if theirs else "",
-        ", ".join([_caption(mine, noun, vocabulary), *([_caption(theirs, backdrop, vocabulary)] if theirs else []), *looks]),
+        foreground,
+        background,
+        ", ".join(dict.fromkeys(part for part in (foreground, background, *looks) if part)),
         _negatives(mine, theirs, noun, vocabulary),
         _negatives(theirs, mine, backdrop, vocabulary),
         _unwanted(parsed.attributes, vocabulary),
@@ -39,7 +41,9 @@ def compose(parsed: Parsed, vocabulary: Vocabulary | None = None) -> Prompts:
 def _of_region(attributes: list[Attribute], region: str) -> list[Attribute]:
     """What describes the matter of a region, colors of its fog and sky included."""
     kinds = {"subject": ("subject", "highlight", "glow"), "surroundings": ("surroundings", "sky")}[region]
-    bound = [a for a in attributes if a.kind in kinds and a.slot in ("color", "finish", "material", "setting")]
+    bound = [
+        a for a in attributes if a.kind in kinds and a.slot in ("color", "finish", "material", "setting")
+    ]
     if region == "surroundings":
         bound += [a for a in attributes if a.kind == "fog"]
     else:
@@ -51,7 +55,11 @@ def _words(attribute: Attribute, vocabulary: Vocabulary) -> str:
     """What the encoder is told for a word: its expansion, with the intensity kept."""
     entry = vocabulary.entries.get(attribute.entry)
     if attribute.color or not entry:
-        thing = f" {attribute.thing}" if attribute.kind in ("light", "fill", "rim", "shadow", "highlight", "glow") else ""
+        thing = (
+            f" {attribute.thing}"
+            if attribute.kind in ("light", "fill", "rim", "shadow", "highlight", "glow")
+            else ""
+        )
         return attribute.entry + thing
     degree = "slightly " if attribute.strength < 0.8 else "very " if attribute.strength > 1.3 else ""
     return degree + entry.phrase
@@ -61,9 +69,12 @@ def _caption(attributes: list[Attribute], noun: str, vocabulary: Vocabulary) -> 
     """ "a glossy teal dolphin": what fits before the noun stands there, longer phrases follow it."""
     before: list[str] = []
     after: list[str] = []
-    for attribute in sorted(attributes, key=lambda a: _ORDER.index(a.slot) if a.slot in _ORDER else 0):
-        words = _words(attribute, vocabulary)
-        (after if "," in words or " " in words and not attribute.color else before).append(words)
+    own_noun = [a for a in attributes if a.slot == "setting" and a.word in noun]  # "a studio studio"
+    said = [a for a in attributes if a not in own_noun]
+    for attribute in sorted(said, key=lambda a: _ORDER.index(a.slot) if a.slot in _ORDER else 0):
+        adjective, _, more = _words(attribute, vocabulary).partition(", ")
+        (after if adjective.count(" ") > 1 and not attribute.color else before).append(adjective)
+        after += [more] if more else []
         if len(before) + len(after) == _MOST:
             break
     front = " ".join(dict.fromkeys([*before, noun]))
@@ -71,7 +82,9 @@ def _caption(attributes: list[Attribute], noun: str, vocabulary: Vocabulary) -> 
     return ", ".join(dict.fromkeys([f"{article} {front}", *after]))
 
 
-def _negatives(own: list[Attribute], other: list[Attribute], noun: str, vocabulary: Vocabulary) -> tuple[str, ...]:
+def _negatives(
+    own: list[Attribute], other: list[Attribute], noun: str, vocabulary: Vocabulary
+) -> tuple[str, ...]:
     """What must not happen to a region: the other region's colors and matter, and its own words' opposites."""
     mine = {a.entry for a in own}
     swapped = [a for a in other if a.slot in ("color", "material") and a.entry not in mine]
@@ -79,7 +92,7 @@ def _negatives(own: list[Attribute], other: list[Attribute], noun: str, vocabula
     for attribute in own:
         opposite = _opposite(attribute, vocabulary)
         if opposite and attribute.slot in ("finish", "material", "color", "setting"):
-            negatives.append(f"a {opposite.phrase} {noun}" if "," not in opposite.phrase else f"a {noun}, {opposite.phrase}")
+            negatives.append(f"a {opposite.phrase.partition(',')[0]} {noun}")
     return tuple(dict.fromkeys(negatives))
 
 
@@ -89,8 +102,18 @@ def _unwanted(attributes: list[Attribute], vocabulary: Vocabulary) -> tuple[str,
     for attribute in attributes:
         entry = vocabulary.entries.get(attribute.entry)
         if attribute.negated:
-            negatives.append(_words(attribute, vocabulary) if attribute.color else entry.phrase if entry else attribute.entry)
-        elif attribute.region == "whole" and not attribute.cause and (opposite := _opposite(attribute, vocabulary)):
+            negatives.append(
+                _words(attribute, vocabulary)
+                if attribute.color
+                else entry.phrase
+                if entry
+                else attribute.entry
+            )
+        elif (
+            attribute.region == "whole"
+            and not attribute.cause
+            and (opposite := _opposite(attribute, vocabulary))
+        ):
             negatives.append(opposite.phrase)
     wanted = {_words(a, vocabulary) for a in attributes if not a.negated}
     return tuple(n for n in dict.fromkeys(negatives) if n not in wanted)

@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass
 
 from ..schema import Instance, Values
-from .color import from_hex, from_lab, luminance, to_lab, to_linear, to_srgb
+from .color import from_hex, from_lab, luminance, shade, to_lab, to_linear, to_srgb
 from .meaning import display_color
 from .types import Attribute, PlanContext
 from .view import purer, radiance
@@ -18,6 +18,7 @@ _MIDDLE = 45.0  # L* that neither brightens nor darkens; "slightly" moves toward
 # Watts per d^2 that give a facing white surface a radiance of 1 (Cycles' calibration); W/m2 for the sun.
 _WATTS = {"POINT": 4 * math.pi**2, "SPOT": 4 * math.pi**2, "AREA": math.pi**2, "SUN": math.pi}
 _DIRECTIONS = ("azimuth", "elevation", "rotation")
+_BLACKEST = 0.006  # no real surface reflects less
 _BOX = 0.06  # half the width of a color's box, in steps that look even
 
 
@@ -52,18 +53,22 @@ def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sourc
 
 def clip(low: Values, high: Values, instance: Instance) -> Range:
     """Componentwise intersection with the hard bounds; what lies outside becomes the nearest bound."""
-    pairs = list(zip(_spread(low, instance), _spread(high, instance), instance.lower, instance.upper, strict=True))
+    pairs = list(
+        zip(_spread(low, instance), _spread(high, instance), instance.lower, instance.upper, strict=True)
+    )
     lower = tuple(min(max(a, bottom), top) for a, _, bottom, top in pairs)
     upper = tuple(min(max(b, bottom), top) for _, b, bottom, top in pairs)
     return lower, tuple(map(max, lower, upper))
 
 
-def scaled(low: float, high: float, neutral: float, strength: float, bounds: tuple[float, float]) -> tuple[float, float]:
+def scaled(
+    low: float, high: float, neutral: float, strength: float, bounds: tuple[float, float]
+) -> tuple[float, float]:
     """Moves a range towards the neutral value for "slightly", away from it for "very".
 
     Monotone in `strength`; a range around the neutral value stays as it is.
     """
-    if strength == 1.0 or low <= neutral <= high and not (low == neutral or high == neutral):
+    if strength == 1.0 or (low <= neutral <= high and not (low == neutral or high == neutral)):
         return low, high
     if strength < 1.0:
         return neutral + (low - neutral) * strength, neutral + (high - neutral) * strength
@@ -79,17 +84,22 @@ def _spread(values: Values, instance: Instance) -> Values:
 
 def _plain(effect: Effect, strength: float, instance: Instance, _: Sources) -> Range:
     parameter, unit = instance.parameter, instance.reference
-    if parameter.name in _DIRECTIONS or parameter.name in ("ior", "base_color", "color", "specular_tint", "tint"):
+    if parameter.name in _DIRECTIONS or parameter.name in (
+        "ior",
+        "base_color",
+        "color",
+        "specular_tint",
+        "tint",
+    ):
         strength = 1.0
     bounds = (parameter.lower, parameter.upper)
     logs = parameter.scale.name == "log"
+    there, back = (math.log, math.exp) if logs else (float, float)
     pairs = []
     for low, high in zip(effect.lower, effect.upper, strict=True):
-        if logs:
-            ends = scaled(*map(math.log, (low, high, parameter.default)), strength, tuple(map(math.log, bounds)))
-            pairs.append(tuple(math.exp(v) * unit for v in ends))
-        else:
-            pairs.append(tuple(v * unit for v in scaled(low, high, parameter.default, strength, bounds)))
+        limits = there(bounds[0]), there(bounds[1])
+        a, b = scaled(there(low), there(high), there(parameter.default), strength, limits)
+        pairs.append((back(a) * unit, back(b) * unit))
     return tuple(a for a, _ in pairs), tuple(b for _, b in pairs)
 
 
@@ -102,22 +112,34 @@ def _times(effect: Effect, strength: float, instance: Instance, _: Sources) -> R
 
 
 def _plus(effect: Effect, strength: float, instance: Instance, _: Sources) -> Range:
-    return (instance.value[0] + effect.lower[0] * strength,), (instance.value[0] + effect.upper[0] * strength,)
+    return (instance.value[0] + effect.lower[0] * strength,), (
+        instance.value[0] + effect.upper[0] * strength,
+    )
 
 
 def _lightness(effect: Effect, strength: float, instance: Instance, sources: Sources) -> Range:
     low, high = scaled(effect.lower[0], effect.upper[0], _MIDDLE, strength, (0.5, 97.0))
     if instance.parameter.kind == "color":
         light, a, b = to_lab(to_srgb(instance.value))
-        shades = [to_linear(from_lab((goal, a * _fade(goal, light), b * _fade(goal, light)))) for goal in (low, high)]
+        shades = [
+            to_linear(from_lab((goal, a * _fade(goal, light), b * _fade(goal, light))))
+            for goal in (low, high)
+        ]
         return tuple(map(min, *shades)), tuple(map(max, *shades))
     context = sources.context
-    per_unit = instance.reference / _watts(instance, context)
     if instance.parameter.group == "world":
-        per_unit = luminance(sources.world_color)
-        return tuple((radiance(v, context.view) / 2**sources.exposure / max(per_unit, 1e-3),) for v in (low, high))  # type: ignore[return-value]
-    scale = _watts(instance, context) * instance.reference / 2**sources.exposure
+        scale = 1 / max(luminance(sources.world_color), 1e-3)
+    else:
+        scale = _watts(instance, context) * instance.reference
+    scale /= 2**sources.exposure
     return (radiance(low, context.view) * scale,), (radiance(high, context.view) * scale,)
+
+
+def facing_white(instance: Instance, low: float, high: float, sources: Sources) -> Range:
+    """Powers of a light at which a white surface that faces it is displayed with these L*."""
+    return clip(
+        *_lightness(Effect("light", "power", "lightness", (low,), (high,)), 1.0, instance, sources), instance
+    )
 
 
 def _fade(goal: float, light: float) -> float:
@@ -139,7 +161,10 @@ def _aim(effect: Effect, strength: float, instance: Instance, sources: Sources) 
     elif context.picture and context.picture.percentiles:
         now = context.picture.percentiles[1]
     low, high = scaled(effect.lower[0], effect.upper[0], 50.0, strength, (2.0, 94.0))
-    stops = [current + math.log2(radiance(goal, context.view) / radiance(now, context.view)) for goal in (low, high)]
+    stops = [
+        current + math.log2(radiance(goal, context.view) / radiance(now, context.view))
+        for goal in (low, high)
+    ]
     # A black subject is not made white: exposure stays within three stops of the artist's.
     kept = [min(max(s, instance.value[0] - 3.0), instance.value[0] + 3.0) for s in stops]
     return (kept[0],), (kept[1],)
@@ -165,15 +190,17 @@ def _color_range(effect: Effect, attribute: Attribute, instance: Instance, sourc
         return _backdrop_strength(srgb, instance, sources)
     view = sources.context.view
     linear = to_linear(srgb)
-    if effect.mode == "gel" or effect.mode == "backdrop" and instance.parameter.name == "tint":
+    if effect.mode == "gel" or (effect.mode == "backdrop" and instance.parameter.name == "tint"):
         linear = _gel(linear, 0.9)
     elif effect.mode == "albedo":
-        linear = tuple(0.95 * v for v in _gel(linear, 0.75))
+        linear = _fog_albedo(srgb)
     elif effect.mode == "cast":
         linear = _cast(linear, 0.06 if instance.parameter.name == "lift" else 0.16)
         return tuple(v - 0.02 for v in linear), tuple(v + 0.02 for v in linear)
     else:
-        linear = tuple(min(v, 0.9) for v in purer(linear, view)) if effect.mode == "color" else purer(linear, view)
+        linear = purer(linear, view)
+        if effect.mode == "color":
+            linear = tuple(min(max(v, _BLACKEST), 0.9) for v in linear)
     if instance.parameter.family == "material/tint":
         texture = max(sources.context.texture_luminance.get(instance.owner, 0.4), 0.02)
         linear = tuple(v / texture for v in linear)
@@ -187,19 +214,28 @@ def _named(effect: Effect, attribute: Attribute, sources: Sources) -> Values:
         return attribute.color or (0.5, 0.5, 0.5)
     if effect.color == "own":
         return sources.own_color
-    return from_hex(effect.color) if effect.color.startswith("#") else default_vocabulary().colors[effect.color]
+    return (
+        from_hex(effect.color) if effect.color.startswith("#") else default_vocabulary().colors[effect.color]
+    )
 
 
 def _box(linear: Values) -> Range:
     """All that looks about like a linear color: even steps of `_BOX` on the screen's scale."""
     shown = [max(v, 0.0) ** (1 / 2.2) for v in linear]
-    return tuple(max(v - _BOX, 0.0) ** 2.2 for v in shown), tuple((v + _BOX * min(1.0, 0.5 + v)) ** 2.2 for v in shown)
+    return tuple(max(v - _BOX, 0.0) ** 2.2 for v in shown), tuple((v + _BOX) ** 2.2 for v in shown)
 
 
 def _gel(linear: Values, purity: float) -> Values:
     """The color with its largest component at 1, and not fully saturated: filters and fog never are."""
     top = max(linear)
     return tuple(1 - purity * (1 - v / top) for v in linear) if top > 0.01 else (1.0, 1.0, 1.0)
+
+
+def _fog_albedo(srgb: Values) -> Values:
+    """Fog scatters many times: it is paler and much brighter than the color it is named for."""
+    pale = to_linear(shade(srgb, lightness=0.4, chroma=0.5, towards=80.0))
+    darkness = min(luminance(to_linear(srgb)) * 12 + 0.25, 0.95)  # black fog is smoke
+    return tuple(v * darkness / max(pale) for v in pale)
 
 
 def _cast(linear: Values, amount: float) -> Values:

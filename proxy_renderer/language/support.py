@@ -9,35 +9,36 @@ from __future__ import annotations
 import math
 
 from ..schema import Instance
-from .color import luminance, to_lab, to_srgb
+from .color import chroma, luminance, to_lab, to_srgb
 from .owners import Owners
-from .ranges import clip
-from .types import Lab, Parsed, PlanContext, PlanEntry, Prompts
-from .view import radiance
+from .ranges import Sources, clip, facing_white
+from .types import Lab, Parsed, PlanContext, PlanEntry, Region
+from .view import lightness, radiance
 
 _LATE = 12  # priority of exposure; what words name comes first
 _STAND_OUT = 20.0  # difference in L* at which a subject stands out by lightness alone
+_STANDS_OUT = "supports the words: the subject stands out from its surroundings"
 _STAND_OUT_COLOR = 38.0  # difference in Lab at which it does by color
 
 
 def supports(
     parsed: Parsed,
-    prompts: Prompts,
     instances: dict[str, Instance],
-    context: PlanContext,
+    sources: Sources,
     entries: dict[str, PlanEntry],
     owners: Owners,
 ) -> dict[str, PlanEntry]:
     """Entries that replace those of untouched parameters; never those of locked or named ones."""
     free = {k: i for k, i in instances.items() if entries[k].priority is None and not i.locked}
-    found = _visibility(parsed, free, entries, context, owners)
-    found |= _key_light(parsed, free, owners, context)
+    found = _visibility(parsed, instances, free, sources, owners)
+    found |= _key_light(parsed, free, entries, sources, owners)
     if "film/exposure" in free:
-        found["film/exposure"] = _exposure(parsed, free["film/exposure"], context)
+        found["film/exposure"] = _exposure(parsed, free["film/exposure"], sources.context)
     if "world/strength" in free and "world/strength" not in found:
-        found["world/strength"] = _around(free["world/strength"], 0.5, 2.0, _LATE + 2, "keeps the shadows readable")
-    found |= _camera(free)
-    return found
+        found["world/strength"] = _around(
+            free["world/strength"], 0.5, 2.0, _LATE + 2, "keeps the shadows readable"
+        )
+    return found | _camera(free)
 
 
 def _around(instance: Instance, low: float, high: float, priority: int, why: str) -> PlanEntry:
@@ -48,81 +49,89 @@ def _around(instance: Instance, low: float, high: float, priority: int, why: str
     return PlanEntry(lower, upper, priority, f"supports the words: {why}", prior=0.5)
 
 
-def _expected(parsed: Parsed, context: PlanContext, region: str) -> Lab | None:
+def _visibility(
+    parsed: Parsed,
+    instances: dict[str, Instance],
+    free: dict[str, Instance],
+    sources: Sources,
+    owners: Owners,
+) -> dict[str, PlanEntry]:
+    """Moves surroundings that no word names away from the subject's lightness, as far as it takes."""
+    context = sources.context
+    subject = _expected(parsed, context, "subject")
+    if subject is None or "surroundings" in parsed.colors:
+        return {}
+    around = _expected(parsed, context, "surroundings") or (_unlit(instances, sources, owners), 0.0, 0.0)
+    if abs(subject[0] - around[0]) > _STAND_OUT or math.dist(subject, around) > _STAND_OUT_COLOR:
+        return {}
+    dim = parsed.targets.get("brightness") == "dark"
+    gap = 14.0 if dim else 24.0
+    lighter = subject[0] < (30 if dim else 50)
+    low, high = (subject[0] + gap, 60.0 if dim else 85.0) if lighter else (5.0, max(subject[0] - gap, 12.0))
+    found = {}
+    for key in (f"material/{name}/base_color" for name in owners.materials("surroundings")):
+        if key in free:
+            found[key] = _shifted_albedo(free[key], low, high)
+    if "world/strength" in free and (not found or context.world_share is None or context.world_share > 0.1):
+        glow = max(luminance(sources.world_color), 0.02) * 2**sources.exposure
+        dimmest, brightest = (radiance(goal, context.view) / glow for goal in (low, high))
+        lower, upper = clip((dimmest,), (brightest,), free["world/strength"])
+        found["world/strength"] = PlanEntry(lower, upper, _LATE - 1, _STANDS_OUT, prior=0.2)
+    return found
+
+
+def _expected(parsed: Parsed, context: PlanContext, region: Region) -> Lab | None:
     """Lab that a region is going to have: what words name, else what the picture shows."""
     if region == "subject" and any(a.entry == "silhouette" for a in parsed.attributes):
         return 8.0, 0.0, 0.0
     if region in parsed.colors:
-        return parsed.colors[region]  # type: ignore[index]
-    return context.picture.lab.get(region) if context.picture else None  # type: ignore[call-overload]
+        return parsed.colors[region]
+    return context.picture.lab.get(region) if context.picture else None
 
 
-def _visibility(
-    parsed: Parsed,
-    free: dict[str, Instance],
-    entries: dict[str, PlanEntry],
-    context: PlanContext,
-    owners: Owners,
-) -> dict[str, PlanEntry]:
-    """Moves surroundings that no word names away from the subject's lightness."""
-    subject, around = _expected(parsed, context, "subject"), _expected(parsed, context, "surroundings")
-    if subject is None or "surroundings" in parsed.colors:
-        return {}
-    if around and (abs(subject[0] - around[0]) > _STAND_OUT or math.dist(subject, around) > _STAND_OUT_COLOR):
-        return {}
-    dim = parsed.targets.get("brightness") == "dark"
-    lighter = subject[0] < (30 if dim else 50)
-    reach = (12, 26) if dim else (24, 42)
-    low, high = (subject[0] + reach[0], subject[0] + reach[1]) if lighter else (subject[0] - reach[1], subject[0] - reach[0])
-    low, high = max(low, 5.0), min(max(high, 10.0), 85.0)
-    why = "supports the words: the subject stands out from its surroundings"
-    found = {}
-    for key in (f"material/{name}/base_color" for name in owners.materials("surroundings")):
-        if key in free:
-            found[key] = _shifted_albedo(free[key], low, high, why)
-    share = context.world_share
-    if "world/strength" in free and (not found or share is None or share > 0.1):
-        instance = free["world/strength"]
-        glow = max(luminance(_world_color(instance, free, entries, context)), 0.02)
-        lower, upper = clip(
-            (radiance(low, context.view) / glow,), (radiance(high, context.view) / glow,), instance
-        )
-        found["world/strength"] = PlanEntry(lower, upper, _LATE - 1, why, prior=0.2)
-    return found
+def _unlit(instances: dict[str, Instance], sources: Sources, owners: Owners) -> float:
+    """A guess at the surroundings' L* before there is a picture: their albedo's, else the world's."""
+    names = owners.materials("surroundings")
+    albedos = [i.value for n in names if (i := instances.get(f"material/{n}/base_color"))]
+    if albedos:
+        return 0.85 * sum(to_lab(to_srgb(v))[0] for v in albedos) / len(albedos)
+    strength = instances["world/strength"].value[0] if "world/strength" in instances else 1.0
+    return lightness(luminance(sources.world_color) * strength * 2**sources.exposure, sources.context.view)
 
 
-def _world_color(
-    _: Instance, free: dict[str, Instance], entries: dict[str, PlanEntry], context: PlanContext
-) -> tuple[float, ...]:
-    if "world/color" in free:
-        return free["world/color"].value
-    entry = entries.get("world/color")
-    return entry.upper if entry else (context.environment_luminance,) * 3
-
-
-def _shifted_albedo(instance: Instance, low: float, high: float, why: str) -> PlanEntry:
+def _shifted_albedo(instance: Instance, low: float, high: float) -> PlanEntry:
     """The artist's color, scaled so that its L* comes into a range."""
     now = max(to_lab(to_srgb(instance.value))[0], 1.0)
-    if low <= now <= high:
-        low, high = min(low, now), max(high, now)
-    bounds = []
-    for goal in (low, high):
-        factor = (((goal + 16) / 116) ** 3) / (((now + 16) / 116) ** 3)
-        bounds.append(tuple(min(max(v, 0.01) * factor, 0.9) for v in instance.value))
+    factors = [((goal + 16) / (now + 16)) ** 3 for goal in (low, high)]
+    bounds = [tuple(min(max(v, 0.01) * factor, 0.9) for v in instance.value) for factor in factors]
     lower, upper = clip(bounds[0], bounds[1], instance)
-    return PlanEntry(lower, upper, _LATE - 1, why, prior=0.2)
+    return PlanEntry(lower, upper, _LATE - 1, _STANDS_OUT, prior=0.2)
 
 
 def _key_light(
-    parsed: Parsed, free: dict[str, Instance], owners: Owners, context: PlanContext
+    parsed: Parsed, free: dict[str, Instance], entries: dict[str, PlanEntry], sources: Sources, owners: Owners
 ) -> dict[str, PlanEntry]:
-    """The key may follow the exposure; less so where a white backdrop would burn the subject."""
+    """The key may follow the exposure. A white world lights the subject too, so the key steps back; a colored
+    one would tint it, so the key has to be the stronger of the two."""
+    backdrop = parsed.colors.get("surroundings")
+    world = entries.get("world/color")
     found = {}
     for name in owners.key:
-        for parameter in ("power", "strength"):
-            instance = free.get(f"light/{name}/{parameter}")
-            if instance:
-                found[instance.key] = _around(instance, 0.5, 2.0, _LATE + 1, "keeps the subject readable")
+        for instance in (free.get(f"light/{name}/{parameter}") for parameter in ("power", "strength")):
+            if instance is None:
+                continue
+            entry = _around(instance, 0.5, 2.0, _LATE + 1, "keeps the subject readable")
+            if (
+                backdrop
+                and world
+                and world.priority is not None
+                and (backdrop[0] > 85 or chroma(backdrop) > 25)
+            ):
+                levels = (52.0, 74.0) if backdrop[0] > 85 else (78.0, 88.0)
+                lower, upper = facing_white(instance, *levels, sources)
+                why = "supports the words: the backdrop's own light must not drown the subject's color"
+                entry = PlanEntry(lower, upper, _LATE + 1, why, prior=0.2)
+            found[instance.key] = entry
     return found
 
 
@@ -145,7 +154,9 @@ def _exposure(parsed: Parsed, instance: Instance, context: PlanContext) -> PlanE
         lower = (min(value + shift - 0.7, upper[0]),)
     elif shift < -0.7:
         upper = (max(value + shift + 0.7, lower[0]),)
-    return PlanEntry(lower, upper, _LATE, "supports the words: the subject is neither burnt nor black", prior=0.5)
+    return PlanEntry(
+        lower, upper, _LATE, "supports the words: the subject is neither burnt nor black", prior=0.5
+    )
 
 
 def _camera(free: dict[str, Instance]) -> dict[str, PlanEntry]:
@@ -157,7 +168,9 @@ def _camera(free: dict[str, Instance]) -> dict[str, PlanEntry]:
         if name in reach:
             value = instance.value[0]
             lower, upper = clip((value - reach[name],), (value + reach[name],), instance)
-            found[instance.key] = PlanEntry(lower, upper, _LATE + 8, "supports the words: a better view", prior=0.5)
+            found[instance.key] = PlanEntry(
+                lower, upper, _LATE + 8, "supports the words: a better view", prior=0.5
+            )
         else:
             found[instance.key] = _around(instance, 0.85, 1.2, _LATE + 9, "a better view")
     return found

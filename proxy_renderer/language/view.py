@@ -14,8 +14,42 @@ _GREYS = (0.005, 0.01, 0.02, 0.05, 0.1, 0.18, 0.3, 0.5, 0.8, 1.0, 1.5, 2.0, 3.0,
 _LIGHTNESS = {
     "AgX": (2.4, 5.7, 12.2, 24.4, 36.9, 49.5, 60.3, 69.5, 76.5, 79.4, 83.9, 86.8, 90.2, 92.3, 95.0, 97.8),
     "Filmic": (4.6, 9.2, 16.4, 29.6, 42.0, 53.4, 63.2, 72.3, 79.6, 82.7, 87.6, 90.4, 93.7, 95.5, 97.5, 99.1),
-    "Standard": (4.5, 9.0, 15.5, 26.7, 37.8, 49.5, 61.7, 76.1, 91.7, 99.0, 99.2, 99.4, 99.6, 99.7, 99.8, 99.9),
-    "Khronos PBR Neutral": (0.1, 0.6, 2.3, 13.2, 29.5, 44.4, 58.2, 73.8, 89.5, 94.4, 97.5, 98.4, 99.1, 99.3, 99.6, 99.8),
+    "Standard": (
+        4.5,
+        9.0,
+        15.5,
+        26.7,
+        37.8,
+        49.5,
+        61.7,
+        76.1,
+        91.7,
+        99.0,
+        99.2,
+        99.4,
+        99.6,
+        99.7,
+        99.8,
+        99.9,
+    ),
+    "Khronos PBR Neutral": (
+        0.1,
+        0.6,
+        2.3,
+        13.2,
+        29.5,
+        44.4,
+        58.2,
+        73.8,
+        89.5,
+        94.4,
+        97.5,
+        98.4,
+        99.1,
+        99.3,
+        99.6,
+        99.8,
+    ),
 }
 # Views with a shoulder bleach colors: their albedo has to be purer than what they should look like.
 _PURITY = {"AgX": 1.35, "Filmic": 1.15}
@@ -32,6 +66,15 @@ def radiance(lightness: float, view: str) -> float:
     i = bisect_left(curve, lightness)
     t = (lightness - curve[i - 1]) / (curve[i] - curve[i - 1])
     return exp(log(_GREYS[i - 1]) + t * (log(_GREYS[i]) - log(_GREYS[i - 1])))
+
+
+def lightness(grey: float, view: str) -> float:
+    """Inverse of `radiance`: L* of a scene-linear grey."""
+    low, high = 0.5, 98.0
+    for _ in range(20):
+        middle = (low + high) / 2
+        low, high = (middle, high) if radiance(middle, view) < grey else (low, middle)
+    return low
 
 
 def purer(linear: Sequence[float], view: str) -> Values:

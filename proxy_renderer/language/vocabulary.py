@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 
@@ -30,7 +30,9 @@ OWNERS = {
 """Who an effect may name -> schema group."""
 RANGE_MODES = ("", "times", "plus", "camera", "sides", "lightness", "aim")
 COLOR_MODES = ("color", "gel", "albedo", "backdrop", "cast")
-_EFFECT = re.compile(r"(?P<owner>\w+)/(?P<name>\w+)(?: (?P<mode>[a-z]+))? (?P<args>\S+)(?P<weak> \?)?(?: !(?P<priority>\d+))?")
+_EFFECT = re.compile(
+    r"(?P<owner>\w+)/(?P<name>\w+)(?: (?P<mode>[a-z]+))? (?P<args>\S+)(?P<weak> \?)?(?: !(?P<priority>\d+))?"
+)
 
 
 @dataclass(frozen=True)
@@ -118,23 +120,27 @@ def parse_effect(text: str) -> Effect:
         VibeError: It is not of that form, or names what the schema does not have.
     """
     match = _EFFECT.fullmatch(text.strip())
-    problem = VibeError(f"Vocabulary: '{text}' is not an effect.", "Write 'OWNER/PARAMETER [MODE] LOWER..UPPER'.")
+    problem = VibeError(
+        f"Vocabulary: '{text}' is not an effect.", "Write 'OWNER/PARAMETER [MODE] LOWER..UPPER'."
+    )
     if not match or match["owner"] not in OWNERS:
         raise problem
     mode = match["mode"] or ""
-    common = {"weak": bool(match["weak"]), "priority": int(match["priority"] or 4)}
-    effect = Effect(match["owner"], match["name"], mode, **common)
+    weak, priority = bool(match["weak"]), int(match["priority"] or 4)
+    effect = Effect(match["owner"], match["name"], mode, weak=weak, priority=priority)
     if effect.family not in FAMILIES:
-        raise VibeError(f"Vocabulary: '{text}' names no parameter.", "See schema/parameters.py for those that exist.")
+        raise VibeError(
+            f"Vocabulary: '{text}' names no parameter.", "See schema/parameters.py for those that exist."
+        )
     if mode in COLOR_MODES:
-        return Effect(match["owner"], match["name"], mode, color=match["args"].replace("_", " "), **common)
+        return replace(effect, color=match["args"])
     lower, dots, upper = match["args"].partition("..")
     if mode not in RANGE_MODES or not dots:
         raise problem
     low, high = (tuple(float(v) for v in side.split(",")) for side in (lower, upper))
     if len(low) != len(high) or any(a > b for a, b in zip(low, high, strict=True)):
         raise VibeError(f"Vocabulary: '{text}' has a lower bound above the upper one.", "Swap them.")
-    return Effect(match["owner"], match["name"], mode, low, high, **common)
+    return replace(effect, lower=low, upper=high)
 
 
 def _entry(name: str, row: dict) -> Entry:
@@ -181,12 +187,18 @@ def load(text: str, colors: str) -> Vocabulary:
     for name, entry in entries.items():
         synonyms[name] = name
         if entry.opposite and normalize(entry.opposite) not in entries:
-            raise VibeError(f"Vocabulary: '{name}' has the unknown opposite '{entry.opposite}'.", "Name an entry.")
-    adjectives = {normalize(w): {k: normalize(e) for k, e in kinds.items()} for w, kinds in rows["adjective"].items()}
+            raise VibeError(
+                f"Vocabulary: '{name}' has the unknown opposite '{entry.opposite}'.", "Name an entry."
+            )
+    adjectives = {
+        normalize(w): {k: normalize(e) for k, e in kinds.items()} for w, kinds in rows["adjective"].items()
+    }
     for word, kinds in adjectives.items():
         for target in kinds.values():
             if target not in entries:
-                raise VibeError(f"Vocabulary: the adjective '{word}' names no entry '{target}'.", "Name an entry.")
+                raise VibeError(
+                    f"Vocabulary: the adjective '{word}' names no entry '{target}'.", "Name an entry."
+                )
     return Vocabulary(
         entries,
         synonyms,

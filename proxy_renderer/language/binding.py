@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Decides what each look word describes, given the nouns around it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from ..schema import VibeError
+from .lexer import Token
+from .types import Attribute, Parsed, Region
+from .vocabulary import Vocabulary
+
+BOUND_SLOTS = ("finish", "material", "color", "setting")
+"""Slots whose words wait for the noun that they describe; the others describe the whole picture."""
+
+
+@dataclass
+class Thing:
+    """What words are bound to; `kind` as in the vocabulary's nouns, or "whole"."""
+
+    kind: str
+    name: str = ""
+    region: Region = "subject"
+    owners: tuple[str, ...] = ()
+    role: str = ""
+
+    @property
+    def matter(self) -> bool:
+        """Whether it has a surface."""
+        return self.kind in ("subject", "surroundings")
+
+
+@dataclass
+class Word:
+    """A look word that waits for its noun."""
+
+    token: Token
+    text: str
+    strength: float
+    negated: bool
+    barred: bool = False  # an "and" came after it
+
+
+class Binding:
+    """Collects attributes.
+
+    Attributes:
+        attributes: Bound so far, in the order of the text.
+        ignored: Words that describe nothing here.
+        things: Nouns met so far.
+        cause: The mood that the text stands for; "" for the prompt itself.
+    """
+
+    def __init__(self, vocabulary: Vocabulary, cause: str, read_means: Callable[[str, str], Parsed]) -> None:
+        self.vocabulary, self.cause, self._read_means = vocabulary, cause, read_means
+        self.attributes: list[Attribute] = []
+        self.ignored: list[str] = []
+        self.things: list[Thing] = []
+
+    def slot(self, entry: str) -> str:
+        """The slot of a vocabulary entry."""
+        return self.vocabulary.entries[entry].slot
+
+    def directs_light(self, entry: str) -> bool:
+        """Whether a word says where light comes from."""
+        effects = self.vocabulary.entries[entry].effects
+        return self.slot(entry) == "lighting" and any(
+            e.name in ("azimuth", "elevation") and not e.weak for e in effects
+        )
+
+    def bind(self, words: list[Word], thing: Thing, final: bool = False) -> list[Word]:
+        """Binds words to a thing; returns those that do not describe such a thing.
+
+        "Black and soft light": what stands before an "and" does not describe a light after it,
+        unless it could hardly describe anything else ("warm and soft light", "red and blue light").
+        """
+        left = []
+        for position, word in enumerate(words):
+            in_list = word.token.color and any(not w.barred and w.token.color for w in words[position:])
+            held_back = word.barred and not thing.matter and not in_list and not word.token.adjective
+            if held_back or not self._bind_word(word, thing):
+                left.append(word)
+                self.ignored += [word.text] if final else []
+        return left
+
+    def bind_rest(self, words: list[Word], last: Thing | None, linked: bool, around: bool) -> None:
+        """The end of a clause: what still waits describes the last noun, the surroundings, or the subject."""
+        subject = Thing("subject", "subject")
+        colored = any(w.token.color for w in words)
+        if around:
+            thing = Thing("surroundings", "surroundings", "surroundings")
+        elif last and (linked or (not last.matter and not colored)):
+            thing = last
+        else:
+            thing = subject
+        self.bind(self.bind(words, thing), subject, final=True)
+
+    def _bind_word(self, word: Word, thing: Thing) -> bool:
+        token = word.token
+        kinds = self.vocabulary.adjectives.get(token.adjective, {})
+        slot = self.slot(token.entry) if token.entry else ""
+        if thing.kind in kinds:
+            self._add_adjective(word, kinds[thing.kind], thing)
+        elif slot in BOUND_SLOTS and (thing.matter or slot == "setting"):
+            self.add(
+                word,
+                token.entry,
+                thing if slot != "setting" else Thing("surroundings", region="surroundings"),
+            )
+        elif token.color and thing.kind in self.vocabulary.painted:
+            self.add(word, token.guess or token.text, thing)
+        elif "otherwise" in kinds and not (token.color and thing.kind == "whole"):
+            self._add_adjective(word, kinds["otherwise"], thing)
+        else:
+            return False
+        return True
+
+    def _add_adjective(self, word: Word, entry: str, thing: Thing) -> None:
+        slot = self.slot(entry)
+        if slot == "setting" and thing.kind not in ("surroundings", "sky"):
+            thing = Thing("surroundings", thing.name, "surroundings")
+        elif slot not in BOUND_SLOTS:
+            thing = replace(thing, region="whole", owners=())
+        self.add(word, entry, thing)
+
+    def add(self, word: Word, entry: str, thing: Thing) -> None:
+        """Records an attribute; a mood brings those that it stands for."""
+        known = entry in self.vocabulary.entries
+        attribute = Attribute(
+            word=word.text,
+            entry=entry,
+            slot=self.slot(entry) if known else "color",
+            region=thing.region,
+            kind=thing.kind,
+            strength=word.strength,
+            negated=word.negated,
+            owners=thing.owners,
+            role=thing.role,
+            color=None if known else word.token.color,
+            thing=thing.name,
+            cause=self.cause,
+            guess=bool(word.token.guess),
+        )
+        self.attributes.append(attribute)
+        means = self.vocabulary.entries[entry].means if known else ""
+        if means and self.cause:
+            raise VibeError(
+                f"Vocabulary: '{self.cause}' stands for '{entry}', which itself stands for other words."
+            )
+        if means and not word.negated:
+            inner = self._read_means(means, entry)
+            self.attributes += [replace(a, strength=a.strength * word.strength) for a in inner.attributes]
