@@ -6,7 +6,7 @@ import math
 import pytest
 import torch
 
-from proxy_renderer.optimise.inner import Settings, descend, sensitivity
+from proxy_renderer.optimise.inner import Settings, descend, promise
 
 
 class Bowl:
@@ -92,8 +92,9 @@ def test_it_ends_when_told_and_when_nothing_improves():
     assert run(Bowl([0.5]), [0.5], [0.0], [1.0], steps=200).steps < 60
 
 
-def test_sensitivity_is_the_slope_times_the_range():
-    bowl = Bowl([0.0, 0.0])
-    u = torch.tensor([0.5, 0.5], dtype=torch.float64)
-    felt = sensitivity(bowl, u, torch.zeros(2), torch.tensor([1.0, 0.1]), 0)
-    torch.testing.assert_close(felt, torch.tensor([1.0, 0.1], dtype=torch.float64), atol=1e-6, rtol=0)
+def test_promise_is_the_slope_times_the_room_that_is_left():
+    bowl = Bowl([0.0, 1.0, 1.0])
+    u = torch.tensor([0.5, 0.5, 0.5], dtype=torch.float64)
+    found = promise(bowl, u, torch.tensor([0.0, 0.0, 0.0]), torch.tensor([1.0, 0.6, 0.5]))
+    expected = torch.tensor([0.5, 0.1, 0.0], dtype=torch.float64)
+    torch.testing.assert_close(found, expected, atol=1e-6, rtol=0)

@@ -156,9 +156,9 @@ def _backward(loss: Tensor, position: Tensor, clip: float) -> bool:
     return True
 
 
-def sensitivity(objective: Objective, u: Tensor, lower: Tensor, upper: Tensor, seed: int) -> Tensor:
-    """(N,) how much the loss changes, to first order, over each component's feasible range."""
+def promise(objective: Objective, u: Tensor, lower: Tensor, upper: Tensor) -> Tensor:
+    """(N,) how much the loss could fall, to first order, by moving each component within the box."""
     point = u.clone().requires_grad_()
-    objective.loss(objective.render(point), point, torch.Generator().manual_seed(seed)).backward()
-    slope = torch.zeros_like(u) if point.grad is None else point.grad
-    return torch.nan_to_num(slope, 0.0, 0.0, 0.0).abs() * (upper - lower)
+    objective.loss(objective.render(point), point, fixed_views()).backward()
+    slope = torch.zeros_like(u) if point.grad is None else torch.nan_to_num(point.grad, 0.0, 0.0, 0.0)
+    return slope.abs() * torch.where(slope > 0, u - lower, upper - u)

@@ -22,7 +22,7 @@ from ..schema import Values, VibeError
 from ..schema.messages import Options
 from . import context
 from .baseline import GlobalGuide, plan_everything
-from .inner import Settings, descend, sensitivity
+from .inner import Settings, descend, promise
 from .objective import RoundObjective, Terms, draw
 from .plan import feasible_ranges, lock, top_k
 from .progress import Clock, Watch
@@ -171,12 +171,11 @@ def select(
         )
     if options.baseline:
         return sorted(relevant)
-    last = max(plan[key].priority or 0 for key in top_k(plan, options.top_k, movable, {}))
-    rivals = {key for key in relevant if (plan[key].priority or 0) <= last}
-    probe = RoundObjective(proxy, vector, terms, rivals, lower, upper, torch.zeros_like(u))
-    change = sensitivity(probe, u, lower, upper, options.seed)
-    felt = {key: float(change[part].sum()) for key, part in vector.slices.items()}
-    return top_k(plan, options.top_k, movable, felt)
+    probe = RoundObjective(proxy, vector, terms, relevant, lower, upper, torch.zeros_like(u))
+    gain = promise(probe, u, lower, upper)
+    return top_k(
+        plan, options.top_k, movable, {k: float(gain[part].sum()) for k, part in vector.slices.items()}
+    )
 
 
 def pull(plan: Plan, vector: ParameterVector, chosen: list[str]) -> Tensor:

@@ -10,25 +10,31 @@ from ..language.types import Plan
 from ..schema import GROUPS, Instance, Values, VibeError, matches
 from .vector import nearest_turn
 
+_IDLE = 0.01
 
-def top_k(plan: Plan, k: int, movable: Mapping[str, bool], sensitivity: Mapping[str, float]) -> list[str]:
+
+def top_k(plan: Plan, k: int, movable: Mapping[str, bool], promise: Mapping[str, float]) -> list[str]:
     """The K most important of the relevant parameters (equation 7).
 
     Those without a priority, and those that cannot move, are dropped before anything is ranked.
+    Those that promise next to nothing now, because they stand at the right end of their range or
+    where the loss is flat, come after all others: they would use up the budget.
 
     Args:
         plan: Entries by key; a smaller priority is more important, None is irrelevant.
         k: How many keys at most; a color counts as one.
         movable: Key -> whether its feasible range is more than a point.
-        sensitivity: Key -> how much the loss changes over the feasible range; it decides among
-            equal priorities.
+        promise: Key -> how much the loss could fall, to first order, by moving it within its range;
+            it also decides among equal priorities.
     """
-    ranked = [
-        (entry.priority, -sensitivity.get(key, 0.0), key)
-        for key, entry in plan.items()
-        if entry.priority is not None and movable[key]
-    ]
-    return [key for _, _, key in sorted(ranked)[:k]]
+    most = max(promise.values(), default=0.0)
+
+    def rank(key: str) -> tuple[bool, int, float, str]:
+        gain = promise.get(key, 0.0)
+        return gain < _IDLE * most, plan[key].priority or 0, -gain, key
+
+    relevant = [key for key, entry in plan.items() if entry.priority is not None and movable[key]]
+    return sorted(relevant, key=rank)[:k]
 
 
 def feasible_ranges(
