@@ -6,8 +6,9 @@ import math
 import bpy
 import pytest
 import scenes
-from proxy_renderer import schema
 from vibe_render import bindings, compat, prepare
+
+from proxy_renderer import schema
 
 PIVOT = (0.0, 0.0, 0.0)
 

@@ -5,8 +5,9 @@ import bpy
 import pytest
 import scenes
 from dump import difference, dump
-from proxy_renderer import schema
 from vibe_render import bindings, compat, fog, owned, prepare, roster, snapshot
+
+from proxy_renderer import schema
 
 PIVOT = (0.0, 0.0, 0.5)
 

@@ -11,9 +11,10 @@ from bpy.types import Object, Scene
 from mathutils import Vector
 
 from . import locators as at
-from . import roster, snapshot
+from . import prepare, roster, snapshot
 from .codecs import COLOR, DEGREES, LENS, NUMBER, Codec
 from .contract import schema
+from .journal import Journal
 from .places import Place
 
 
@@ -56,7 +57,7 @@ BINDINGS: tuple[Binding, ...] = (
     _row("world/color",             at.background("Color"),             COLOR),
     _row("world/tint",              at.world_tint,                      COLOR),
     _row("world/strength",          at.background("Strength")),
-    _row("world/rotation",          at.world_rotation),
+    _row("world/rotation",          at.world_rotation,                  DEGREES),
 
     _row("material/base_color",     at.surface_color,                   COLOR),
     _row("material/tint",           at.material_tint("Tint"),           COLOR),
@@ -148,6 +149,8 @@ def write(
         subject: As for `instances`.
         pivot: As for `instances`.
 
+    Keys of one of our own lights (see `prepare.LIGHTS`) that is not there add it.
+
     Returns:
         The keys that have been left alone, and why: locked, or nothing of that name in the scene.
 
@@ -157,8 +160,9 @@ def write(
     for key, value in values.items():
         _check(key, value)
     rest = dict.fromkeys(values, "there is nothing of that name in this scene")
-    cast = roster.Cast(scene, tuple(subject), Vector(pivot), everything=True)
     with snapshot.transaction(scene) as journal:
+        _add_lights(journal, scene, values, subject)
+        cast = roster.Cast(scene, tuple(subject), Vector(pivot), everything=True)
         for row, owner, place in list(_found(cast)):
             key = row.parameter.key(owner.name)
             if key not in values:
@@ -168,6 +172,18 @@ def write(
                 place.set(journal, row.codec.encode(tuple(map(float, values[key]))))
     scene.view_layers[0].update()
     return {key: reason for key, reason in rest.items() if reason}
+
+
+def _add_lights(
+    journal: Journal, scene: Scene, values: Mapping[str, Sequence[float]], subject: Sequence[Object]
+) -> None:
+    """Adds those of our own lights that values are for and the scene lacks."""
+    owners = {owner for group, owner, _ in map(schema.split_key, values) if group == "light"}
+    missing = [name for name in prepare.LIGHTS if name in owners and name not in scene.objects]
+    if missing:
+        corners = roster.bounds(scene, subject or roster.meshes(scene))
+        for name in missing:
+            prepare.add_light(journal, scene, name, *corners)
 
 
 def _check(key: str, value: Sequence[float]) -> None:

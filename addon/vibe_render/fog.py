@@ -108,18 +108,20 @@ def place(cast: roster.Cast, name: str) -> Place:
         found = value(socket, locks.of_socket(socket, None))
         return Density(box, found) if name == "Density" else found
 
+    # Measured now: the box that was exported must not depend on a camera that is moved meanwhile.
+    shape = domain(cast) if name == "Density" else None
+
     def make(journal: Journal) -> Place | None:
-        if name != "Density":
+        if shape is None:
             return None
-        _box(journal, cast)
+        _box(journal, cast.scene, shape)
         return find_input()
 
     existing = find_input()
     return existing or Lazy(find_input, make, _IDENTITY[name])
 
 
-def _box(journal: Journal, cast: roster.Cast) -> None:
-    shape = domain(cast)
+def _box(journal: Journal, scene: Scene, shape: Domain) -> None:
     origin = Vector((shape.center.x, shape.center.y, shape.base))
     mesh = journal.new("meshes", NAME)
     box = journal.new("objects", NAME, mesh)
@@ -132,9 +134,9 @@ def _box(journal: Journal, cast: roster.Cast) -> None:
     mesh.materials.append(_material(journal))
     box.location = origin
     box.display_type, box.hide_select = "WIRE", True
-    cast.scene.collection.objects.link(box)
-    compat.march_volumes(journal, cast.scene)
-    cast.scene.view_layers[0].update()
+    scene.collection.objects.link(box)
+    compat.march_volumes(journal, scene)
+    scene.view_layers[0].update()
 
 
 def _material(journal: Journal) -> Material:

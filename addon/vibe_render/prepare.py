@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import tan
+from math import pi, tan
 
 import bpy
 from bpy.types import Object, Scene
@@ -13,6 +13,14 @@ from mathutils import Matrix, Vector
 from . import compat, owned, roster, shaders, snapshot
 from .contract import schema
 from .journal import Journal
+
+LIGHTS = {
+    "Vibe Key": (-40.0, 40.0, 0.4, 1.2),
+    "Vibe Fill": (50.0, 15.0, 0.8, 0.3),
+    "Vibe Rim": (155.0, 45.0, 0.3, 2.0),
+}
+"""Lights that we may add: azimuth from the camera, elevation (degrees), size in distances, and the radiance
+of a white surface that faces them (P / (π² d²), see Blender's area lights)."""
 
 
 def prepare(scene: Scene, subject: Sequence[Object] = ()) -> list[str]:
@@ -31,7 +39,7 @@ def prepare(scene: Scene, subject: Sequence[Object] = ()) -> list[str]:
         added = [
             _world(journal, scene),
             _camera(journal, scene, low, high),
-            _light(journal, scene, low, high),
+            _key(journal, scene, low, high),
             *(_material(journal, obj) for obj in about),
         ]
     scene.view_layers[0].update()
@@ -73,21 +81,38 @@ def _portrait(scene: Scene) -> float:
     return max(sides) / min(sides)
 
 
-def _light(journal: Journal, scene: Scene, low: Vector, high: Vector) -> str:
+def _key(journal: Journal, scene: Scene, low: Vector, high: Vector) -> str:
     if roster.lights(scene):
         return ""
-    data = journal.new("lights", "Vibe Key", "AREA")
-    light = journal.new("objects", "Vibe Key", data)
+    light = add_light(journal, scene, "Vibe Key", low, high)
+    if not _is_lit(scene):
+        return "a key light"
+    light.data.energy = 0.0  # a scene that its world lights keeps its look
+    return "a key light, switched off because the world lights the scene"
+
+
+def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vector) -> Object:
+    """Adds one of our lights to a scene.
+
+    Args:
+        journal: Records it.
+        scene: The scene.
+        name: One of `LIGHTS`.
+        low: Least corner of what it is to light, world space.
+        high: Greatest corner.
+    """
+    azimuth, elevation, size, brightness = LIGHTS[name]
+    data = journal.new("lights", name, "AREA")
+    light = journal.new("objects", name, data)
     for block in (data, light):
-        owned.mark(block, "Vibe Key")
-    distance = 1.5 * max((high - low).length, 1e-3)
-    data.size = 0.4 * distance
-    # A white surface that faces it comes out at 1; a scene that its world lights keeps its look.
-    data.energy = 0.0 if _is_lit(scene) else 31.0 * distance**2 * 0.8
-    azimuth = _camera_azimuth(scene, (low + high) / 2.0) - 40.0
-    _stand(light, (low + high) / 2.0, azimuth, 40.0, distance)
+        owned.mark(block, name)
+    pivot, distance = (low + high) / 2.0, 1.5 * max((high - low).length, 1e-3)
+    data.size = size * distance
+    data.energy = brightness * pi**2 * distance**2
+    front = schema.orbit.angles(scene.camera.matrix_world.translation - pivot)[0] if scene.camera else 0.0
+    _stand(light, pivot, front + azimuth, elevation, distance)
     scene.collection.objects.link(light)
-    return "a key light" if data.energy else "a key light, switched off because the world lights the scene"
+    return light
 
 
 def _is_lit(scene: Scene) -> bool:
@@ -98,10 +123,6 @@ def _is_lit(scene: Scene) -> bool:
     if shaders.active_links(color) or shaders.active_links(strength):
         return True
     return max(color.default_value[:3]) * strength.default_value > 0.1
-
-
-def _camera_azimuth(scene: Scene, pivot: Vector) -> float:
-    return schema.orbit.angles(scene.camera.matrix_world.translation - pivot)[0]
 
 
 def _stand(obj: Object, pivot: Vector, azimuth: float, elevation: float, distance: float) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 
 import bpy
 from bpy.types import Light, Material, Object, Scene
-from mathutils import Vector
+from mathutils import Matrix, Vector
 
 from . import owned
 from .contract import schema
@@ -88,13 +88,14 @@ def materials(scene: Scene, subject: Sequence[Object], everything: bool = False)
     Instances of collections and geometry nodes are looked into. What the frame leaves out is left
     out, unless `everything` is asked for.
     """
-    chosen = set(subject)
+    graph = depsgraph(scene)
+    chosen, to_clip = set(subject), None if everything else frustum(scene)
     roles: dict[Material, str] = {}
-    for item in depsgraph(scene).object_instances:
+    for item in graph.object_instances:
         original, parent = item.object.original, item.parent and item.parent.original
         if item.object.type not in GEOMETRY or owned.is_fog(original) or not item.show_self:
             continue
-        if (parent or original).hide_render or not (everything or in_frame(scene, item)):
+        if (parent or original).hide_render or not (to_clip is None or in_frame(to_clip, item)):
             continue
         role = "subject" if original in chosen or parent in chosen else "surroundings"
         for material in _used(item.object):
@@ -109,20 +110,24 @@ def _used(evaluated: Object) -> list[Material]:
     return [m.original for m in slots if m]
 
 
-def in_frame(scene: Scene, item: bpy.types.DepsgraphObjectInstance) -> bool:
-    """Whether a bounding box reaches into the camera's view; conservative."""
-    camera = scene.camera
+def frustum(scene: Scene) -> Matrix | None:
+    """World space to the clip space of the scene's camera; None if there is none."""
+    camera, render = scene.camera, scene.render
     if camera is None or camera.type != "CAMERA":
-        return True
-    aspect = scene.render
+        return None
     projection = camera.calc_matrix_camera(
         scene.view_layers[0].depsgraph,
-        x=aspect.resolution_x,
-        y=aspect.resolution_y,
-        scale_x=aspect.pixel_aspect_x,
-        scale_y=aspect.pixel_aspect_y,
+        x=render.resolution_x,
+        y=render.resolution_y,
+        scale_x=render.pixel_aspect_x,
+        scale_y=render.pixel_aspect_y,
     )
-    to_clip = projection @ camera.matrix_world.normalized().inverted() @ item.matrix_world
+    return projection @ camera.matrix_world.normalized().inverted()
+
+
+def in_frame(to_clip: Matrix, item: bpy.types.DepsgraphObjectInstance) -> bool:
+    """Whether a bounding box reaches into the camera's view; conservative."""
+    to_clip = to_clip @ item.matrix_world
     corners = [to_clip @ Vector((*corner, 1.0)) for corner in item.object.bound_box]
     sides = [(axis, sign) for axis in range(3) for sign in (1.0, -1.0)]
     return not any(all(sign * c[axis] > c.w for c in corners) for axis, sign in sides)
