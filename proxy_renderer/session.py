@@ -46,7 +46,7 @@ class Session:
         self._watch.stage("loading the encoder")
         device = pick_device(self.options.device)
         encoder = self._encoder = load_encoder(self.options.encoder or None, device)
-        heads = encoder if encoder.heads is not None else load_encoder(None, device)
+        heads = encoder if encoder.heads is not None else _embedded(device)
         clock.lap("load encoder")
         self._watch.stage("loading the scene")
         scene = load_scene(self.job)
@@ -138,6 +138,14 @@ def pick_device(name: str) -> str:
             f"There is no device {name!r} here.", "Use --device cpu, or run `vibe doctor`."
         ) from error
     return name
+
+
+def _embedded(device: str) -> Encoder | None:
+    """The embedded encoder, whose heads guide beside an encoder that has none; None if it is missing."""
+    try:
+        return load_encoder(None, device)
+    except VibeError:
+        return None
 
 
 class _Laps:

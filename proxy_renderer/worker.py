@@ -63,6 +63,8 @@ class Wire:
                     self.stop.set()
                 if not isinstance(message, messages.Stop):
                     self.inbox.put(message)
+                if isinstance(message, messages.Quit):
+                    return  # a thread that still reads would disturb the interpreter's end
         except VibeError as error:
             self.inbox.put(error)
         self.stop.set()
@@ -108,6 +110,7 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
             if isinstance(request, VibeError):
                 raise request
             if isinstance(request, messages.Vibe):
+                session = None
                 session = _vibe(wire, request)
             elif isinstance(request, messages.Finish):
                 if session is None:

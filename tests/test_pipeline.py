@@ -73,7 +73,7 @@ def test_every_value_is_within_its_range_and_has_a_reason(teal):
             strict=True,
         )
         for low, value, high in rows:
-            assert low - 1e-6 * abs(low) - 1e-9 <= value <= high + 1e-6 * abs(high) + 1e-9, key
+            assert low - 1e-5 * abs(low) - 1e-9 <= value <= high + 1e-5 * abs(high) + 1e-9, key
         assert record["reason"], key
 
 

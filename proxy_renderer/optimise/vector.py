@@ -67,15 +67,20 @@ class ParameterVector:
         return {key: linked[part] for key, part in self.slices.items()}
 
     def values(self, u: Tensor) -> dict[str, Values]:
-        """Plain values of u; components that are where the artist had them keep that very float."""
+        """Plain values of u, to six digits; what is where the artist had it keeps that very float."""
         original = self.encode({})
         moved = (u.detach() - original).abs() > 1e-9
         raw = self.plain(u)
         out: dict[str, Values] = {}
         for key, part in self.slices.items():
             instance = self.instances[key]
-            components = zip(raw[key], instance.value, moved[part].tolist(), strict=True)
-            out[key] = tuple(new if m else old for new, old, m in components)
+            limits = zip(instance.lower, instance.upper, strict=True)
+            new = [
+                min(max(float(f"{v:.6g}"), low), high)
+                for v, (low, high) in zip(raw[key], limits, strict=True)
+            ]
+            components = zip(new, instance.value, moved[part].tolist(), strict=True)
+            out[key] = tuple(v if m else old for v, old, m in components)
         return out
 
     def plain(self, u: Tensor) -> dict[str, Values]:
