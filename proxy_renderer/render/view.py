@@ -82,7 +82,7 @@ def apply_ocio(colors: np.ndarray, ocio: str, display: str, view: str, look: str
             OCIO.DisplayViewTransform(src=source, display=display, view=view, looksBypass=bypass)
         )
         processor = config.getProcessor(group).getDefaultCPUProcessor()
-    except (OCIO.Exception, AttributeError) as error:
+    except (OCIO.Exception, OCIO.ExceptionMissingFile, AttributeError) as error:
         raise VibeError(
             f"The view transform {view!r} (display {display!r}, look {look or 'None'!r}) cannot be made from {ocio}.",
             "Choose another view transform under Render > Color Management.",
