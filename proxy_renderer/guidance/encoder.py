@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The encoder that judges pictures by words: any open_clip model, by default the one shipped here.
+
+The shipped model is an open_clip folder like any other; beside it lie attribute heads, which read
+exact attributes (colors, finish, light, fog, grade) off the same picture features.
+"""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import torch
+import torch.nn.functional as F
+from safetensors.torch import load_file
+from torch import Tensor, nn
+
+from ..schema.errors import VibeError
+
+EMBEDDED = Path(__file__).with_name("embedded")
+_REMEDY = "Use the embedded encoder (leave --encoder out), or an open_clip tag such as ViT-B-32-256/datacomp_s34b_b86k."
+
+
+class AttributeHeads(nn.Module):
+    """Reads every attribute's class off picture features, by one small network for all of them.
+
+    Attributes:
+        names: Attribute name → its classes, in the order of the logits.
+    """
+
+    def __init__(self, dim: int, names: dict[str, list[str]], hidden: int = 192) -> None:
+        super().__init__()
+        self.names = names
+        self.scale = dim**0.5
+        self.layers = nn.Sequential(
+            nn.Linear(dim, hidden), nn.GELU(), nn.Linear(hidden, sum(map(len, names.values())))
+        )
+
+    def logits(self, features: Tensor) -> dict[str, Tensor]:
+        """Attribute name → logits (B, classes), from unit features (B, D)."""
+        parts = self.layers(features * self.scale).split(
+            [len(classes) for classes in self.names.values()], -1
+        )
+        return dict(zip(self.names, parts, strict=True))
+
+    def loss(self, features: Tensor, labels: Tensor) -> Tensor:
+        """Mean cross-entropy against classes (B, A), -100 where an attribute cannot be seen."""
+        terms = [
+            F.cross_entropy(logits, labels[:, i], reduction="sum") / (labels[:, i] >= 0).sum().clamp_min(1)
+            for i, logits in enumerate(self.logits(features).values())
+        ]
+        return torch.stack(terms).mean()
+
+
+class Encoder:
+    """A frozen dual encoder with its own preprocessing.
+
+    Attributes:
+        name: What the user asked for.
+        size: Side of the square picture that the model sees, in pixels.
+        heads: Attribute heads, where the model has some.
+    """
+
+    def __init__(
+        self, name: str, model: Any, tokenizer: Any, heads: AttributeHeads | None, device: torch.device
+    ) -> None:
+        self.name, self.device = name, device
+        self._model = model.to(device).eval().requires_grad_(False)
+        self._tokenizer = tokenizer
+        self.heads = heads.to(device).eval().requires_grad_(False) if heads else None
+        config = model.visual.preprocess_cfg
+        size = config["size"]
+        self.size: int = size if isinstance(size, int) else size[0]
+        self._mode, self._resize = (
+            config.get("interpolation", "bicubic"),
+            config.get("resize_mode", "shortest"),
+        )
+        self._mean, self._std = (
+            torch.tensor(config[key], device=device)[:, None, None] for key in ("mean", "std")
+        )
+
+    def encode_images(self, pictures: Tensor) -> Tensor:
+        """Unit features (B, D) of display pictures (B, 3, H, W) in 0..1 of any size; differentiable."""
+        return F.normalize(self._model.encode_image(self.preprocess(pictures)).float(), dim=-1)
+
+    @torch.no_grad()
+    def encode_texts(self, texts: list[str]) -> Tensor:
+        """Unit features (B, D) of sentences."""
+        return F.normalize(self._model.encode_text(self._tokenizer(texts).to(self.device)).float(), dim=-1)
+
+    def preprocess(self, pictures: Tensor) -> Tensor:
+        """What the model's own transform does to a picture, differentiably: resize, crop or pad, normalize."""
+        height, width = pictures.shape[-2:]
+        pick = {"shortest": min, "longest": max}.get(self._resize)
+        scale = self.size / pick(height, width) if pick else None
+        target = (round(height * scale), round(width * scale)) if scale else (self.size, self.size)
+        if (height, width) != target:
+            pictures = F.interpolate(pictures, target, mode=self._mode, antialias=True, align_corners=False)
+        top, left = (target[0] - self.size) // 2, (target[1] - self.size) // 2
+        if top or left:  # negative padding crops
+            edges = (-left, self.size - target[1] + left, -top, self.size - target[0] + top)
+            pictures = F.pad(pictures, edges)
+        return (pictures.clamp(0, 1) - self._mean) / self._std
+
+
+def load_encoder(spec: str | None = None, device: str | torch.device = "cpu") -> Encoder:
+    """Loads an encoder.
+
+    Args:
+        spec: None or "embedded" for the shipped one; "MODEL/PRETRAINED", an open_clip hub tag, downloaded
+            once; "hf-hub:OWNER/NAME"; or a folder with ``open_clip_config.json`` and weights.
+        device: Where it runs.
+
+    Raises:
+        VibeError: The model is unknown, incomplete, or cannot be downloaded.
+    """
+    import open_clip  # slow to import: only when an encoder is wanted
+
+    name = spec or "embedded"
+    place = EMBEDDED if name == "embedded" else Path(name).expanduser()
+    if place.is_file():
+        place = place.parent
+    try:
+        if name == "embedded" or place.is_dir():
+            source, pretrained = f"local-dir:{place}", None
+            _check_folder(place)
+        elif name.startswith("hf-hub:"):
+            source, pretrained = name, None
+        else:
+            source, pretrained = _hub_tag(name)
+        model = open_clip.create_model(source, pretrained=pretrained, require_pretrained=True)
+        tokenizer = open_clip.get_tokenizer(source)
+    except VibeError:
+        raise
+    except (
+        Exception
+    ) as error:  # whatever a download or a foreign file can raise becomes one line for the user
+        reason = str(error).splitlines()[0][:200] if str(error) else type(error).__name__
+        raise VibeError(f"The encoder {name!r} cannot be loaded: {reason}.", _REMEDY) from error
+    return Encoder(name, model, tokenizer, _load_heads(place), torch.device(device))
+
+
+def _check_folder(folder: Path) -> None:
+    if not (folder / "open_clip_config.json").is_file():
+        raise VibeError(f"The encoder folder {str(folder)!r} has no open_clip_config.json.", _REMEDY)
+
+
+def _hub_tag(name: str) -> tuple[str, str]:
+    """The architecture and weights of "MODEL/PRETRAINED"."""
+    import open_clip
+
+    model, _, pretrained = name.partition("/")
+    if pretrained not in open_clip.list_pretrained_tags_by_model(model):
+        raise VibeError(f"open_clip knows no encoder {name!r}.", _REMEDY)
+    return model, pretrained
+
+
+def _load_heads(folder: Path) -> AttributeHeads | None:
+    if not (folder / "heads.json").is_file():
+        return None
+    names = json.loads((folder / "heads.json").read_text())
+    weights = {key: w.float() for key, w in load_file(folder / "heads.safetensors").items()}
+    heads = AttributeHeads(weights["layers.0.weight"].shape[1], names, weights["layers.0.weight"].shape[0])
+    heads.load_state_dict(weights)
+    return heads

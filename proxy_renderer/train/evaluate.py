@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How well an encoder reads looks off shapes that it never saw.
+
+Every comparison is between two sentences, so chance is one half; heads are compared with the truth.
+"""
+
+import json
+import os
+import random
+import time
+from collections import defaultdict
+from pathlib import Path
+
+import numpy as np
+import torch
+import trimesh
+from torch import Tensor
+
+from ..guidance.encoder import Encoder, load_encoder
+from ..language.attributes import ATTRIBUTES
+from . import bank as banks
+from .captions import NOUNS, caption
+from .data import LOOKS, Batch, make_batch
+from .looks import INDEX, NAMES
+from .surfaces import Shape
+
+_GROUPS, _BATCHES, _SEED = 48, 10, 7_000_000
+
+
+def evaluate(model: Path, held_out: Path, meshes: list[Path], out: Path | None = None) -> dict:
+    """Judges a model on a held-out bank, and on views of meshes; writes ``results.json``.
+
+    Returns:
+        ``attribute_flip`` and ``swap`` (fractions), the same per attribute and for the heads, per set of
+        pictures, and ``crops_seconds``, the cost of 8 crops forward and backward.
+    """
+    encoder = load_encoder(str(model))
+    sets = {"procedural": banks.load(held_out)}
+    if meshes:
+        sets["meshes"] = bank_of(meshes, next(iter(sets.values()))["kind"].shape[-1])
+    results: dict = {
+        "sets": {name: judge(encoder, bank) for name, bank in sets.items()},
+        "crops_seconds": cost(encoder),
+    }
+    results |= {key: results["sets"]["procedural"][key] for key in ("attribute_flip", "swap", "heads_mean")}
+    if out:
+        temporary = out.with_suffix(".part")
+        temporary.write_text(json.dumps(results, indent=1) + "\n")
+        os.replace(temporary, out)
+    return results
+
+
+def judge(encoder: Encoder, bank: dict, batches: int | None = None) -> dict:
+    """Flip, swap and head accuracy on whole pictures of a bank."""
+    right: dict[str, list[bool]] = defaultdict(list)
+    dice = random.Random(_SEED)
+    for k in range(batches or _BATCHES):
+        batch = make_batch(bank, _GROUPS, _SEED + k, augment=False)
+        with torch.no_grad():
+            features = encoder.encode_images(batch.pictures.to(encoder.device)).cpu()
+            logits = (
+                {name: value.cpu() for name, value in encoder.heads.logits(features).items()}
+                if encoder.heads
+                else {}
+            )
+        for name, value in logits.items():
+            known = batch.labels[:, INDEX[name]] >= 0
+            right[f"heads/{name}"] += (value.argmax(1) == batch.labels[:, INDEX[name]])[known].tolist()
+        for key, picture, said, otherwise in _comparisons(batch, dice):
+            true, false = encoder.encode_texts([said, otherwise]).cpu() @ features[picture]
+            right[key].append(bool(true > false))
+    share = {key: round(float(np.mean(values)), 4) for key, values in right.items()}
+    flips = {name: share[f"flip/{name}"] for name in NAMES if f"flip/{name}" in share}
+    heads = {name: share[f"heads/{name}"] for name in NAMES if f"heads/{name}" in share}
+    return {
+        "attribute_flip": round(float(np.mean(list(flips.values()))), 4), "swap": share.get("swap"),
+        "heads_mean": round(float(np.mean(list(heads.values()))), 4) if heads else None, "flip_by_attribute": flips, "heads": heads,
+        "comparisons": {key: len(values) for key, values in right.items()},
+    }  # fmt: skip
+
+
+def _comparisons(batch: Batch, dice: random.Random) -> list[tuple[str, int, str, str]]:
+    """(what is tested, picture, true sentence, false sentence)."""
+    found = []
+    for i, labels in enumerate(batch.labels.tolist()):
+        noun = dice.choice(NOUNS)
+        first = batch.labels[i - i % LOOKS].tolist()
+        flip = int(batch.flipped[i])
+        if flip >= 0 and labels[flip] >= 0 and first[flip] >= 0 and labels[flip] != first[flip]:
+            name, wording = NAMES[flip], dice.random()
+            said, otherwise = (_sentence({name: c[flip]}, noun, wording) for c in (labels, first))
+            found += [(f"flip/{name}", i, said, otherwise), (f"flip/{name}", i - i % LOOKS, otherwise, said)]
+        a, b = labels[INDEX["subject_color"]], labels[INDEX["surroundings_color"]]
+        if a >= 0 and b >= 0 and a != b:
+            wording = dice.random()
+            pairs = ({"subject_color": x, "surroundings_color": y} for x, y in ((a, b), (b, a)))
+            said, otherwise = (_sentence(pair, noun, wording) for pair in pairs)
+            found.append(("swap", i, said, otherwise))
+    return found
+
+
+def _sentence(classes: dict[str, int], noun: str, wording: float) -> str:
+    """The attributes about one thing, in a wording of its own; the same number gives the same choices."""
+    known = {name: ATTRIBUTES[name][value] for name, value in classes.items()}
+    return (
+        f"{noun}, {caption(known, random.Random(wording))}"
+        if "subject_color" not in known
+        else caption(known, random.Random(wording))
+    )
+
+
+def bank_of(meshes: list[Path], size: int, views: int = 24) -> dict[str, np.ndarray]:
+    """A bank of views of mesh files (their y axis up), in memory."""
+    traced = []
+    for number, path in enumerate(meshes):
+        mesh = trimesh.load(path, force="mesh")
+        turn = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0.0]])
+        points = mesh.triangles @ turn.T
+        low, high = points.reshape(-1, 3).min(0), points.reshape(-1, 3).max(0)
+        center = np.array([*(low + high)[:2] / 2, low[2]])
+        normals = mesh.vertex_normals[mesh.faces] @ turn.T
+        subject = Shape(
+            ((points - center) * 2 / np.linalg.norm(high - low)).astype(np.float32),
+            normals.astype(np.float32),
+        )
+        traced += [banks.trace(subject, np.random.default_rng([number, k]), size) for k in range(views)]
+    layout = banks.fields(size)
+    return {name: np.stack([view[name] for view in traced]).astype(layout[name][1]) for name in layout}
+
+
+def cost(encoder: Encoder, crops: int = 8, repeats: int = 5) -> float:
+    """Seconds for a forward and backward pass of some crops of 256² pixels; the median of a few."""
+    text = encoder.encode_texts(["a red thing"])
+    taken = []
+    for _ in range(repeats):
+        pictures = torch.rand(crops, 3, 256, 256, device=encoder.device, requires_grad=True)
+        start = time.perf_counter()
+        loss: Tensor = (encoder.encode_images(pictures) @ text.T).sum()
+        loss.backward()
+        taken.append(time.perf_counter() - start)
+    return round(sorted(taken)[repeats // 2], 4)
