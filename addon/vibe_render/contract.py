@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from proxy_renderer import schema
-    from proxy_renderer.schema import messages
+    from proxy_renderer.schema import messages, preset
 else:
     try:
         from . import schema
-        from .schema import messages
+        from .schema import messages, preset
     except ImportError:
         from proxy_renderer import schema
-        from proxy_renderer.schema import messages
+        from proxy_renderer.schema import messages, preset
 
-__all__ = ["messages", "schema"]
+__all__ = ["messages", "preset", "schema"]

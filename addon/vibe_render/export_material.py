@@ -12,7 +12,7 @@ import numpy as np
 
 from . import compat, shaders
 from .contract import schema
-from .export_texture import Picture, uv_mapping, untinted
+from .export_texture import Picture, untinted, uv_mapping
 
 NO_MATERIAL = "(no material)"
 """What faces without a material are called; a name that Blender would not give."""

@@ -196,8 +196,8 @@ def _reads_uv_only(source: bpy.types.NodeSocket) -> bool:
         elif node.bl_idname in _TEXTURES:
             if not active_links(node.inputs["Vector"]):
                 return False
-        elif node.bl_idname not in _PURE:
-            return False
-        elif node.bl_idname == "ShaderNodeTexImage" and node.projection != "FLAT":
+        elif node.bl_idname not in _PURE or (
+            node.bl_idname == "ShaderNodeTexImage" and node.projection != "FLAT"
+        ):
             return False
     return True

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Vibe Render without a window: the same file for Blender and for the `vibe` command.
+
+    blender -b shot.blend --python-exit-code 1 --python batch.py -- --prompt "misty, cool" --out DIR
+    python batch.py --events run shot.blend --prompt "misty, cool" --out DIR     (with the bpy package)
+
+A mistake of the user's is one clear line and exit code 2.
+"""
+
+import sys
+from pathlib import Path
+
+if not __package__:
+    # Run as a file: our modules are found as a package, and not by their bare names.
+    here = Path(__file__).resolve().parent
+    sys.path[:] = [p for p in sys.path if not p or Path(p).resolve() != here]
+    sys.path[:0] = [str(here.parent)]
+    if (here.parents[1] / "proxy_renderer").is_dir():  # a clone
+        sys.path.insert(1, str(here.parents[1]))
+
+from vibe_render.batch_arguments import arguments_of_process, parse
+from vibe_render.batch_report import Reporter
+from vibe_render.contract import schema
+
+
+def main() -> int:
+    """Runs the command line; returns the exit code."""
+    arguments = arguments_of_process()
+    reporter = Reporter(events="--events" in arguments)
+    try:
+        given = parse(arguments)
+        from vibe_render import batch_run  # not before: importing bpy takes half a second
+
+        batch_run.COMMANDS[given.command](given, reporter)
+        return 0
+    except schema.VibeError as error:
+        reporter.error(error)
+        return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,220 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The commands that need a scene: vibe it, put a preset on it, revert it."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+from . import bindings, changes, demo, presets, rendering, scene_io, snapshot, stage
+from .batch_arguments import engine_options
+from .batch_report import Reporter
+from .contract import messages, schema
+from .conversation import Conversation, on_interrupt
+from .engine import Engine
+from .export import Job
+from .outputs import Outputs
+from .subject import Choice
+
+_SHOWN = 8
+
+
+def vibe(a: argparse.Namespace, reporter: Reporter) -> None:
+    """Opens or builds the scene, has the engine look for the look, renders it and saves everything."""
+    laps = _Laps()
+    engine = Engine(a.engine)
+    engine.start()  # first of all: it loads while the scene does
+    talk = Conversation(engine, reporter.engine)
+    on_interrupt(talk.stop)
+    try:
+        with tempfile.TemporaryDirectory(prefix="vibe-") as folder, Outputs(a.out) as out:
+            scene, choice, bare = _open(a, reporter)
+            laps.lap("open")
+            reporter.stage("reading the scene")
+            job = scene_io.open_job(scene, Path(folder), choice)
+            laps.lap("export")
+            options = engine_options(a, free_camera=bare)
+            talk.ask(messages.Vibe(schema.schema_hash(), folder, a.prompt, asdict(options)))
+            rendering.render(scene, out.path("before.png"), a.size, a.samples, a.seed)
+            laps.lap("render before")
+            found = talk.wait(messages.Result)
+            laps.lap("wait for the engine")
+            skipped = bindings.write(scene, found.values, job.survey.objects, job.survey.pivot)
+            reporter.stage("rendering with Cycles")
+            _render_after(scene, job, a, out)
+            laps.lap("render after")
+            pictures = (out.path(name) for name in ("before.png", "after.png", "compare.png"))
+            talk.ask(messages.Finish(*map(str, pictures)))
+            _save_blend(out.path("vibed.blend"))
+            measured = talk.wait(messages.Finished)
+            laps.lap("save and measure")
+            out.write_text("preset.json", presets.extract(a.prompt, job, found.values).dumps())
+            out.write_json("report.json", _report(a, job, found, measured, skipped, laps))
+        reporter.result(_summary(job, found, measured, skipped), found.stopped)
+    finally:
+        engine.stop()
+
+
+def apply(a: argparse.Namespace, reporter: Reporter) -> None:
+    """Puts a preset on a scene, renders it before and after, and saves it."""
+    look = presets.load(Path(a.preset))
+    with tempfile.TemporaryDirectory(prefix="vibe-") as folder, Outputs(a.out) as out:
+        scene, choice, _ = _open(a, reporter)
+        job = scene_io.open_job(scene, Path(folder), choice)
+        values = presets.match(look, job)
+        if not values:
+            raise schema.VibeError("Nothing in this scene takes what the preset holds.", "Use another scene.")
+        reporter.stage("rendering before")
+        rendering.render(scene, out.path("before.png"), a.size, a.samples, a.seed)
+        bindings.write(scene, values, job.survey.objects, job.survey.pivot)
+        reporter.stage("rendering after")
+        _render_after(scene, job, a, out)
+        _save_blend(out.path("vibed.blend"))
+    reporter.result([f"{len(values)} values of the preset fit this scene.", *_listed(job, values)])
+
+
+def revert(a: argparse.Namespace, reporter: Reporter) -> None:
+    """Takes every vibe out of a .blend, which is written in place."""
+    if a.scene:
+        _open_blend(Path(a.scene))
+    path = Path(bpy.data.filepath)
+    scenes = [scene for scene in bpy.data.scenes if snapshot.exists(scene)]
+    if not scenes:
+        raise schema.VibeError(
+            f"{path.name} holds no vibe to revert.", "Only a vibed .blend can be reverted."
+        )
+    lost = [line for scene in scenes for line in snapshot.revert(scene)]
+    with Outputs(path.parent) as out:
+        _save_blend(out.path(path.name))
+    reporter.result([f"{path.name} is as it was before.", *(f"Could not restore: {line}" for line in lost)])
+
+
+COMMANDS: dict[str, Callable[[argparse.Namespace, Reporter], None]] = {
+    "run": vibe,
+    "demo": vibe,
+    "apply": apply,
+    "revert": revert,
+}
+
+
+def _open(a: argparse.Namespace, reporter: Reporter) -> tuple[bpy.types.Scene, Choice, bool]:
+    """The scene, how its subject is chosen, and whether it is a bare mesh that we have staged."""
+    path = Path(a.scene).expanduser().absolute() if a.scene else None
+    chosen = tuple(a.subject)
+    if a.command == "demo" or a.demo:
+        reporter.stage("building the demo scene")
+        return demo.build_demo(), Choice(chosen or (demo.SUBJECT,)), False
+    if path and path.suffix.lower() in stage.FORMATS:
+        reporter.stage(f"staging {path.name}")
+        scene = stage.build_stage(path, a.stage)
+        return scene, Choice(chosen, selected=not chosen), True
+    if path:
+        reporter.stage(f"opening {path.name}")
+        _open_blend(path)
+    return bpy.context.scene, Choice(chosen), False
+
+
+def _open_blend(path: Path) -> None:
+    """Opens a .blend, without running scripts in it."""
+    if not path.is_file():
+        raise schema.VibeError(f"There is no file {path}.", "Check the path.")
+    try:
+        bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False, use_scripts=False)
+    except RuntimeError as error:
+        reason = str(error).strip().splitlines()[-1].removeprefix("Error: ")
+        raise schema.VibeError(
+            f"{path.name} cannot be opened: {reason}", "Check that it is a .blend."
+        ) from error
+
+
+def _render_after(scene: bpy.types.Scene, job: Job, a: argparse.Namespace, out: Outputs) -> None:
+    rendering.render(scene, out.path("after.png"), a.size, a.samples, a.seed)
+    rendering.render_mask(scene, out.path("mask.png"), a.size, job.survey.objects)
+
+
+def _save_blend(path: Path) -> None:
+    """Saves the open file under another name; its paths stay right for that folder."""
+    try:
+        bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True, relative_remap=True, check_existing=False)
+    except RuntimeError as error:
+        raise schema.VibeError(f"{path.name} cannot be saved: {error}", "Choose another --out.") from error
+
+
+def _report(
+    a: argparse.Namespace,
+    job: Job,
+    found: messages.Result,
+    measured: messages.Finished,
+    skipped: dict[str, str],
+    laps: _Laps,
+) -> dict[str, Any]:
+    """The fields of report.json: the engine's, and ours."""
+    report = dict(found.report)
+    timings = {**laps.seconds, **{f"engine: {k}": v for k, v in report.pop("timings", {}).items()}}
+    versions = {**report.pop("versions", {}), "blender": bpy.app.version_string}
+    return {
+        **report,
+        "prompt": a.prompt,
+        "scene": os.path.basename(a.scene or bpy.data.filepath) or a.command,
+        "subject": [thing.name_full for thing in job.survey.objects],
+        "similarity": measured.similarity,
+        "delta_e": measured.delta_e,
+        "stopped": found.stopped,
+        "not_written": skipped,
+        "warnings": job.warnings,
+        "timings": {**timings, "total": round(sum(laps.seconds.values()), 2)},
+        "versions": versions,
+    }
+
+
+def _summary(
+    job: Job, found: messages.Result, measured: messages.Finished, skipped: dict[str, str]
+) -> list[str]:
+    values = {k: v for k, v in found.values.items() if k not in skipped}
+    near, s = measured.delta_e, measured.similarity
+    lines = [f"Note: {warning}" for warning in job.warnings[:4]]
+    lines += _listed(job, values)
+    return [
+        *lines,
+        f"Similarity to the words {s['before']:.3f} -> {s['after']:.3f}; "
+        f"the prediction is {near:.1f} CIEDE2000 away from Cycles.",
+    ]
+
+
+def _listed(job: Job, values: dict[str, Any]) -> list[str]:
+    """The changes that show, as lines; the largest on the perceptual scale first."""
+    rows = []
+    for key, value in values.items():
+        instance = job.instances[key]
+        before, after = instance.value, tuple(value)
+        if changes.same(key, before, after):
+            continue
+        ends = zip(before, after, instance.lower, instance.upper, strict=True)
+        unit = instance.parameter.scale.to_unit
+        distance = max(abs(unit(x, low, high) - unit(y, low, high)) for x, y, low, high in ends)
+        line = f"{changes.title(key)}: {changes.text(key, before)} -> {changes.text(key, after)}"
+        rows.append((distance, line))
+    rows.sort(reverse=True)
+    more = [f"... and {len(rows) - _SHOWN} more in report.json"] if len(rows) > _SHOWN else []
+    return [line for _, line in rows[:_SHOWN]] + more
+
+
+class _Laps:
+    """A stopwatch: `seconds` by the name of the lap."""
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+        self._last = time.monotonic()
+
+    def lap(self, name: str) -> None:
+        now = time.monotonic()
+        self.seconds[name] = round(now - self._last, 2)
+        self._last = now
