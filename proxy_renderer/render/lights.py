@@ -17,7 +17,7 @@ from ..scene import Light, SceneData
 from . import color
 from .camera import direction, frame
 from .settings import Settings, wanted
-from .vectors import cross, dot, length, unit
+from .vectors import cross, dot, length, unit, within
 
 _POINT_RADIUS = 1e-3
 """Least angular radius (radians) of a lamp: a true point would have no highlight in a mirror."""
@@ -87,7 +87,7 @@ def _lamp(light: Light, scene: SceneData, settings: Settings) -> Lamp:
     size = torch.deg2rad(settings.scalar(key + "angle")) if sun else settings.scalar(key + "size")
     axes = frame(azimuth, elevation) @ torch.tensor(light.residual, device=settings.device)
     position = pivot + distance * direction(azimuth, elevation)
-    return Lamp(light, tint, position, axes, size.clamp_min(0.0))
+    return Lamp(light, tint, position, axes, within(size, 0.0, math.inf))
 
 
 @dataclass(frozen=True)
@@ -126,7 +126,7 @@ def _sun(lamp: Lamp, normals: Tensor) -> Arrival:
     """A sun's strength is the irradiance of a surface that faces it."""
     z = lamp.axes[:, 2:3]
     cosine = dot(normals, z).clamp_min(0.0)
-    half = (lamp.size / 2).clamp(_POINT_RADIUS, math.pi / 2)
+    half = within(lamp.size / 2, _POINT_RADIUS, math.pi / 2)
     one = torch.ones_like(cosine)
     solid = 2 * math.pi * (1 - half.cos())
     return Arrival(z.expand_as(normals), one * math.inf, cosine, one, one * solid)
@@ -140,7 +140,7 @@ def _point(lamp: Lamp, normals: Tensor, toward: Tensor, distance: Tensor, square
     if lamp.light.type == "SPOT":
         frontal = frontal * _spot_cone(lamp, toward)
     cosine = dot(normals, toward).clamp_min(0.0)
-    radius2 = (lamp.size * lamp.size).clamp_min(0.0)
+    radius2 = lamp.size * lamp.size
     solid = (math.pi * radius2 / squared).clamp(math.pi * _POINT_RADIUS**2, 2 * math.pi)
     return Arrival(toward, distance, frontal * cosine, frontal, solid)
 

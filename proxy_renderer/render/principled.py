@@ -19,6 +19,7 @@ from . import albedo
 from .color import luma
 from .highlight import Highlight
 from .settings import Settings, wanted
+from .vectors import within
 
 
 @dataclass(frozen=True)
@@ -61,15 +62,15 @@ def paint_of(material: Material, settings: Settings) -> Paint:
     glow = settings.color(key + "emission_color", 1.0) * settings.scalar(key + "emission")
 
     def unit(name: str, default: float) -> Tensor:
-        return settings.scalar(key + name, default).clamp(0.0, 1.0)
+        return within(settings.scalar(key + name, default), 0.0, 1.0)
 
     return Paint(
-        base=base.clamp_min(0.0),
+        base=within(base, 0.0, math.inf),
         metallic=unit("metallic", 0.0),
         roughness=unit("roughness", 0.5),
-        ior=settings.scalar(key + "ior", 1.5).clamp_min(1.0),
-        specular=settings.scalar(key + "specular", 0.5).clamp_min(0.0),
-        specular_tint=settings.color(key + "specular_tint", 1.0).clamp_min(0.0),
+        ior=within(settings.scalar(key + "ior", 1.5), 1.0, 10.0),
+        specular=within(settings.scalar(key + "specular", 0.5), 0.0, math.inf),
+        specular_tint=within(settings.color(key + "specular_tint", 1.0), 0.0, math.inf),
         coat=unit("coat", 0.0),
         coat_roughness=unit("coat_roughness", 0.03),
         coat_ior=max(float(constants.get("coat_ior", 1.5)), 1.0),
@@ -133,7 +134,7 @@ class Reflected:
 def shade(paint: Paint, light: Light, texture: Tensor | None) -> Tensor:
     """Outgoing radiance (3, N) towards the viewer."""
     base = paint.colored(texture)
-    clamped = base.clamp_max(1.0)
+    clamped = within(base, 0.0, 1.0)
     result, weight = torch.zeros_like(light.irradiance), torch.ones((), device=base.device)
     if used(paint.sheen):
         glow, weight = _sheen(paint, light)
@@ -206,7 +207,7 @@ def _metal(
     """F82-tint metal with multiple scattering (Kutz et al. 2021)."""
     e, mean = missing
     f5 = (6 / 7) ** 5
-    tint = paint.specular_tint.clamp_max(1.0)[:, None]
+    tint = within(paint.specular_tint, 0.0, 1.0)[:, None]
     b = (base + (1 - base) * f5) * (7 / (f5 * 6 / 7)) * (1 - tint)
     fss = base + (1 - base) / 21 - b / 126
     many = _multiple(fss, mean)
@@ -230,7 +231,7 @@ def _dielectric(
     f0 = albedo.f0_of(paint.ior) * 2 * paint.specular
     root = f0.clamp(1e-5, 0.95).sqrt()
     ior = (1 + root) / (1 - root)
-    tinted = (f0 * paint.specular_tint).clamp_max(1.0)[:, None]
+    tinted = within(f0 * paint.specular_tint, 0.0, 1.0)[:, None]
     straight = ((ior - 1) / (ior + 1)) ** 2
     average = (ior - 1) / (4.08567 + 1.00071 * ior)
     s = ((average - straight) / (1 - straight)).clamp(0.0, 1.0)
@@ -255,7 +256,7 @@ def _glass(
 ) -> Tensor:
     """Solid glass, approximately: the mirror image by Fresnel, the rest from the ray refracted through it."""
     ior = paint.ior.clamp_min(1.0001)
-    f0 = albedo.f0_of(ior) * paint.specular_tint.clamp_max(1.0)[:, None]
+    f0 = albedo.f0_of(ior) * within(paint.specular_tint, 0.0, 1.0)[:, None]
     share = (albedo.dielectric_share(paint.roughness, ior) @ light.view).clamp(0.0, 1.0)
     reflectance = f0 + (1 - f0) * share
     curve = albedo.dielectric_curve(ior)

@@ -21,6 +21,7 @@ from .indirect import GLOSSY, Table
 from .lights import Lamp, lamps_of
 from .principled import Light, Paint, Reflected, paint_of, shade, used
 from .settings import Settings
+from .vectors import within
 from .view_cache import Sight, ViewCache
 from .visibility import Geometry
 from .volume import DIRECTIONS, Volume, ambient_transmittance
@@ -157,10 +158,10 @@ class Frame:
 def _table(frame: Frame) -> Table:
     """Radiances of what secondary rays meet."""
     rows = zip(frame.paints, frame.cache.mean_texture, strict=True)
-    albedos = torch.stack([p.base * mean * (1 - p.transmission) for p, mean in rows]).clamp_max(1.0)
+    albedos = torch.stack([p.base * mean * (1 - p.transmission) for p, mean in rows])
     glow = torch.stack([p.emission for p in frame.paints])
     sky = frame.sky
-    return Table.of(albedos, glow, frame.colors, sky.mean, sky.coefficients())
+    return Table.of(within(albedos, 0.0, 1.0), glow, frame.colors, sky.mean, sky.coefficients())
 
 
 def _ambient(frame: Frame) -> Tensor | None:

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Planar vectors (3, N), written out: torch reduces a leading axis of three an order slower than this."""
+"""Planar vectors (3, N), written out: torch reduces a leading axis of three an order slower than this.
+
+Also two ways of limiting that keep gradients alive where `torch.clamp` would lose them.
+"""
 
 from __future__ import annotations
 
@@ -27,3 +30,13 @@ def cross(a: Tensor, b: Tensor) -> Tensor:
     x = a[1] * b[2] - a[2] * b[1]
     y = a[2] * b[0] - a[0] * b[2]
     return torch.stack((x, y, a[0] * b[1] - a[1] * b[0]))
+
+
+def damped(value: Tensor, share: Tensor) -> Tensor:
+    """The value itself, with its gradient multiplied by a share."""
+    return torch.lerp(value.detach(), value, share.detach()) if value.requires_grad else value
+
+
+def within(value: Tensor, low: float, high: float) -> Tensor:
+    """Clamps; unlike `torch.clamp`, a value that lies on a bound keeps its gradient."""
+    return torch.where(value < low, low, torch.where(value > high, high, value))

@@ -12,7 +12,11 @@ from embreex.mesh_construction import TriangleMesh
 from torch import Tensor
 
 from ..scene import Mesh, SceneData
-from .vectors import cross, dot, unit
+from .vectors import cross, damped, dot, unit
+
+
+_GRAZING = 0.3
+"""Cosine below which gradients of hits are damped."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +94,8 @@ class Geometry:
     def follow(self, hits: Hits, origin: Tensor, toward: Tensor) -> Surface:
         """The surface where differentiable rays (3, N) meet the planes of the triangles they hit.
 
-        All rays must have hit. Their barycentric weights are those of Moeller and Trumbore (1997).
+        All rays must have hit. Their barycentric weights are those of Moeller and Trumbore (1997). Where a
+        ray grazes, its hit races over the surface: few samples would carry huge gradients, which are damped.
         """
         a, b, c = (self.corners[k, hits.triangle].T for k in range(3))
         e1, e2, offset = b - a, c - a, origin - a
@@ -99,7 +104,9 @@ class Geometry:
         determinant = dot(e1, p)
         flat = determinant.abs() < 1e-12
         inverse = torch.where(flat, 0.0, 1 / torch.where(flat, 1.0, determinant))
-        u, v = dot(offset, p) * inverse, dot(toward, q) * inverse
+        facet = unit(cross(e1, e2), 1e-15)
+        damping = (dot(facet, toward.detach()).abs() / _GRAZING).clamp_max(1.0) ** 2
+        u, v = (damped(w * inverse, damping) for w in (dot(offset, p), dot(toward, q)))
         return self.interpolate(hits.triangle, torch.stack((1 - u - v, u, v)), toward)
 
     def interpolate(self, triangle: Tensor, weights: Tensor, toward: Tensor) -> Surface:

@@ -92,13 +92,15 @@ def _check_version(content: dict[str, Any]) -> None:
 
 
 def _record(kind: type[T], row: dict[str, Any]) -> T:
-    """Builds a dataclass from the JSON keys that it has fields for; lists become (nested) tuples."""
+    """Builds a dataclass from the JSON keys that it has fields for; lists become tuples of floats."""
     names = {f.name for f in fields(kind)}  # type: ignore[arg-type]
     return kind(**{k: _tuples(v) for k, v in row.items() if k in names})
 
 
 def _tuples(value: Any) -> Any:
-    return tuple(_tuples(v) for v in value) if isinstance(value, list) else value
+    if isinstance(value, list):
+        return tuple(float(v) if type(v) is int else _tuples(v) for v in value)
+    return value
 
 
 def _vector(row: list[float]) -> tuple[float, float, float]:
