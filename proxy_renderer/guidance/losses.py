@@ -16,7 +16,7 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
-from ..language.types import Prompts
+from ..language.types import Lab, Prompts, Region
 from ..render.color import srgb_to_lab
 from . import regions
 
@@ -76,7 +76,7 @@ class Guide:
         heads: Encoder | None,
         prompts: Prompts,
         targets: Mapping[str, str],
-        colors: Mapping[str, tuple[float, float, float]],
+        colors: Mapping[Region, Lab],
         start: tuple[Tensor, Tensor],
         weights: Weights | None = None,
         views: regions.Views | None = None,

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import torch
+from torch import Tensor
 
 from ..guidance import regions
-from ..language.types import PictureStats, PlanContext, SceneWords
+from ..language.types import PictureStats, PlanContext, Region, SceneWords
 from ..render.camera import view_of
 from ..render.color import LUMA, srgb_to_lab
 from ..render.settings import Settings
@@ -56,7 +57,7 @@ def plan_context(proxy: Proxy, values: dict[str, Values], picture: Render) -> Pl
         material_share=materials,
         environment_luminance=_environment_luminance(scene),
         texture_luminance={
-            name: float((image @ np.float32(LUMA)).mean()) for name, image in textures.items()
+            name: float((image @ np.asarray(LUMA, np.float32)).mean()) for name, image in textures.items()
         },
         values=values,
         picture=picture_stats(picture),
@@ -69,18 +70,21 @@ def _environment_luminance(scene: SceneData) -> float:
     if image is None:
         return 0.5
     heights = (np.arange(len(image)) + 0.5) / len(image) * np.pi - np.pi / 2
-    return float(np.average((image @ np.float32(LUMA)).mean(1), weights=np.cos(heights)))
+    return float(np.average((image @ np.asarray(LUMA, np.float32)).mean(1), weights=np.cos(heights)))
 
 
 def picture_stats(picture: Render) -> PictureStats:
     """Mean colors of the regions, and how the lightness of the whole picture is spread."""
     lab = srgb_to_lab(picture.display.detach()).cpu()
     mask = picture.mask.detach().cpu()
-    means = {"subject": regions.mean(lab, mask), "surroundings": regions.mean(lab, 1.0 - mask)}
+    means: dict[Region, Tensor] = {
+        "subject": regions.mean(lab, mask),
+        "surroundings": regions.mean(lab, 1.0 - mask),
+    }
     spread = torch.quantile(lab[..., 0].flatten(), torch.tensor([0.05, 0.5, 0.95]))
     return PictureStats(
-        lab={region: tuple(m.tolist()) for region, m in means.items()},  # type: ignore[misc]
-        percentiles=tuple(spread.tolist()),  # type: ignore[arg-type]
+        lab={region: tuple(m.tolist()) for region, m in means.items()},
+        percentiles=tuple(spread.tolist()),
     )
 
 

@@ -53,7 +53,7 @@ class Options:
         known = {f.name for f in fields(cls)}
         if strange := sorted(set(raw) - known):
             raise VibeError(f"Unknown option {strange[0]!r}.", f"Use one of: {', '.join(sorted(known))}.")
-        lists = {name: tuple(raw[name]) for name in ("groups", "lock") if name in raw}
+        lists: dict[str, Any] = {name: tuple(raw[name]) for name in ("groups", "lock") if name in raw}
         return cls(**{**raw, **lists})
 
 
