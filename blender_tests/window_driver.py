@@ -15,7 +15,7 @@ from pathlib import Path
 
 import bpy
 
-ZIP, OUT = map(Path, sys.argv[sys.argv.index("--") + 1 :])
+ZIP, OUT = map(Path, sys.argv[sys.argv.index("--") + 1 :][:2])
 PROMPT = "misty night, cool blue fog, glossy red monkey, vignette"
 seen: dict[str, object] = {}
 
@@ -227,4 +227,5 @@ def main():
     bpy.app.timers.register(tick, first_interval=1.0)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -75,7 +75,7 @@ class VIBE_OT_run(bpy.types.Operator):
         failure = None
         while failure is None and desk.running:
             failure = _advance(session)
-        return self._done(failure)
+        return self._done(failure, "ERROR")
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Looks at the engine on every tick; everything else is Blender's, but for Esc."""
@@ -90,7 +90,7 @@ class VIBE_OT_run(bpy.types.Operator):
         if desk.running and failure is None:
             return {"PASS_THROUGH"}
         self._clean_up(context)
-        return self._done(failure)
+        return self._done(failure, "WARNING")  # the panel explains; no need for a pop-up
 
     def cancel(self, context: bpy.types.Context) -> None:
         """Esc, another file, or the window is closed: nothing has been written yet."""
@@ -100,12 +100,12 @@ class VIBE_OT_run(bpy.types.Operator):
         desk.forget()
         self._clean_up(context)
 
-    def _done(self, failure: schema.VibeError | None) -> set[str]:
+    def _done(self, failure: schema.VibeError | None, severity: str) -> set[str]:
         if failure is None:
             self.report({"INFO"}, "The vibe is in the scene")
             return {"FINISHED"}
         desk.end(failure)
-        self.report({"ERROR"}, str(failure))
+        self.report({severity}, str(failure))
         return {"CANCELLED"}
 
     def _clean_up(self, context: bpy.types.Context) -> None:

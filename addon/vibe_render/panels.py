@@ -88,6 +88,7 @@ def _draw_failure(layout: bpy.types.UILayout, context: bpy.types.Context, failur
     _paragraph(box, context, failure.message)
     if failure.remedy:
         _paragraph(box, context, failure.remedy)
+    box.operator("preferences.addon_show", text="Preferences", icon="PREFERENCES").module = __package__
 
 
 class VIBE_PT_result(_IdleTab):
@@ -214,7 +215,8 @@ def _paragraph(layout: bpy.types.UILayout, context: bpy.types.Context, text: str
     scale = context.preferences.system.ui_scale
     column = layout.column(align=True)
     column.scale_y = 0.8
-    for line in textwrap.wrap(text, max(16, int(context.region.width / (7.5 * scale)) - 4)):
+    width = max(16, int(context.region.width / (7.5 * scale)) - 4)
+    for line in textwrap.wrap(text, width, break_on_hyphens=False):
         column.label(text=line)
 
 
