@@ -23,6 +23,9 @@ _RENDER = {
 _GROUPS = (
     f"only these may change: {', '.join(GROUPS)} (default: all but the camera, which a bare mesh leaves free)"
 )
+_SUBJECT = (
+    "object or collection that the picture is about; can be given several times (default: found by itself)"
+)
 _LOCK = "leave this alone: a group, light/Key, or */roughness; can be given several times"
 _ENCODER = "an open_clip model such as ViT-B-32-256/datacomp_s34b_b86k, or a local checkpoint (default: the embedded one)"
 
@@ -40,6 +43,12 @@ class Help(argparse.HelpFormatter):
 
     def __init__(self, prog: str) -> None:
         super().__init__(prog, max_help_position=28, width=100)
+
+
+def add_scene(sub: argparse.ArgumentParser) -> None:
+    """The scene, and what in it is the subject."""
+    sub.add_argument("scene", metavar="SCENE", help="a .blend, or a mesh: .obj .glb .gltf .ply .stl")
+    sub.add_argument("--subject", action="append", default=[], metavar="NAME", help=_SUBJECT)
 
 
 def add_vibe_options(sub: argparse.ArgumentParser) -> None:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from . import __version__, check
-from .arguments import Help, Parser, add_render_options, add_vibe_options, vibe_arguments
+from .arguments import Help, Parser, add_render_options, add_scene, add_vibe_options, vibe_arguments
 from .schema import VibeError
 
 DEMO_PROMPT = "Glossy teal, warm soft light, misty blue surroundings, vignette"
@@ -48,7 +48,7 @@ def parser() -> argparse.ArgumentParser:
         return sub
 
     run = command("run", _run, "Give a scene the look that the words describe.")
-    run.add_argument("scene", metavar="SCENE", help="a .blend, or a mesh: .obj .glb .gltf .ply .stl")
+    add_scene(run)
     run.add_argument(
         "--prompt", required=True, metavar="TEXT", help='the look: "misty, cool blue fog, vignette"'
     )
@@ -67,7 +67,7 @@ def parser() -> argparse.ArgumentParser:
 
     apply = command("apply", _apply, "Give a scene the look that a preset holds, and render it.")
     apply.add_argument("preset", metavar="PRESET", help="a preset.json that `vibe run` has written")
-    apply.add_argument("scene", metavar="SCENE", help="a .blend, or a mesh")
+    add_scene(apply)
     apply.add_argument(
         "--out", required=True, type=Path, metavar="DIR", help="folder for pictures and .blend"
     )
@@ -99,7 +99,12 @@ def _run(a: argparse.Namespace) -> int:
     scene = check.scene(a.scene)
     if a.stage and scene.suffix.lower() == ".blend":
         raise VibeError("--stage is for bare meshes; a .blend brings its own.", "Leave --stage out.")
-    return _vibe(a, ["run", str(scene), *(["--stage", a.stage] if a.stage else [])])
+    stage = [f"--stage={a.stage}"] if a.stage else []
+    return _vibe(a, ["run", str(scene), *stage, *_subjects(a)])
+
+
+def _subjects(a: argparse.Namespace) -> list[str]:
+    return [f"--subject={name}" for name in a.subject]
 
 
 def _demo(a: argparse.Namespace) -> int:
@@ -125,9 +130,8 @@ def _apply(a: argparse.Namespace) -> int:
     check.numbers(a)
     preset, scene = check.file(a.preset, "preset"), check.scene(a.scene)
     out = check.folder(a.out)
-    return launch(
-        ["apply", str(preset), str(scene), f"--out={out}", f"--size={a.size}", f"--samples={a.samples}"], out
-    )
+    render = [f"--size={a.size}", f"--samples={a.samples}"]
+    return launch(["apply", str(preset), str(scene), f"--out={out}", *_subjects(a), *render], out)
 
 
 def _revert(a: argparse.Namespace) -> int:

@@ -63,7 +63,7 @@ def test_the_loss_falls_and_the_words_show(scene, teal):
     assert end < start
     wanted = srgb_to_lab(torch.tensor([0.0, 0.5, 0.5]))
     before, after = (subject_lab(scene, teal, u) for u in (teal.vector.encode({}), teal.u))
-    assert (after - wanted)[1:].norm() < 0.6 * (before - wanted)[1:].norm()
+    assert (after - wanted)[1:].norm() < 0.8 * (before - wanted)[1:].norm()
 
 
 def test_every_value_is_within_its_range_and_has_a_reason(teal):
@@ -140,7 +140,7 @@ def test_the_baseline_uses_everything_without_a_plan(scene, encoder):
 
 
 def test_a_prompt_in_which_nothing_is_known(scene, encoder):
-    with pytest.raises(VibeError, match="No word") as caught:
+    with pytest.raises(VibeError, match="xqzt") as caught:
         vibe(scene, encoder, prompt="xqzt wrrgl")
     assert caught.value.remedy
 

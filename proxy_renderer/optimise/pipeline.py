@@ -15,7 +15,7 @@ from ..guidance.losses import Guide, Weights
 from ..guidance.regions import Views
 from ..language import compose, parse
 from ..language import plan as confine
-from ..language.types import Parsed, Plan, Prompts, SceneWords
+from ..language.types import Parsed, Plan, Prompts
 from ..render.proxy import Proxy
 from ..scene import SceneData
 from ..schema import Values, VibeError
@@ -87,7 +87,8 @@ def run(
         started = time.monotonic()
         picture = draw(proxy, vector, u)
         values = vector.values(u)
-        parsed, prompts = understand(prompt, words, options)
+        parsed = parse(prompt, words)
+        prompts = compose(parsed)
         plan = confine(parsed, prompts, vector.instances, context.plan_context(proxy, values, picture))
         if options.baseline:
             plan = plan_everything(vector.instances)
@@ -124,17 +125,6 @@ def run(
     return Outcome(vector, u, plan, ranges, optimised, parsed, prompts, rounds, clock.stopped)
 
 
-def understand(prompt: str, words: SceneWords, options: Options) -> tuple[Parsed, Prompts]:
-    """Objects, attributes and region prompts; the baseline needs none of them and takes any text."""
-    parsed = parse(prompt, words)
-    if not parsed.attributes and not options.baseline:
-        raise VibeError(
-            f"No word of {prompt.strip()[:60]!r} says what the picture should look like.",
-            'Name colors, materials, light, fog or a mood: "glossy teal, warm soft light, misty".',
-        )
-    return parsed, compose(parsed)
-
-
 def guidance(
     encoder: Encoder,
     heads: Encoder | None,
@@ -162,9 +152,8 @@ def select(
 ) -> list[str]:
     """S_K: the K parameters that gradients go to; the baseline's are all that can move."""
     movable = {key: bool((upper > lower)[part].any()) for key, part in vector.slices.items()}
-    wanted = {key for key, entry in plan.items() if entry.priority is not None}
-    relevant = {key for key in wanted if movable[key]}
-    if wanted and not relevant:
+    relevant = {key for key, entry in plan.items() if entry.priority is not None and movable[key]}
+    if all(plan[key].prior > 0.0 for key in relevant):
         raise VibeError(
             "Nothing that the words name may change in this scene.",
             "Unlock something, allow more groups, or use other words.",
