@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from ..schema import Values
 from .attributes import ATTRIBUTES, COLORS
 from .color import basic, chroma, shade, to_lab
 from .types import Attribute, Lab, Parsed, Region, SceneObject
@@ -60,6 +61,11 @@ def display_color(color: tuple[float, ...], region: Region) -> Lab:
     return min(max(light, 8.0), ceiling), a, b
 
 
+def fog_color(srgb: Values) -> Values:
+    """The display color of fog that is called this: scattering makes it paler, and neither dark nor white."""
+    return shade(srgb, lightness=0.4, chroma=0.45, towards=70.0)
+
+
 def _readable(head: str) -> str:
     return head.replace("_", " ")
 
@@ -101,8 +107,7 @@ def _region_colors(parsed: Parsed) -> None:
         for attribute in named:
             region = _region_of(attribute)
             if region and attribute.color and region not in parsed.colors:
-                # Fog is paler than its name.
-                shown = shade(attribute.color, 0.4, 0.55, 66.0) if kind == "fog" else attribute.color
+                shown = fog_color(attribute.color) if kind == "fog" else attribute.color
                 parsed.colors[region] = display_color(shown, region)
                 parsed.targets[f"{region}_color"] = color_class(attribute)
             elif kind != "fog" and not attribute.cause and not attribute.owners:

@@ -5,8 +5,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from ..schema import FAMILIES, Instance
+from ..schema import FAMILIES, Instance, Values
 from .color import to_srgb
+from .illumination import expected
 from .owners import Owners
 from .ranges import Range, Sources, clip, effect_range
 from .support import supports
@@ -64,17 +65,18 @@ class _Planner:
         self.sources = Sources(context, exposure=sum(stops))
         self.notes = list(parsed.conflicts)
         self.settled: dict[str, tuple[Range, list[Demand]]] = {}
+        self.light: dict[str, float] = {}
 
     def entries(self) -> dict[str, PlanEntry]:
         """An entry for every instance, from the words alone."""
         wishes = [
             (attribute, effect) for attribute in self._attributes() for effect in self._effects(attribute)
         ]
-        # Colors first: how strong a world has to be, and what glows, depends on them.
-        for late in (False, True):
-            demands = [d for a, e in wishes if _late(e) == late for d in self._demands(a, e)]
-            self._settle(demands)
-            self._note_colors()
+        for stage in range(4):
+            if stage == 2:
+                self._measure_light()
+            self._settle([d for a, e in wishes if _stage(e) == stage for d in self._demands(a, e)])
+            self._note_world_color()
         return {key: self._entry(instance) for key, instance in self.instances.items()}
 
     def _attributes(self) -> list[Attribute]:
@@ -109,7 +111,8 @@ class _Planner:
             strength = _NOT
         demands = []
         for instance in self.owners.of(effect, attribute):
-            sources = replace(self.sources, own_color=self._own_color(instance.owner))
+            light = self.light.get(instance.role, 1.0)
+            sources = replace(self.sources, own_color=self._own_color(instance.owner), illumination=light)
             lower, upper = effect_range(effect, replace(attribute, strength=strength), instance, sources)
             priority = effect.priority + (2 if effect.weak else 0) + (_SECOND if attribute.cause else 0)
             priority += 2 * (effect.owner == "lights" and instance.owner not in self.owners.key)
@@ -137,26 +140,37 @@ class _Planner:
                     "they contradict each other, and the first one named counts."
                 )
 
-    def _note_colors(self) -> None:
-        for family in ("world/color", "world/tint"):
-            instance = self.instances.get(family)
-            if instance:
-                (lower, upper), _ = self.settled.get(family, ((instance.value, instance.value), []))
-                middle = tuple((a + b) / 2 for a, b in zip(lower, upper, strict=True))
-                if family == "world/tint":
-                    middle = tuple(v * self.sources.context.environment_luminance for v in middle)
-                self.sources = replace(self.sources, world_color=middle)
+    def _note_world_color(self) -> None:
+        color, tint = (self.instances.get(f"world/{name}") for name in ("color", "tint"))
+        if color:
+            self.sources = replace(self.sources, world_color=self._planned(color))
+        elif tint:
+            level = self.sources.context.environment_luminance
+            shown = tuple(v * level for v in self._planned(tint))
+            self.sources = replace(self.sources, world_color=shown, environment=True)
+
+    def _measure_light(self) -> None:
+        """How brightly each region is lit, now that lights and world are settled."""
+        dark = self.parsed.targets.get("brightness") == "dark"
+        for region in ("subject", "surroundings"):
+            names = self.owners.materials(region)
+            level = expected(region, names, self.instances, self.sources.context, self._planned)
+            self.light[region] = max(level, 1.0) if dark else level
+
+    def _planned(self, instance: Instance) -> Values:
+        """The artist's value, projected into what is settled so far."""
+        if instance.key not in self.settled:
+            return instance.value
+        (lower, upper), _ = self.settled[instance.key]
+        return tuple(min(max(v, a), b) for v, a, b in zip(instance.value, lower, upper, strict=True))
 
     def _own_color(self, owner: str) -> tuple[float, ...]:
         """The color that a material gets, or has."""
-        for family in ("base_color", "tint"):
-            key = f"material/{owner}/{family}"
-            if key in self.settled:
-                (lower, upper), _ = self.settled[key]
-                return to_srgb([(a + b) / 2 for a, b in zip(lower, upper, strict=True)])
-            if key in self.instances:
-                return to_srgb(self.instances[key].value)
-        return 1.0, 1.0, 1.0
+        named = [a for a in self.parsed.attributes if a.kind == "subject" and a.color and not a.negated]
+        if named and named[0].color:
+            return named[0].color
+        found = (self.instances.get(f"material/{owner}/{name}") for name in ("base_color", "tint"))
+        return next((to_srgb(self._planned(i)) for i in found if i), (1.0, 1.0, 1.0))
 
     def _glows(self, owner: str) -> bool:
         key = f"material/{owner}/emission"
@@ -183,8 +197,13 @@ class _Planner:
         return PlanEntry(lower, upper, min(d.priority for d in winners), reason, prior=0.0)
 
 
-def _late(effect: Effect) -> bool:
-    return (effect.owner == "world" and effect.name == "strength") or effect.color == "own"
+def _stage(effect: Effect) -> int:
+    """What has to wait for what: the world's strength for its color, surfaces for the light, glows for surfaces."""
+    if effect.color == "own":
+        return 3
+    if effect.mode == "color" and OWNERS[effect.owner] == "material":
+        return 2
+    return 1 if effect.owner == "world" and effect.name == "strength" else 0
 
 
 def _neutral(effect: Effect) -> float | None:

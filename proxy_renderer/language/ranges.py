@@ -7,18 +7,19 @@ import math
 from dataclasses import dataclass
 
 from ..schema import Instance, Values
-from .color import from_hex, from_lab, luminance, shade, to_lab, to_linear, to_srgb
-from .meaning import display_color
+from .color import from_hex, from_lab, luminance, to_lab, to_linear, to_srgb
+from .illumination import watts
+from .meaning import fog_color
 from .types import Attribute, PlanContext
-from .view import purer, radiance
+from .view import radiance, reachable, scene_color
 from .vocabulary import Effect, default_vocabulary
 
 Range = tuple[Values, Values]
 _MIDDLE = 45.0  # L* that neither brightens nor darkens; "slightly" moves towards it
-# Watts per d^2 that give a facing white surface a radiance of 1 (Cycles' calibration); W/m2 for the sun.
-_WATTS = {"POINT": 4 * math.pi**2, "SPOT": 4 * math.pi**2, "AREA": math.pi**2, "SUN": math.pi}
 _DIRECTIONS = ("azimuth", "elevation", "rotation")
-_BLACKEST = 0.006  # no real surface reflects less
+_BLACKEST, _WHITEST = 0.006, 0.85  # no real surface reflects less, or more
+_BRIGHTEST = 2.5  # radiance of a backdrop that has a color
+_DARK = 0.02  # radiance below which a backdrop is black
 _BOX = 0.06  # half the width of a color's box, in steps that look even
 
 
@@ -31,12 +32,16 @@ class Sources:
         exposure: Stops between the scene's radiance and the view transform, as the artist has them.
         world_color: Linear color of the world that the plan settles on, strength 1.
         own_color: sRGB of the color that the material gets or has, for glows.
+        illumination: Radiance, after exposure, of a white surface where the effect acts.
+        environment: Whether the world is a linked picture.
     """
 
     context: PlanContext
     exposure: float = 0.0
     world_color: Values = (1.0, 1.0, 1.0)
     own_color: Values = (1.0, 1.0, 1.0)
+    illumination: float = 1.0
+    environment: bool = False
 
 
 def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Range:
@@ -130,7 +135,7 @@ def _lightness(effect: Effect, strength: float, instance: Instance, sources: Sou
     if instance.parameter.group == "world":
         scale = 1 / max(luminance(sources.world_color), 1e-3)
     else:
-        scale = _watts(instance, context) * instance.reference
+        scale = watts(instance, context) * instance.reference
     scale /= 2**sources.exposure
     return (radiance(low, context.view) * scale,), (radiance(high, context.view) * scale,)
 
@@ -145,11 +150,6 @@ def facing_white(instance: Instance, low: float, high: float, sources: Sources) 
 def _fade(goal: float, light: float) -> float:
     """Very dark and very light colors have little chroma."""
     return min(1.0, goal / max(light, 10.0))
-
-
-def _watts(instance: Instance, context: PlanContext) -> float:
-    sun = instance.parameter.name == "strength"
-    return _WATTS["SUN" if sun else context.light_types.get(instance.owner, "AREA")]
 
 
 def _aim(effect: Effect, strength: float, instance: Instance, sources: Sources) -> Range:
@@ -185,28 +185,34 @@ def _azimuth(effect: Effect, instance: Instance, camera: float) -> Range:
 
 
 def _color_range(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Range:
-    srgb = _named(effect, attribute, sources)
-    if effect.mode == "backdrop" and instance.parameter.kind == "scalar":
-        return _backdrop_strength(srgb, instance, sources)
-    view = sources.context.view
-    linear = to_linear(srgb)
-    if effect.mode == "gel" or (effect.mode == "backdrop" and instance.parameter.name == "tint"):
-        linear = _gel(linear, 0.9)
+    srgb, view = _named(effect, attribute, sources), sources.context.view
+    if effect.mode == "shown" and instance.parameter.kind == "scalar":
+        return _shown_strength(srgb, instance, sources)
+    if effect.mode == "cast":
+        cast = _cast(to_linear(srgb), 0.06 if instance.parameter.name == "lift" else 0.16)
+        return tuple(v - 0.02 for v in cast), tuple(v + 0.02 for v in cast)
+    if effect.mode == "gel":
+        linear = _gel(to_linear(srgb), 0.9)
     elif effect.mode == "albedo":
-        linear = _fog_albedo(srgb)
-    elif effect.mode == "cast":
-        linear = _cast(linear, 0.06 if instance.parameter.name == "lift" else 0.16)
-        return tuple(v - 0.02 for v in linear), tuple(v + 0.02 for v in linear)
+        linear = _fog_albedo(srgb, view)
+    elif effect.mode == "shown":
+        linear = reachable(srgb, view, _BRIGHTEST)
+        linear = tuple(v / max(linear) for v in linear) if max(linear) > _DARK else linear
     else:
-        linear = purer(linear, view)
-        if effect.mode == "color":
-            linear = tuple(min(max(v, _BLACKEST), 0.9) for v in linear)
+        linear = _surface(srgb, view, sources.illumination)
     if instance.parameter.family == "material/tint":
         texture = max(sources.context.texture_luminance.get(instance.owner, 0.4), 0.02)
         linear = tuple(v / texture for v in linear)
     if attribute.strength < 0.8:
         linear = tuple(a + (b - a) * attribute.strength for a, b in zip(instance.value, linear, strict=True))
     return _box(linear)
+
+
+def _surface(srgb: Values, view: str, illumination: float) -> Values:
+    """The albedo that is displayed as a color under the light that is going to fall on it."""
+    light = min(max(illumination, 0.6), 4.0)
+    albedo = tuple(v / light for v in reachable(srgb, view, _WHITEST * light))
+    return tuple(min(max(v, _BLACKEST), _WHITEST) for v in albedo)
 
 
 def _named(effect: Effect, attribute: Attribute, sources: Sources) -> Values:
@@ -231,9 +237,9 @@ def _gel(linear: Values, purity: float) -> Values:
     return tuple(1 - purity * (1 - v / top) for v in linear) if top > 0.01 else (1.0, 1.0, 1.0)
 
 
-def _fog_albedo(srgb: Values) -> Values:
+def _fog_albedo(srgb: Values, view: str) -> Values:
     """Fog scatters many times: it is paler and much brighter than the color it is named for."""
-    pale = to_linear(shade(srgb, lightness=0.4, chroma=0.5, towards=80.0))
+    pale = scene_color(fog_color(srgb), view)
     darkness = min(luminance(to_linear(srgb)) * 12 + 0.25, 0.95)  # black fog is smoke
     return tuple(v * darkness / max(pale) for v in pale)
 
@@ -244,13 +250,13 @@ def _cast(linear: Values, amount: float) -> Values:
     return tuple(1 + amount * (v - mean) / max(mean, 0.2) for v in gel)
 
 
-def _backdrop_strength(srgb: Values, instance: Instance, sources: Sources) -> Range:
-    """Strength at which the world is displayed as light as its color; white as white, not grey."""
+def _shown_strength(srgb: Values, instance: Instance, sources: Sources) -> Range:
+    """Strength at which a world of the "shown" color looks as named; white as white, not grey."""
     context = sources.context
-    glow = luminance(sources.world_color)
-    goal = display_color(srgb, "surroundings")[0]
-    if goal < 20 or glow < 0.004:
-        return (0.0,), (1.0,)
-    low, high = (88.0, 93.0) if goal > 90 else (goal - 6, goal + 5)
-    strengths = [radiance(v, context.view) / 2**sources.exposure / glow for v in (low, high)]
-    return (min(strengths[0], 8.0),), (min(strengths[1], 10.0),)
+    if to_lab(srgb)[0] > 93:
+        ends = tuple(radiance(goal, context.view) for goal in (88.0, 93.0))
+    else:
+        bright = max(reachable(srgb, context.view, _BRIGHTEST))
+        ends = (0.8 * bright, 1.25 * bright) if bright > _DARK else (0.0, 1.0)
+    environment = context.environment_luminance if sources.environment else 1.0
+    return tuple((min(v / 2**sources.exposure / environment, 10.0),) for v in ends)  # type: ignore[return-value]

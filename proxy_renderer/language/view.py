@@ -5,9 +5,13 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Sequence
+from functools import cache
+from itertools import product
 from math import exp, log
+from pathlib import Path
 
 from ..schema import Values
+from .color import shade, to_linear
 
 # L* on an sRGB display of scene-linear greys, measured on Blender's own OCIO config; the rest as AgX.
 _GREYS = (0.005, 0.01, 0.02, 0.05, 0.1, 0.18, 0.3, 0.5, 0.8, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 10.0)
@@ -51,8 +55,6 @@ _LIGHTNESS = {
         99.8,
     ),
 }
-# Views with a shoulder bleach colors: their albedo has to be purer than what they should look like.
-_PURITY = {"AgX": 1.35, "Filmic": 1.15}
 
 
 def radiance(lightness: float, view: str) -> float:
@@ -77,8 +79,42 @@ def lightness(grey: float, view: str) -> float:
     return low
 
 
-def purer(linear: Sequence[float], view: str) -> Values:
-    """The albedo that is displayed about as `linear` by a view that bleaches colors."""
-    top = max(linear)
-    factor = _PURITY.get(view, 1.0)
-    return tuple(max(top - (top - v) * factor, 0.0) for v in linear)
+@cache
+def _tables() -> dict[str, list[Values]]:
+    tables: dict[str, list[Values]] = {}
+    rows: list[Values] = []
+    for line in Path(__file__).with_name("view_colors.txt").read_text("utf-8").splitlines():
+        if line.startswith("["):
+            rows = tables.setdefault(line.strip("[]"), [])
+        elif not line.startswith("#"):
+            r, g, b = map(float, line.split())
+            rows.append((r, g, b))
+    return tables
+
+
+def scene_color(srgb: Sequence[float], view: str) -> Values:
+    """The scene-linear color that a view shows as `srgb`, or as near as it can; above 1 for light colors."""
+    table = _tables().get(view)
+    if table is None:
+        return to_linear(srgb)
+    steps = round(len(table) ** (1 / 3))
+    places = [min(max(v, 0.0), 1.0) * (steps - 1) for v in srgb]
+    corners = [min(int(p), steps - 2) for p in places]
+    sums = [0.0, 0.0, 0.0]
+    for offsets in product((0, 1), repeat=3):
+        weight, index = 1.0, 0
+        for place, corner, offset in zip(places, corners, offsets, strict=True):
+            weight *= (place - corner) if offset else 1 - (place - corner)
+            index = index * steps + corner + offset
+        sums = [s + weight * log(v) for s, v in zip(sums, table[index], strict=True)]
+    return tuple(exp(s) for s in sums)
+
+
+def reachable(srgb: Values, view: str, limit: float) -> Values:
+    """`scene_color`, of a darker shade of the same hue where a component would exceed `limit`."""
+    color = scene_color(srgb, view)
+    lightness = 1.0
+    while max(color) > limit and lightness > 0.2:
+        lightness -= 0.04
+        color = scene_color(shade(srgb, lightness=lightness, towards=0.0), view)
+    return color

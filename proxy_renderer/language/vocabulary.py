@@ -29,7 +29,7 @@ OWNERS = {
 }
 """Who an effect may name -> schema group."""
 RANGE_MODES = ("", "times", "plus", "camera", "sides", "lightness", "aim")
-COLOR_MODES = ("color", "gel", "albedo", "backdrop", "cast")
+COLOR_MODES = ("color", "gel", "albedo", "shown", "cast")
 _EFFECT = re.compile(
     r"(?P<owner>\w+)/(?P<name>\w+)(?: (?P<mode>[a-z]+))? (?P<args>\S+)(?P<weak> \?)?(?: !(?P<priority>\d+))?"
 )

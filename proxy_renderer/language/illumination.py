@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How brightly the subject is going to be lit: an albedo has to be chosen for the light that falls on it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from ..schema import Instance, Values
+from .color import luminance
+from .types import PlanContext, Region
+from .view import radiance
+
+# Watts per d^2 that give a facing white surface a radiance of 1 (Cycles' calibration); W/m2 for the sun.
+_WATTS = {"POINT": 4 * math.pi**2, "SPOT": 4 * math.pi**2, "AREA": math.pi**2, "SUN": math.pi}
+_FACING = 0.45  # mean cosine over the lit side, times the share of what is seen that is lit
+_OPEN = 0.8  # what occlusion leaves of the world's light
+
+Value = Callable[[Instance], Values]
+
+
+def watts(instance: Instance, context: PlanContext) -> float:
+    """What `power` (per d^2) or `strength` makes a facing white surface's radiance 1."""
+    sun = instance.parameter.name == "strength"
+    return _WATTS["SUN" if sun else context.light_types.get(instance.owner, "AREA")]
+
+
+def white_radiance(instances: dict[str, Instance], context: PlanContext, value: Value) -> float:
+    """Radiance, after exposure, that a white subject has on average, from the lights and the world alone."""
+    total = 0.0
+    for instance in instances.values():
+        parameter = instance.parameter
+        if parameter.group == "light" and parameter.name in ("power", "strength"):
+            color = instances.get(f"light/{instance.owner}/color")
+            gel = luminance(value(color)) if color else 1.0
+            total += _FACING * gel * value(instance)[0] / (watts(instance, context) * instance.reference)
+    strength, color = instances.get("world/strength"), instances.get("world/color")
+    tint = instances.get("world/tint")
+    if strength:
+        world = value(color) if color else value(tint) if tint else (1.0, 1.0, 1.0)
+        total += (
+            _OPEN * luminance(world) * value(strength)[0] * (1.0 if color else context.environment_luminance)
+        )
+    stops = sum(value(i)[0] for i in instances.values() if i.parameter.name in ("exposure", "grade_exposure"))
+    return total * 2**stops
+
+
+def expected(
+    region: Region, materials: list[str], instances: dict[str, Instance], context: PlanContext, planned: Value
+) -> float:
+    """Radiance that a white surface of a region is going to have on the display side of exposure.
+
+    From the lights; where there is a picture, its measured lightness over its albedo calibrates that.
+    """
+    future = white_radiance(instances, context, planned)
+    shown = context.picture.lab.get(region) if context.picture else None
+    albedos = [a for name in materials if (a := _albedo(name, instances, context)) is not None]
+    if shown is None or not albedos or sum(albedos) / len(albedos) < 0.05:
+        return future
+
+    def current(instance: Instance) -> Values:
+        return context.values.get(instance.key, instance.value)
+
+    measured = radiance(shown[0], context.view) / (sum(albedos) / len(albedos))
+    return measured * future / max(white_radiance(instances, context, current), 1e-4)
+
+
+def _albedo(material: str, instances: dict[str, Instance], context: PlanContext) -> float | None:
+    """Luminance of a diffuse material's current color; None for metals and glass, which have none."""
+
+    def now(name: str, missing: float) -> Values:
+        instance = instances.get(f"material/{material}/{name}")
+        return context.values.get(instance.key, instance.value) if instance else (missing,)
+
+    if now("metallic", 0.0)[0] > 0.4 or now("transmission", 0.0)[0] > 0.4 or now("emission", 0.0)[0] > 0.05:
+        return None
+    if f"material/{material}/base_color" in instances:
+        return luminance(now("base_color", 0.5))
+    tint = now("tint", 1.0)
+    return luminance(tint) * context.texture_luminance.get(material, 0.4) if len(tint) == 3 else None
