@@ -91,7 +91,7 @@ class Volume:
 
     def __init__(self, clear: Clear | None = None) -> None:
         self._clear = clear
-        self._kept: dict[Hashable, tuple[Tensor, Tensor]] = {}
+        self._kept: dict[str, tuple[Hashable, Tensor]] = {}
 
     def scatter(self, fog: Fog, view: View, near: float, lamps: Sequence[Lamp], world: Tensor) -> Haze:
         """The haze in front of a camera.
@@ -103,101 +103,107 @@ class Volume:
             lamps: The lights.
             world: (3, 14) blurred radiance of the world from `DIRECTIONS`, or (3, 1) for an even one.
         """
-        start, toward = _coarse_rays(view, COARSE)
-        reach = fog.reach(start.detach().mean((1, 2)))
-        growth = (1 + reach / near) ** (1 / SEGMENTS)
-        cuts = near * (growth ** torch.arange(SEGMENTS + 1, device=start.device) - 1).view(-1, 1, 1)
-        depth = fog.density * fog.thickness(
-            start[:, None], toward[:, None], cuts
-        )  # (SEGMENTS + 1, rows, columns)
-        passing = torch.exp(-depth)
-        light = self._world_light(fog, view, cuts, world, toward.shape[1:])
+        growth = (1 + fog.reach(view.position.detach()) / near) ** (1 / SEGMENTS)
+        cuts = near * (growth ** torch.arange(SEGMENTS + 1, device=view.position.device) - 1).view(-1, 1, 1)
+        rays = _Rays.of(view, COARSE, cuts)
+        depth = fog.density * fog.thickness(rays.start[:, None], rays.toward[:, None], cuts)
+        passing = torch.exp(-depth)  # (SEGMENTS + 1, rows, columns)
+        light = self._world_light(fog, _Rays.of(view, COARSE * _WORLD_COARSE, cuts), world)
+        light = functional.interpolate(light, size=passing.shape[1:], mode="bilinear")
         for lamp in lamps:
-            light = light + self._lamp_light(fog, start, toward, cuts, lamp)
+            light = light + self._lamp_light(fog, rays, lamp)
         scattered = (light * fog.albedo.view(3, 1, 1, 1) * (passing[:-1] - passing[1:])).cumsum(1)
         sums = torch.cat((functional.pad(scattered, (0, 0, 0, 0, 1, 0)), depth[None]))[None]
         return Haze(sums, view.size, near, growth)
 
-    def _lamp_light(self, fog: Fog, start: Tensor, toward: Tensor, cuts: Tensor, lamp: Lamp) -> Tensor:
+    def _lamp_light(self, fog: Fog, rays: _Rays, lamp: Lamp) -> Tensor:
         """Light (3, SEGMENTS, rows, columns) of a lamp that the segments would send to the camera with albedo 1."""
         if lamp.light.type == "SUN":
-            points = start[:, None] + toward[:, None] * ((cuts[1:] + cuts[:-1]) / 2)
+            points = rays.middles
             to_lamp = lamp.axes[:, 2].view(3, 1, 1, 1).expand_as(points)
             distance = torch.full_like(points[0], math.inf)
             strength = torch.ones_like(distance)
         else:
-            points, mean_inverse_square = _toward_lamp(start, toward, cuts, lamp)
+            points, mean_inverse_square = _toward_lamp(rays, lamp)
             offset = lamp.position.view(3, 1, 1, 1) - points
             distance = (offset * offset).sum(0).clamp_min(1e-8).sqrt()
             to_lamp = offset / distance
             strength = _intensity(lamp, to_lamp) * mean_inverse_square
         if lamp.light.shadow:
-            strength = strength * self._shadow(lamp.light.name, points, to_lamp, distance)
+            signature = rays.signature, lamp.signature()
+            strength = strength * self._shadow(lamp.light.name, signature, points, to_lamp, distance)
         strength = strength * fog.transmittance(points, to_lamp, distance)
-        strength = strength * _phase((to_lamp * toward[:, None]).sum(0), fog.anisotropy)
-        return strength.unflatten(0, (len(cuts) - 1, -1)).mean(1) * lamp.color.view(3, 1, 1, 1)
+        strength = strength * _phase((to_lamp * rays.toward[:, None]).sum(0), fog.anisotropy)
+        return strength.unflatten(0, (SEGMENTS, -1)).mean(1) * lamp.color.view(3, 1, 1, 1)
 
-    def _world_light(
-        self, fog: Fog, view: View, cuts: Tensor, world: Tensor, size: tuple[int, ...]
-    ) -> Tensor:
-        """The same for the world, on an even coarser grid: it has no edges."""
-        start, toward = _coarse_rays(view, COARSE * _WORLD_COARSE)
-        points = start[:, None] + toward[:, None] * ((cuts[1:] + cuts[:-1]) / 2)
+    def _world_light(self, fog: Fog, rays: _Rays, world: Tensor) -> Tensor:
+        """The same for the world."""
+        points = rays.middles[:, None]
         directions = DIRECTIONS.to(points).view(3, -1, 1, 1, 1)  # (3, 14, SEGMENTS, rows, columns)
-        points = points[:, None]
         everywhere = directions.expand(-1, -1, *points.shape[2:])
         far = torch.full_like(everywhere[0], math.inf)
         reaching = fog.transmittance(points, directions, far)
-        reaching = reaching * self._shadow("world", points.expand_as(everywhere), everywhere, far)
-        phase = _phase((directions[:, :, 0] * toward[:, None]).sum(0), fog.anisotropy)
+        reaching = reaching * self._shadow("", rays.signature, points.expand_as(everywhere), everywhere, far)
+        phase = _phase((directions[:, :, 0] * rays.toward[:, None]).sum(0), fog.anisotropy)
         phase = phase * _WEIGHTS.to(points).view(-1, 1, 1)
         phase = phase / phase.sum(0)  # a few directions miss a narrow lobe: keep its energy
-        light = torch.einsum("cd,dsxy->csxy", world.expand(3, len(_WEIGHTS)), reaching * phase[:, None])
-        return functional.interpolate(light, size=size, mode="bilinear")
+        return torch.einsum("cd,dsxy->csxy", world.expand(3, len(_WEIGHTS)), reaching * phase[:, None])
 
-    def _shadow(self, name: Hashable, points: Tensor, toward: Tensor, distance: Tensor) -> Tensor:
-        """1 where the way is clear, 0 where it is not, shaped like `distance`; kept while nothing moves noticeably."""
+    def _shadow(
+        self, name: str, signature: Hashable, points: Tensor, toward: Tensor, distance: Tensor
+    ) -> Tensor:
+        """1 where the way is clear, 0 where it is not, shaped like `distance`; traced when the signature changes."""
         if self._clear is None:
             return torch.ones_like(distance)
-        rays = torch.cat((points, toward)).detach()
         kept = self._kept.get(name)
-        if (
-            kept is None
-            or kept[0].shape != rays.shape
-            or not torch.allclose(kept[0], rays, rtol=1e-3, atol=1e-4)
-        ):
-            clear = self._clear(rays[:3].flatten(1), rays[3:].flatten(1), distance.detach().flatten())
-            kept = self._kept[name] = (rays, clear.view(distance.shape))
+        if kept is None or kept[0] != signature:
+            ways = points.detach().flatten(1), toward.detach().flatten(1), distance.detach().flatten()
+            kept = self._kept[name] = (signature, self._clear(*ways).view(distance.shape))
         return kept[1]
 
 
-def _coarse_rays(view: View, coarse: int) -> tuple[Tensor, Tensor]:
-    """Origins and directions (3, rows, columns) of rays through blocks of pixels."""
-    columns, rows = (max(1, round(n / coarse)) for n in view.size)
-    y, x = torch.meshgrid(torch.arange(rows) + 0.5, torch.arange(columns) + 0.5, indexing="ij")
-    pixel = torch.stack((x * (view.size[0] / columns), y * (view.size[1] / rows))).flatten(1)
-    start, toward = view.rays(pixel.to(view.position))
-    return start.view(3, rows, columns), toward.view(3, rows, columns)
+@dataclass(frozen=True)
+class _Rays:
+    """Coarse rays, cut into segments: start and toward (3, rows, columns), cuts (SEGMENTS + 1, 1, 1) in meters."""
+
+    start: Tensor
+    toward: Tensor
+    cuts: Tensor
+    signature: Hashable
+
+    @staticmethod
+    def of(view: View, coarse: int, cuts: Tensor) -> _Rays:
+        """Rays through the centers of blocks of pixels."""
+        columns, rows = (max(1, round(n / coarse)) for n in view.size)
+        y, x = torch.meshgrid(torch.arange(rows) + 0.5, torch.arange(columns) + 0.5, indexing="ij")
+        pixel = torch.stack((x * (view.size[0] / columns), y * (view.size[1] / rows))).flatten(1)
+        start, toward = (part.view(3, rows, columns) for part in view.rays(pixel.to(view.position)))
+        return _Rays(start, toward, cuts, (view.signature(), float(cuts[-1])))
+
+    @property
+    def middles(self) -> Tensor:
+        """Points (3, SEGMENTS, rows, columns) halfway between the cuts."""
+        return self.start[:, None] + self.toward[:, None] * ((self.cuts[1:] + self.cuts[:-1]) / 2)
 
 
-def _toward_lamp(start: Tensor, toward: Tensor, cuts: Tensor, lamp: Lamp) -> tuple[Tensor, Tensor]:
+def _toward_lamp(rays: _Rays, lamp: Lamp) -> tuple[Tensor, Tensor]:
     """Where segments get the middle of their light (3, S · parts, rows, columns), and their mean of 1 / distance².
 
     Both are analytic along a straight ray (equiangular sampling: Kulla and Fajardo 2012); parts of a segment
     subtend the same angle at the lamp, and so count the same.
     """
     parts = _SPOT_PARTS if lamp.light.type == "SPOT" else 1
-    to_lamp = lamp.position.view(3, 1, 1) - start
-    closest = (to_lamp * toward).sum(0)
+    to_lamp = lamp.position.view(3, 1, 1) - rays.start
+    closest = (to_lamp * rays.toward).sum(0)
     aside = (to_lamp * to_lamp).sum(0) - closest * closest
     soft = lamp.size * (0.25 if lamp.light.type == "AREA" else 0.5)  # about what averaging over the lamp does
     aside = (aside.clamp_min(0) + soft * soft + 1e-6).sqrt()
-    angle = torch.atan((cuts - closest) / aside)[:, None]
+    angle = torch.atan((rays.cuts - closest) / aside)[:, None]
     step = angle[1:] - angle[:-1]
-    part = (torch.arange(parts, device=cuts.device) + 0.5).view(-1, 1, 1) / parts
+    part = (torch.arange(parts, device=aside.device) + 0.5).view(-1, 1, 1) / parts
     middle = closest + aside * torch.tan(angle[:-1] + step * part)
-    mean = (step / (aside * (cuts[1:] - cuts[:-1])[:, None])).expand_as(middle)
-    return start[:, None] + toward[:, None] * middle.flatten(0, 1), mean.flatten(0, 1)
+    mean = (step / (aside * (rays.cuts[1:] - rays.cuts[:-1])[:, None])).expand_as(middle)
+    return rays.start[:, None] + rays.toward[:, None] * middle.flatten(0, 1), mean.flatten(0, 1)
 
 
 def _intensity(lamp: Lamp, to_lamp: Tensor) -> Tensor:
