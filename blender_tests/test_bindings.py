@@ -5,7 +5,7 @@ import math
 
 import bpy
 import pytest
-import scenes
+import small_scenes as scenes
 from vibe_render import bindings, compat, prepare
 
 from proxy_renderer import schema

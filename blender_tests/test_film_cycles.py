@@ -6,7 +6,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-import scenes
+import small_scenes as scenes
 import torch
 from vibe_render import bindings, compat
 

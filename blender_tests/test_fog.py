@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-import scenes
+import small_scenes as scenes
 from mathutils import Vector
 from vibe_render import bindings, fog, owned, roster, snapshot
 

@@ -6,7 +6,7 @@ import colorsys
 import bpy
 import numpy as np
 import pytest
-import scenes
+import small_scenes as scenes
 from vibe_render import bindings, compat, grade, owned, snapshot
 
 WIDTH, HEIGHT = 48, 32

@@ -3,7 +3,7 @@
 
 import bpy
 import pytest
-import scenes
+import small_scenes as scenes
 from mathutils import Matrix
 from vibe_render import bindings, snapshot
 

@@ -9,7 +9,7 @@ import bpy
 import pytest
 import vibe_render
 from dump import difference, dump
-from scenes import studio
+from small_scenes import studio
 from vibe_render import bindings, changes, compat, result, session, snapshot
 from vibe_render.engine import Engine
 

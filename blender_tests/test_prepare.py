@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-import scenes
+import small_scenes as scenes
 from bpy_extras.object_utils import world_to_camera_view
 from mathutils import Vector
 from vibe_render import bindings, compat, owned, prepare, snapshot

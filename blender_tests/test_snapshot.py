@@ -3,7 +3,7 @@
 
 import bpy
 import pytest
-import scenes
+import small_scenes as scenes
 from dump import difference, dump
 from vibe_render import bindings, compat, fog, owned, prepare, roster, snapshot
 
