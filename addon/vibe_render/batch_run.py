@@ -129,9 +129,9 @@ def _open_blend(path: Path) -> None:
     try:
         bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False, use_scripts=False)
     except RuntimeError as error:
-        reason = str(error).strip().splitlines()[-1].removeprefix("Error: ")
+        reason = str(error).strip().splitlines()[-1].removeprefix("Error: ").rstrip(".")
         raise schema.VibeError(
-            f"{path.name} cannot be opened: {reason}", "Check that it is a .blend."
+            f"{path.name} cannot be opened: {reason}.", "Check that it is a .blend."
         ) from error
 
 

@@ -76,8 +76,8 @@ def _import(path: Path) -> list[bpy.types.Object]:
     try:
         importers[path.suffix.lower()](filepath=str(path))
     except RuntimeError as error:
-        reason = str(error).strip().splitlines()[-1]
-        raise schema.VibeError(f"{path.name} cannot be read: {reason}", "Export it again.") from error
+        reason = str(error).strip().splitlines()[-1].removeprefix("Error: ").rstrip(".")
+        raise schema.VibeError(f"{path.name} cannot be read: {reason}.", "Export it again.") from error
     for extra in [o for o in bpy.data.objects if o.type in ("LIGHT", "CAMERA")]:
         bpy.data.objects.remove(extra)
     meshes = [o for o in bpy.context.scene.objects if o.type == "MESH" and o.data.polygons]
