@@ -48,8 +48,10 @@ def test_keyframes_in_the_nla(scene):
 def test_drivers(scene):
     subject = scenes.studio(scene)
     scene.world.node_tree.nodes["Background"].inputs["Strength"].driver_add("default_value")
-    scene.view_settings.driver_add("exposure") if hasattr(scene.view_settings, "driver_add") else None
+    scene.view_settings.driver_add("exposure")
     assert_left_alone(scene, subject, "world/strength", (3.0,), "driven")
+    assert_left_alone(scene, subject, "film/exposure", (3.0,), "driven")
+    assert locked(scene, subject, "film/gamma") == ""
 
 
 def test_parents_and_constraints(scene):
@@ -87,6 +89,17 @@ def test_library_data(scene, tmp_path):
     subject[0].data.materials[0] = here.materials[0]
     key = f"material/{here.materials[0].name_full}/roughness"
     assert_left_alone(scene, subject, key, (0.9,), "library.blend")
+
+
+def test_library_overrides(scene, tmp_path):
+    subject = scenes.studio(scene)
+    bpy.data.libraries.write(str(tmp_path / "library.blend"), {bpy.data.objects["Point"]}, fake_user=True)
+    with bpy.data.libraries.load(str(tmp_path / "library.blend"), link=True) as (there, here):
+        here.objects = there.objects
+    lamp = here.objects[0].override_create()
+    scene.collection.objects.link(lamp)
+    assert_left_alone(scene, subject, f"light/{lamp.name_full}/power", (9.0,), "library.blend")
+    assert locked(scene, subject, f"light/{lamp.name_full}/azimuth") == ""
 
 
 def test_computed_values(scene):
@@ -141,6 +154,17 @@ def test_a_shader_inside_a_group(scene):
     other.node_tree = outer.node_tree
     assert "shared" in locked(scene, subject, "material/Body/metallic")
     assert locked(scene, subject, "material/Body/roughness") == ""
+
+
+def test_a_tint_inside_a_shared_group_is_locked(scene):
+    subject = scenes.studio(scene)
+    outer, inner = grouped(bpy.data.materials["Body"])
+    tree = outer.node_tree
+    noise = tree.nodes.new("ShaderNodeTexNoise")
+    tree.links.new(noise.outputs["Color"], inner.inputs["Base Color"])
+    assert locked(scene, subject, "material/Body/tint") == ""
+    bpy.data.materials["Ground"].node_tree.nodes.new("ShaderNodeGroup").node_tree = tree
+    assert "shared" in locked(scene, subject, "material/Body/tint")
 
 
 def test_other_shaders_have_what_they_share_with_the_principled_one(scene):

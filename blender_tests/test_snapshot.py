@@ -158,6 +158,20 @@ def test_a_shared_world_is_changed_for_one_scene_only(scene):
     assert changes(before) == {}
 
 
+@pytest.mark.skipif(not compat.COMPOSITOR_IS_GROUP, reason="compositing belongs to one scene in Blender 4")
+def test_shared_compositing_is_changed_for_one_scene_only(scene):
+    subject = scenes.studio(scene)
+    tree = scenes.compositor(scene)
+    other = bpy.data.scenes.new("Other")
+    other.compositing_node_group = tree
+    before = dump()
+    vibe(scene, subject)
+    assert not owned.group_nodes(other.compositing_node_group, "Vibe Grade")
+    assert owned.group_nodes(scene.compositing_node_group, "Vibe Grade")
+    snapshot.revert(scene)
+    assert changes(before) == {}
+
+
 def test_a_snapshot_of_a_newer_version_is_refused(scene):
     vibe(scene, scenes.studio(scene))
     scene[snapshot.KEY]["version"] = snapshot.VERSION + 1
