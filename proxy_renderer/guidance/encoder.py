@@ -6,6 +6,9 @@ exact attributes (colors, finish, light, fog, grade) off the same picture featur
 """
 
 import json
+import logging
+import urllib.error
+import urllib.request
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +20,9 @@ from torch import Tensor, nn
 from ..schema.errors import VibeError
 
 EMBEDDED = Path(__file__).with_name("embedded")
-_REMEDY = "Use the embedded encoder (leave --encoder out), or an open_clip tag such as ViT-B-32-256/datacomp_s34b_b86k."
+_REMEDY = "Use the embedded encoder (leave --encoder out), or a tag such as ViT-B-32-256/datacomp_s34b_b86k."
+_PATIENCE = 8.0
+"""Seconds to wait for the hub's answer."""
 
 
 class AttributeHeads(nn.Module):
@@ -119,12 +124,14 @@ def load_encoder(spec: str | None = None, device: str | torch.device = "cpu") ->
     place = EMBEDDED if name == "embedded" else Path(name).expanduser()
     if place.is_file():
         place = place.parent
+    logging.disable(logging.CRITICAL)  # the libraries log every retry; the user gets one line
     try:
         if name == "embedded" or place.is_dir():
             source, pretrained = f"local-dir:{place}", None
             _check_folder(place)
         elif name.startswith("hf-hub:"):
             source, pretrained = name, None
+            _check_reachable(name, name.removeprefix("hf-hub:"))
         else:
             source, pretrained = _hub_tag(name)
         model = open_clip.create_model(source, pretrained=pretrained, require_pretrained=True)
@@ -135,7 +142,9 @@ def load_encoder(spec: str | None = None, device: str | torch.device = "cpu") ->
         Exception
     ) as error:  # whatever a download or a foreign file can raise becomes one line for the user
         reason = str(error).splitlines()[0][:200] if str(error) else type(error).__name__
-        raise VibeError(f"The encoder {name!r} cannot be loaded: {reason}.", _REMEDY) from error
+        raise VibeError(f"The encoder {name!r} cannot be loaded: {reason.rstrip('.')}.", _REMEDY) from error
+    finally:
+        logging.disable(logging.NOTSET)
     return Encoder(name, model, tokenizer, _load_heads(place), torch.device(device))
 
 
@@ -151,7 +160,29 @@ def _hub_tag(name: str) -> tuple[str, str]:
     model, _, pretrained = name.partition("/")
     if pretrained not in open_clip.list_pretrained_tags_by_model(model):
         raise VibeError(f"open_clip knows no encoder {name!r}.", _REMEDY)
+    _check_reachable(name, open_clip.get_pretrained_cfg(model, pretrained).get("hf_hub", "").rstrip("/"))
     return model, pretrained
+
+
+def _check_reachable(name: str, repository: str) -> None:
+    """Fails at once, instead of after a minute of retries, where a model is neither here nor within reach."""
+    from huggingface_hub import constants
+
+    if (
+        not repository
+        or Path(constants.HF_HUB_CACHE, f"models--{repository.replace('/', '--')}", "snapshots").exists()
+    ):
+        return
+    try:
+        urllib.request.urlopen(constants.ENDPOINT, timeout=_PATIENCE).close()
+    except urllib.error.HTTPError:
+        return  # it answers
+    except OSError as error:
+        reason = f"{constants.ENDPOINT} does not answer ({getattr(error, 'reason', error)})"
+        raise VibeError(
+            f"The encoder {name!r} cannot be downloaded: {reason}.",
+            "Connect to the internet once, or pass a local open_clip folder, or leave --encoder out to use the embedded one.",
+        ) from error
 
 
 def _load_heads(folder: Path) -> AttributeHeads | None:

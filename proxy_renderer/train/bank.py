@@ -9,6 +9,7 @@ mirror ray meets the subject itself.
 import os
 import shutil
 from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
@@ -61,9 +62,10 @@ def build(folder: Path, views: int, shapes: int, first_seed: int, size: int, wor
     for name, (dims, kind) in fields(size).items():
         np.lib.format.open_memmap(part / f"{name}.npy", "w+", kind, (views, *dims)).flush()
     jobs = [(part, i, first_seed + i % shapes, size) for i in range(views)]
-    with ProcessPoolExecutor(workers) as pool:
-        for done, _ in enumerate(pool.map(_fill, jobs, chunksize=8), 1):
-            if done % 80 == 0:
+    # A fresh process each: a fork of one in which torch has started its threads can hang.
+    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
+        for done, _ in enumerate(pool.map(_fill, jobs, chunksize=8) if workers > 1 else map(_fill, jobs), 1):
+            if done % 100 == 0:
                 print(f"{done} of {views} views", flush=True)
     shutil.rmtree(folder, ignore_errors=True)
     os.replace(part, folder)

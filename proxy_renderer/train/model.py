@@ -80,6 +80,7 @@ def export(student: Student, weights: dict[str, Tensor], folder: Path) -> None:
     for prefix, name in (("clip.", "open_clip_model.safetensors"), ("heads.", "heads.safetensors")):
         part = {key.removeprefix(prefix): w.clone() for key, w in half.items() if key.startswith(prefix)}
         save_file(part, folder / f".{name}", metadata={"format": "pt"})
+        (folder / f".{name}").chmod(0o644)
         os.replace(folder / f".{name}", folder / name)
     for name, content in (
         ("open_clip_config.json", {"model_cfg": student.config, "preprocess_cfg": PREPROCESS}),

@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The training recipe: pictures show what captions say, and a sitting resumes exactly where it stopped."""
+
+import random
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from proxy_renderer.guidance.encoder import load_encoder
+from proxy_renderer.language.attributes import ATTRIBUTES
+from proxy_renderer.train import bank as banks
+from proxy_renderer.train import captions, looks, shader
+from proxy_renderer.train.data import EMPTY, WHOLE, contradicts, gather, make_batch
+from proxy_renderer.train.shapes import FAMILIES, shape
+from proxy_renderer.train.train import Recipe, Trainer
+
+SIZE = 64
+TINY = {
+    "embed_dim": 32,
+    "vision_cfg": {"image_size": SIZE, "layers": [1, 1, 1, 1], "width": 8, "head_width": 32},
+    "text_cfg": {"context_length": 24, "vocab_size": 49408, "width": 16, "heads": 2, "layers": 1},
+}
+
+
+@pytest.fixture(scope="module")
+def bank(tmp_path_factory: pytest.TempPathFactory) -> dict[str, np.ndarray]:
+    folder = tmp_path_factory.mktemp("train") / "bank"
+    banks.build(folder, views=24, shapes=12, first_seed=0, size=SIZE, workers=1)
+    return banks.load(folder)
+
+
+def classes(**wanted: str) -> torch.Tensor:
+    """The classes (1, A) of a plain look with some attributes set by name."""
+    plain = {"subject_color": "red", "surroundings_color": "white", "subject_finish": "matte", "subject_metal": "dielectric",
+             "light_side": "front", "light_softness": "soft", "light_temperature": "neutral", "fog": "none",
+             "brightness": "medium", "contrast": "medium", "saturation": "natural", "vignette": "none"}  # fmt: skip
+    return torch.tensor([[ATTRIBUTES[name].index((plain | wanted)[name]) for name in ATTRIBUTES]])
+
+
+def render(bank: dict[str, np.ndarray], row: int, wanted: torch.Tensor) -> torch.Tensor:
+    """The picture (3, H, W) of one view under one look with middling noise."""
+    view = {name: torch.from_numpy(np.stack([values[row]])) for name, values in bank.items()}
+    look = looks.parameters(wanted[None], torch.full((1, 1, looks.NOISE), 0.45))
+    return shader.shade(gather(view, wanted[None]), look, agx=False)[0, 0]
+
+
+@pytest.mark.parametrize("family", range(len(FAMILIES)))
+def test_every_family_gives_different_sound_shapes(family: int) -> None:
+    first, again, other = shape(family), shape(family), shape(family + len(FAMILIES))
+    assert np.array_equal(first.triangles, again.triangles)
+    assert first.triangles.shape != other.triangles.shape or not np.allclose(first.triangles, other.triangles)
+    assert np.isfinite(first.normals).all()
+    assert np.linalg.norm(first.triangles.reshape(-1, 3), axis=1).max() < 2.3
+    assert first.triangles[..., 2].min() == pytest.approx(0, abs=1e-6)
+
+
+def test_attributes_change_what_they_name(bank: dict[str, np.ndarray]) -> None:
+    row = int(np.argmax((bank["kind"] == banks.SUBJECT).mean((1, 2))))
+    mask = torch.from_numpy(np.array(bank["kind"][row] == banks.SUBJECT))
+    plain = render(bank, row, classes())
+    assert plain[0][mask].mean() > 1.5 * plain[2][mask].mean()
+    assert plain[:, ~mask].mean() > 0.6
+    blue = render(bank, row, classes(subject_color="blue"))
+    assert blue[2][mask].mean() > blue[0][mask].mean()
+    assert torch.allclose(blue[:, ~mask], plain[:, ~mask], atol=1e-6)
+    assert render(bank, row, classes(brightness="dark")).mean() < 0.7 * plain.mean()
+    assert render(bank, row, classes(vignette="vignette"))[:, 0, 0].mean() < 0.8 * plain[:, 0, 0].mean()
+    warm, cool = (render(bank, row, classes(light_temperature=t)) for t in ("warm", "cool"))
+    assert (warm[0] - warm[2]).mean() > (cool[0] - cool[2]).mean() + 0.05
+    assert render(bank, row, classes(fog="thick"))[:, mask].std() < plain[:, mask].std()
+
+
+def test_colors_that_cannot_be_seen_are_not_claimed() -> None:
+    lab = torch.tensor([[45.0, 60.0, 42.0], [3.0, 0.5, 0.0], [45.0, 20.0, 14.0]])
+    red = torch.full((3,), ATTRIBUTES["subject_color"].index("red"))
+    seen = looks.seen_color(red, lab, torch.zeros(3, dtype=torch.bool))
+    assert seen.tolist() == [red[0], ATTRIBUTES["subject_color"].index("black"), red[0]]
+    grey_blue = torch.tensor([[50.0, -4.0, -22.0]])
+    assert looks.seen_color(red[:1], grey_blue, torch.zeros(1, dtype=torch.bool)).tolist() == [looks.UNKNOWN]
+
+
+def test_captions_say_every_mentioned_attribute_and_no_other() -> None:
+    words = {
+        "subject_color": captions.COLOR_WORDS,
+        "fog": captions.FOG_WORDS,
+        "vignette": captions.VIGNETTE_WORDS,
+    }
+    dice = random.Random(0)
+    for _ in range(200):
+        said = {name: dice.choice(list(table)) for name, table in words.items() if dice.random() < 0.6} or {
+            "fog": "thick"
+        }
+        sentence = captions.caption(said, dice).lower()
+        for name, table in words.items():
+            if name in said:
+                assert any(word in sentence for word in table[said[name]]), (said, sentence)
+            elif name == "vignette":
+                assert not any(word in sentence for wordings in table.values() for word in wordings)
+
+
+def test_no_picture_contradicts_its_own_caption_and_flips_contradict_their_base(
+    bank: dict[str, np.ndarray],
+) -> None:
+    batch = make_batch(bank, 24, seed=3)
+    wrong = contradicts(batch.labels, batch.mentioned)
+    assert not wrong.diagonal().any()
+    assert wrong.float().mean() > 0.3
+    alone = batch.labels[batch.variant == EMPTY]
+    assert (alone[:, looks.INDEX["subject_color"]] == looks.UNKNOWN).all()
+    whole = batch.labels[batch.variant == WHOLE]
+    assert (whole[:, looks.INDEX["subject_color"]] >= 0).float().mean() > 0.4
+    assert len(batch.captions) == len(batch.pictures) == 96
+    assert batch.pictures.min() >= 0
+    assert batch.pictures.max() <= 1
+
+
+def test_batches_depend_on_the_seed_alone(bank: dict[str, np.ndarray]) -> None:
+    first, again, other = (make_batch(bank, 2, seed) for seed in (5, 5, 6))
+    assert torch.equal(first.pictures, again.pictures)
+    assert first.captions == again.captions
+    assert first.captions != other.captions
+
+
+def test_training_resumes_bit_for_bit_and_exports(bank: dict[str, np.ndarray], tmp_path: Path) -> None:
+    recipe, device = Recipe(groups=2, warmup=2), torch.device("cpu")
+    straight = Trainer(recipe, bank, device, TINY)
+    unseen = straight.student.clip.token_embedding.weight.abs().sum(1) == 0
+    before = straight.student.clip.visual.conv1.weight.clone()
+    for step in range(4):
+        losses = straight.advance()
+        assert all(np.isfinite(value) for value in losses.values())
+        if step == 1:
+            straight.save(tmp_path / "checkpoint.pt")
+    resumed = Trainer(recipe, bank, device, TINY)
+    resumed.load(tmp_path / "checkpoint.pt")
+    resumed.advance()
+    resumed.advance()
+    assert resumed.step == straight.step == 4
+    for name, value in straight.student.state_dict().items():
+        assert torch.equal(value, resumed.student.state_dict()[name]), name
+    for name, value in straight.average.items():
+        assert torch.equal(value, resumed.average[name]), name
+    assert not torch.equal(before, straight.student.clip.visual.conv1.weight)
+    assert unseen.float().mean() > 0.9
+    assert (straight.average["clip.token_embedding.weight"][unseen] == 0).all()
+    straight.export(tmp_path / "model")
+    encoder = load_encoder(str(tmp_path / "model"))
+    assert encoder.size == SIZE
+    assert encoder.heads is not None
+    assert encoder.encode_images(torch.rand(2, 3, SIZE, SIZE)).shape == (2, 32)
+
+
+def test_losses_fall_on_a_batch_that_is_seen_again(bank: dict[str, np.ndarray]) -> None:
+    trainer = Trainer(Recipe(), bank, torch.device("cpu"), TINY)
+    batch = make_batch(bank, 3, seed=1)
+    history = []
+    for _ in range(12):
+        losses = trainer.student.losses(batch, trainer.device)
+        history.append(torch.stack(list(losses.values())).detach())
+        trainer.optimizer.zero_grad()
+        sum(losses.values()).backward()
+        trainer.optimizer.step()
+    assert (history[-1] < 0.9 * history[0]).all(), history
