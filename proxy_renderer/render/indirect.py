@@ -248,10 +248,10 @@ def _anchors(samples: Samples, surface: Surface) -> tuple[Tensor, Spread]:
     chosen = torch.empty(int(group.max()) + 1 if n else 0, dtype=torch.int64, device=device)
     chosen[group[order]] = order
     table = _cell_lists(cell[chosen], columns, rows)
-    return chosen, _spread(samples, surface, chosen, table, cell, columns, rows, stride)
+    return chosen, _spread(samples, surface, chosen, table, stride)
 
 
-def _cell_lists(cell: Tensor, columns: int, rows: int, most: int = 4) -> Tensor:
+def _cell_lists(cell: Tensor, columns: int, rows: int, most: int = 3) -> Tensor:
     """(rows, columns, most) anchors of every cell, -1 where there are fewer."""
     order = torch.argsort(cell, stable=True)
     count = torch.bincount(cell, minlength=columns * rows)
@@ -262,18 +262,19 @@ def _cell_lists(cell: Tensor, columns: int, rows: int, most: int = 4) -> Tensor:
     return lists.view(rows, columns, most)
 
 
-def _spread(samples: Samples, surface: Surface, chosen: Tensor, lists: Tensor, cell: Tensor, columns: int,
-            rows: int, stride: int, nearest: int = 4) -> Spread:  # fmt: skip
+def _spread(
+    samples: Samples, surface: Surface, chosen: Tensor, lists: Tensor, stride: int, nearest: int = 4
+) -> Spread:
     """The few anchors around every sample that fit its normal, plane and place best."""
     n = samples.surfaces
+    rows, columns = lists.shape[:2]
     place = samples.place[:, :n] / stride
     x, y = (place[0] - 0.5).floor().long(), (place[1] - 0.5).floor().long()
     near = []
     for dy in (0, 1):
         for dx in (0, 1):
             near.append(lists[(y + dy).clamp(0, rows - 1), (x + dx).clamp(0, columns - 1)])
-    own = lists.flatten(0, 1)[cell]
-    candidates = torch.cat((own, *near), 1)
+    candidates = torch.cat(near, 1)
     index = candidates.clamp_min(0)
     points, normals = surface.position[:, chosen], surface.normal[:, chosen]
     plane = torch.zeros(index.shape, device=index.device)

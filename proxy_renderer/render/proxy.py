@@ -113,15 +113,18 @@ class Proxy:
         open_glossy, open_mirror = cache.indirect.open_sky
         tint = sky.color[:, None]
         images = mirror + tint * (sharp * open_mirror), glossy + tint * (blurred * open_glossy), irradiance / math.pi
+        # One split backs up as one concatenation; a slice for every material would as a picture of zeros each.
+        sizes = [stop - start for _, start, stop in cache.samples.slices]
+        shares = zip(*(field.split(sizes, 1) for field in (irradiance, *images)), strict=True)
         pieces = []
-        for material, start, stop in cache.samples.slices:
+        for (material, start, stop), (lit, *around) in zip(cache.samples.slices, shares, strict=True):
             part, paint = slice(start, stop), frame.paints[material]
             incoming = Light(
-                irradiance=irradiance[:, part],
+                irradiance=lit,
                 lamps=frame.colors,
                 highlights=[beam.highlight.pick(part) for beam in beams],
                 view=sight.basis[:, part],
-                reflected=Reflected(_KNOTS, [image[:, part] for image in images]),
+                reflected=Reflected(_KNOTS, around),
                 behind=_behind(frame, table, material, part) if used(paint.transmission) else None,
             )
             texture = cache.texture(material, sight.surface.uv[:, part])

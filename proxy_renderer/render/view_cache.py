@@ -25,6 +25,8 @@ from .silhouette import Silhouettes
 from .visibility import Geometry, Surface
 from .vectors import dot
 
+_SMALL_STEP = 0.02
+"""Part of a lamp's distance by which a gradient loop may move it before bounced light is traced again."""
 _BLURRED = 0.5
 """Level of the world's picture that glossy reflections see."""
 
@@ -84,6 +86,15 @@ class Beam:
         return Beam(met.irradiance * visible, shine.times(visible), met.toward, met.distance)
 
 
+@dataclass
+class _Shadowed:
+    """A lamp's shadows (N,), and the beam that they make if nothing about it is learned."""
+
+    signature: tuple[float, ...]
+    visible: Tensor
+    beam: Beam | None = None
+
+
 class ViewCache:
     """Everything that is traced and looked up once per camera position.
 
@@ -108,7 +119,8 @@ class ViewCache:
             self.mean_texture = [_mean(m, geometry.device) for m in scene.materials]
             self.inside, self.depth = self._inside(), self._depth()
             self.mask = samples.resolve(self.inside).view(self.depth.shape)
-        self._beams: dict[int, tuple[tuple[float, ...], Beam, Tensor]] = {}
+        self._beams: dict[int, _Shadowed] = {}
+        self._bounced: dict[int, Tensor] = {}
         self._outlines: Silhouettes | None = None
         self._through: dict[int, tuple[float, object, tuple[Far, Tensor]]] = {}
         self._worlds: tuple[object, tuple[Tensor, Tensor, Tensor]] | None = None
@@ -126,15 +138,34 @@ class ViewCache:
         """A lamp's beam; its shadows are traced again when it has moved."""
         signature = lamp.signature()
         kept = self._beams.get(index)
-        if kept is None or kept[0] != signature:
+        if kept is None or kept.signature != signature:
             with torch.no_grad():
-                still, surface = lamp.detached(), self._sight.surface
-                met = arrival(still, surface.position, surface.normal)
-                visible = shadow(self.geometry, self.samples, surface, still, met, lamp.moving)
-                self.indirect.light(index, still)
-                kept = signature, Beam.of(still, self._sight, visible), visible
-            self._beams[index] = kept
-        return Beam.of(lamp, sight, kept[2]) if lamp.moving or sight.moving else kept[1]
+                kept = self._beams[index] = self._trace(lamp, signature)
+            self._bounce(index, lamp)
+        if lamp.moving or sight.moving:
+            return Beam.of(lamp, sight, kept.visible)
+        if kept.beam is None:
+            with torch.no_grad():
+                kept.beam = Beam.of(lamp, self._sight, kept.visible)
+        return kept.beam
+
+    def _trace(self, lamp: Lamp, signature: tuple[float, ...]) -> _Shadowed:
+        surface = self._sight.surface
+        still = lamp.detached()
+        met = arrival(still, surface.position, surface.normal)
+        visible = shadow(self.geometry, self.samples, surface, still, met, lamp.moving)
+        return _Shadowed(signature, visible)
+
+    def _bounce(self, index: int, lamp: Lamp) -> None:
+        """Renews bounced light: at once after a jump, but only now and then on a gradient loop's small steps."""
+        place = torch.tensor(lamp.signature())
+        last = self._bounced.get(index)
+        scale = place.abs().amax() * _SMALL_STEP
+        if lamp.moving and last is not None and bool((place - last).abs().amax() < scale):
+            return
+        self._bounced[index] = place
+        with torch.no_grad():
+            self.indirect.light(index, lamp.detached())
 
     def behind(self, material: int, part: slice, ior: float, lamps: list[Lamp]) -> tuple[Far, Tensor]:
         """What is seen through a material's samples: far hits and directions; traced anew for a new IOR."""
