@@ -151,19 +151,35 @@ def test_mixing_ends_at_its_ends(family):
     assert all(low[0] < v < high[0] for v in changes.blend(family, low, high, 0.5))
 
 
+@pytest.fixture(scope="module")
+def engine():
+    """An engine that stays warm between these tests, as it does between vibes."""
+    kept = Engine()
+    yield kept
+    kept.stop()
+
+
 @pytest.fixture
-def working(addon):
-    """A session whose engine is at it: (scene, dump of before, session)."""
+def warm(addon, engine):
+    """A scene to vibe, with the warm engine."""
     studio(addon)
     addon.vibe.prompt, addon.vibe.budget = PROMPT, "CUSTOM"
-    addon.vibe.rounds, addon.vibe.steps, addon.vibe.size = 50, 100, 64
+    addon.vibe.rounds, addon.vibe.steps, addon.vibe.size = 1, 2, 64
+    session.desk._engine = engine
+    yield addon
+    session.desk._engine = None
+
+
+@pytest.fixture
+def cold(addon):
+    """A session whose engine has just been sent the scene: (scene, dump of before, session)."""
+    studio(addon)
+    addon.vibe.prompt = PROMPT
     before = contents()
     started = session.desk.begin(bpy.context)
-    end = time.monotonic() + 60
-    while started.progress is None:
+    while not started._asked:
         assert started.advance()
-        assert time.monotonic() < end
-        time.sleep(0.05)
+    assert difference(before, contents())
     return addon, before, started
 
 
@@ -173,34 +189,66 @@ def to_the_end(running):
         time.sleep(0.05)
 
 
-def test_stop_takes_the_best_so_far(working):
-    scene, before, running = working
+def test_run_operator_does_it_all(warm):
+    assert bpy.ops.vibe.run() == {"FINISHED"}
+    assert warm.vibe.changes
+    assert warm.vibe.vibed_prompt == PROMPT
+
+
+def test_engine_refusal_reaches_the_panel(warm):
+    before = contents()
+    warm.vibe.prompt = "qwxz vbnm"
+    with pytest.raises(RuntimeError):
+        bpy.ops.vibe.run()
+    assert session.desk.failure.remedy
+    assert difference(before, contents()) == {}
+
+
+def test_cancel_leaves_the_scene_as_it_was_and_the_engine_warm(warm, engine):
+    before, process = contents(), engine._process
+    warm.vibe.rounds, warm.vibe.steps = 100, 1000
+    running = session.desk.begin(bpy.context)
+    while running.progress is None:
+        assert running.advance()
+        time.sleep(0.05)
+    session.desk.cancel()
+    assert difference(before, contents()) == {}
+    warm.vibe.rounds, warm.vibe.steps = 1, 2
+    assert bpy.ops.vibe.run() == {"FINISHED"}
+    assert engine._process is process
+
+
+def test_stop_takes_the_best_so_far(warm):
+    before = contents()
+    warm.vibe.rounds, warm.vibe.steps = 100, 1000
+    running = session.desk.begin(bpy.context)
+    while running.progress is None:
+        assert running.advance()
+        time.sleep(0.05)
     running.stop()
     to_the_end(running)
-    assert scene.vibe.changes
+    assert warm.vibe.changes
     assert running.preview.is_file()
-    result.revert(scene)
+    result.revert(warm)
     assert difference(before, contents()) == {}
 
 
-def test_cancel_leaves_the_scene_as_it_was(working):
-    _, before, running = working
-    process = running._engine._process
-    running.cancel()
-    assert process.poll() is not None
+def test_cancel_at_once_leaves_the_scene_as_it_was(cold):
+    _, before, _ = cold
+    session.desk.cancel()
     assert difference(before, contents()) == {}
 
 
-def test_engine_that_dies_leaves_the_scene_as_it_was(working):
-    _, before, running = working
+def test_engine_that_dies_leaves_the_scene_as_it_was(cold):
+    _, before, running = cold
     os.kill(running._engine._process.pid, signal.SIGKILL)
     with pytest.raises(VibeError, match="stopped unexpectedly"):
         to_the_end(running)
     assert difference(before, contents()) == {}
 
 
-def test_unregister_ends_the_engine(working):
-    process = working[2]._engine._process
+def test_unregister_ends_the_engine(cold):
+    process = cold[2]._engine._process
     vibe_render.unregister()
     assert process.poll() is not None
     vibe_render.register()
@@ -209,22 +257,3 @@ def test_unregister_ends_the_engine(working):
 def test_wrong_engine_is_refused(tmp_path):
     with pytest.raises(VibeError, match="no Vibe engine"):
         Engine(str(tmp_path)).start()
-
-
-def test_run_operator_does_it_all(addon):
-    studio(addon)
-    addon.vibe.prompt, addon.vibe.budget = PROMPT, "CUSTOM"
-    addon.vibe.rounds, addon.vibe.steps, addon.vibe.size = 1, 2, 64
-    assert bpy.ops.vibe.run() == {"FINISHED"}
-    assert addon.vibe.changes
-    assert addon.vibe.vibed_prompt == PROMPT
-
-
-def test_engine_refusal_reaches_the_panel(addon):
-    studio(addon)
-    before = contents()
-    addon.vibe.prompt = "qwxz vbnm"
-    with pytest.raises(RuntimeError):
-        bpy.ops.vibe.run()
-    assert session.desk.failure.remedy
-    assert difference(before, contents()) == {}

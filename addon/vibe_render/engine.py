@@ -36,6 +36,7 @@ class Engine:
         self.log = log or Path(tempfile.gettempdir()) / f"vibe-engine-{os.getpid()}.log"
         self._process: subprocess.Popen[bytes] | None = None
         self._inbox: queue.Queue[_Item] = queue.Queue()
+        self._owed = False  # an answer that nobody waits for any more
 
     @property
     def alive(self) -> bool:
@@ -51,7 +52,7 @@ class Engine:
         if self.alive:
             return
         python = find_python(self._choice)
-        self._inbox = queue.Queue()
+        self._inbox, self._owed = queue.Queue(), False
         try:
             with self.log.open("wb") as log:
                 self._process = subprocess.Popen(
@@ -103,6 +104,25 @@ class Engine:
             # A timeout in the wait lets Ctrl-C through on every platform.
             with contextlib.suppress(queue.Empty):
                 yield self._checked(self._inbox.get(timeout=0.2))
+
+    def abandon(self) -> None:
+        """Gives up the vibe that it works on, and keeps it warm, unless it has not let go of the last one yet."""
+        if self._owed:
+            self.stop(patience=0.2)
+            return
+        with contextlib.suppress(schema.VibeError):
+            self.send(wire.Stop())
+            self._owed = True
+
+    def settle(self) -> bool:
+        """Drops what belongs to an abandoned vibe; True when that is over, and the next may be sent."""
+        while self._owed:
+            try:
+                item = self._inbox.get_nowait()
+            except queue.Empty:
+                return False
+            self._owed = isinstance(item, wire.Message) and not isinstance(item, wire.Result | wire.Error)
+        return True
 
     def stop(self, patience: float = 3.0) -> None:
         """Asks the process to quit, and ends it if it has not within `patience` seconds."""

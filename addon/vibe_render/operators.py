@@ -94,10 +94,7 @@ class VIBE_OT_run(bpy.types.Operator):
 
     def cancel(self, context: bpy.types.Context) -> None:
         """Esc, another file, or the window is closed: nothing has been written yet."""
-        if desk.session:
-            desk.session.cancel()
-        desk.end()
-        desk.forget()
+        desk.cancel()
         self._clean_up(context)
 
     def _done(self, failure: schema.VibeError | None, severity: str) -> set[str]:

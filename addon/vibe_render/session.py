@@ -43,6 +43,7 @@ class Session:
         self._choice = choice(settings)
         self._engine = engine
         self._job = Path(tempfile.mkdtemp(prefix="vibe-", dir=bpy.app.tempdir))
+        self._asked = False
         self._found: messages.Result | None = None
         self._steps = self._run()
 
@@ -66,9 +67,10 @@ class Session:
         self._engine.send(messages.Stop())
 
     def cancel(self) -> None:
-        """Gives up. An engine that is still at it is ended, so that it owes nobody an answer."""
+        """Gives up; the scene is as it was."""
         self._steps.close()
-        self._engine.stop(patience=0.2)
+        if self._asked and self._found is None:
+            self._engine.abandon()
         self.discard()
 
     def discard(self) -> None:
@@ -79,6 +81,9 @@ class Session:
         """Yields before every wait, so that the panel can show what comes."""
         yield self.stage
         self._engine.start()
+        while not self._engine.settle():
+            yield self.stage
+        self._engine.start()  # it may have died of the last one
         self.stage = "Reading the scene"
         yield self.stage
         scene = self._find_scene()
@@ -97,6 +102,7 @@ class Session:
     def _wait_for_result(self) -> Generator[str]:
         request = messages.Vibe(schema.schema_hash(), str(self._job), self.prompt, asdict(self._options))
         self._engine.send(request)
+        self._asked = True
         self.stage = "Warming up the engine"
         while self._found is None:
             yield self.stage
@@ -169,6 +175,13 @@ class Desk:
         """The vibe is over."""
         self.running, self.failure = False, failure
 
+    def cancel(self) -> None:
+        """Gives the vibe up; the scene is as it was."""
+        if self.session and self.running:
+            self.session.cancel()
+        self.end()
+        self.forget()
+
     def forget(self) -> None:
         """Drops what is left of the last vibe."""
         if self.session:
@@ -183,10 +196,7 @@ class Desk:
 
     def close(self) -> None:
         """Gives everything back, when the add-on is switched off or Blender ends."""
-        if self.session and self.running:
-            self.session.cancel()
-        self.end()
-        self.forget()
+        self.cancel()
         self.close_engine()
 
 
