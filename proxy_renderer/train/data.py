@@ -16,6 +16,7 @@ from torch import Tensor
 from ..language.attributes import ATTRIBUTES
 from . import captions, looks, shader
 from .bank import SUBJECT
+from .wording import NOUNS
 
 LOOKS = 4
 """Looks per group: a base, two one-attribute flips, a swap of the two colors."""
@@ -153,13 +154,16 @@ def _cut(
     seen = _SEEN_ALONE if variant == ALONE else _SEEN_EMPTY
     hidden = torch.tensor([name not in seen for name in looks.NAMES])
     labels = labels.masked_fill(hidden, looks.UNKNOWN)
+    rest = (~mask).float()
+    mean = (pictures * rest).sum((2, 3), keepdim=True) / rest.sum().clamp_min(1)
+    chance = torch.rand((), generator=generator)
     if variant == EMPTY:
         fill = (
-            torch.rand(3, 1, 1, generator=generator)
-            if torch.rand((), generator=generator) < 0.3
-            else torch.zeros(3, 1, 1)
+            torch.rand(3, 1, 1, generator=generator) if chance < 0.3 else mean if chance < 0.8 else 0 * mean
         )
         return torch.where(mask, fill, pictures), labels
+    if chance < 0.35:
+        return torch.where(mask, pictures, mean), labels
     cells = (1, 1, 2, 5, 12)[int(torch.randint(5, (), generator=generator))]
     coarse = torch.rand(len(pictures), 3, cells, cells, generator=generator)
     if cells == 1 and torch.rand((), generator=generator) < 0.4:
@@ -174,14 +178,17 @@ def _frame(
     """A random crop around the subject, and a mirror image with the light's sides exchanged."""
     labels = labels.clone()
     size = pictures.shape[-1]
-    if dice.random() < 0.6:
+    if dice.random() < 0.65:
+        rows, columns = (torch.nonzero(mask.any(axis))[:, 0].float() for axis in (1, 0))
+        center = [(axis[0] + axis[-1]).item() / 2 for axis in (rows, columns)]
         side = int(size * dice.uniform(0.55, 0.97))
-        rows, columns = (torch.nonzero(mask.any(axis))[:, 0].float().mean().item() for axis in (1, 0))
+        if variant == ALONE:  # guidance frames a lone subject closely
+            extent = max((axis[-1] - axis[0]).item() for axis in (rows, columns))
+            side = int(min(max(extent * dice.uniform(0.85, 1.35), 0.45 * size), size))
         if variant == EMPTY:
-            rows, columns = dice.uniform(0, size), dice.uniform(0, size)
+            center = [dice.uniform(0, size), dice.uniform(0, size)]
         top, left = (
-            int(min(max(c - side / 2 + dice.uniform(-0.2, 0.2) * side, 0), size - side))
-            for c in (rows, columns)
+            int(min(max(c - side / 2 + dice.uniform(-0.12, 0.12) * side, 0), size - side)) for c in center
         )
         crop = pictures[:, :, top : top + side, left : left + side]
         pictures = F.interpolate(crop, (size, size), mode="bilinear", align_corners=False)
@@ -217,9 +224,7 @@ def _describe(
             known = {name: ATTRIBUTES[name][c] for name, c in zip(looks.NAMES, row, strict=True) if c >= 0}
             said = captions.mention(known, focus[k] or dice.choice(focus), dice)
             texts.append(
-                captions.caption(said, dice, empty=bool(variant[g] == EMPTY))
-                if said
-                else dice.choice(captions.NOUNS)
+                captions.caption(said, dice, empty=bool(variant[g] == EMPTY)) if said else dice.choice(NOUNS)
             )
             for name, value in said.items():
                 mentioned[g * LOOKS + k, looks.INDEX[name]] = ATTRIBUTES[name].index(value)

@@ -19,10 +19,11 @@ from torch import Tensor
 from ..guidance.encoder import Encoder, load_encoder
 from ..language.attributes import ATTRIBUTES
 from . import bank as banks
-from .captions import NOUNS, caption
+from .captions import caption
 from .data import LOOKS, Batch, make_batch
 from .looks import INDEX, NAMES
 from .surfaces import Shape
+from .wording import NOUNS
 
 _GROUPS, _BATCHES, _SEED = 48, 10, 7_000_000
 

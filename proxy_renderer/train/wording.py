@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The words that captions choose from, class by class; the language's own colors and phrases join them."""
+
+from functools import cache
+
+from ..language.color import basic
+from ..language.vocabulary import default_vocabulary
+
+Known = dict[str, str]
+"""Attribute name → class, for those that a picture shows or a caption mentions."""
+
+
+def _list(words: str) -> list[str]:
+    return words.split(", ")
+
+
+def _table(rows: dict[str, str]) -> dict[str, list[str]]:
+    """Class → wordings; one that is listed twice is said twice as often."""
+    return {name: _list(words) for name, words in rows.items()}
+
+
+COLOR_WORDS = _table(
+    {
+        "black": "black, black, black, jet-black, ebony, onyx, charcoal-black, inky",
+        "grey": "grey, gray, grey, gray, slate, ash, concrete-grey, stone-grey",
+        "white": "white, white, white, ivory, snow-white, off-white, chalk-white, pearl",
+        "brown": "brown, brown, chestnut, chocolate, walnut, coffee, umber, tan",
+        "red": "red, red, red, crimson, scarlet, ruby, cherry-red, burgundy",
+        "orange": "orange, orange, orange, tangerine, amber, pumpkin, rust-orange, apricot",
+        "yellow": "yellow, yellow, yellow, lemon, canary, sunflower, mustard, golden-yellow",
+        "green": "green, green, green, emerald, lime, jade, olive-green, forest-green",
+        "teal": "teal, teal, cyan, turquoise, aqua, blue-green, teal, aquamarine",
+        "blue": "blue, blue, blue, navy, azure, cobalt, sapphire, royal-blue",
+        "purple": "purple, purple, violet, lavender, plum, indigo, amethyst, mauve",
+        "pink": "pink, pink, pink, magenta, rose, fuchsia, salmon-pink, hot-pink",
+    }
+)
+FINISH_WORDS = _table(
+    {
+        "matte": "matte, flat matte, dull, chalky, rough, non-reflective, clay-like, rubbery",
+        "satin": "satin, semi-gloss, eggshell, silky, soft-sheen",
+        "glossy": "glossy, shiny, polished, lacquered, mirror-like, gleaming, reflective, glazed",
+    }
+)
+METAL_WORDS = _table(
+    {
+        "metal": "metal, metallic, steel, chrome, metallic, brushed metal, aluminium",
+        "dielectric": "plastic, ceramic, porcelain, painted, non-metallic, clay",
+    }
+)
+NOUNS = _list(
+    "object, subject, thing, model, shape, sculpture, figure, form, product, piece, teapot, dolphin, "
+    "tree, vase, chair, table, lamp, bottle, car, house, dog, cat, horse, bird, fish, whale, cup, mug, "
+    "bowl, jug, pot, kettle, statue, bust, head, toy, robot, ball, sphere, cube, cone, torus, ring, "
+    "knot, rock, stone, crystal, gem, boat, ship, plane, bicycle, shoe, hat, bag, box, crate, barrel, "
+    "bench, sofa, stool, desk, shelf, clock, camera, phone, guitar, violin, drum, apple, pear, "
+    "banana, mushroom, flower, plant, cactus, leaf, branch, pine, castle, tower, bridge, "
+    "monument, dragon, bunny, rabbit, bear, elephant, lion, cow, sheep, monkey, armadillo, buddha, "
+    "angel, skull, mask, helmet, sword, spoon, fork, plate, pan, candle, book, pillow, cushion, "
+    "curtain, door, window, engine, gear, wheel, machine, truck, bus, train, rocket, monster, creature, "
+    "animal, person, woman, man, face, hand, scene, still-life"
+)
+SIDE_WORDS = _table(
+    {
+        "left": "light from the left, strong left light, lit from the left, key light on the left, left-side lighting, light from upper left",
+        "right": "light from the right, strong right light, lit from the right, key light on the right, right-side lighting, light from upper right",
+        "front": "frontal light, light from the front, lit from the front, front lighting, light from the camera",
+        "back": "backlit, light from behind, back light, rim light from behind, backlighting, lit from behind",
+        "top": "light from above, top light, overhead light, lit from above, top-down lighting, noon light",
+    }
+)
+SOFT_WORDS = _table(
+    {
+        "hard": "hard light, harsh light, hard shadows, sharp shadows, crisp shadows, direct sunlight",
+        "soft": "soft light, diffuse light, soft shadows, softbox lighting, gentle light, overcast light",
+    }
+)
+TEMPERATURE_WORDS = _table(
+    {
+        "warm": "warm light, warm lighting, golden light, golden hour, candlelight, sunset light, warm tones",
+        "neutral": "neutral light, white light, neutral lighting, daylight",
+        "cool": "cool light, cold light, cool lighting, bluish light, moonlight, cold tones, icy light",
+    }
+)
+FOG_WORDS = _table(
+    {
+        "none": "no fog, clear air, without fog, clear, no haze, fog-free",
+        "light": "light haze, thin mist, slight fog, hazy, misty, light fog, faint mist",
+        "thick": "thick fog, dense fog, heavy mist, foggy, very foggy, thick haze",
+    }
+)
+BRIGHTNESS_WORDS = _table(
+    {
+        "dark": "dark, dim, dark picture, low-key, underexposed, night, gloomy, shadowy",
+        "medium": "medium brightness, normal exposure, balanced exposure, evenly exposed",
+        "bright": "bright, high-key, brightly lit, bright picture, airy, luminous, overexposed",
+    }
+)
+CONTRAST_WORDS = _table(
+    {
+        "low": "low contrast, flat contrast, faded, washed out, soft contrast",
+        "medium": "medium contrast, normal contrast, moderate contrast",
+        "high": "high contrast, bold contrast, strong contrast, dramatic contrast, punchy",
+    }
+)
+SATURATION_WORDS = _table(
+    {
+        "muted": "muted colors, desaturated, muted, washed-out colors, subdued colors, colorless, monochrome",
+        "natural": "natural colors, realistic colors, normal saturation, natural saturation",
+        "vivid": "vivid colors, vibrant, saturated, vibrant colors, intense colors, highly saturated",
+    }
+)
+VIGNETTE_WORDS = _table(
+    {
+        "none": "no vignette, without vignette, even corners",
+        "vignette": "vignette, dark corners, strong vignette, vignetted, darkened edges",
+    }
+)
+
+
+@cache
+def color_names() -> dict[str, list[str]]:
+    """Basic color → all names that the language calls by it."""
+    names: dict[str, list[str]] = {}
+    for name, code in default_vocabulary().colors.items():
+        if "mist" not in name:  # "misty rose" would speak of fog
+            names.setdefault(basic(code), []).append(name)
+    return names
+
+
+@cache
+def phrases() -> list[tuple[str, Known]]:
+    """What the language tells an encoder for a look word, with the attributes that it then asks for.
+
+    Phrases that name a color beside what they ask for ("grey steel") would claim too much.
+    """
+    colors = {word for words in COLOR_WORDS.values() for word in words}
+    entries = default_vocabulary().entries.values()
+    return [
+        (entry.phrase, entry.heads)
+        for entry in entries
+        if entry.heads
+        and (
+            "subject_color" in entry.heads or entry.slot != "material" or not colors & {*entry.phrase.split()}
+        )
+    ]
