@@ -78,7 +78,8 @@ class Binding:
         left = []
         for position, word in enumerate(words):
             in_list = word.token.color and any(not w.barred and w.token.color for w in words[position:])
-            held_back = word.barred and not thing.matter and not in_list and not word.token.adjective
+            suits = thing.kind in self.vocabulary.adjectives.get(word.token.adjective, {})
+            held_back = word.barred and not thing.matter and not in_list and not suits
             if held_back or not self._bind_word(word, thing):
                 left.append(word)
                 self.ignored += [word.text] if final else []

@@ -120,9 +120,10 @@ def shade(
         lightness: 1 keeps the lightness, 0 moves it to `towards`.
         chroma: Multiplies the distance from grey.
         towards: L* in [0, 100].
-        warmth: Moves the hue to orange (+) or blue (-); in units of b*.
+        warmth: Moves the hue of greyish colors to orange (+) or blue (-); in units of b*.
     """
     light, a, b = _oklab(srgb)
+    warmth *= max(0.0, 1 - math.hypot(a, b) / 0.15)
     goal = (towards + 16) / 116  # of a grey of that L*
     return _from_oklab(
         (goal + (light - goal) * lightness, a * chroma + warmth / 1200, b * chroma + warmth / 330)

@@ -63,7 +63,7 @@ def display_color(color: tuple[float, ...], region: Region) -> Lab:
 
 def fog_color(srgb: Values) -> Values:
     """The display color of fog that is called this: scattering makes it paler, and neither dark nor white."""
-    return shade(srgb, lightness=0.4, chroma=0.45, towards=70.0)
+    return shade(srgb, lightness=0.4, chroma=0.6, towards=70.0)
 
 
 def _readable(head: str) -> str:

@@ -179,7 +179,10 @@ class _Reader:
             state.linked, state.inside = True, token.text in ("in", "of")
         else:
             self._flush(state)
-            state.linked, state.around, state.inside = False, token.text != "in", token.text == "in"
+            # "A wall behind a blue vase": of the two, the vase is the subject.
+            before = token.text in ("behind", "beyond") and state.last and state.last.kind == "surroundings"
+            state.linked, state.inside = False, token.text == "in"
+            state.around = not before and not state.inside
 
     def _apply(self, state: _State, token: Token, following: Token | None) -> None:
         """A word about the whole picture; those that wait before it may describe it: "cool blue fog"."""

@@ -64,6 +64,7 @@ class _Planner:
         stops = [i.value[0] for i in instances.values() if i.parameter.name in ("exposure", "grade_exposure")]
         self.sources = Sources(context, exposure=sum(stops))
         self.notes = list(parsed.conflicts)
+        self.demands: dict[str, list[Demand]] = {}
         self.settled: dict[str, tuple[Range, list[Demand]]] = {}
         self.light: dict[str, float] = {}
 
@@ -122,23 +123,21 @@ class _Planner:
 
     def _settle(self, demands: list[Demand]) -> None:
         """Intersects what the words want; where they contradict each other, the first one has its way."""
-        for demand in sorted(demands, key=lambda d: d.rank):
-            if demand.key not in self.settled:
-                self.settled[demand.key] = (demand.lower, demand.upper), [demand]
-                continue
-            (lower, upper), winners = self.settled[demand.key]
-            low, high = tuple(map(max, lower, demand.lower)), tuple(map(min, upper, demand.upper))
-            if all(a <= b for a, b in zip(low, high, strict=True)):
-                self.settled[demand.key] = (low, high), [*winners, demand]
-            elif (
-                not demand.weak
-                and not demand.attribute.cause
-                and demand.attribute.word != winners[0].attribute.word
-            ):
-                self.notes.append(
-                    f"'{demand.attribute.word}' gives way to '{winners[0].attribute.word}' on {demand.key}: "
-                    "they contradict each other, and the first one named counts."
-                )
+        for demand in demands:
+            self.demands.setdefault(demand.key, []).append(demand)
+        for key in {d.key for d in demands}:
+            first, *others = sorted(self.demands[key], key=lambda d: d.rank)
+            lower, upper, winners = first.lower, first.upper, [first]
+            for demand in others:
+                low, high = tuple(map(max, lower, demand.lower)), tuple(map(min, upper, demand.upper))
+                if all(a <= b for a, b in zip(low, high, strict=True)):
+                    lower, upper, winners = low, high, [*winners, demand]
+                elif not demand.weak and not demand.attribute.cause and demand.reason != first.reason:
+                    self.notes.append(
+                        f"'{demand.attribute.word}' gives way to '{first.attribute.word}' on {key}: "
+                        "they contradict each other, and the first one named counts."
+                    )
+            self.settled[key] = (lower, upper), winners
 
     def _note_world_color(self) -> None:
         color, tint = (self.instances.get(f"world/{name}") for name in ("color", "tint"))

@@ -7,11 +7,11 @@ import math
 from dataclasses import dataclass
 
 from ..schema import Instance, Values
-from .color import from_hex, from_lab, luminance, to_lab, to_linear, to_srgb
+from .color import chroma, from_hex, from_lab, luminance, to_lab, to_linear, to_srgb
 from .illumination import watts
 from .meaning import fog_color
 from .types import Attribute, PlanContext
-from .view import radiance, reachable, scene_color
+from .view import radiance, reachable
 from .vocabulary import Effect, default_vocabulary
 
 Range = tuple[Values, Values]
@@ -194,7 +194,7 @@ def _color_range(effect: Effect, attribute: Attribute, instance: Instance, sourc
     if effect.mode == "gel":
         linear = _gel(to_linear(srgb), 0.9)
     elif effect.mode == "albedo":
-        linear = _fog_albedo(srgb, view)
+        linear = _fog_albedo(srgb)
     elif effect.mode == "shown":
         linear = reachable(srgb, view, _BRIGHTEST)
         linear = tuple(v / max(linear) for v in linear) if max(linear) > _DARK else linear
@@ -210,6 +210,8 @@ def _color_range(effect: Effect, attribute: Attribute, instance: Instance, sourc
 
 def _surface(srgb: Values, view: str, illumination: float) -> Values:
     """The albedo that is displayed as a color under the light that is going to fall on it."""
+    if to_lab(srgb)[0] > 93:
+        return (_WHITEST,) * 3 if chroma(to_lab(srgb)) < 4 else tuple(_WHITEST * v for v in to_linear(srgb))
     light = min(max(illumination, 0.6), 4.0)
     albedo = tuple(v / light for v in reachable(srgb, view, _WHITEST * light))
     return tuple(min(max(v, _BLACKEST), _WHITEST) for v in albedo)
@@ -237,9 +239,9 @@ def _gel(linear: Values, purity: float) -> Values:
     return tuple(1 - purity * (1 - v / top) for v in linear) if top > 0.01 else (1.0, 1.0, 1.0)
 
 
-def _fog_albedo(srgb: Values, view: str) -> Values:
+def _fog_albedo(srgb: Values) -> Values:
     """Fog scatters many times: it is paler and much brighter than the color it is named for."""
-    pale = scene_color(fog_color(srgb), view)
+    pale = to_linear(fog_color(srgb))
     darkness = min(luminance(to_linear(srgb)) * 12 + 0.25, 0.95)  # black fog is smoke
     return tuple(v * darkness / max(pale) for v in pale)
 

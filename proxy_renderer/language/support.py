@@ -38,6 +38,8 @@ def supports(
         found["world/strength"] = _around(
             free["world/strength"], 0.5, 2.0, _LATE + 2, "keeps the shadows readable"
         )
+    if "film/saturation" in free and (entry := _saturation(parsed, free["film/saturation"], sources.context)):
+        found["film/saturation"] = entry
     return found | _camera(free)
 
 
@@ -157,6 +159,21 @@ def _exposure(parsed: Parsed, instance: Instance, context: PlanContext) -> PlanE
     return PlanEntry(
         lower, upper, _LATE, "supports the words: the subject is neither burnt nor black", prior=0.5
     )
+
+
+def _saturation(parsed: Parsed, instance: Instance, context: PlanContext) -> PlanEntry | None:
+    """Named colors may be strengthened: reflections and the view's shoulder bleach them."""
+    missing = []
+    for region, wanted in parsed.colors.items():
+        shown = context.picture.lab.get(region) if context.picture else None
+        if chroma(wanted) > 20:
+            missing.append(1.0 if shown is None else chroma(shown) / (0.75 * chroma(wanted)))
+    if not missing:
+        return None
+    boost = 1.12 if min(missing) < 0.8 else 1.0
+    value = instance.value[0]
+    lower, upper = clip((value * boost,), (value * 1.3,), instance)
+    return PlanEntry(lower, upper, _LATE + 2, "supports the words: the named colors are seen", prior=0.3)
 
 
 def _camera(free: dict[str, Instance]) -> dict[str, PlanEntry]:

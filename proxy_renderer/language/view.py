@@ -11,7 +11,7 @@ from math import exp, log
 from pathlib import Path
 
 from ..schema import Values
-from .color import shade, to_linear
+from .color import chroma, shade, to_lab, to_linear
 
 # L* on an sRGB display of scene-linear greys, measured on Blender's own OCIO config; the rest as AgX.
 _GREYS = (0.005, 0.01, 0.02, 0.05, 0.1, 0.18, 0.3, 0.5, 0.8, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 10.0)
@@ -94,6 +94,9 @@ def _tables() -> dict[str, list[Values]]:
 
 def scene_color(srgb: Sequence[float], view: str) -> Values:
     """The scene-linear color that a view shows as `srgb`, or as near as it can; above 1 for light colors."""
+    lab = to_lab(srgb)
+    if chroma(lab) < 4:
+        return (radiance(lab[0], view),) * 3
     table = _tables().get(view)
     if table is None:
         return to_linear(srgb)
