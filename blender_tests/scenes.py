@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scenes such as artists make, built by script: for tests and for the end-to-end check.
 
-    python blender_tests/scenes.py still_life still_life.blend
+python blender_tests/scenes.py still_life still_life.blend
 """
 
 from __future__ import annotations
@@ -41,7 +41,10 @@ def still_life() -> bpy.types.Scene:
 def columns_in_fog() -> bpy.types.Scene:
     """A head between columns, light from behind, fog in the world's own volume."""
     scene = _empty(1200, 800)
-    stone, bronze = _material("Stone", (0.40, 0.37, 0.33), 0.8), _material("Bronze", (0.42, 0.27, 0.14), 0.35, metallic=1.0)
+    stone, bronze = (
+        _material("Stone", (0.40, 0.37, 0.33), 0.8),
+        _material("Bronze", (0.42, 0.27, 0.14), 0.35, metallic=1.0),
+    )
     ground = _material("Ground", (0.22, 0.20, 0.18), 0.9)
     bpy.ops.mesh.primitive_plane_add(size=60.0)
     _finish("Ground", ground)
@@ -74,7 +77,9 @@ def textured() -> bpy.types.Scene:
     bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32, radius=0.8, location=(0, 0, 1.25))
     _finish("Globe", _image_material("Globe Map", _map()))
     wood = _material("Stand", (0.16, 0.07, 0.03), 0.3)
-    bpy.ops.mesh.primitive_torus_add(major_radius=0.98, minor_radius=0.045, location=(0, 0, 1.25), rotation=(0.35, 0.4, 0))
+    bpy.ops.mesh.primitive_torus_add(
+        major_radius=0.98, minor_radius=0.045, location=(0, 0, 1.25), rotation=(0.35, 0.4, 0)
+    )
     _finish("Ring", _material("Brass", (0.7, 0.5, 0.2), 0.25, metallic=1.0))
     bpy.ops.mesh.primitive_cylinder_add(vertices=64, radius=0.42, depth=0.35, location=(0, 0, 0.175))
     _finish("Foot", wood)
@@ -141,7 +146,12 @@ def _image(name: str, pixels: np.ndarray, is_float: bool = False) -> bpy.types.I
 def _map() -> bpy.types.Image:
     """Land and sea from a few waves."""
     v, u = np.meshgrid(np.linspace(-1, 1, 256), np.linspace(0, 2 * np.pi, 512, endpoint=False), indexing="ij")
-    waves = np.sin(2 * u + 3 * v) + np.sin(3 * u - 4 * v + 1) + 0.6 * np.sin(5 * u + 7 * v) + 0.4 * np.sin(9 * u - 8 * v)
+    waves = (
+        np.sin(2 * u + 3 * v)
+        + np.sin(3 * u - 4 * v + 1)
+        + 0.6 * np.sin(5 * u + 7 * v)
+        + 0.4 * np.sin(9 * u - 8 * v)
+    )
     land = 1 / (1 + np.exp(-12 * (waves - 0.4)))[..., None]
     ice = np.clip((np.abs(v) - 0.8) * 12, 0, 1)[..., None]
     ground = land * np.array([0.62, 0.55, 0.30]) + (1 - land) * np.array([0.12, 0.30, 0.48])
@@ -154,13 +164,25 @@ def _sky() -> bpy.types.Image:
     v, u = np.meshgrid((np.arange(height) + 0.5) / height, (np.arange(width) + 0.5) / width, indexing="ij")
     up = np.clip((v - 0.5) * 6 + 0.5, 0, 1)[..., None]
     sky = np.array([0.35, 0.50, 0.75]) * (1.3 - v[..., None])
-    glow = np.exp(-(((u - 0.3) / 0.08) ** 2 + ((v - 0.58) / 0.08) ** 2))[..., None] * np.array([9.0, 6.0, 3.0])
+    glow = np.exp(-(((u - 0.3) / 0.08) ** 2 + ((v - 0.58) / 0.08) ** 2))[..., None] * np.array(
+        [9.0, 6.0, 3.0]
+    )
     return _image("Sky", up * sky + (1 - up) * np.array([0.10, 0.08, 0.06]) + glow, is_float=True)
 
 
 def _bottle(stuff: bpy.types.Material) -> None:
     """A profile that a Screw modifier turns."""
-    profile = [(0, 0), (0.17, 0), (0.19, 0.03), (0.19, 0.5), (0.15, 0.62), (0.06, 0.72), (0.055, 0.92), (0.075, 0.95), (0.05, 0.96)]
+    profile = [
+        (0, 0),
+        (0.17, 0),
+        (0.19, 0.03),
+        (0.19, 0.5),
+        (0.15, 0.62),
+        (0.06, 0.72),
+        (0.055, 0.92),
+        (0.075, 0.95),
+        (0.05, 0.96),
+    ]
     mesh = bpy.data.meshes.new("Bottle")
     mesh.from_pydata([(r, 0, z) for r, z in profile], [(i, i + 1) for i in range(len(profile) - 1)], [])
     bottle = bpy.data.objects.new("Bottle", mesh)
@@ -182,7 +204,9 @@ def _fruit(apple: bpy.types.Material, lemon: bpy.types.Material) -> None:
         ("Apple", (0.16, -0.22, 0.125), (1, 1, 0.92), apple),
         ("Lemon", (-0.02, -0.42, 0.09), (1.25, 0.85, 0.85), lemon),
     ):
-        bpy.ops.mesh.primitive_uv_sphere_add(segments=48, ring_count=24, radius=0.125 if name == "Apple" else 0.1, location=place)
+        bpy.ops.mesh.primitive_uv_sphere_add(
+            segments=48, ring_count=24, radius=0.125 if name == "Apple" else 0.1, location=place
+        )
         thing = bpy.context.object
         thing.scale = scale
         _finish(name, stuff)
@@ -215,7 +239,9 @@ def _finish(name: str, stuff: bpy.types.Material, smooth: bool = True) -> None:
         thing.data.set_sharp_from_angle(angle=0.7)
 
 
-def _light(name: str, kind: str, place: tuple, target: tuple, energy: float, color: tuple, **more: float) -> None:
+def _light(
+    name: str, kind: str, place: tuple, target: tuple, energy: float, color: tuple, **more: float
+) -> None:
     lamp = bpy.data.lights.new(name, kind)
     lamp.energy, lamp.color = energy, color
     for key, value in more.items():

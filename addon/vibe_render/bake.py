@@ -99,9 +99,9 @@ def emitting(material: bpy.types.Material, source: bpy.types.NodeSocket) -> Iter
 
 def view_of(scene: bpy.types.Scene, material: bpy.types.Material, size: int) -> np.ndarray:
     """The camera's view of the scene when everything has this (glowing) material: (H, W, 3) linear."""
-    longest = max(scene.render.resolution_x, scene.render.resolution_y)
-    percentage = max(1, min(100, round(100 * size / longest)))
-    with copied_scene(scene, resolution_percentage=percentage) as twin:
+    sides = scene.render.resolution_x, scene.render.resolution_y
+    width, height = (max(16, round(size * side / max(sides))) for side in sides)  # Blender refuses fewer
+    with copied_scene(scene, resolution_x=width, resolution_y=height, resolution_percentage=100) as twin:
         twin.world = None
         twin.view_layers[0].material_override = material
         return render_linear(twin, samples=4)
@@ -121,8 +121,8 @@ def plane_of(material: bpy.types.Material, size: int) -> np.ndarray:
         try:
             return render_linear(scene, samples=4)
         finally:
-            bpy.data.meshes.remove(mesh)  # and the object that uses it
             bpy.data.objects.remove(plane)
+            bpy.data.meshes.remove(mesh)
 
 
 def panorama_of(world: bpy.types.World, height: int, samples: int) -> np.ndarray:

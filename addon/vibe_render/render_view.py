@@ -16,6 +16,8 @@ from .settings import changed
 
 Seen = TypeVar("Seen")
 
+_SMALL = 32  # pixels; Blender refuses fewer than 16
+
 
 def look(scene: bpy.types.Scene, see: Callable[[bpy.types.Depsgraph], Seen]) -> Seen:
     """Calls `see` with the dependency graph of a final render of the current frame, and returns its answer.
@@ -40,7 +42,9 @@ def look(scene: bpy.types.Scene, see: Callable[[bpy.types.Depsgraph], Seen]) -> 
         with changed(
             scene.render,
             engine=Viewer.bl_idname,
-            resolution_percentage=1,
+            resolution_percentage=100,
+            resolution_x=_SMALL,
+            resolution_y=_SMALL,
             use_compositing=False,
             use_sequencer=False,
             use_multiview=False,

@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
+from .compat import enable_nodes
 from .contract import schema
 
 Color = tuple[float, float, float]
@@ -18,8 +19,7 @@ Color = tuple[float, float, float]
 def material(name: str, color: Color, roughness: float = 0.5, metallic: float = 0.0) -> bpy.types.Material:
     """A Principled material with these constants."""
     made = bpy.data.materials.new(name)
-    made.use_nodes = True
-    shader = next(n for n in made.node_tree.nodes if n.bl_idname == "ShaderNodeBsdfPrincipled")
+    shader = next(n for n in enable_nodes(made).nodes if n.bl_idname == "ShaderNodeBsdfPrincipled")
     shader.inputs["Base Color"].default_value = (*color, 1.0)
     shader.inputs["Roughness"].default_value = roughness
     shader.inputs["Metallic"].default_value = metallic
@@ -30,8 +30,7 @@ def material(name: str, color: Color, roughness: float = 0.5, metallic: float = 
 def world(scene: bpy.types.Scene, color: Color, strength: float = 1.0) -> None:
     """Gives the scene a world of one color."""
     scene.world = bpy.data.worlds.new("World")
-    scene.world.use_nodes = True
-    background = next(n for n in scene.world.node_tree.nodes if n.bl_idname == "ShaderNodeBackground")
+    background = next(n for n in enable_nodes(scene.world).nodes if n.bl_idname == "ShaderNodeBackground")
     background.inputs["Color"].default_value = (*color, 1.0)
     background.inputs["Strength"].default_value = strength
 
