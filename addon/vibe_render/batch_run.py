@@ -59,8 +59,10 @@ def vibe(a: argparse.Namespace, reporter: Reporter) -> None:
             out.write_text("preset.json", presets.extract(a.prompt, job, found.values).dumps())
             out.write_json("report.json", _report(a, job, found, measured, skipped, laps))
         reporter.result(_summary(job, found, measured, skipped), found.stopped)
-    finally:
-        engine.stop()
+    except BaseException:
+        engine.stop(patience=0.1)  # it may be in the middle of something
+        raise
+    engine.stop()
 
 
 def apply(a: argparse.Namespace, reporter: Reporter) -> None:

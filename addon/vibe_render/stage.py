@@ -90,8 +90,6 @@ def _normalize(meshes: list[bpy.types.Object], path: Path) -> np.ndarray:
     """Moves and scales the imported objects onto the stage; returns their vertices (V, 3)."""
     bpy.context.view_layer.update()
     points = np.concatenate([_vertices(o) for o in meshes])
-    if not np.isfinite(points).all():
-        raise schema.VibeError(f"{path.name} has vertices that are not numbers.", "Export it again.")
     low, high = points.min(0), points.max(0)
     radius = float(np.linalg.norm(high - low)) / 2
     if radius <= 0:
