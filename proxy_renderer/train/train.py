@@ -9,6 +9,7 @@ import copy
 import json
 import os
 import time
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -16,7 +17,7 @@ import torch
 
 from . import bank as banks
 from . import captions
-from .data import LOOKS, make_batch
+from .data import LOOKS, Batch, make_batch
 from .model import CONFIG, Student, export
 
 
@@ -39,7 +40,7 @@ class Recipe:
     rate: float = 1.5e-3
     warmup: int = 150
     average: int = 250
-    heads: float = 1.0
+    heads: float = 3.0
     words: float = 0.3
     seed: int = 0
     save: int = 50
@@ -57,13 +58,14 @@ class Trainer:
         self.average = copy.deepcopy(self.student.state_dict())
         decayed = [p for n, p in self.student.named_parameters() if p.ndim > 1 and "embedding" not in n]
         other = [p for n, p in self.student.named_parameters() if p.ndim <= 1 or "embedding" in n]
+        self._maker, self._ahead = ThreadPoolExecutor(1), dict[int, Future[Batch]]()
         groups = [{"params": decayed, "weight_decay": 0.05}, {"params": other, "weight_decay": 0.0}]
         self.optimizer = torch.optim.AdamW(groups, lr=recipe.rate, betas=(0.9, 0.98), fused=True)
 
     def advance(self) -> dict[str, float]:
         """One step on the batch that belongs to it; returns its losses."""
         recipe = self.recipe
-        batch = make_batch(self.bank, recipe.groups, recipe.seed * 1_000_003 + self.step)
+        batch = self._batch()
         for group in self.optimizer.param_groups:
             group["lr"] = recipe.rate * min(1.0, (self.step + 1) / recipe.warmup)
         self.student.train()
@@ -76,6 +78,18 @@ class Trainer:
         self.step += 1
         self._average()
         return {name: round(value.item(), 4) for name, value in losses.items()}
+
+    def _batch(self) -> Batch:
+        """The batch of this step; the next one is made meanwhile."""
+        ahead = {
+            step: self._ahead.get(step) or self._maker.submit(self._make, step)
+            for step in (self.step, self.step + 1)
+        }
+        self._ahead = ahead
+        return ahead[self.step].result()
+
+    def _make(self, step: int) -> Batch:
+        return make_batch(self.bank, self.recipe.groups, self.recipe.seed * 1_000_003 + step)
 
     @torch.no_grad()
     def _average(self) -> None:
