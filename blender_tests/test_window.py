@@ -68,7 +68,7 @@ def walked(tmp_path_factory):
     driver = ["--python", REPOSITORY / "blender_tests" / "window_driver.py", "--", extension.build(out), out]
     done = subprocess.run(
         ["bash", TOOL, "run", *command, *driver],
-        cwd=REPOSITORY, env=environment, capture_output=True, text=True, timeout=240,
+        cwd=REPOSITORY, env=environment, capture_output=True, text=True, timeout=560,
     )  # fmt: skip
     report = out / "steps.json"
     assert report.is_file(), done.stdout[-3000:] + done.stderr[-3000:]

@@ -55,6 +55,12 @@ def text(key: str, values: schema.Values) -> str:
     return f"{sign}{_number(values[0])}{_UNITS[row.unit]}"
 
 
+def arrow(key: str, before: schema.Values, after: schema.Values) -> str:
+    """The old and the new value, the unit once: "400 → 160 W"."""
+    unit = _UNITS[parameter(key).unit]
+    return f"{text(key, before).removesuffix(unit)} → {text(key, after)}"
+
+
 def _number(value: float) -> str:
     """About three significant digits, without exponents."""
     if abs(value) < 1e-4:

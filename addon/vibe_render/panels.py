@@ -135,17 +135,22 @@ class VIBE_PT_changes(_IdleTab):
 
     def draw_header_preset(self, context: bpy.types.Context) -> None:
         """How many there are."""
-        self.layout.label(text=f"{len(context.scene.vibe.changes)} values ")
+        self.layout.label(text=f"{len(_visible(context))} values ")
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draws the list."""
         layout = self.layout
-        for (group, owner), entries in groupby(context.scene.vibe.changes, key=_owner):
+        for (group, owner), entries in groupby(_visible(context), key=_owner):
             name, icon = changes.GROUPS[group]
             column = layout.column(align=True)
             column.label(text=owner or name, icon=icon)
             for entry in entries:
                 _draw_change(column, entry)
+
+
+def _visible(context: bpy.types.Context) -> list[Any]:
+    """The changes that show in the numbers."""
+    return [c for c in context.scene.vibe.changes if not changes.same(c.name, *c.values())]
 
 
 def _owner(change: Any) -> tuple[str, str]:
@@ -166,7 +171,7 @@ def _draw_change(layout: bpy.types.UILayout, change: Any) -> None:
         values.prop(change, "after", text="")
     else:
         values.alignment = "RIGHT"
-        values.label(text=f"{changes.text(change.name, before)} → {changes.text(change.name, after)}")
+        values.label(text=changes.arrow(change.name, before, after))
     row.operator("vibe.why", text="", icon="INFO", emboss=False).key = change.name
 
 
