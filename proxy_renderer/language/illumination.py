@@ -14,6 +14,7 @@ from .view import radiance
 # Watts per d^2 that give a facing white surface a radiance of 1 (Cycles' calibration); W/m2 for the sun.
 _WATTS = {"POINT": 4 * math.pi**2, "SPOT": 4 * math.pi**2, "AREA": math.pi**2, "SUN": math.pi}
 _FACING = 0.45  # mean cosine over the lit side, times the share of what is seen that is lit
+_MIRRORED = 0.05  # of a dielectric at an index of 1.5, grazing angles included
 _OPEN = 0.8  # what occlusion leaves of the world's light
 
 Value = Callable[[Instance], Values]
@@ -34,15 +35,33 @@ def white_radiance(instances: dict[str, Instance], context: PlanContext, value: 
             color = instances.get(f"light/{instance.owner}/color")
             gel = luminance(value(color)) if color else 1.0
             total += _FACING * gel * value(instance)[0] / (watts(instance, context) * instance.reference)
-    strength, color = instances.get("world/strength"), instances.get("world/color")
-    tint = instances.get("world/tint")
-    if strength:
-        world = value(color) if color else value(tint) if tint else (1.0, 1.0, 1.0)
-        total += (
-            _OPEN * luminance(world) * value(strength)[0] * (1.0 if color else context.environment_luminance)
-        )
-    stops = sum(value(i)[0] for i in instances.values() if i.parameter.name in ("exposure", "grade_exposure"))
-    return total * 2**stops
+    return total * _exposed(instances, value) + _OPEN * world_radiance(instances, context, value)
+
+
+def world_radiance(instances: dict[str, Instance], context: PlanContext, value: Value) -> float:
+    """Radiance of the world after exposure; the mean of a linked environment."""
+    strength = instances.get("world/strength")
+    if strength is None:
+        return 0.0
+    color, tint = instances.get("world/color"), instances.get("world/tint")
+    world = luminance(value(color)) if color else context.environment_luminance
+    world *= luminance(value(tint)) if tint else 1.0
+    return world * value(strength)[0] * _exposed(instances, value)
+
+
+def _exposed(instances: dict[str, Instance], value: Value) -> float:
+    return 2 ** sum(
+        value(i)[0] for i in instances.values() if i.parameter.name in ("exposure", "grade_exposure")
+    )
+
+
+def veil(material: str, instances: dict[str, Instance], context: PlanContext, value: Value) -> float:
+    """White light that a dielectric mirrors from the world all over, which bleaches its color."""
+    layers = 0.0
+    for name, neutral in (("specular", 0.5), ("coat", 1.0)):
+        instance = instances.get(f"material/{material}/{name}")
+        layers += _MIRRORED * value(instance)[0] / neutral if instance else 0.0
+    return layers * world_radiance(instances, context, value)
 
 
 def expected(
@@ -55,13 +74,17 @@ def expected(
     future = white_radiance(instances, context, planned)
     shown = context.picture.lab.get(region) if context.picture else None
     albedos = [a for name in materials if (a := _albedo(name, instances, context)) is not None]
+    mirrored = [
+        veil(name, instances, context, lambda i: context.values.get(i.key, i.value)) for name in materials
+    ]
     if shown is None or not albedos or sum(albedos) / len(albedos) < 0.05:
         return future
 
     def current(instance: Instance) -> Values:
         return context.values.get(instance.key, instance.value)
 
-    measured = radiance(shown[0], context.view) / (sum(albedos) / len(albedos))
+    matte = radiance(shown[0], context.view) - sum(mirrored) / len(mirrored)
+    measured = max(matte, 0.02) / (sum(albedos) / len(albedos))
     return measured * future / max(white_radiance(instances, context, current), 1e-4)
 
 

@@ -9,6 +9,7 @@ from .types import Attribute, Parsed, PlanContext
 from .vocabulary import OWNERS, Effect
 
 _PART = 0.12  # materials on less of their region are parts: tyres, eyes, screws
+_SLIVER = 0.05  # of the surroundings: so little world counts as none
 
 
 class Owners:
@@ -58,17 +59,16 @@ class Owners:
         large = [n for n in names if shares.get(n, 1.0) >= _PART]
         return large or sorted(names, key=lambda n: -shares.get(n, 0.0))[:1]
 
+    def world_is_hidden(self) -> bool:
+        """Whether surfaces fill all that the camera sees."""
+        share = self.context.world_share
+        return share is not None and share < _SLIVER and bool(self.materials("surroundings"))
+
     def _concerns(self, effect: Effect, attribute: Attribute) -> bool:
         """Whether a word about surroundings means the world too: not if it names a thing, or a sky is named."""
         if effect.owner != "world" or attribute.kind != "surroundings" or effect.mode == "times":
             return True
-        sky = any(a.kind == "sky" for a in self.parsed.attributes)
-        share = self.context.world_share
-        return (
-            not attribute.owners
-            and not sky
-            and (share is None or share > 0.05 or not self.materials("surroundings"))
-        )
+        return not attribute.owners and not any(a.kind == "sky" for a in self.parsed.attributes)
 
     # ---- lights
 

@@ -236,8 +236,8 @@ class _Reader:
             self.binding.ignored.append(token.text)
         elif state.around or state.inside:
             self._name(state, token.text, "surroundings")
-        elif not named and (not self.scene.objects or not self.subject):
-            self.subject = self.subject or token.text
+        elif not named:
+            self.subject = token.text
             self._name(state, token.text, "subject")
         else:
             # "A red fish" where no fish is: better no red than a red something else.

@@ -6,8 +6,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from ..schema import FAMILIES, Instance, Values
-from .color import to_srgb
-from .illumination import expected
+from .color import to_lab, to_srgb
+from .illumination import expected, veil
 from .owners import Owners
 from .ranges import Range, Sources, clip, effect_range
 from .support import supports
@@ -66,6 +66,7 @@ class _Planner:
         self.notes = list(parsed.conflicts)
         self.demands: dict[str, list[Demand]] = {}
         self.settled: dict[str, tuple[Range, list[Demand]]] = {}
+        self.kept: dict[str, list[str]] = {}
         self.light: dict[str, float] = {}
 
     def entries(self) -> dict[str, PlanEntry]:
@@ -78,7 +79,11 @@ class _Planner:
                 self._measure_light()
             self._settle([d for a, e in wishes if _stage(e) == stage for d in self._demands(a, e)])
             self._note_world_color()
-        return {key: self._entry(instance) for key, instance in self.instances.items()}
+        entries = {key: self._entry(instance) for key, instance in self.instances.items()}
+        for reason, keys in self.kept.items():
+            more = f" and {len(keys) - 3} more" if len(keys) > 3 else ""
+            self.notes.append(f"The words ask for {', '.join(keys[:3])}{more}, but: {reason}.")
+        return entries
 
     def _attributes(self) -> list[Attribute]:
         """With "red and blue lights" shared out: the first color to the key, the next to the others."""
@@ -93,7 +98,10 @@ class _Planner:
     def _effects(self, attribute: Attribute) -> list[Effect]:
         """What a word does; negated, what it forbids or the mild opposite."""
         if attribute.color:
-            return [] if attribute.negated else list(self.vocabulary.painted.get(attribute.kind, ()))
+            kind = attribute.kind
+            if kind == "surroundings" and self.owners.world_is_hidden():
+                kind = "hidden_pale" if to_lab(attribute.color)[0] > 80 else "hidden"
+            return [] if attribute.negated else list(self.vocabulary.painted.get(kind, ()))
         entry = self.vocabulary.entries[attribute.entry]
         if not attribute.negated:
             return list(entry.effects)
@@ -113,7 +121,12 @@ class _Planner:
         demands = []
         for instance in self.owners.of(effect, attribute):
             light = self.light.get(instance.role, 1.0)
-            sources = replace(self.sources, own_color=self._own_color(instance.owner), illumination=light)
+            sources = replace(
+                self.sources,
+                own_color=self._own_color(instance.owner),
+                illumination=light,
+                veil=veil(instance.owner, self.instances, self.sources.context, self._planned),
+            )
             lower, upper = effect_range(effect, replace(attribute, strength=strength), instance, sources)
             priority = effect.priority + (2 if effect.weak else 0) + (_SECOND if attribute.cause else 0)
             priority += 2 * (effect.owner == "lights" and instance.owner not in self.owners.key)
@@ -180,9 +193,7 @@ class _Planner:
         settled = self.settled.get(instance.key)
         if instance.locked:
             if settled:
-                self.notes.append(
-                    f"{instance.key} is locked ({instance.locked}), so {settled[1][0].reason} cannot touch it."
-                )
+                self.kept.setdefault(instance.locked, []).append(instance.key)
             return PlanEntry(instance.value, instance.value, None, f"locked: {instance.locked}")
         if not settled:
             return PlanEntry(

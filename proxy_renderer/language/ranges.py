@@ -33,6 +33,7 @@ class Sources:
         world_color: Linear color of the world that the plan settles on, strength 1.
         own_color: sRGB of the color that the material gets or has, for glows.
         illumination: Radiance, after exposure, of a white surface where the effect acts.
+        veil: Radiance that the surface mirrors all over, whatever its color.
         environment: Whether the world is a linked picture.
     """
 
@@ -41,6 +42,7 @@ class Sources:
     world_color: Values = (1.0, 1.0, 1.0)
     own_color: Values = (1.0, 1.0, 1.0)
     illumination: float = 1.0
+    veil: float = 0.0
     environment: bool = False
 
 
@@ -199,7 +201,7 @@ def _color_range(effect: Effect, attribute: Attribute, instance: Instance, sourc
         linear = reachable(srgb, view, _BRIGHTEST)
         linear = tuple(v / max(linear) for v in linear) if max(linear) > _DARK else linear
     else:
-        linear = _surface(srgb, view, sources.illumination)
+        linear = _surface(srgb, view, sources.illumination, sources.veil)
     if instance.parameter.family == "material/tint":
         texture = max(sources.context.texture_luminance.get(instance.owner, 0.4), 0.02)
         linear = tuple(v / texture for v in linear)
@@ -208,12 +210,13 @@ def _color_range(effect: Effect, attribute: Attribute, instance: Instance, sourc
     return _box(linear)
 
 
-def _surface(srgb: Values, view: str, illumination: float) -> Values:
+def _surface(srgb: Values, view: str, illumination: float, veil: float) -> Values:
     """The albedo that is displayed as a color under the light that is going to fall on it."""
     if to_lab(srgb)[0] > 93:
         return (_WHITEST,) * 3 if chroma(to_lab(srgb)) < 4 else tuple(_WHITEST * v for v in to_linear(srgb))
     light = min(max(illumination, 0.6), 4.0)
-    albedo = tuple(v / light for v in reachable(srgb, view, _WHITEST * light))
+    wanted = reachable(srgb, view, _WHITEST * light)
+    albedo = tuple(max(v - veil, 0.4 * v) / light for v in wanted)
     return tuple(min(max(v, _BLACKEST), _WHITEST) for v in albedo)
 
 
