@@ -144,3 +144,21 @@ def test_views_are_reproducible_and_differ_between_seeds():
     assert torch.equal(first, again)
     assert torch.equal(first[0], other[0])  # the full frame
     assert not torch.equal(first[1:], other[1:])
+
+
+def test_a_subject_without_any_light_on_it_has_no_form():
+    mask = disk()
+    gain = torch.tensor(1.0, requires_grad=True)
+    lost = L.form_loss(srgb_to_lab(picture([0.03, 0.03, 0.03], [0.8, 0.7, 0.6], mask) * gain), mask)
+    lost.backward()
+    assert lost.item() > 0.5
+    assert gain.grad.item() < 0
+    assert L.form_loss(srgb_to_lab(picture([0.2, 0.2, 0.2], [0.8, 0.7, 0.6], mask)), mask).item() == 0.0
+
+
+def test_the_leash_keeps_a_color_on_the_way_between_its_bounds():
+    colors, free = torch.tensor([[0, 1, 2]]), torch.tensor([1.0, 1.0, 1.0])
+    assert L.leash_loss(torch.tensor([0.3, 0.3, 0.3]), colors, free).item() == pytest.approx(0.0)
+    assert L.leash_loss(torch.tensor([0.0, 0.0, 0.9]), colors, free).item() > 0.1
+    fixed = torch.tensor([1.0, 1.0, 0.0])  # what cannot move has no say
+    assert L.leash_loss(torch.tensor([0.3, 0.3, 0.0]), colors, fixed).item() == pytest.approx(0.0)

@@ -39,3 +39,7 @@ class GlobalGuide:
         """The one term; the mask is not looked at."""
         seen = regions.whole_views(display, self.views.whole, generator, self.encoder.size)
         return {"whole": positive_loss(self.encoder.encode_images(seen), self.text)}
+
+    def measure(self, display: Tensor) -> dict[str, float]:
+        """Nothing: the baseline does not know what the words ask for."""
+        return {}

@@ -33,6 +33,7 @@ class Settings:
             that along half a cosine.
         clip: Greatest gradient norm.
         every: Steps between two evaluations on the fixed views.
+        progress: How much lower a loss must be to count as progress.
         patience: Evaluations without progress after which the loop ends.
         repairs: Non-finite losses after which the loop gives up.
     """
@@ -40,6 +41,7 @@ class Settings:
     rate: float = 0.04
     clip: float = 1.0
     every: int = 4
+    progress: float = 1e-3
     patience: int = 4
     repairs: int = 4
 
@@ -109,7 +111,7 @@ def descend(
         if (step - 1) % settings.every == 0 or step > steps:
             score = judge(point.detach(), picture)
             best.start_loss = score if step == 1 else best.start_loss
-            stale = 0 if score < best.loss - 1e-4 else stale + 1
+            stale = 0 if score < best.loss - settings.progress else stale + 1
             if score < best.loss:
                 best.u, best.loss = point.detach().clone(), score
         if step > steps or stale > settings.patience:

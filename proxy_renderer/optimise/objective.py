@@ -3,21 +3,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import torch
 from torch import Tensor
 
-from ..guidance.losses import prior_loss
+from ..guidance.guide import Weights
+from ..guidance.losses import leash_loss, prior_loss
 from .inner import fixed_views
 from .vector import ParameterVector
 
 if TYPE_CHECKING:
     from ..render.proxy import Proxy, Render
 
-Terms = Callable[[Tensor, Tensor, torch.Generator], dict[str, Tensor]]
-"""(display, mask, generator) -> weighted loss terms."""
+
+class Terms(Protocol):
+    """The guidance: `guide.Guide`, or the baseline's."""
+
+    def __call__(self, display: Tensor, mask: Tensor, generator: torch.Generator) -> dict[str, Tensor]:
+        """The weighted loss terms of a picture (H, W, 3) with its mask (H, W)."""
+
+    def measure(self, display: Tensor) -> dict[str, float]:
+        """Probabilities of the attributes that the words ask for."""
 
 
 class RoundObjective:
@@ -31,7 +38,8 @@ class RoundObjective:
             the camera is held.
         lower: (N,) lower corner of the feasible box.
         upper: (N,) upper corner.
-        pull: (N,) weight of the prior on each component, 0 where words name the value.
+        pull: (N,) weight in [0, 1] of the prior on each component, 0 where words name the value.
+        weights: Of the prior and of the leash on colors; None for neither.
     """
 
     def __init__(
@@ -43,11 +51,17 @@ class RoundObjective:
         lower: Tensor,
         upper: Tensor,
         pull: Tensor,
+        weights: Weights | None,
     ) -> None:
         self.proxy, self.vector, self.terms, self.free = proxy, vector, terms, free
         self._lower, self._span = lower, (upper - lower).clamp_min(1e-9)
         self._home = vector.encode({})
-        self._pull = pull
+        self._pull, self._weights = pull, weights
+        self._range = (upper - lower > 1e-9).to(lower)
+        colors = [vector.slices[key] for key in free if vector.instances[key].parameter.components == 3]
+        self._colors = (
+            torch.tensor([[part.start + i for i in range(3)] for part in colors]).view(-1, 3).long()
+        )
 
     def render(self, u: Tensor) -> Render:
         """The proxy's picture of u (N,), differentiable in the free keys."""
@@ -55,17 +69,23 @@ class RoundObjective:
 
     def loss(self, picture: Render, u: Tensor, generator: torch.Generator) -> Tensor:
         """The sum of all terms."""
-        terms = self.terms(picture.display, picture.mask, generator)
+        total = torch.stack(list(self.terms(picture.display, picture.mask, generator).values())).sum()
+        if self._weights is None:
+            return total
         where, home = ((x - self._lower) / self._span for x in (u, self._home))
-        prior = prior_loss(where, home.clamp(0.0, 1.0), self._pull)
-        return torch.stack(list(terms.values())).sum() + prior.float().to(picture.display.device)
+        prior = self._weights.prior * prior_loss(where, home.clamp(0.0, 1.0), self._pull)
+        leash = self._weights.leash * leash_loss(where, self._colors, self._range)
+        return total + (prior + leash).float().to(total.device)
 
-    def account(self, u: Tensor) -> dict[str, float]:
-        """Each weighted term at u, on the views that the best point is judged on."""
+    def account(self, u: Tensor) -> dict[str, dict[str, float]]:
+        """What the picture of u is worth: its weighted terms, and how sure the named attributes are."""
         with torch.no_grad():
             picture = draw(self.proxy, self.vector, u)
             terms = self.terms(picture.display, picture.mask, fixed_views())
-        return {name: round(float(value), 4) for name, value in terms.items()}
+        return {
+            "terms": {name: round(float(value), 4) for name, value in terms.items()},
+            "seen": self.terms.measure(picture.display),
+        }
 
 
 def draw(

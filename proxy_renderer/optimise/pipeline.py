@@ -11,7 +11,7 @@ import torch
 from torch import Tensor
 
 from ..guidance.encoder import Encoder
-from ..guidance.losses import Guide, Weights
+from ..guidance.guide import Guide, Weights
 from ..guidance.regions import Views
 from ..language import compose, parse
 from ..language import plan as confine
@@ -30,6 +30,9 @@ from .vector import ParameterVector, project
 
 INNER_SIZE = 256
 """Longer side of the pictures inside the loop: the encoder looks at crops of about 128 pixels."""
+
+CONVERGED = 0.002
+"""A round that lowers the loss by a smaller share is the last one."""
 
 
 @dataclass
@@ -81,6 +84,7 @@ def run(
     clock = Clock(options, watch)
     u = vector.encode({})
     terms: Terms | None = None
+    weights = None if options.baseline else Weights()
     rounds: list[dict[str, Any]] = []
 
     for number in range(options.rounds):
@@ -99,7 +103,7 @@ def run(
         terms = terms or guidance(encoder, heads, parsed, prompts, prompt, options, picture)
         chosen = select(plan, vector, proxy, terms, u, lower, upper, options)
         objective = RoundObjective(
-            proxy, vector, terms, set(chosen), lower, upper, pull(plan, vector, chosen)
+            proxy, vector, terms, set(chosen), lower, upper, pull(plan, vector, chosen), weights
         )
         movable = vector.mark(chosen) & (upper > lower)
         seed = options.seed * 1000 + number
@@ -112,13 +116,14 @@ def run(
             {
                 "parameters": chosen,
                 "loss": [found.start_loss, found.loss],
-                "terms": objective.account(u),
+                **objective.account(u),
                 "steps": found.steps,
                 "repairs": found.repairs,
                 "seconds": round(time.monotonic() - started, 3),
             }
         )
-        if clock.stopped or not chosen:
+        gained = found.start_loss - found.loss
+        if clock.stopped or not chosen or (number and gained < CONVERGED * abs(found.start_loss)):
             break
 
     optimised = {key for record in rounds for key in record["parameters"]}
@@ -137,7 +142,9 @@ def guidance(
     """The objective's terms, calibrated on the artist's picture; they are the same in all rounds."""
     if options.baseline:
         return GlobalGuide(encoder, prompt, Views())
-    return Guide(encoder, heads, prompts, parsed.targets, parsed.colors, (start.display, start.mask))
+    silhouette = any(a.entry == "silhouette" and not a.negated for a in parsed.attributes)
+    first = (start.display, start.mask)
+    return Guide(encoder, heads, prompts, parsed.targets, parsed.colors, first, silhouette)
 
 
 def select(
@@ -160,7 +167,7 @@ def select(
         )
     if options.baseline:
         return sorted(relevant)
-    probe = RoundObjective(proxy, vector, terms, relevant, lower, upper, torch.zeros_like(u))
+    probe = RoundObjective(proxy, vector, terms, relevant, lower, upper, torch.zeros_like(u), None)
     gain = promise(probe, u, lower, upper)
     return top_k(
         plan, options.top_k, movable, {k: float(gain[part].sum()) for k, part in vector.slices.items()}
@@ -168,10 +175,10 @@ def select(
 
 
 def pull(plan: Plan, vector: ParameterVector, chosen: list[str]) -> Tensor:
-    """(N,) weight of the prior: on what is optimised though no word named it."""
+    """(N,) weight in [0, 1] of the prior: on what is optimised though no word named it."""
     weight = torch.zeros(vector.size, dtype=torch.float64)
     for key in chosen:
-        weight[vector.slices[key]] = Weights().prior * plan[key].prior
+        weight[vector.slices[key]] = plan[key].prior
     return weight
 
 

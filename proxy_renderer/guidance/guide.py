@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The objective for one prompt (equation 9): one region, one phrase, one loss, and the safeguards."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import torch
+import torch.nn.functional as F
+from torch import Tensor
+
+from ..language.types import Lab, Prompts, Region
+from ..render.color import srgb_to_lab
+from . import regions
+from .losses import border_loss, color_loss, form_loss, negative_loss, positive_loss, visibility_loss
+
+if TYPE_CHECKING:
+    from .encoder import Encoder
+
+_REGIONS = ("subject", "surroundings", "whole")
+_SURE = 0.1  # cross-entropy below which an attribute counts as there: p > 0.9
+_FULL_FRAME = ("vignette", "brightness")  # attributes that a crop changes
+
+
+@dataclass(frozen=True)
+class Weights:
+    """Weights of the terms; those of equation 9 are the paper's.
+
+    Attributes:
+        subject: λ_fg.
+        surroundings: λ_bg.
+        whole: λ_full.
+        negative: λ_neg.
+        color: Named colors; the paper's for the background's, used for the subject's too.
+        attributes: Cross-entropy of the attribute heads.
+        border: Subject on the picture's border.
+        visibility: A subject that cannot be told from its surroundings, or cannot be seen.
+        prior: Pull of what no word names to the artist's value.
+        leash: Pull of a color's components to one place in their ranges.
+    """
+
+    subject: float = 1.0
+    surroundings: float = 1.0
+    whole: float = 0.25
+    negative: float = 0.8
+    color: float = 0.6
+    attributes: float = 0.5
+    border: float = 0.5
+    visibility: float = 1.0
+    prior: float = 0.5
+    leash: float = 0.5
+
+
+class Guide:
+    """The objective for one prompt.
+
+    Args:
+        encoder: Judges similarity.
+        heads: Encoder whose attribute heads are asked (often the same); None for none.
+        prompts: Phrases by region.
+        targets: Attribute -> class that the words ask for.
+        colors: "subject"/"surroundings" -> Lab.
+        start: Display picture (H, W, 3) and mask (H, W) of the artist's scene: hinge margins are
+            calibrated on it, because encoders differ in how alike they find everything.
+        silhouette: Whether the subject may be without any light on it.
+        weights: Of the terms.
+        views: How many crops of each region.
+    """
+
+    def __init__(
+        self,
+        encoder: Encoder,
+        heads: Encoder | None,
+        prompts: Prompts,
+        targets: Mapping[str, str],
+        colors: Mapping[Region, Lab],
+        start: tuple[Tensor, Tensor],
+        silhouette: bool = False,
+        weights: Weights | None = None,
+        views: regions.Views | None = None,
+    ) -> None:
+        self.encoder, self.weights, self.views = encoder, weights or Weights(), views or regions.Views()
+        self.colors, self.silhouette = colors, silhouette
+        self.heads = heads if heads is not None and heads.heads is not None else None
+        names = self.heads.heads.names if self.heads is not None and self.heads.heads is not None else {}
+        self.targets = {a: names[a].index(c) for a, c in targets.items() if c in names.get(a, [])}
+        self.positive = {
+            region: _texts(encoder, (text,))
+            for region, text in zip(
+                _REGIONS, (prompts.subject, prompts.surroundings, prompts.whole), strict=True
+            )
+        }
+        negatives = (prompts.subject_negatives, prompts.surroundings_negatives, prompts.whole_negatives)
+        self.negative = {r: _texts(encoder, texts) for r, texts in zip(_REGIONS, negatives, strict=True)}
+        with torch.no_grad():
+            features = self._features(*start, torch.Generator().manual_seed(0))
+        self.margins = {r: self._margin(features[r], r) for r in _REGIONS}
+
+    def __call__(self, display: Tensor, mask: Tensor, generator: torch.Generator) -> dict[str, Tensor]:
+        """The weighted terms, whose sum is the loss.
+
+        Args:
+            display: (H, W, 3) in [0, 1].
+            mask: (H, W) soft subject coverage.
+            generator: Chooses crops and backgrounds.
+        """
+        w = self.weights
+        terms: dict[str, Tensor] = {}
+        features = self._features(display, mask, generator)
+        for region, weight in zip(_REGIONS, (w.subject, w.surroundings, w.whole), strict=True):
+            if len(self.positive[region]):
+                terms[region] = weight * positive_loss(features[region], self.positive[region])
+            if len(self.negative[region]):
+                loss = negative_loss(features[region], self.negative[region], self.margins[region])
+                terms[f"{region} negative"] = w.negative * loss
+        if self.targets and self.heads is not None:
+            seen = self._head_features(display, features["whole"], generator)
+            terms["attributes"] = w.attributes * self._attribute_loss(seen)
+        lab = srgb_to_lab(display)
+        for region, target in self.colors.items():
+            terms[f"{region} color"] = w.color * color_loss(
+                lab, mask if region == "subject" else 1.0 - mask, target
+            )
+        terms["border"] = w.border * border_loss(mask)
+        terms["visibility"] = w.visibility * visibility_loss(lab, mask)
+        if not self.silhouette:
+            terms["form"] = w.visibility * form_loss(lab, mask)
+        return terms
+
+    def measure(self, display: Tensor) -> dict[str, float]:
+        """Attribute -> probability of the class that the words ask for, in a picture (H, W, 3)."""
+        if not self.targets or self.heads is None:
+            return {}
+        with torch.no_grad():
+            picture = regions.whole_views(display, 1, torch.Generator(), self.heads.size)
+            logits = self.heads.heads.logits(self.heads.encode_images(picture))  # type: ignore[union-attr]
+        return {a: round(float(logits[a].softmax(-1)[0, c]), 3) for a, c in self.targets.items()}
+
+    def _features(self, display: Tensor, mask: Tensor, generator: torch.Generator) -> dict[str, Tensor]:
+        """Image features (views, D) of each region, in one batch."""
+        size, views = self.encoder.size, self.views
+        batch = {
+            "subject": regions.subject_views(display, mask, views.subject, generator, size),
+            "surroundings": regions.surroundings_views(display, mask, views.surroundings, generator, size),
+            "whole": regions.whole_views(display, views.whole, generator, size),
+        }
+        features = self.encoder.encode_images(torch.cat(list(batch.values())))
+        return dict(zip(batch, features.split([len(v) for v in batch.values()]), strict=True))
+
+    def _head_features(self, display: Tensor, whole: Tensor, generator: torch.Generator) -> Tensor:
+        """Whole-picture features of the encoder that has the heads."""
+        if self.heads is None or self.heads is self.encoder:
+            return whole
+        return self.heads.encode_images(
+            regions.whole_views(display, self.views.whole, generator, self.heads.size)
+        )
+
+    def _attribute_loss(self, features: Tensor) -> Tensor:
+        """Mean over the named attributes of how far each is from being there."""
+        logits = self.heads.heads.logits(features)  # type: ignore[union-attr]
+        losses = []
+        for attribute, target in self.targets.items():
+            seen = logits[attribute][:1] if attribute in _FULL_FRAME else logits[attribute]
+            entropy = F.cross_entropy(seen, torch.full((len(seen),), target, device=seen.device))
+            losses.append(F.relu(entropy - _SURE))
+        return torch.stack(losses).mean()
+
+    def _margin(self, features: Tensor, region: str) -> float:
+        """How alike this encoder finds the starting picture and the region's phrases on average."""
+        phrases = torch.cat([self.positive[region], self.negative[region]])
+        return float((features @ phrases.T).mean()) if len(phrases) else 0.0
+
+
+def _texts(encoder: Encoder, texts: tuple[str, ...]) -> Tensor:
+    """Unit features (B, D) of the phrases that say something; (0, D) when there are none."""
+    spoken = [t for t in texts if t]
+    with torch.no_grad():
+        features = encoder.encode_texts(spoken or [""])
+    return features[: len(spoken)]
