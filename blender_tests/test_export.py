@@ -10,8 +10,8 @@ import pytest
 from dump import difference, dump
 from mathutils import Matrix
 from vibe_render import bake, export_world, scene_io
-from vibe_render.export import ocio_config
 from vibe_render.export_texture import shrink
+from vibe_render.export_view import ocio_config
 from vibe_render.subject import Choice
 
 from proxy_renderer.scene import load_scene

@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from . import bindings, export_material, export_texture, export_world, fog, poses, roster, shaders
+from . import bindings, export_material, export_texture, export_view, export_world, fog, roster, shaders
 from .contract import schema
 from .export_material import NO_MATERIAL, Exported
 from .survey import Survey
@@ -52,7 +52,7 @@ def export(survey: Survey, folder: Path) -> Job:
     materials = {name: _material(survey, name) for name in geometry.materials}
     instances = _with_materials(found, survey, materials)
     warnings = [*geometry.warnings, *(m.row["warning"] for m in materials.values() if m.row["warning"])]
-    warnings += _ignored(scene)
+    warnings += export_view.ignored(scene)
     image, note = export_world.environment(scene.world)
     if image is not None:
         np.save(folder / "world.npy", image.astype(np.float32))
@@ -65,8 +65,8 @@ def export(survey: Survey, folder: Path) -> Job:
         "pixel_aspect": scene.render.pixel_aspect_x / scene.render.pixel_aspect_y,
         "pivot": survey.pivot,
         "references": bindings.references(scene, survey.objects, survey.pivot),
-        "camera": _camera(survey),
-        "lights": _lights(survey),
+        "camera": export_view.camera(survey),
+        "lights": export_view.lights(survey),
         "materials": _write_textures(survey, materials, folder),
         "objects": [
             {"name": name, "subject": bool(chosen)}
@@ -74,7 +74,7 @@ def export(survey: Survey, folder: Path) -> Job:
         ],
         "world": {"kind": "color"} if image is None else {"kind": "environment", "image": "world.npy"},
         "volume": _volume(survey, instances),
-        "film": _film(scene),
+        "film": export_view.film(scene),
         "parameters": {key: _parameter(instance) for key, instance in instances.items()},
     }
     _write_meshes(survey, folder)
@@ -145,54 +145,9 @@ def _parameter(instance: schema.Instance) -> dict[str, Any]:
     return {"value": value, "reference": instance.reference, "role": instance.role, "locked": instance.locked}
 
 
-def _camera(survey: Survey) -> dict[str, Any]:
-    thing = survey.scene.camera
-    data = thing.data
-    return {
-        "name": thing.name_full,
-        "type": data.type,
-        "residual": _rows(poses.Pose.of(thing, Vector(survey.pivot)).residual),
-        "ortho_scale": data.ortho_scale,
-        "shift": [data.shift_x, data.shift_y],
-        "sensor_fit": data.sensor_fit,
-        "clip": [data.clip_start, data.clip_end],
-    }
-
-
-def _lights(survey: Survey) -> list[dict[str, Any]]:
-    pivot = Vector(survey.pivot)
-    cast = roster.Cast(survey.scene, survey.objects, pivot)
-    return [_light(thing, role, pivot) for thing, role in roster.light_roles(cast).items()]
-
-
-def _light(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, Any]:
-    data = thing.data
-    row: dict[str, Any] = {
-        "name": thing.name_full,
-        "type": data.type,
-        "residual": _rows(poses.Pose.of(thing, pivot).residual),
-        "position": list(thing.matrix_world.translation),
-        "shadow": data.use_shadow,
-        "normalize": getattr(data, "normalize", True),
-        "exposure": getattr(data, "exposure", 0.0),
-        "use_temperature": getattr(data, "use_temperature", False),
-        "role": role,
-    }
-    if data.type == "AREA":
-        both = data.shape in ("RECTANGLE", "ELLIPSE")
-        aspect = data.size_y / max(data.size, 1e-9) if both else 1.0
-        row |= {"shape": data.shape, "aspect": aspect, "spread": data.spread}
-    if data.type == "SPOT":
-        row |= {"spot_size": data.spot_size, "spot_blend": data.spot_blend}
-    return row
-
-
-def _rows(matrix: Any) -> list[list[float]]:
-    return [list(row) for row in matrix]
-
-
 def _write_textures(survey: Survey, materials: Mapping[str, Exported], folder: Path) -> list[dict[str, Any]]:
-    roles, rows = _roles(survey), []
+    roles = _roles(survey)
+    rows: list[dict[str, Any]] = []
     for exported in materials.values():
         row = {**exported.row, "role": roles[exported.row["name"]]}
         if exported.picture:
@@ -231,39 +186,3 @@ def _volume(survey: Survey, instances: Mapping[str, schema.Instance]) -> dict[st
         "half_size": list(domain.half_size),
         "base": domain.base,
     }
-
-
-def _film(scene: bpy.types.Scene) -> dict[str, Any]:
-    view = scene.view_settings
-    space = getattr(getattr(bpy.data, "colorspace", None), "working_space", "Linear Rec.709")
-    return {
-        "ocio": ocio_config(),
-        "display": scene.display_settings.display_device,
-        "view": view.view_transform,
-        "look": "" if view.look == "None" else view.look,
-        "transparent": scene.render.film_transparent,
-        "working_space": space,
-    }
-
-
-def ocio_config() -> str:
-    """The color management configuration that this Blender uses."""
-    shipped = bpy.utils.system_resource("DATAFILES", path="colormanagement")
-    candidates = (
-        os.environ.get("BLENDER_OCIO"),
-        os.environ.get("OCIO"),
-        os.path.join(shipped, "config.ocio"),
-    )
-    return next((path for path in candidates if path and os.path.isfile(path)), "")
-
-
-def _ignored(scene: bpy.types.Scene) -> list[str]:
-    """Settings of the picture that the prediction leaves out."""
-    notes = []
-    if scene.view_settings.use_curve_mapping:
-        notes.append("The view transform's curves are left out of the prediction.")
-    if getattr(scene.view_settings, "use_white_balance", False):
-        notes.append("The view transform's white balance is left out of the prediction.")
-    if scene.camera.data.dof.use_dof:
-        notes.append("Depth of field is left out of the prediction.")
-    return notes

@@ -126,7 +126,7 @@ def _input(material: bpy.types.Material, name: str) -> tuple[Any, bpy.types.Node
     """The socket that holds an input of the surface's shader, and the output that computes it."""
     found = shaders.surface(material)
     entry = found.input(name) if found else None
-    return shaders.resolve(entry, found.inside) if entry else (None, None)
+    return shaders.resolve(entry, found.inside) if found and entry else (None, None)
 
 
 def _is_output(material: bpy.types.Material, node: bpy.types.Node) -> bool:

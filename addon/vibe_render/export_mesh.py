@@ -108,7 +108,9 @@ class _Builder:
         else:
             shapes = ((0, 3), (0, 3), (0, 3, 3), (0, 3, 2), (0,), (0,))
             arrays = [np.zeros(shape, np.float32) for shape in shapes]
-        return Geometry(*arrays, list(self.materials), list(self.objects), list(self.warnings))
+        vertices, faces, normals, uvs, material, owner = arrays
+        names = list(self.materials), list(self.objects), list(self.warnings)
+        return Geometry(vertices, faces, normals, uvs, material, owner, *names)
 
 
 def _materials(thing: bpy.types.Object) -> list[bpy.types.Material | None]:
@@ -164,7 +166,7 @@ def _uvs(
 
 
 def _array(collection, attribute: str, shape: tuple[int, ...], kind: type) -> np.ndarray:
-    flat = np.empty(int(np.prod(shape)), kind)
+    flat: np.ndarray = np.empty(int(np.prod(shape)), kind)
     collection.foreach_get(attribute, flat)
     return flat.reshape(shape)
 

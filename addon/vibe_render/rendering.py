@@ -104,7 +104,7 @@ def _cycles(scene: bpy.types.Scene, size: int, samples: int, seed: int) -> Itera
 
 
 def _can_denoise() -> bool:
-    import _cycles  # Cycles' own module: there as soon as its add-on is
+    import _cycles  # type: ignore[import-not-found]  # there as soon as the Cycles add-on is
 
     return bool(getattr(_cycles, "with_openimagedenoise", False))
 

@@ -14,6 +14,7 @@ from .compat import enable_nodes
 from .contract import schema
 
 Color = tuple[float, float, float]
+Point = Sequence[float] | np.ndarray
 
 
 def material(name: str, color: Color, roughness: float = 0.5, metallic: float = 0.0) -> bpy.types.Material:
@@ -35,7 +36,7 @@ def world(scene: bpy.types.Scene, color: Color, strength: float = 1.0) -> None:
     background.inputs["Strength"].default_value = strength
 
 
-def pose(pivot: Sequence[float], azimuth: float, elevation: float, distance: float) -> Matrix:
+def pose(pivot: Point, azimuth: float, elevation: float, distance: float) -> Matrix:
     """World matrix of a camera or lamp that stands at these angles and looks at the pivot."""
     rotation = Matrix(schema.orbit.frame(azimuth, elevation)).to_4x4()
     place = Vector(pivot) + distance * Vector(schema.orbit.direction(azimuth, elevation))
@@ -49,7 +50,7 @@ def area_light(
     distance: float,
     size: float,
     radiance: float,
-    pivot: Sequence[float],
+    pivot: Point,
     color: Color = (1.0, 1.0, 1.0),
 ) -> bpy.types.Object:
     """A square area light aimed at the pivot.
@@ -75,7 +76,7 @@ def camera(
     angles: tuple[float, float],
     fov: float,
     fill: float,
-    pivot: Sequence[float] | None = None,
+    pivot: Point | None = None,
 ) -> bpy.types.Object:
     """A camera that sees all points, and makes it the scene's.
 

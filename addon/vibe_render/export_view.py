@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Camera, lights and film as the engine sees them: what no vibe changes about them."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import bpy
+from mathutils import Vector
+
+from . import poses, roster
+from .survey import Survey
+
+
+def camera(survey: Survey) -> dict[str, Any]:
+    """The camera's entry in scene.json."""
+    thing = survey.scene.camera
+    data = thing.data
+    return {
+        "name": thing.name_full,
+        "type": data.type,
+        "residual": _rows(poses.Pose.of(thing, Vector(survey.pivot)).residual),
+        "ortho_scale": data.ortho_scale,
+        "shift": [data.shift_x, data.shift_y],
+        "sensor_fit": data.sensor_fit,
+        "clip": [data.clip_start, data.clip_end],
+    }
+
+
+def lights(survey: Survey) -> list[dict[str, Any]]:
+    """The lights' entries in scene.json."""
+    pivot = Vector(survey.pivot)
+    cast = roster.Cast(survey.scene, survey.objects, pivot)
+    return [_light(thing, role, pivot) for thing, role in roster.light_roles(cast).items()]
+
+
+def _light(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, Any]:
+    data = thing.data
+    row: dict[str, Any] = {
+        "name": thing.name_full,
+        "type": data.type,
+        "residual": _rows(poses.Pose.of(thing, pivot).residual),
+        "position": list(thing.matrix_world.translation),
+        "shadow": data.use_shadow,
+        "normalize": getattr(data, "normalize", True),
+        "exposure": getattr(data, "exposure", 0.0),
+        "use_temperature": getattr(data, "use_temperature", False),
+        "role": role,
+    }
+    if data.type == "AREA":
+        both = data.shape in ("RECTANGLE", "ELLIPSE")
+        aspect = data.size_y / max(data.size, 1e-9) if both else 1.0
+        row |= {"shape": data.shape, "aspect": aspect, "spread": data.spread}
+    if data.type == "SPOT":
+        row |= {"spot_size": data.spot_size, "spot_blend": data.spot_blend}
+    return row
+
+
+def _rows(matrix: Any) -> list[list[float]]:
+    return [list(row) for row in matrix]
+
+
+def film(scene: bpy.types.Scene) -> dict[str, Any]:
+    """The view transform's entry in scene.json."""
+    view = scene.view_settings
+    space = getattr(getattr(bpy.data, "colorspace", None), "working_space", "Linear Rec.709")
+    return {
+        "ocio": ocio_config(),
+        "display": scene.display_settings.display_device,
+        "view": view.view_transform,
+        "look": "" if view.look == "None" else view.look,
+        "transparent": scene.render.film_transparent,
+        "working_space": space,
+    }
+
+
+def ocio_config() -> str:
+    """The color management configuration that this Blender uses."""
+    shipped = bpy.utils.system_resource("DATAFILES", path="colormanagement")
+    candidates = (
+        os.environ.get("BLENDER_OCIO"),
+        os.environ.get("OCIO"),
+        os.path.join(shipped, "config.ocio"),
+    )
+    return next((path for path in candidates if path and os.path.isfile(path)), "")
+
+
+def ignored(scene: bpy.types.Scene) -> list[str]:
+    """Settings of the picture that the prediction leaves out."""
+    notes = []
+    if scene.view_settings.use_curve_mapping:
+        notes.append("The view transform's curves are left out of the prediction.")
+    if getattr(scene.view_settings, "use_white_balance", False):
+        notes.append("The view transform's white balance is left out of the prediction.")
+    if scene.camera.data.dof.use_dof:
+        notes.append("Depth of field is left out of the prediction.")
+    return notes
