@@ -67,7 +67,7 @@ class Sky:
 
     def signature(self) -> tuple[float, ...]:
         """Numbers that change when what a direction sees does, color and strength aside."""
-        return () if self.plain else (float(self.turn),)
+        return () if self.plain else (float(self.turn.detach()),)
 
     def levels(self, toward: Tensor, roughness: tuple[float, ...]) -> list[Tensor]:
         """Uncolored radiance (3, N) in unit directions (3, N), one per level of `ROUGHNESS` asked for."""

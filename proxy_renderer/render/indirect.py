@@ -9,6 +9,7 @@ of radiances, and one matrix product per render gives every point its bounced li
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import dataclass
 
 import torch
@@ -208,10 +209,11 @@ class Spread:
     """A fixed sparse matrix (N, A), applied to (A, C), with its transpose ready for gradients."""
 
     def __init__(self, rows: Tensor, columns: Tensor, weights: Tensor, shape: tuple[int, int]) -> None:
-        index = torch.stack((rows, columns))
-        matrix = torch.sparse_coo_tensor(index, weights, shape).coalesce()
-        self.forward = matrix.to_sparse_csr()
-        self.backward = matrix.t().coalesce().to_sparse_csr()
+        with warnings.catch_warnings(), torch.sparse.check_sparse_tensor_invariants(False):
+            warnings.filterwarnings("ignore", "Sparse (CSR|invariant)")  # "in beta", says torch
+            matrix = torch.sparse_coo_tensor(torch.stack((rows, columns)), weights, shape).coalesce()
+            self.forward = matrix.to_sparse_csr()
+            self.backward = matrix.t().coalesce().to_sparse_csr()
 
     def __call__(self, values: Tensor) -> Tensor:
         return _SparseProduct.apply(values, self.forward, self.backward)

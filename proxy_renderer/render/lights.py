@@ -80,7 +80,7 @@ def _lamp(light: Light, scene: SceneData, settings: Settings) -> Lamp:
     power = settings.scalar(key + ("strength" if sun else "power"), 1.0)
     tint = settings.color(key + "color", 1.0) * (power * 2.0**light.exposure)
     temperature = settings.scalar(key + "temperature", 6500.0)
-    if light.use_temperature or wanted(temperature) or float(temperature) != 6500.0:
+    if light.use_temperature or wanted(temperature) or float(temperature.detach()) != 6500.0:
         tint = tint * color.blackbody(temperature)
     pivot = torch.tensor(scene.pivot, device=settings.device)
     distance = 0.0 if sun else settings.scalar(key + "distance", 1.0)

@@ -192,7 +192,7 @@ def _specular(
     plain = _summed(lamps, lobes)
     if plain is None:
         return torch.zeros((), device=f0.device)
-    bent = _summed(lamps, [lobe * (curve @ h.curve) for lobe, h in zip(lobes, highlights, strict=True)])
+    bent = _summed(lamps, [lobe * (curve @ h.curve).clamp_min(0.0) for lobe, h in zip(lobes, highlights, strict=True)])
     return f0 * plain + (f90 - f0) * bent
 
 

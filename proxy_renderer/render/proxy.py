@@ -177,7 +177,7 @@ def _ambient(frame: Frame) -> Tensor | None:
 
 def _behind(frame: Frame, table: Table, material: int, part: slice) -> Tensor:
     """Radiance (3, n) seen through a transparent material."""
-    ior = float(frame.paints[material].ior)
+    ior = float(frame.paints[material].ior.detach())
     far, toward = frame.cache.behind(material, part, ior, frame.lamps)
     world = frame.sky.levels(toward, (0.0,))[0] * frame.sky.color[:, None]
     return far.image(table) + world * far.open

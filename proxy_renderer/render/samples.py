@@ -30,6 +30,7 @@ class Samples:
         surfaces: How many samples meet a surface; the others see the background.
         first: (P,) a sample of every pixel.
         others: (E,) the samples that are no pixel's `first`.
+        owner: (P,) object that the ray through a pixel's center meets, -1 for none.
         center_hits: Hits of the rays through the pixels' centers (P,).
         origin, toward: (3, N) rays, directions of unit length.
     """
@@ -43,6 +44,7 @@ class Samples:
     surfaces: int
     first: Tensor
     others: Tensor
+    owner: Tensor
     center_hits: Hits
     origin: Tensor
     toward: Tensor
@@ -128,6 +130,7 @@ def _sorted(
         surfaces=start,
         first=first,
         others=others,
+        owner=torch.where(center_hits.hit, geometry.object[center_hits.triangle.clamp_min(0)], -1),
         center_hits=center_hits,
         origin=rays[0][:, order],
         toward=rays[1][:, order],

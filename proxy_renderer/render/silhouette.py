@@ -43,7 +43,8 @@ class Silhouettes:
         """Finds the pairs among the samples of a view, whose first ones meet the surface."""
         width, height = samples.size
         depth = samples.center_hits.distance.view(height, width)
-        pairs = [_pairs(depth, axis) for axis in (0, 1)]
+        owner = samples.owner.view(height, width)
+        pairs = [_pairs(depth, owner, axis) for axis in (0, 1)]
         near, far = (torch.cat([p[i] for p in pairs]) for i in (0, 1))
         nearest, farthest = _extreme_samples(samples)
         sample = torch.stack((nearest[near], farthest[far]))
@@ -71,8 +72,8 @@ class Silhouettes:
         return zero.index_add(1, self.pixel[0], share).index_add(1, self.pixel[1], share)
 
 
-def _pairs(depth: Tensor, axis: int) -> tuple[Tensor, Tensor]:
-    """Near and far pixel (E,) of neighbors along an axis between which the depth jumps."""
+def _pairs(depth: Tensor, owner: Tensor, axis: int) -> tuple[Tensor, Tensor]:
+    """Near and far pixel (E,) of neighbors along an axis between which the object or the depth jumps."""
     n = depth.shape[axis] - 1
     index = torch.arange(depth.numel(), device=depth.device).view(depth.shape)
     a, b = depth.narrow(axis, 0, n), depth.narrow(axis, 1, n)
@@ -82,7 +83,8 @@ def _pairs(depth: Tensor, axis: int) -> tuple[Tensor, Tensor]:
     before = torch.minimum(_shifted(depth, axis, -1, n), a) / torch.maximum(_shifted(depth, axis, -1, n), a)
     after = torch.minimum(_shifted(depth, axis, 2, n), b) / torch.maximum(_shifted(depth, axis, 2, n), b)
     bent = torch.minimum(before.nan_to_num(1.0), after.nan_to_num(1.0))
-    jump = low.isfinite() & (low < high * (0.985 * bent).clamp_max(0.985))
+    jump = (owner.narrow(axis, 0, n) != owner.narrow(axis, 1, n)) | (low < high * (0.985 * bent))
+    jump &= low.isfinite()
     near = torch.where(a < b, i, j)[jump]
     far = torch.where(a < b, j, i)[jump]
     return near, far

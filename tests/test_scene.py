@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Exported scenes: what is read, and what is refused."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tiny_job import write_job
+
+from proxy_renderer.scene import load_scene
+from proxy_renderer.schema import VibeError
+
+
+def test_reads_what_was_written(tmp_path: Path) -> None:
+    scene = load_scene(write_job(tmp_path / "job"))
+    assert [m.name for m in scene.materials] == ["Ball", "Floor"]
+    assert scene.mesh.faces.dtype == np.int32 and scene.mesh.normals.shape == (len(scene.mesh.faces), 3, 3)
+    assert scene.instances["light/Key/power"].value == (250.0,)
+    assert scene.value("film/contrast") == (1.0,)
+
+
+def _edit(folder: Path, **changes: object) -> None:
+    path = folder / "scene.json"
+    path.write_text(json.dumps({**json.loads(path.read_text()), **changes}))
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{"format": 99}, {"schema": "other"}, {"resolution": [0, 4]}, {"pivot": [0, 0]}, {"lights": 3}],
+    ids=lambda c: next(iter(c)),
+)
+def test_refuses_what_it_cannot_use(tmp_path: Path, changes: dict) -> None:
+    folder = write_job(tmp_path / "job")
+    _edit(folder, **changes)
+    with pytest.raises(VibeError) as error:
+        load_scene(folder)
+    assert error.value.remedy
+
+
+def test_refuses_a_panorama_and_a_broken_value(tmp_path: Path) -> None:
+    folder = write_job(tmp_path / "a")
+    content = json.loads((folder / "scene.json").read_text())
+    _edit(folder, camera={**content["camera"], "type": "PANO"})
+    with pytest.raises(VibeError, match="PANO"):
+        load_scene(folder)
+    folder = write_job(tmp_path / "b", **{"material/Ball/roughness": float("nan")})
+    with pytest.raises(VibeError, match="material/Ball/roughness"):
+        load_scene(folder)
+
+
+def test_refuses_missing_files(tmp_path: Path) -> None:
+    with pytest.raises(VibeError, match="cannot be read"):
+        load_scene(tmp_path)
+
+
+def test_drops_broken_triangles_and_refuses_when_none_is_left(tmp_path: Path) -> None:
+    folder = write_job(tmp_path / "job")
+    with np.load(folder / "meshes.npz") as stored:
+        arrays = dict(stored)
+    arrays["vertices"][arrays["faces"][0, 0]] = np.nan
+    arrays["normals"][5] = 0.0
+    np.savez(folder / "meshes.npz", **arrays)
+    mesh = load_scene(folder).mesh
+    assert 0 < len(mesh.faces) < len(arrays["faces"])
+    assert np.isfinite(mesh.vertices[mesh.faces]).all() and np.allclose(np.linalg.norm(mesh.normals, axis=2), 1, atol=1e-3)
+    np.savez(folder / "meshes.npz", **{**arrays, "vertices": arrays["vertices"] * 0})
+    with pytest.raises(VibeError, match="no mesh"):
+        load_scene(folder)
