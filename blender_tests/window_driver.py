@@ -69,7 +69,7 @@ class Screen:
     def find(self, what):
         """Sweeps the sidebar with the mouse until it is over a button; a generator of waits."""
         region = self.sidebar
-        rows = range(region.y + region.height - 30, region.y, -9)
+        rows = range(region.y + region.height - 30, region.y, -14)
         for patience in (0.03, 0.3):  # the second time as slowly as a busy machine needs
             for y, x in product(rows, (0.3, 0.75)):
                 self.move(region.x + region.width * x, y)
@@ -165,6 +165,7 @@ def the_way():
     screen.press("ctrl+a")
     screen.type(PROMPT)
     screen.press("Return")
+    yield from wait(lambda: bpy.context.scene.vibe.prompt, 10, "the prompt arrives")
     yield 0.5
     seen["prompt"] = bpy.context.scene.vibe.prompt
     screen.shoot("prompt")
@@ -196,14 +197,16 @@ def the_way():
     screen.move(screen.view.x + 200, screen.view.y + 200)
     yield 0.2
     screen.press("ctrl+z")
+    yield from wait(lambda: not snapshot.exists(bpy.context.scene), 10, "undo")
     yield 0.7
     screen.shoot("undone")
     seen["undo_restores"] = values() == before and not snapshot.exists(bpy.context.scene)
     screen.press("ctrl+shift+z")
-    yield 0.7
+    yield from wait(lambda: snapshot.exists(bpy.context.scene), 10, "redo")
     seen["redo_restores"] = values() == after
 
     yield from screen.click_on("vibe.revert")
+    yield from wait(lambda: not snapshot.exists(bpy.context.scene), 10, "revert")
     yield 0.5
     screen.shoot("reverted")
     seen["revert_restores"] = values() == before and not snapshot.exists(bpy.context.scene)

@@ -226,7 +226,10 @@ def _paragraph(layout: bpy.types.UILayout, context: bpy.types.Context, text: str
 
 
 def _duration(seconds: float) -> str:
-    return f"{seconds / 60:.0f} min" if seconds >= 90 else f"{max(seconds, 1):.0f} s"
+    for size, unit in ((3600, "h"), (60, "min")):
+        if seconds >= 1.5 * size:
+            return f"{seconds / size:.0f} {unit}"
+    return f"{max(seconds, 1):.0f} s"
 
 
 CLASSES = (VIBE_PT_main, VIBE_PT_result, VIBE_PT_changes, VIBE_PT_scope, VIBE_PT_advanced)
