@@ -156,7 +156,11 @@ def _warm_up() -> None:
 
 
 def main() -> None:
-    """Runs the worker on this process's standard streams."""
+    """Runs the worker on this process's standard streams.
+
+    Blender may render meanwhile: torch's threads must sleep, not spin, while they wait for a core.
+    """
+    os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
     sink = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # whatever else prints must not break the protocol
     serve(sys.stdin.buffer, sink)
