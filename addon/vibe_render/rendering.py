@@ -96,6 +96,7 @@ def _cycles(scene: bpy.types.Scene, size: int, samples: int, seed: int) -> Itera
             adaptive_threshold=_NOISE,
             adaptive_min_samples=min(16, samples),
             use_denoising=_can_denoise(),
+            denoising_prefilter="FAST",  # a fifth of the whole time less, for no difference to be seen
             time_limit=0.0,
         ),
         changed(scene.cycles, **({"denoiser": "OPENIMAGEDENOISE"} if _can_denoise() else {})),
