@@ -3,10 +3,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 from ..schema import VibeError
-from .binding import BOUND_SLOTS, Binding, Thing, Word
+from .binding import BOUND_SLOTS, Binding, Thing
+from .clause import ClauseState
 from .lexer import Lexer, Token
 from .meaning import complete
 from .types import Parsed, Region, SceneWords
@@ -42,38 +41,6 @@ def parse(prompt: str, scene: SceneWords, vocabulary: Vocabulary | None = None) 
     return parsed
 
 
-@dataclass
-class _State:
-    """What is known at one point of a clause.
-
-    Attributes:
-        waiting: Look words whose noun has not come yet.
-        last: The last noun.
-        linked: "is", "made of": what follows describes the last noun.
-        around: "on", "in front of": what follows lies around the subject.
-        inside: "in", "of": so it does if it is a thing; otherwise like `linked`.
-        strength: Of the next look word.
-        negated: Whether look words are negated.
-        prefix: Intensities and negations since the last look word, for quoting.
-    """
-
-    waiting: list[Word] = field(default_factory=list)
-    last: Thing | None = None
-    linked: bool = False
-    around: bool = False
-    inside: bool = False
-    strength: float = 1.0
-    negated: bool = False
-    prefix: list[str] = field(default_factory=list)
-
-    def word(self, token: Token) -> Word:
-        """The look word of a token, with what was said before it."""
-        prefix = self.prefix if self.prefix or not self.negated else ["no"]
-        word = Word(token, " ".join([*prefix, token.text]), self.strength, self.negated)
-        self.prefix, self.strength = [], 1.0
-        return word
-
-
 class _Reader:
     """Walks through the clauses of a prompt, token by token."""
 
@@ -97,7 +64,7 @@ class _Reader:
         return _Reader(self.vocabulary, SceneWords(), cause).read(text)
 
     def _clause(self, tokens: list[Token], previous: Thing | None) -> Thing | None:
-        state = _State()
+        state = ClauseState()
         for index, token in enumerate(tokens):
             rest = tokens[index + 1 :]
             if token.guess:
@@ -114,7 +81,7 @@ class _Reader:
         self._flush(state)
         return state.last or previous
 
-    def _step(self, state: _State, token: Token, rest: list[Token]) -> None:
+    def _step(self, state: ClauseState, token: Token, rest: list[Token]) -> None:
         following = _next_content(rest)
         look = token.entry or token.color
         if token.scene and (not look or (state.waiting and not following)):
@@ -165,7 +132,7 @@ class _Reader:
 
     # ---- what it does
 
-    def _connect(self, state: _State, token: Token) -> None:
+    def _connect(self, state: ClauseState, token: Token) -> None:
         if token.text in ("and", "or", "then", "yet", "also"):
             for word in state.waiting:
                 word.barred = True
@@ -184,7 +151,7 @@ class _Reader:
             state.linked, state.inside = False, token.text == "in"
             state.around = not before and not state.inside
 
-    def _apply(self, state: _State, token: Token, following: Token | None) -> None:
+    def _apply(self, state: ClauseState, token: Token, following: Token | None) -> None:
         """A word about the whole picture; those that wait before it may describe it: "cool blue fog"."""
         entry = token.entry
         silhouette = entry == "silhouette"
@@ -199,7 +166,7 @@ class _Reader:
         if token.noun or (kind == "light" and not state.last):
             state.last, state.linked = thing, False
 
-    def _noun(self, state: _State, token: Token) -> None:
+    def _noun(self, state: ClauseState, token: Token) -> None:
         kind = token.noun
         regions: dict[str, Region] = {
             "surroundings": "surroundings",
@@ -213,14 +180,14 @@ class _Reader:
             self.binding.things.append(thing)
         self._arrive(state, thing)
 
-    def _scene_name(self, state: _State, token: Token) -> None:
+    def _scene_name(self, state: ClauseState, token: Token) -> None:
         assert token.scene
         kind: Region = "surroundings" if token.scene.region == "surroundings" else "subject"
         thing = Thing(kind, token.scene.name, kind, token.scene.materials)
         self.binding.things.append(thing)
         self._arrive(state, thing)
 
-    def _arrive(self, state: _State, thing: Thing) -> None:
+    def _arrive(self, state: ClauseState, thing: Thing) -> None:
         """A noun: what waits describes it."""
         state.waiting = self.binding.bind(state.waiting, thing)
         if state.linked and state.last:
@@ -228,7 +195,7 @@ class _Reader:
         state.last, state.linked, state.around, state.inside = thing, False, False, False
         state.prefix, state.strength = [], 1.0
 
-    def _unknown(self, state: _State, token: Token, following: Token | None) -> None:
+    def _unknown(self, state: ClauseState, token: Token, following: Token | None) -> None:
         """A word that nobody knows: a name for the subject or for a thing around it, or nothing."""
         before_look = following is not None and following.known and not following.lists
         named = any(t.kind == "subject" for t in self.binding.things)
@@ -244,12 +211,12 @@ class _Reader:
             self.binding.ignored += [token.text, *(w.text for w in state.waiting if not state.linked)]
             state.waiting = state.waiting if state.linked else []
 
-    def _name(self, state: _State, name: str, region: Region) -> None:
+    def _name(self, state: ClauseState, name: str, region: Region) -> None:
         thing = Thing(region, name, region)
         self.binding.things.append(thing)
         self._arrive(state, thing)
 
-    def _flush(self, state: _State) -> None:
+    def _flush(self, state: ClauseState) -> None:
         """What waits cannot describe anything that comes later."""
         if state.waiting:
             self.binding.bind_rest(state.waiting, state.last, state.linked, state.around)

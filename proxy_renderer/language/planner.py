@@ -9,7 +9,8 @@ from ..schema import FAMILIES, Instance, Values
 from .color import to_lab, to_srgb
 from .illumination import expected, veil
 from .owners import Owners
-from .ranges import Range, Sources, clip, effect_range
+from .ranges import clip, effect_range
+from .sources import Range, Sources
 from .support import supports
 from .types import Attribute, Parsed, Plan, PlanContext, PlanEntry, Prompts
 from .vocabulary import OWNERS, Effect, Vocabulary, default_vocabulary

@@ -11,7 +11,8 @@ import math
 from ..schema import Instance
 from .color import chroma, luminance, to_lab, to_srgb
 from .owners import Owners
-from .ranges import Sources, clip, facing_white
+from .ranges import clip, facing_white
+from .sources import Sources
 from .types import Lab, Parsed, PlanContext, PlanEntry, Region
 from .view import lightness, radiance
 
@@ -61,11 +62,14 @@ def _visibility(
     """Moves surroundings that no word names away from the subject's lightness, as far as it takes."""
     context = sources.context
     subject = _expected(parsed, context, "subject")
-    if subject is None or "surroundings" in parsed.colors:
+    around = _expected(parsed, context, "surroundings")
+    if subject is None:
         return {}
-    around = _expected(parsed, context, "surroundings") or (_unlit(instances, sources, owners), 0.0, 0.0)
+    around = around or (_unlit(instances, sources, owners), 0.0, 0.0)
     if abs(subject[0] - around[0]) > _STAND_OUT or math.dist(subject, around) > _STAND_OUT_COLOR:
         return {}
+    if "surroundings" in parsed.colors or not _movable(free, owners, context):
+        return _shaded_subject(parsed, free, subject, around, owners)
     dim = parsed.targets.get("brightness") == "dark"
     gap = 14.0 if dim else 24.0
     lighter = subject[0] < (30 if dim else 50)
@@ -82,13 +86,39 @@ def _visibility(
     return found
 
 
+def _movable(free: dict[str, Instance], owners: Owners, context: PlanContext) -> bool:
+    """Whether something may change how light the surroundings are."""
+    seen = [f"material/{name}/base_color" for name in owners.materials("surroundings")]
+    return any(k in free for k in seen) or ("world/strength" in free and not owners.world_is_hidden())
+
+
+def _shaded_subject(
+    parsed: Parsed, free: dict[str, Instance], subject: Lab, around: Lab, owners: Owners
+) -> dict[str, PlanEntry]:
+    """Surroundings that words have settled: a subject that no word colors makes way, by a shade."""
+    if "subject" in parsed.colors:
+        return {}
+    gap = 22.0 if around[0] > 50 else -22.0
+    factor = ((max(around[0] - gap, 1.0) + 16) / (subject[0] + 16)) ** 3
+    found = {}
+    for key in (f"material/{name}/base_color" for name in owners.materials("subject")):
+        if key in free:
+            now = to_lab(to_srgb(free[key].value))[0]
+            goal = (now + 16) * factor ** (1 / 3) - 16
+            ends = (goal - 12, goal) if gap > 0 else (goal, goal + 12)
+            found[key] = _shifted_albedo(free[key], max(ends[0], 12.0), min(max(ends[1], 20.0), 94.0))
+    return found
+
+
 def _expected(parsed: Parsed, context: PlanContext, region: Region) -> Lab | None:
     """Lab that a region is going to have: what words name, else what the picture shows."""
     if region == "subject" and any(a.entry == "silhouette" for a in parsed.attributes):
         return 8.0, 0.0, 0.0
-    if region in parsed.colors:
-        return parsed.colors[region]
-    return context.picture.lab.get(region) if context.picture else None
+    named = parsed.colors.get(region)
+    shown = context.picture.lab.get(region) if context.picture else None
+    if named and shown and region == "surroundings":  # never quite reached
+        return (named[0] + shown[0]) / 2, (named[1] + shown[1]) / 2, (named[2] + shown[2]) / 2
+    return named or shown
 
 
 def _unlit(instances: dict[str, Instance], sources: Sources, owners: Owners) -> float:
@@ -170,9 +200,8 @@ def _saturation(parsed: Parsed, instance: Instance, context: PlanContext) -> Pla
             missing.append(1.0 if shown is None else chroma(shown) / (0.75 * chroma(wanted)))
     if not missing:
         return None
-    boost = 1.12 if min(missing) < 0.8 else 1.0
-    value = instance.value[0]
-    lower, upper = clip((value * boost,), (value * 1.3,), instance)
+    low, high = (1.25, 1.5) if min(missing) < 0.5 else (1.12, 1.35) if min(missing) < 0.8 else (1.0, 1.25)
+    lower, upper = clip((instance.value[0] * low,), (instance.value[0] * high,), instance)
     return PlanEntry(lower, upper, _LATE + 2, "supports the words: the named colors are seen", prior=0.3)
 
 

@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What ranges are computed from besides the words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..schema import Values
+from .types import PlanContext
+
+Range = tuple[Values, Values]
+
+
+@dataclass(frozen=True)
+class Sources:
+    """What ranges are computed from besides the effect itself.
+
+    Attributes:
+        context: The scene and its current picture.
+        exposure: Stops between the scene's radiance and the view transform, as the artist has them.
+        world_color: Linear color of the world that the plan settles on, strength 1.
+        own_color: sRGB of the color that the material gets or has, for glows.
+        illumination: Radiance, after exposure, of a white surface where the effect acts.
+        veil: Radiance that the surface mirrors all over, whatever its color.
+        environment: Whether the world is a linked picture.
+    """
+
+    context: PlanContext
+    exposure: float = 0.0
+    world_color: Values = (1.0, 1.0, 1.0)
+    own_color: Values = (1.0, 1.0, 1.0)
+    illumination: float = 1.0
+    veil: float = 0.0
+    environment: bool = False
