@@ -20,6 +20,8 @@ from .lights import Arrival, Lamp, half_axes, tangents
 from .vectors import dot, unit
 
 _LEAST_ALPHA = 2e-3
+_LEAST_UP = 0.08
+"""Least cosine between half vector and normal: lamps at the horizon opposite to a grazing eye go to infinite slopes."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +29,7 @@ class Highlight:
     """What a lamp's highlight at N points depends on, but for the material.
 
     Attributes:
-        strength: (N,) frontal irradiance / (4 n.v cos^4 of the half vector), 0 below the horizon.
+        strength: (N,) the lamp's radiance times (h.v) / (n.v n.h), 0 below the horizon.
         curve: (7, N) albedo basis at the half vector, for Fresnel.
         slope_in, slope_out: (N,) squared tangents of the lamp's and the viewer's angle to the normal.
         outline: (2, N) squared slope and squared radius of a disc, or (4, N) left, right, bottom and top
@@ -54,78 +56,91 @@ class Highlight:
         """Reflected radiance (N,) per unit of the lamp's color, Fresnel aside, for one roughness ()."""
         alpha2 = (roughness * roughness).clamp_min(_LEAST_ALPHA) ** 2
         masked = (1 + alpha2 * self.slope_in).sqrt() + (1 + alpha2 * self.slope_out).sqrt()
-        mean = _disc_mean(self.outline, alpha2) if len(self.outline) == 2 else _box_mean(self.outline, alpha2)
-        return self.strength * mean * (2 / masked)
+        covered = _disc(self.outline, alpha2) if len(self.outline) == 2 else _box(self.outline, alpha2)
+        return self.strength * covered * (2 / masked)
 
 
 def highlight(lamp: Lamp, arriving: Arrival, points: Tensor, normal: Tensor, view: Tensor) -> Highlight:
-    """The highlight of a lamp, unshadowed, at points (3, N) seen along `view` (3, N), towards the eye."""
-    into = dot(normal, arriving.toward)
-    out = dot(normal, view).clamp_min(1e-3)
+    """The highlight of a lamp, unshadowed, at points (3, N) seen along `view` (3, N), towards the eye.
+
+    Half-vector terms are taken where the lamp's outline comes nearest to the mirror direction.
+    """
+    out = dot(normal, view).clamp_min(2e-2)
+    place = _round_place if lamp.round else _box_place
+    outline, slope2, aside = place(lamp, arriving, points, normal, view, out)
+    up = (1 + slope2).rsqrt()
+    at_half = (aside * up).clamp(1e-3, 1.0)
+    into = (2 * at_half * up - out).clamp_min(1e-2)
+    front = (dot(normal, arriving.toward) > 0) | (2 * at_half * up > out)
+    radiance = torch.where(front, arriving.frontal / arriving.solid_angle, 0.0)
+    tan_in, tan_out = (1 / (c * c) - 1 for c in (into, out))
+    return Highlight(radiance * at_half / (out * up), basis(at_half), tan_in, tan_out, outline)
+
+
+def _round_place(
+    _lamp: Lamp, arriving: Arrival, _points: Tensor, normal: Tensor, view: Tensor, out: Tensor
+) -> tuple[Tensor, Tensor, Tensor]:
+    """A round lamp in slope space: outline; squared slope of its nearest point, and h.v there over h.n."""
     half = unit(arriving.toward + view, 1e-4)
-    up = dot(half, normal).clamp_min(1e-2)
+    up = dot(half, normal).clamp_min(_LEAST_UP)
     aside = dot(half, view).clamp(1e-3, 1.0)
-    lit = torch.where(into > 0, arriving.frontal, 0.0)
-    if lamp.round:
-        squared = (1 / (up * up) - 1).clamp_min(0.0)
-        radius2 = arriving.solid_angle / (4 * math.pi * aside * up**3)
-        outline = torch.stack((squared, radius2))
-    else:
-        outline = _box(lamp, points, normal, view, arriving)
-    safe_into = into.clamp_min(1e-2)
-    tan_in = (1 / (safe_into * safe_into) - 1).clamp_min(0.0)
-    tan_out = (1 / (out * out) - 1).clamp_min(0.0)
-    strength = lit / (4 * out * up**4)
-    return Highlight(strength, basis(aside), tan_in, tan_out, outline)
+    squared = (1 / (up * up) - 1).clamp_min(0.0)
+    radius2 = arriving.solid_angle / (4 * math.pi * aside * up**3)
+    slope = squared.clamp_min(1e-8).sqrt()
+    nearest = (slope - radius2.sqrt()).clamp_min(0.0)
+    along = (aside / up - out) / slope  # the view's component along the lamp's slope
+    return torch.stack((squared, radius2)), nearest * nearest, out + nearest * along
 
 
-def _box(lamp: Lamp, points: Tensor, normal: Tensor, view: Tensor, arriving: Arrival) -> Tensor:
-    """A rectangular lamp in slope space, as an upright box around its center with the origin's offset."""
+def _box_place(
+    lamp: Lamp, _arriving: Arrival, points: Tensor, normal: Tensor, view: Tensor, out: Tensor
+) -> tuple[Tensor, Tensor, Tensor]:
+    """The same for a rectangular lamp: an upright box through the middles of its sides."""
     across, up = tangents(normal)
     center = lamp.position[:, None] - points
     u, v = half_axes(lamp)
 
     def slope(offset: Tensor) -> Tensor:
-        half = unit(offset) + view
-        height = dot(half, normal).clamp_min(2e-2)
-        return torch.stack((dot(half, across), dot(half, up))) / height
+        half = unit(unit(offset) + view, 1e-4)
+        return torch.stack((dot(half, across), dot(half, up))) / dot(half, normal).clamp_min(_LEAST_UP)
 
-    middle = slope(center)
-    e1 = (slope(center + u) - slope(center - u)) / 2
-    e2 = (slope(center + v) - slope(center - v)) / 2
-    area = (e1[0] * e2[1] - e1[1] * e2[0]).abs().clamp_min(1e-10)
-    wide = (e1[0] * e1[0] + e1[1] * e1[1]).clamp_min(1e-10).sqrt()
-    high = (area / wide).clamp_min(1e-5)
-    sign = torch.where(e1[0] * e2[1] - e1[1] * e2[0] < 0, -1.0, 1.0)
-    # The origin in coordinates along e1 and across it.
-    x = -(middle[0] * e1[0] + middle[1] * e1[1]) / wide
-    y = -(e1[0] * middle[1] - e1[1] * middle[0]) / wide * sign
-    # Shear: the box leans with e2; follow it at the origin's height.
-    x = x - y * (e1[0] * e2[0] + e1[1] * e2[1]) / wide / high
-    return torch.stack((-wide - x, wide - x, -high - y, high - y))
+    left, right, bottom, top = (slope(center + o) for o in (-u, u, -v, v))
+    e = right - left
+    e = e / (e[0] * e[0] + e[1] * e[1]).clamp_min(1e-12).sqrt()
+    # Coordinates along the first axis and across it, on whichever side the second axis lies.
+    side = torch.where(e[0] * (top - bottom)[1] < e[1] * (top - bottom)[0], -1.0, 1.0)
+    x0, x1 = (e[0] * p[0] + e[1] * p[1] for p in (left, right))
+    y0, y1 = (side * (e[0] * p[1] - e[1] * p[0]) for p in (bottom, top))
+    # The box leans where the axes are not square: follow it at the height of the mirror direction.
+    lean = (e[0] * (top - bottom)[0] + e[1] * (top - bottom)[1]) / (y1 - y0).clamp_min(1e-6)
+    shift = lean.clamp(-2.0, 2.0) * ((y0 + y1) / 2).clamp(-1.0, 1.0)
+    x0, x1 = x0 - shift, x1 - shift
+    outline = torch.stack((x0, torch.maximum(x1, x0 + 1e-5), y0, torch.maximum(y1, y0 + 1e-5)))
+    x, y = x0.clamp_min(0.0) + x1.clamp_max(0.0), y0.clamp_min(0.0) + y1.clamp_max(0.0)
+    sideways, upwards = dot(view, across), dot(view, up)
+    along = x * (e[0] * sideways + e[1] * upwards) + y * side * (e[0] * upwards - e[1] * sideways)
+    return outline, x * x + y * y, out + along
 
 
-def _disc_mean(outline: Tensor, alpha2: Tensor) -> Tensor:
-    """Mean of the lobe over a disc: view factor of a parallel disc, over its area, without cancellation."""
+def _disc(outline: Tensor, alpha2: Tensor) -> Tensor:
+    """The lobe's integral over a disc: the view factor of a parallel disc, written without cancellation."""
     d, a = outline[0] / alpha2, outline[1] / alpha2
-    sum_ = 1 + d + a
-    q = (sum_ * sum_ - 4 * a * d).clamp_min(1e-12).sqrt()
+    total = 1 + d + a
+    q = (total * total - 4 * a * d).clamp_min(1e-12).sqrt()
     inside = a > 1 + d
-    far = 2 / (q * torch.where(inside, 1.0, q + 1 + d - a))
-    near = (1 + (a - 1 - d) / q) / (2 * a)
-    return torch.where(inside, near, far) / (math.pi * alpha2)
+    far = 2 * a / (q * torch.where(inside, 1.0, q + 1 + d - a))
+    return torch.where(inside, (1 + (a - 1 - d) / q) / 2, far)
 
 
-def _box_mean(outline: Tensor, alpha2: Tensor) -> Tensor:
-    """Mean of the lobe over a rectangle: view factor of a parallel rectangle, over its area."""
-    left, right, bottom, top = (outline / alpha2.sqrt()).unbind(0)
+def _box(outline: Tensor, alpha2: Tensor) -> Tensor:
+    """The lobe's integral over a rectangle: the view factor of a parallel rectangle."""
+    left, right, bottom, top = (outline * alpha2.rsqrt()).unbind(0)
     whole = _corner(right, top) - _corner(left, top) - _corner(right, bottom) + _corner(left, bottom)
-    area = (right - left) * (top - bottom) * alpha2
     # Far off the lobe the corners cancel: there the density at the middle is as good.
+    area = (right - left) * (top - bottom)
     x, y = (left + right) / 2, (bottom + top) / 2
-    middle = 1 / (math.pi * alpha2 * (1 + x * x + y * y) ** 2)
-    small = (right - left) * (top - bottom) < 0.02 * (1 + x * x + y * y)
-    return torch.where(small, middle, whole.clamp_min(0.0) / area.clamp_min(1e-20))
+    far = 1 + x * x + y * y
+    return torch.where(area < 0.02 * far, area / (math.pi * far * far), whole.clamp_min(0.0))
 
 
 def _corner(x: Tensor, y: Tensor) -> Tensor:

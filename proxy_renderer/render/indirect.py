@@ -130,7 +130,7 @@ class Indirect:
     def __init__(self, geometry: Geometry, samples: Samples, surface: Surface, materials: int, lamps: int,
                  generator: torch.Generator) -> None:  # fmt: skip
         n = samples.surfaces
-        anchors, self.spread = _anchors(samples, surface)
+        anchors, self._smooth, self.spread = _anchors(samples, surface)
         self.points = points = surface.pick(anchors)
         toward = samples.toward[:, anchors]
         origin = geometry.lifted(points)
@@ -162,7 +162,7 @@ class Indirect:
             each, without the world.
         """
         if self._weights is None:
-            low, glossy = self.diffuse.weights() * math.pi, self.glossy.weights()
+            low, glossy = self._smooth(self.diffuse.weights()) * math.pi, self.glossy.weights()
             self._weights = low, glossy[:, : self._skies]
         wide, narrow = self._weights
         sky = wide[:, self._skies :] @ table.radiances[self._skies :]
@@ -230,27 +230,41 @@ class _SparseProduct(torch.autograd.Function):
         return ctx.transposed @ gradient.contiguous(), None, None
 
 
-def _anchors(samples: Samples, surface: Surface) -> tuple[Tensor, Spread]:
-    """Chooses anchors among the samples on a coarse grid, and spreads them to all samples.
+def _anchors(samples: Samples, surface: Surface) -> tuple[Tensor, Spread, Spread]:
+    """Chooses anchors among the samples on a coarse grid.
 
     Returns:
-        Indices (A,) of samples, and the sparse weights from anchors to samples.
+        Indices (A,) of samples; the sparse weights that smooth noise over neighboring anchors, and those
+        that carry from anchors to samples.
     """
-    width, height = size = samples.size
+    width, height = samples.size
     n, device = samples.surfaces, surface.position.device
-    stride = max(1, round(max(size) / _ANCHORS_ACROSS))
+    stride = max(1, round(max(samples.size) / _ANCHORS_ACROSS))
     columns, rows = -(-width // stride), -(-height // stride)
-    cell = (samples.place[1, :n] / stride).long().clamp(0, rows - 1) * columns
-    cell = cell + (samples.place[0, :n] / stride).long().clamp(0, columns - 1)
+    place = samples.place[:, :n] / stride
+    cell = place[1].long().clamp(0, rows - 1) * columns + place[0].long().clamp(0, columns - 1)
     # One anchor for each material seen in each cell, the one that lies nearest to the cell's middle.
-    name = cell * 4096 + surface.material
-    middle = (samples.place[:, :n] / stride) % 1.0 - 0.5
-    order = torch.argsort(middle.abs().sum(0), descending=True, stable=True)
-    _, group = torch.unique(name, return_inverse=True)
+    order = torch.argsort((place % 1.0 - 0.5).abs().sum(0), descending=True, stable=True)
+    _, group = torch.unique(cell * 4096 + surface.material, return_inverse=True)
     chosen = torch.empty(int(group.max()) + 1 if n else 0, dtype=torch.int64, device=device)
     chosen[group[order]] = order
-    table = _cell_lists(cell[chosen], columns, rows)
-    return chosen, _spread(samples, surface, chosen, table, stride)
+    lists = _cell_lists(cell[chosen], columns, rows)
+    pitch = samples.hits.distance[:n] * (2.0 / max(columns, rows))
+    points = _Places(place, surface, pitch)
+    smooth = _spread(points.pick(chosen), points.pick(chosen), lists, (-2, -1, 0, 1, 2), nearest=25, width=2.5)
+    return chosen, smooth, _spread(points.pick(chosen), points, lists, (0, 1), nearest=4, width=1.0)
+
+
+@dataclass(frozen=True)
+class _Places:
+    """Points between which light is carried: place (2, N) in cells, surface, and size (N,) of a cell there."""
+
+    place: Tensor
+    surface: Surface
+    pitch: Tensor
+
+    def pick(self, index: Tensor) -> _Places:
+        return _Places(self.place[:, index], self.surface.pick(index), self.pitch[index])
 
 
 def _cell_lists(cell: Tensor, columns: int, rows: int, most: int = 3) -> Tensor:
@@ -265,34 +279,41 @@ def _cell_lists(cell: Tensor, columns: int, rows: int, most: int = 3) -> Tensor:
 
 
 def _spread(
-    samples: Samples, surface: Surface, chosen: Tensor, lists: Tensor, stride: int, nearest: int = 4
+    anchors: _Places, points: _Places, lists: Tensor, window: tuple[int, ...], nearest: int, width: float
 ) -> Spread:
-    """The few anchors around every sample that fit its normal, plane and place best."""
-    n = samples.surfaces
+    """Weights to points from the anchors around them that fit their normal, plane and place best.
+
+    Args:
+        anchors, points: From where, to where.
+        lists: The anchors of every cell.
+        window: Cells to look at along both axes: offsets from a point's own, or from the upper left of the
+            four whose middles surround it where the window has an even length.
+        nearest: How many of the anchors to keep.
+        width: Distance in cells at which an anchor's weight has faded.
+    """
     rows, columns = lists.shape[:2]
-    place = samples.place[:, :n] / stride
-    x, y = (place[0] - 0.5).floor().long(), (place[1] - 0.5).floor().long()
-    near = []
-    for dy in (0, 1):
-        for dx in (0, 1):
-            near.append(lists[(y + dy).clamp(0, rows - 1), (x + dx).clamp(0, columns - 1)])
+    shift = 0.0 if len(window) % 2 else 0.5
+    x, y = (points.place - shift).floor().long()
+    near = [
+        lists[(y + dy).clamp(0, rows - 1), (x + dx).clamp(0, columns - 1)] for dy in window for dx in window
+    ]
     candidates = torch.cat(near, 1)
     index = candidates.clamp_min(0)
-    points, normals = surface.position[:, chosen], surface.normal[:, chosen]
     plane = torch.zeros(index.shape, device=index.device)
     alike = torch.zeros_like(plane)
     for axis in range(3):
-        plane += (points[axis, index] - surface.position[axis, :n, None]) * surface.normal[axis, :n, None]
-        alike += normals[axis, index] * surface.normal[axis, :n, None]
-    apart = samples.place[:, chosen][:, index] / stride - place[..., None]
-    reach = (samples.hits.distance[:n] * (2.0 * stride / max(columns * stride, rows * stride)))[:, None]
-    fit = (-(plane / reach) ** 2 * 4).exp() * alike.clamp_min(0.0) ** 8
-    weight = (fit + 1e-6) * (1.0 - apart.abs()).clamp_min(0.02).prod(0)
+        normal = points.surface.normal[axis, :, None]
+        plane += (anchors.surface.position[axis, index] - points.surface.position[axis, :, None]) * normal
+        alike += anchors.surface.normal[axis, index] * normal
+    apart = (anchors.place[:, index] - points.place[..., None]) / width
+    fit = (-((plane / points.pitch[:, None]) ** 2) * 4).exp() * alike.clamp_min(0.0) ** 8
+    weight = (fit + 1e-6) * (1.0 - apart.abs()).clamp_min(0.02 / width).prod(0)
     weight = torch.where(candidates >= 0, weight, 0.0)
-    weight, best = weight.topk(nearest, 1)
+    weight, best = weight.topk(min(nearest, weight.shape[1]), 1)
     weight = weight / weight.sum(1, keepdim=True).clamp_min(1e-20)
-    rows_index = torch.arange(n, device=index.device)[:, None].expand(-1, nearest)
-    return Spread(rows_index.flatten(), index.gather(1, best).flatten(), weight.flatten(), (n, len(chosen)))
+    to = torch.arange(len(index), device=index.device)[:, None].expand_as(best)
+    shape = len(index), anchors.place.shape[1]
+    return Spread(to.flatten(), index.gather(1, best).flatten(), weight.flatten(), shape)
 
 
 def reflect(toward: Tensor, normal: Tensor) -> Tensor:

@@ -262,6 +262,8 @@ def _glass(
     curve = albedo.dielectric_curve(ior)
     direct = _specular(light.lamps, light.highlights, lobes, curve, f0, 1.0)
     behind = light.behind if light.behind is not None else reflections
+    # Rough glass blurs what is behind it: towards the light that lies about, for want of more rays.
+    behind = torch.lerp(behind, light.reflected.images[-1], paint.roughness)
     return reflections * reflectance + direct / missing[0] + behind * base * (1 - reflectance)
 
 

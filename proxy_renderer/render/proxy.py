@@ -107,24 +107,25 @@ class Proxy:
             beams = [beam.through(frame.fog, sight) for beam in beams]
         table = _table(frame)
         irradiance, glossy, mirror = cache.indirect.gather(table, _ambient(frame))
+        around = irradiance / math.pi
         if beams:
             irradiance = irradiance + frame.colors.T @ torch.stack([beam.irradiance for beam in beams])
         sharp, blurred, behind = cache.worlds(sky, sight)
         open_glossy, open_mirror = cache.indirect.open_sky
         tint = sky.color[:, None]
-        images = mirror + tint * (sharp * open_mirror), glossy + tint * (blurred * open_glossy), irradiance / math.pi
+        images = mirror + tint * (sharp * open_mirror), glossy + tint * (blurred * open_glossy), around
         # One split backs up as one concatenation; a slice for every material would as a picture of zeros each.
         sizes = [stop - start for _, start, stop in cache.samples.slices]
         shares = zip(*(field.split(sizes, 1) for field in (irradiance, *images)), strict=True)
         pieces = []
-        for (material, start, stop), (lit, *around) in zip(cache.samples.slices, shares, strict=True):
+        for (material, start, stop), (lit, *seen) in zip(cache.samples.slices, shares, strict=True):
             part, paint = slice(start, stop), frame.paints[material]
             incoming = Light(
                 irradiance=lit,
                 lamps=frame.colors,
                 highlights=[beam.highlight.pick(part) for beam in beams],
                 view=sight.basis[:, part],
-                reflected=Reflected(_KNOTS, around),
+                reflected=Reflected(_KNOTS, seen),
                 behind=_behind(frame, table, material, part) if used(paint.transmission) else None,
             )
             texture = cache.texture(material, sight.surface.uv[:, part])

@@ -42,6 +42,7 @@ def through(
     hits = geometry.first_hits(below, inward)
     exit_ = geometry.surface(hits, inward)
     outward, total = refract(inward, exit_.normal, ior)
+    outward = torch.where(total, above(outward, exit_.facet), above(outward, -exit_.facet))
     leaves = hits.hit & (exit_.material == surface.material) & geometry.from_behind(hits, inward)
     shift = (geometry.lifted(exit_) - exit_.position) * torch.where(total, 1.0, -1.0)
     origin = torch.where(leaves, exit_.position + shift, below)
