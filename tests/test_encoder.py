@@ -96,7 +96,7 @@ def test_heads_read_the_attributes_of_the_language(encoder: Encoder) -> None:
 
 
 def test_looks_of_unseen_shapes_are_told_apart(encoder: Encoder) -> None:
-    views = [bank.trace(shape(HELD_OUT + 500 + k), np.random.default_rng(k), 128) for k in range(16)]
+    views = [bank.trace(shape(HELD_OUT + 500 + k), np.random.default_rng(k), 128) for k in range(10)]
     layout = bank.fields(128)
     fresh = {name: np.stack([view[name] for view in views]).astype(layout[name][1]) for name in layout}
     scores = evaluate.judge(encoder, fresh, batches=2)

@@ -178,7 +178,7 @@ def _frame(
     """A random crop around the subject, and a mirror image with the light's sides exchanged."""
     labels = labels.clone()
     size = pictures.shape[-1]
-    if dice.random() < 0.65:
+    if dice.random() < (0.4 if variant == WHOLE else 0.7):
         rows, columns = (torch.nonzero(mask.any(axis))[:, 0].float() for axis in (1, 0))
         center = [(axis[0] + axis[-1]).item() / 2 for axis in (rows, columns)]
         side = int(size * dice.uniform(0.55, 0.97))

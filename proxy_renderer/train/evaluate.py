@@ -67,9 +67,11 @@ def judge(encoder: Encoder, bank: dict, batches: int | None = None) -> dict:
         for name, value in logits.items():
             known = batch.labels[:, INDEX[name]] >= 0
             right[f"heads/{name}"] += (value.argmax(1) == batch.labels[:, INDEX[name]])[known].tolist()
-        for key, picture, said, otherwise in _comparisons(batch, dice):
-            true, false = encoder.encode_texts([said, otherwise]).cpu() @ features[picture]
-            right[key].append(bool(true > false))
+        comparisons = _comparisons(batch, dice)
+        true, false = (encoder.encode_texts([c[k] for c in comparisons]).cpu() for k in (2, 3))
+        closer = (features[[c[1] for c in comparisons]] * (true - false)).sum(1) > 0
+        for comparison, correct in zip(comparisons, closer.tolist(), strict=True):
+            right[comparison[0]].append(correct)
     share = {key: round(float(np.mean(values)), 4) for key, values in right.items()}
     flips = {name: share[f"flip/{name}"] for name in NAMES if f"flip/{name}" in share}
     heads = {name: share[f"heads/{name}"] for name in NAMES if f"heads/{name}" in share}
