@@ -32,7 +32,10 @@ def test_colors_and_powers_trace_nothing(traced: list[int]) -> None:
     proxy = Proxy(balls(2, 2, 2), (48, 48))
     before = proxy.render({}).linear
     traced.clear()
-    changed = {"light/Lamp 0/power": torch.tensor([500.0]), "material/Floor/base_color": torch.tensor([0.1, 0.2, 0.9])}
+    changed = {
+        "light/Lamp 0/power": torch.tensor([500.0]),
+        "material/Floor/base_color": torch.tensor([0.1, 0.2, 0.9]),
+    }
     after = proxy.render(changed).linear
     assert not traced
     assert not torch.allclose(before, after)

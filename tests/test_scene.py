@@ -17,7 +17,8 @@ from proxy_renderer.schema import VibeError
 def test_reads_what_was_written(tmp_path: Path) -> None:
     scene = load_scene(write_job(tmp_path / "job"))
     assert [m.name for m in scene.materials] == ["Ball", "Floor"]
-    assert scene.mesh.faces.dtype == np.int32 and scene.mesh.normals.shape == (len(scene.mesh.faces), 3, 3)
+    assert scene.mesh.faces.dtype == np.int32
+    assert scene.mesh.normals.shape == (len(scene.mesh.faces), 3, 3)
     assert scene.instances["light/Key/power"].value == (250.0,)
     assert scene.value("film/contrast") == (1.0,)
 
@@ -65,7 +66,8 @@ def test_drops_broken_triangles_and_refuses_when_none_is_left(tmp_path: Path) ->
     np.savez(folder / "meshes.npz", **arrays)
     mesh = load_scene(folder).mesh
     assert 0 < len(mesh.faces) < len(arrays["faces"])
-    assert np.isfinite(mesh.vertices[mesh.faces]).all() and np.allclose(np.linalg.norm(mesh.normals, axis=2), 1, atol=1e-3)
+    assert np.isfinite(mesh.vertices[mesh.faces]).all()
+    assert np.allclose(np.linalg.norm(mesh.normals, axis=2), 1, atol=1e-3)
     np.savez(folder / "meshes.npz", **{**arrays, "vertices": arrays["vertices"] * 0})
     with pytest.raises(VibeError, match="no mesh"):
         load_scene(folder)

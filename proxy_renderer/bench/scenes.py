@@ -110,7 +110,7 @@ def _instances(materials: list[str], lamps: int) -> list[Instance]:
     return rows
 
 
-def _value(p, index: int) -> tuple[float, ...]:  # type: ignore[no-untyped-def]
+def _value(p, index: int) -> tuple[float, ...]:
     azimuth, elevation = _angles(index)
     known = {
         "camera/distance": 6.0,

@@ -15,11 +15,14 @@ from ..scene import SceneData
 from ..schema import FAMILIES
 from .camera import View, view_of
 from .environment import Environment, Sky, sky_of
+from .far import Table
 from .film import Film
 from .fog import Fog
-from .indirect import GLOSSY, Table
+from .indirect import GLOSSY
 from .lights import Lamp, lamps_of
-from .principled import Light, Paint, Reflected, paint_of, shade, used
+from .lobes import Light, Reflected
+from .paint import Paint, paint_of, used
+from .principled import shade
 from .settings import Settings
 from .vectors import within
 from .view_cache import Sight, ViewCache
@@ -156,7 +159,11 @@ class Frame:
     @functools.cached_property
     def colors(self) -> Tensor:
         """(L, 3) colors of the lamps."""
-        return torch.stack([lamp.color for lamp in self.lamps]) if self.lamps else self.sky.color.new_zeros((0, 3))
+        return (
+            torch.stack([lamp.color for lamp in self.lamps])
+            if self.lamps
+            else self.sky.color.new_zeros((0, 3))
+        )
 
 
 def _table(frame: Frame) -> Table:

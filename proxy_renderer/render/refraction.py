@@ -6,7 +6,8 @@ from __future__ import annotations
 import torch
 from torch import Tensor
 
-from .indirect import Far, above, reflect
+from .directions import above, reflect
+from .far import Far
 from .vectors import dot, unit
 from .visibility import Geometry, Surface
 

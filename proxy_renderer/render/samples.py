@@ -9,8 +9,8 @@ import torch
 from torch import Tensor
 
 from .camera import View
-from .visibility import Geometry, Hits, Surface
 from .vectors import dot
+from .visibility import Geometry, Hits, Surface
 
 EDGE_SAMPLES = 5
 _FILTER_WIDTH = 1.5  # pixels, Cycles' default Blackman-Harris
@@ -58,14 +58,14 @@ class _Resolve(torch.autograd.Function):
     """A weighted sum per pixel whose backward is a gather, not a scatter."""
 
     @staticmethod
-    def forward(ctx, values, pixel, weight, first, others):  # type: ignore[no-untyped-def]
+    def forward(ctx, values, pixel, weight, first, others):
         ctx.save_for_backward(pixel, weight)
         weighted = values * weight
         picture = weighted.index_select(1, first)
         return picture.index_add_(1, pixel[others], weighted.index_select(1, others))
 
     @staticmethod
-    def backward(ctx, gradient):  # type: ignore[no-untyped-def]
+    def backward(ctx, gradient):
         pixel, weight = ctx.saved_tensors
         return gradient.index_select(1, pixel) * weight, None, None, None, None
 

@@ -10,8 +10,8 @@ from torch import Tensor
 
 from .lights import Arrival, Lamp, outline
 from .samples import Samples
-from .visibility import Geometry, Surface, sphere_points
 from .vectors import dot
+from .visibility import Geometry, Surface, sphere_points
 
 _MOST_RAYS = 4
 _SHARP = 1e-3

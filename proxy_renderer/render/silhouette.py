@@ -51,7 +51,9 @@ class Silhouettes:
         keep = sample[0] < samples.surfaces
         near, far, sample = near[keep], far[keep], sample[:, keep]
         normal = _contour_normals(depth, near, far)
-        step = torch.stack(((far % width) - (near % width), (far // width) - (near // width))).to(normal.dtype)
+        step = torch.stack(((far % width) - (near % width), (far // width) - (near // width))).to(
+            normal.dtype
+        )
         motion = normal * (normal * step).sum(0).clamp_min(0.0)
         return Silhouettes(torch.stack((near, far)), sample, surface.position[:, sample[0]], motion)
 

@@ -12,18 +12,20 @@ from torch.nn.functional import grid_sample
 from ..scene import Material, SceneData
 from . import albedo
 from .camera import View
+from .directions import above, reflect
 from .environment import Sky
+from .far import Far
 from .fog import Fog
 from .highlight import Highlight, highlight
-from .indirect import Far, Indirect, above, reflect
+from .indirect import Indirect
 from .lights import Lamp, arrival
 from .refraction import through
 from .samples import take
 from .settings import wanted
 from .shadows import shadow
 from .silhouette import Silhouettes
-from .visibility import Geometry, Surface
 from .vectors import dot
+from .visibility import Geometry, Surface
 
 _SMALL_STEP = 0.02
 """Part of a lamp's distance by which a gradient loop may move it before bounced light is traced again."""

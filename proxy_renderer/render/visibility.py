@@ -14,7 +14,6 @@ from torch import Tensor
 from ..scene import Mesh, SceneData
 from .vectors import cross, damped, dot, unit
 
-
 _GRAZING = 0.3
 """Cosine below which gradients of hits are damped."""
 
@@ -157,8 +156,8 @@ class Surface:
 
     def pick(self, index: Tensor | slice) -> Surface:
         """The points at an index."""
-        parts = self.position, self.normal, self.facet, self.uv
-        return Surface(*(p[:, index] for p in parts), self.material[index])
+        position, normal, facet, uv = (p[:, index] for p in (self.position, self.normal, self.facet, self.uv))
+        return Surface(position, normal, facet, uv, self.material[index])
 
 
 def sphere_points(count: int, copies: int, generator: torch.Generator) -> Tensor:

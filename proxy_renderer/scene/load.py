@@ -29,7 +29,14 @@ from .data import (
 FORMAT = 1
 _EXPORT_AGAIN = "Export the scene again with the add-on that belongs to this engine."
 _ROWS = {(p.group, p.name): p for p in PARAMETERS}
-_MESH_SHAPES = {"vertices": (3,), "faces": (3,), "normals": (3, 3), "uvs": (3, 2), "material": (), "object": ()}
+_MESH_SHAPES = {
+    "vertices": (3,),
+    "faces": (3,),
+    "normals": (3, 3),
+    "uvs": (3, 2),
+    "material": (),
+    "object": (),
+}
 
 T = TypeVar("T")
 
@@ -54,7 +61,9 @@ def load_scene(folder: Path | str) -> SceneData:
         return _scene(folder, content)
     except (OSError, ValueError, KeyError, TypeError, IndexError) as error:
         reason = f"{type(error).__name__}: {error}"
-        raise VibeError(f"The exported scene in {folder} cannot be read ({reason}).", _EXPORT_AGAIN) from error
+        raise VibeError(
+            f"The exported scene in {folder} cannot be read ({reason}).", _EXPORT_AGAIN
+        ) from error
 
 
 def _scene(folder: Path, content: dict[str, Any]) -> SceneData:
@@ -138,7 +147,9 @@ def _mesh(path: Path, materials: int, objects: int) -> Mesh:
     for name, tail in _MESH_SHAPES.items():
         kind = np.float32 if name in ("vertices", "normals", "uvs") else np.int32
         arrays[name] = np.ascontiguousarray(arrays[name], kind)
-        if arrays[name].shape[1:] != tail or (name != "vertices" and len(arrays[name]) != len(arrays["faces"])):
+        if arrays[name].shape[1:] != tail or (
+            name != "vertices" and len(arrays[name]) != len(arrays["faces"])
+        ):
             raise ValueError(f"{name} has the shape {arrays[name].shape}")
     for name, count in (("faces", len(arrays["vertices"])), ("material", materials), ("object", objects)):
         if arrays[name].size and not 0 <= arrays[name].min() <= arrays[name].max() < count:

@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Directions of secondary rays."""
+
+from __future__ import annotations
+
+import math
+
+from torch import Tensor
+
+from .lights import tangents
+from .vectors import dot, unit
+
+
+def reflect(toward: Tensor, normal: Tensor) -> Tensor:
+    """Mirror directions (3, N) of rays (3, N) at unit normals (3, N)."""
+    return toward - normal * (2 * dot(toward, normal))
+
+
+def above(toward: Tensor, facet: Tensor) -> Tensor:
+    """Lifts directions (3, N) that would enter the surface to just above it."""
+    cosine = dot(toward, facet)
+    return unit(toward + facet * (0.01 - cosine).clamp_min(0.0))
+
+
+def cosine_directions(normal: Tensor, uv: Tensor) -> Tensor:
+    """Cosine-distributed directions (3, N) around unit normals (3, N) from points (2, N) in [0, 1)^2."""
+    radius, angle = uv[0].sqrt(), 2 * math.pi * uv[1]
+    across, up = tangents(normal)
+    return across * (radius * angle.cos()) + up * (radius * angle.sin()) + normal * (1 - uv[0]).sqrt()

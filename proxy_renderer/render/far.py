@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rays that leave surfaces: traced once, what they meet is shaded anew every render, simply.
+
+A ray's hit is shaded as its albedo times the light there, plus its glow; one more ray from the hit brings
+the light of a second bounce, as if that surface had the same albedo. This is linear in (albedo x light),
+so the rays of a point add up to a fixed row of weights over a small table of radiances.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from .directions import above, cosine_directions
+from .environment import harmonics
+from .lights import Lamp, arrival
+from .vectors import dot
+from .visibility import Geometry, Surface
+
+_WORLD_AT_SECOND = 0.3
+"""Share of the world that the surfaces of second bounces are taken to see."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """What far hits and the world radiate in one render; the rows of `radiances` are:
+
+    for every material, the light that it scatters of each lamp and of the world, then the same scattered
+    twice and more; then every material's glow; then the world's nine spherical harmonics.
+    """
+
+    radiances: Tensor
+
+    @staticmethod
+    def of(albedo: Tensor, glow: Tensor, lamp_colors: Tensor, sky_mean: Tensor, sky: Tensor) -> Table:
+        """Builds the table.
+
+        Args:
+            albedo: (M, 3) share of light that each material scatters.
+            glow: (M, 3) emitted radiance.
+            lamp_colors: (L, 3).
+            sky_mean: (3,) average radiance of the world.
+            sky: (9, 3) its spherical harmonics.
+        """
+        sources = torch.cat((lamp_colors / math.pi, sky_mean[None]))
+        again = albedo * albedo / (1 - albedo / 2)  # third and later bounces follow the second
+        scattered = torch.cat((albedo[:, None] * sources, again[:, None] * sources), 1).flatten(0, 1)
+        return Table(torch.cat((scattered, glow, sky)))
+
+
+class Far:
+    """Rays from A points, R each, and what they meet.
+
+    Args:
+        geometry: The triangles.
+        origin, toward: (3, A * R) rays.
+        count: R.
+        materials, lamps: How many the scene has.
+        deep: Whether light that comes to the hits over other surfaces counts.
+
+    Attributes:
+        open: (A,) share of rays that leave the scene.
+        surface: The surface at the hits, (A * R).
+    """
+
+    def __init__(
+        self,
+        geometry: Geometry,
+        origin: Tensor,
+        toward: Tensor,
+        count: int,
+        materials: int,
+        lamps: int,
+        deep: bool = False,
+    ) -> None:
+        self.geometry, self.count = geometry, count
+        hits = geometry.first_hits(origin, toward)
+        self.hit = hits.hit.to(torch.float32)
+        self.surface: Surface = geometry.surface(hits, toward)
+        self.distance = hits.distance
+        self.open = 1 - self.hit.view(-1, count).mean(1)
+        self.owner = self.surface.material * hits.hit + materials * ~hits.hit
+        self.materials = materials
+        self._members: list[Tensor] = []
+        self.lamps, self.deep = lamps, deep
+        # Rows: every lamp and the world at the hits; the same where one more ray from there ends.
+        self.arriving = torch.zeros((2 * (lamps + 1), len(self.hit)), device=self.hit.device)
+        self.beyond = self._look_around()
+        self.harmonics = (harmonics(toward) * (1 - self.hit)).view(9, -1, count).mean(2)
+
+    def _look_around(self) -> Surface:
+        """Sends one cosine-distributed ray from every hit: to the world, or to the surface of a second bounce."""
+        generator = torch.Generator().manual_seed(7)
+        uv = torch.rand((2, self.surface.position.shape[1]), generator=generator).to(self.hit.device)
+        toward = above(cosine_directions(self.surface.normal, uv), self.surface.facet)
+        hits = self.geometry.first_hits(self.geometry.lifted(self.surface), toward)
+        self.arriving[self.lamps] = (~hits.hit).to(torch.float32)
+        self.arriving[-1] = hits.hit * (_WORLD_AT_SECOND if self.deep else 0.0)
+        return self.geometry.surface(hits, toward)
+
+    def light(self, index: int, lamp: Lamp) -> None:
+        """Traces shadow rays to one lamp."""
+        self.arriving[index] = _lit(self.geometry, lamp, self.surface)
+        if self.deep:
+            second = _lit(self.geometry, lamp, self.beyond)
+            self.arriving[self.lamps + 1 + index] = second * (1 - self.arriving[self.lamps])
+
+    def image(self, table: Table) -> Tensor:
+        """Radiance (3, A) of the hits of single rays; 0 where they leave the scene."""
+        if not self._members:
+            self._members = [(self.owner == m).nonzero()[:, 0] for m in range(self.materials)]
+        return _Image.apply(table.radiances, self.arriving, self._members)
+
+    def weights(self) -> Tensor:
+        """(A, K) average over each point's rays: weights over the rows of `Table.radiances`."""
+        rays = -1, self.count
+        slots = torch.cat((self.arriving, torch.ones_like(self.hit)[None]))
+        slots = slots.view(len(slots), *rays).permute(1, 2, 0)
+        owner = self.owner.view(rays)
+        one_hot = torch.nn.functional.one_hot(owner, self.materials + 1)[..., :-1].to(slots.dtype)
+        summed = torch.einsum("arm,ars->ams", one_hot, slots) / self.count
+        scattered, glow = summed[..., :-1].flatten(1), summed[..., -1]
+        return torch.cat((scattered, glow, self.harmonics.T), 1)
+
+
+def _lit(geometry: Geometry, lamp: Lamp, surface: Surface) -> Tensor:
+    """Irradiance (N,) of a lamp on a surface, shadowed by one ray to its middle."""
+    met = arrival(lamp, surface.position, surface.normal)
+    if not lamp.light.shadow:
+        return met.irradiance
+    facing = dot(surface.facet, met.toward) > 0
+    return (
+        met.irradiance * geometry.clear(geometry.lifted(surface), met.toward, met.distance * 0.999) * facing
+    )
+
+
+class _Image(torch.autograd.Function):
+    """Radiance (3, N) of single hits: like `Far.weights() @ radiances`, without the mostly empty matrix."""
+
+    @staticmethod
+    def forward(ctx, radiances, sources, members):
+        ctx.members, ctx.sources, ctx.rows = members, sources, len(radiances)
+        count, materials = len(sources), len(members)
+        out = torch.zeros((3, sources.shape[1]), device=sources.device)
+        for m, chosen in enumerate(members):
+            if len(chosen):
+                rows, glow = radiances[m * count : (m + 1) * count], radiances[materials * count + m]
+                out.index_copy_(1, chosen, rows.T @ sources.index_select(1, chosen) + glow[:, None])
+        return out
+
+    @staticmethod
+    def backward(ctx, gradient):
+        count, materials = len(ctx.sources), len(ctx.members)
+        result = gradient.new_zeros((ctx.rows, 3))
+        for m, chosen in enumerate(ctx.members):
+            if len(chosen):
+                part = gradient.index_select(1, chosen)
+                result[m * count : (m + 1) * count] = ctx.sources.index_select(1, chosen) @ part.T
+                result[materials * count + m] = part.sum(1)
+        return result, None, None
