@@ -97,6 +97,11 @@ def test_way_back_is_exact(walked, way_back):
     assert walked[0][f"{way_back}_restores"]
 
 
+def test_blender_stays_responsive(walked):
+    """The longest that Blender was away during a vibe is the export of a small scene, even on a busy machine."""
+    assert walked[0]["longest_pause"] < 3.0
+
+
 def test_extension_needs_no_engine_code(walked):
     """The installed extension uses the schema that was copied into it."""
     assert walked[0]["schema_is_the_copy"]

@@ -13,12 +13,13 @@ import time
 import traceback
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import bpy
 
 ZIP, OUT = map(Path, sys.argv[sys.argv.index("--") + 1 :][:2])
 PROMPT = "misty night, cool blue fog, glossy red monkey, vignette"
-seen: dict[str, object] = {}
+seen: dict[str, Any] = {}
 
 
 class Screen:
@@ -127,12 +128,14 @@ def _plain(socket):
 
 
 def wait(condition, seconds, what):
-    """Waits, as a generator of waits."""
+    """Waits, as a generator of waits; notes the longest time that Blender did not come back meanwhile."""
     end = time.monotonic() + seconds
     while not condition():
-        if time.monotonic() > end:
+        last = time.monotonic()
+        if last > end:
             raise TimeoutError(f"{what} within {seconds} s")
         yield 0.1
+        seen["longest_pause"] = max(seen.get("longest_pause", 0.0), time.monotonic() - last - 0.1)
 
 
 def the_way():
