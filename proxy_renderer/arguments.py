@@ -17,7 +17,7 @@ _BUDGET = {
     "seed": "the same seed gives the same look",
 }
 _RENDER = {
-    "size": (_DEFAULTS.size, "longer side of the pictures in pixels; the loop itself looks at 256 at most"),
+    "size": (_DEFAULTS.size, "longer side of the pictures in pixels; the loop itself works with smaller ones"),
     "samples": (128, "Cycles samples of the pictures"),
 }
 _GROUPS = (

@@ -41,8 +41,8 @@ class Settings:
     rate: float = 0.04
     clip: float = 1.0
     every: int = 4
-    progress: float = 1e-3
-    patience: int = 4
+    progress: float = 2e-3
+    patience: int = 3
     repairs: int = 4
 
 

@@ -29,7 +29,7 @@ from .progress import Clock, Watch
 from .vector import ParameterVector, project
 
 INNER_SIZE = 256
-"""Longer side of the pictures inside the loop: the encoder looks at crops of about 128 pixels."""
+"""Greatest longer side of the pictures inside the loop, in pixels."""
 
 CONVERGED = 0.002
 """A round that lowers the loss by a smaller share is the last one."""
@@ -79,7 +79,7 @@ def run(
         VibeError: If no word of the prompt is known, or nothing that the words touch may change.
     """
     vector = ParameterVector(lock(scene.instances, options.groups, options.lock, options.camera))
-    proxy = Proxy(scene, inner_size(scene, options), device=str(encoder.device), seed=options.seed)
+    proxy = Proxy(scene, inner_size(scene, options, encoder), device=str(encoder.device), seed=options.seed)
     words = context.scene_words(scene)
     clock = Clock(options, watch)
     u = vector.encode({})
@@ -167,7 +167,9 @@ def select(
         )
     if options.baseline:
         return sorted(relevant)
-    probe = RoundObjective(proxy, vector, terms, relevant, lower, upper, torch.zeros_like(u), None)
+    # Moving the camera means tracing everything again: only words are worth that.
+    felt = {k for k in relevant if vector.instances[k].parameter.group != "camera" or plan[k].prior == 0.0}
+    probe = RoundObjective(proxy, vector, terms, felt, lower, upper, torch.zeros_like(u), None)
     gain = promise(probe, u, lower, upper)
     return top_k(
         plan, options.top_k, movable, {k: float(gain[part].sum()) for k, part in vector.slices.items()}
@@ -182,6 +184,10 @@ def pull(plan: Plan, vector: ParameterVector, chosen: list[str]) -> Tensor:
     return weight
 
 
-def inner_size(scene: SceneData, options: Options) -> tuple[int, int]:
-    """Width and height of the pictures inside the loop; the prediction has the full size."""
-    return context.picture_size(scene.resolution, min(options.size, INNER_SIZE))
+def inner_size(scene: SceneData, options: Options, encoder: Encoder) -> tuple[int, int]:
+    """Width and height of the pictures inside the loop; the prediction has the full size.
+
+    Crops are at least three quarters of the picture, so one and a half times what the encoder looks
+    at is enough: 192 pixels for the embedded one.
+    """
+    return context.picture_size(scene.resolution, min(options.size, INNER_SIZE, encoder.size * 3 // 2))
