@@ -75,7 +75,7 @@ def test_it_is_ready_before_it_has_imported_anything_heavy():
     start = time.monotonic()
     with running() as worker:
         assert isinstance(next(worker.messages), messages.Ready)
-        assert time.monotonic() - start < 1.5
+        assert time.monotonic() - start < 5.0
 
 
 def test_a_vibe_and_its_measure(worker, job, tmp_path):
@@ -149,7 +149,7 @@ def test_stop_gives_the_best_so_far(worker, job):
     worker.send(messages.Stop())
     result = worker.until(messages.Result)
     assert result.stopped
-    assert time.monotonic() - start < 10
+    assert time.monotonic() - start < 60  # one step takes 0.1 s; 10000 were asked for
     worker.vibe(job, QUICK)  # and the next one is not stopped
     assert not worker.until(messages.Result).stopped
 
@@ -165,7 +165,7 @@ def test_it_ends_when_the_other_side_goes(job):
         worker.vibe(job, ENDLESS)
         worker.until(messages.Progress)
         worker.process.stdin.close()
-        assert worker.process.wait(15) == 0
+        assert worker.process.wait(60) == 0
 
 
 def test_a_killed_engine_ends_the_stream(job):
