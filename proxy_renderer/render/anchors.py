@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from .samples import Samples
+from .samples import Samples, last_of
 from .visibility import Surface
 
 _ANCHORS_ACROSS = 96
@@ -48,7 +48,7 @@ def choose_anchors(samples: Samples, surface: Surface) -> tuple[Tensor, Spread, 
         that carry from anchors to samples.
     """
     width, height = samples.size
-    n, device = samples.surfaces, surface.position.device
+    n = samples.surfaces
     stride = max(1, round(max(samples.size) / _ANCHORS_ACROSS))
     columns, rows = -(-width // stride), -(-height // stride)
     place = samples.place[:, :n] / stride
@@ -56,8 +56,7 @@ def choose_anchors(samples: Samples, surface: Surface) -> tuple[Tensor, Spread, 
     # One anchor for each material seen in each cell, the one that lies nearest to the cell's middle.
     order = torch.argsort((place % 1.0 - 0.5).abs().sum(0), descending=True, stable=True)
     _, group = torch.unique(cell * 4096 + surface.material, return_inverse=True)
-    chosen = torch.empty(int(group.max()) + 1 if n else 0, dtype=torch.int64, device=device)
-    chosen[group[order]] = order
+    chosen = last_of(group, order, int(group.max()) + 1 if n else 0)
     lists = _cell_lists(cell[chosen], columns, rows)
     pitch = samples.hits.distance[:n] * (2.0 / max(columns, rows))
     points = _Places(place, surface, pitch)

@@ -140,7 +140,7 @@ def _box(outline: Tensor, alpha2: Tensor) -> Tensor:
     area = (right - left) * (top - bottom)
     x, y = (left + right) / 2, (bottom + top) / 2
     far = 1 + x * x + y * y
-    return torch.where(area < 0.02 * far, area / (math.pi * far * far), whole.clamp_min(0.0))
+    return torch.where(area < 0.006 * far, area / (math.pi * far * far), whole.clamp_min(0.0))
 
 
 def _corner(x: Tensor, y: Tensor) -> Tensor:

@@ -117,8 +117,7 @@ def _sorted(
         start += count
     pixel = pixel[order]
     index = torch.arange(len(pixel), device=pixel.device)
-    first = torch.empty(int(pixel.max()) + 1, dtype=torch.int64, device=pixel.device)
-    first[pixel] = index  # whichever comes last wins
+    first = last_of(pixel, index, int(pixel.max()) + 1)
     others = index[first[pixel] != index]
     return Samples(
         size=size,
@@ -135,6 +134,20 @@ def _sorted(
         origin=rays[0][:, order],
         toward=rays[1][:, order],
     )
+
+
+def last_of(group: Tensor, order: Tensor, count: int) -> Tensor:
+    """The member (count,) of every group that comes last in an order.
+
+    Args:
+        group: (N,) int64 in [0, count); every group must have a member.
+        order: (N,) a permutation of the N members.
+        count: How many groups there are.
+    """
+    rank = torch.arange(len(order), device=order.device)
+    last = torch.zeros(count, dtype=torch.int64, device=order.device)
+    # Not by assignment: which of several writes to one place wins is not defined.
+    return order[last.scatter_reduce(0, group[order], rank, "amax")]
 
 
 def _edges(geometry: Geometry, hits: Hits, toward: Tensor, width: int, height: int) -> Tensor:

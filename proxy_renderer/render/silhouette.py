@@ -16,7 +16,7 @@ import torch
 from torch import Tensor
 
 from .camera import View
-from .samples import Samples
+from .samples import Samples, last_of
 from .visibility import Surface
 
 _WINDOW = 2  # pixels around a pair from which the contour's direction is estimated
@@ -99,12 +99,9 @@ def _shifted(depth: Tensor, axis: int, by: int, count: int) -> Tensor:
 
 def _extreme_samples(samples: Samples) -> tuple[Tensor, Tensor]:
     """For every pixel the index (P,) of its nearest and of its farthest sample."""
-    order = torch.argsort(samples.hits.distance, descending=True)
-    nearest = samples.first.clone()
-    nearest[samples.pixel[order]] = order
-    farthest = samples.first.clone()
-    farthest[samples.pixel[order.flip(0)]] = order.flip(0)
-    return nearest, farthest
+    order = torch.argsort(samples.hits.distance, descending=True, stable=True)
+    pixels = len(samples.first)
+    return last_of(samples.pixel, order, pixels), last_of(samples.pixel, order.flip(0), pixels)
 
 
 def _contour_normals(depth: Tensor, near: Tensor, far: Tensor) -> Tensor:
