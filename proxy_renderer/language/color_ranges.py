@@ -15,6 +15,7 @@ _BLACKEST, _WHITEST = 0.006, 0.85  # no real surface reflects less, or more
 _BRIGHTEST = 2.5  # radiance of a backdrop that has a color
 _DARK = 0.02  # radiance below which a backdrop is black
 _BOX = 0.06  # half the width of a color's box, in steps that look even
+_NEUTRAL_BOX = 0.02  # the same for white and grey: a little tint makes them another color
 
 
 def color_range(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Range:
@@ -63,9 +64,11 @@ def _named(effect: Effect, attribute: Attribute, sources: Sources) -> Values:
 
 
 def _box(linear: Values) -> Range:
-    """All that looks about like a linear color: even steps of `_BOX` on the screen's scale."""
+    """All that looks about like a linear color: even steps on the screen's scale."""
     shown = [max(v, 0.0) ** (1 / 2.2) for v in linear]
-    return tuple(max(v - _BOX, 0.0) ** 2.2 for v in shown), tuple((v + _BOX) ** 2.2 for v in shown)
+    neutral = max(shown) - min(shown) < _NEUTRAL_BOX and min(shown) > 0.25
+    half = _NEUTRAL_BOX if neutral else _BOX
+    return tuple(max(v - half, 0.0) ** 2.2 for v in shown), tuple((v + half) ** 2.2 for v in shown)
 
 
 def _gel(linear: Values, purity: float) -> Values:

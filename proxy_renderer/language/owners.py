@@ -55,6 +55,8 @@ class Owners:
         if attribute.owners and region == attribute.region:
             return list(attribute.owners)
         names = self.materials(region if region in ("subject", "surroundings") else "subject")
+        if attribute.slot == "lighting":  # light falls on parts too: no part of a silhouette is lit
+            return names
         shares = self.context.material_share
         large = [n for n in names if shares.get(n, 1.0) >= _PART]
         return large or sorted(names, key=lambda n: -shares.get(n, 0.0))[:1]

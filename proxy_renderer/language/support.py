@@ -110,9 +110,13 @@ def _shaded_subject(
     return found
 
 
+def _is_silhouette(parsed: Parsed) -> bool:
+    return any(a.entry == "silhouette" for a in parsed.attributes)
+
+
 def _expected(parsed: Parsed, context: PlanContext, region: Region) -> Lab | None:
     """Lab that a region is going to have: what words name, else what the picture shows."""
-    if region == "subject" and any(a.entry == "silhouette" for a in parsed.attributes):
+    if region == "subject" and _is_silhouette(parsed):
         return 8.0, 0.0, 0.0
     named = parsed.colors.get(region)
     shown = context.picture.lab.get(region) if context.picture else None
@@ -168,16 +172,20 @@ def _key_light(
 
 
 def _exposure(parsed: Parsed, instance: Instance, context: PlanContext) -> PlanEntry:
-    """Within 0.7 stops of the artist's, moved so far that the subject is neither burnt nor black."""
+    """Within 0.7 stops of the artist's, moved so far that the subject is neither burnt nor black.
+
+    Of a silhouette, it is what is behind it that has to be seen.
+    """
     value, shift = instance.value[0], 0.0
-    if context.picture and "subject" in context.picture.lab:
-        now = context.picture.lab["subject"][0]
-        named = parsed.colors.get("subject")
+    region: Region = "surroundings" if _is_silhouette(parsed) else "subject"
+    if context.picture and region in context.picture.lab:
+        now = context.picture.lab[region][0]
+        named = parsed.colors.get("subject") if region == "subject" else None
         dim = {"dark": -14.0, "bright": 10.0}.get(parsed.targets.get("brightness", ""), 0.0)
         middle = (named[0] if named else 50.0) + dim
         low, high = max(middle - 18.0, 8.0 if named else 30.0 + dim), min(middle + 18.0, 90.0)
         goal = min(max(now, low), high)
-        if goal != now and not any(a.entry == "silhouette" for a in parsed.attributes):
+        if goal != now:
             current = context.values.get(instance.key, instance.value)[0]
             shift = current - value + math.log2(radiance(goal, context.view) / radiance(now, context.view))
     shift = min(max(shift, -1.5), 1.5)
