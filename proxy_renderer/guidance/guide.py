@@ -21,6 +21,10 @@ if TYPE_CHECKING:
 
 _REGIONS = ("subject", "surroundings", "whole")
 _SURE = 0.1  # cross-entropy below which an attribute counts as there: p > 0.9
+_LIT, _DIM = (
+    38.0,
+    18.0,
+)  # least lightness of the subject or of what is around it; the latter for dark pictures
 _FULL_FRAME = ("vignette", "brightness")  # attributes that a crop changes
 
 
@@ -83,6 +87,7 @@ class Guide:
     ) -> None:
         self.encoder, self.weights, self.views = encoder, weights or Weights(), views or regions.Views()
         self.colors, self.silhouette = colors, silhouette
+        self._light = _DIM if targets.get("brightness") == "dark" else _LIT
         self.heads = heads if heads is not None and heads.heads is not None else None
         names = self.heads.heads.names if self.heads is not None and self.heads.heads is not None else {}
         self.targets = {a: names[a].index(c) for a, c in targets.items() if c in names.get(a, [])}
@@ -124,7 +129,7 @@ class Guide:
                 lab, mask if region == "subject" else 1.0 - mask, target
             )
         terms["border"] = w.border * border_loss(mask)
-        terms["visibility"] = w.visibility * visibility_loss(lab, mask)
+        terms["visibility"] = w.visibility * visibility_loss(lab, mask, light=self._light)
         if not self.silhouette:
             terms["form"] = w.visibility * form_loss(lab, mask)
         return terms

@@ -45,7 +45,7 @@ def border_loss(mask: Tensor) -> Tensor:
 
 
 def visibility_loss(
-    lab: Tensor, mask: Tensor, contrast: float = 15.0, light: float = 25.0, burnt: float = 94.0
+    lab: Tensor, mask: Tensor, contrast: float = 15.0, light: float = 38.0, burnt: float = 94.0
 ) -> Tensor:
     """0 when a subject can be seen, growing to about 1 when it cannot.
 

@@ -32,7 +32,7 @@ INNER_SIZE = 256
 """Greatest longer side of the pictures inside the loop, in pixels."""
 
 CONVERGED = 0.002
-"""A round that lowers the loss by a smaller share is the last one."""
+"""A round that lowers the loss by a smaller share, with the parameters of the one before, is the last."""
 
 
 @dataclass
@@ -86,6 +86,7 @@ def run(
     terms: Terms | None = None
     weights = None if options.baseline else Weights()
     rounds: list[dict[str, Any]] = []
+    tried: set[str] = set()
 
     for number in range(options.rounds):
         started = time.monotonic()
@@ -122,9 +123,10 @@ def run(
                 "seconds": round(time.monotonic() - started, 3),
             }
         )
-        gained = found.start_loss - found.loss
-        if clock.stopped or not chosen or (number and gained < CONVERGED * abs(found.start_loss)):
+        done = found.start_loss - found.loss < CONVERGED * abs(found.start_loss)
+        if clock.stopped or not chosen or (done and set(chosen) == tried):
             break
+        tried = set(chosen)
 
     optimised = {key for record in rounds for key in record["parameters"]}
     return Outcome(vector, u, plan, ranges, optimised, parsed, prompts, rounds, clock.stopped)

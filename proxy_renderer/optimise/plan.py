@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -10,28 +11,28 @@ from ..language.types import Plan
 from ..schema import GROUPS, Instance, Values, VibeError, matches
 from .vector import nearest_turn
 
-_IDLE = 0.01
+_OCTAVE = 1.5
+_FAINTEST = 2.0**-20
 
 
 def top_k(plan: Plan, k: int, movable: Mapping[str, bool], promise: Mapping[str, float]) -> list[str]:
-    """The K most important of the relevant parameters (equation 7).
+    """The K most important of the relevant parameters (equation 7), refined by what they promise.
 
     Those without a priority, and those that cannot move, are dropped before anything is ranked.
-    Those that promise next to nothing now, because they stand at the right end of their range or
-    where the loss is flat, come after all others: they would use up the budget.
+    Among the others, promising half as much costs one and a half places: a parameter at the right
+    end of its range, or where the loss is flat, makes room for one that still helps.
 
     Args:
         plan: Entries by key; a smaller priority is more important, None is irrelevant.
         k: How many keys at most; a color counts as one.
         movable: Key -> whether its feasible range is more than a point.
-        promise: Key -> how much the loss could fall, to first order, by moving it within its range;
-            it also decides among equal priorities.
+        promise: Key -> how much the loss could fall, to first order, by moving it within its range.
     """
     most = max(promise.values(), default=0.0)
 
-    def rank(key: str) -> tuple[bool, int, float, str]:
-        gain = promise.get(key, 0.0)
-        return gain < _IDLE * most, plan[key].priority or 0, -gain, key
+    def rank(key: str) -> tuple[float, str]:
+        share = promise.get(key, 0.0) / most if most > 0.0 else 1.0
+        return (plan[key].priority or 0) - _OCTAVE * math.log2(max(share, _FAINTEST)), key
 
     relevant = [key for key, entry in plan.items() if entry.priority is not None and movable[key]]
     return sorted(relevant, key=rank)[:k]
