@@ -89,6 +89,7 @@ def parser() -> argparse.ArgumentParser:
     bench.add_argument("--out", required=True, type=Path, metavar="DIR", help="folder for the results")
 
     extension = command("extension", _extension, "Build the Blender extension (a .zip to install from disk).")
+    extension.add_argument("action", choices=("build",), metavar="build", help="the only thing to do with it")
     extension.add_argument(
         "--out", type=Path, default=Path("dist"), metavar="DIR", help="folder (default: %(default)s)"
     )
