@@ -117,7 +117,7 @@ def _spread(
         plane += (anchors.surface.position[axis, index] - points.surface.position[axis, :, None]) * normal
         alike += anchors.surface.normal[axis, index] * normal
     apart = (anchors.place[:, index] - points.place[..., None]) / width
-    fit = (-((plane / points.pitch[:, None]) ** 2) * 4).exp() * alike.clamp_min(0.0) ** 8
+    fit = (-((plane / points.pitch[:, None]) ** 2)).exp() * alike.clamp_min(0.0) ** 8
     weight = (fit + 1e-6) * (1.0 - apart.abs()).clamp_min(0.02 / width).prod(0)
     weight = torch.where(candidates >= 0, weight, 0.0)
     weight, best = weight.topk(min(nearest, weight.shape[1]), 1)

@@ -73,6 +73,7 @@ class Fog:
     def _inside(self, start: Tensor, toward: Tensor, distance: Tensor | float) -> tuple[Tensor, Tensor]:
         """The part of the way that is in the fog: distances (…) of its ends, first ≤ last."""
         limit = torch.as_tensor(distance, dtype=start.dtype, device=start.device)
+        limit = torch.broadcast_tensors(limit, start[0], toward[0])[0]
         if self._box is None:
             return torch.zeros_like(limit), limit.clamp_max(self.extent)
         near, far = torch.zeros_like(limit), limit
