@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import torch
@@ -40,30 +41,46 @@ class _SparseProduct(torch.autograd.Function):
         return ctx.transposed @ gradient.contiguous(), None, None
 
 
-def choose_anchors(samples: Samples, surface: Surface) -> tuple[Tensor, Spread, Spread]:
-    """Chooses anchors among the samples on a coarse grid.
+class Anchors:
+    """Samples on a coarse grid, one for each material seen in each cell.
 
-    Returns:
-        Indices (A,) of samples; the sparse weights that smooth noise over neighboring anchors, and those
-        that carry from anchors to samples.
+    Attributes:
+        index: (A,) the samples.
+        smooth: Evens out noise over neighboring anchors.
+        spread: Carries from anchors to all surface samples.
     """
-    width, height = samples.size
-    n = samples.surfaces
-    stride = max(1, round(max(samples.size) / _ANCHORS_ACROSS))
-    columns, rows = -(-width // stride), -(-height // stride)
-    place = samples.place[:, :n] / stride
-    cell = place[1].long().clamp(0, rows - 1) * columns + place[0].long().clamp(0, columns - 1)
-    # One anchor for each material seen in each cell, the one that lies nearest to the cell's middle.
-    order = torch.argsort((place % 1.0 - 0.5).abs().sum(0), descending=True, stable=True)
-    _, group = torch.unique(cell * 4096 + surface.material, return_inverse=True)
-    chosen = last_of(group, order, int(group.max()) + 1 if n else 0)
-    lists = _cell_lists(cell[chosen], columns, rows)
-    pitch = samples.hits.distance[:n] * (2.0 / max(columns, rows))
-    points = _Places(place, surface, pitch)
-    smooth = _spread(
-        points.pick(chosen), points.pick(chosen), lists, (-2, -1, 0, 1, 2), nearest=25, width=2.5
-    )
-    return chosen, smooth, _spread(points.pick(chosen), points, lists, (0, 1), nearest=4, width=1.0)
+
+    def __init__(self, samples: Samples, surface: Surface) -> None:
+        width, height = samples.size
+        n = samples.surfaces
+        self._stride = max(1, round(max(samples.size) / _ANCHORS_ACROSS))
+        columns, rows = -(-width // self._stride), -(-height // self._stride)
+        place = samples.place[:, :n] / self._stride
+        cell = place[1].long().clamp(0, rows - 1) * columns + place[0].long().clamp(0, columns - 1)
+        # The one that lies nearest to its cell's middle.
+        order = torch.argsort((place % 1.0 - 0.5).abs().sum(0), descending=True, stable=True)
+        _, group = torch.unique(cell * 4096 + surface.material, return_inverse=True)
+        self.index = last_of(group, order, int(group.max()) + 1 if n else 0)
+        self._lists = _cell_lists(cell[self.index], columns, rows)
+        points = _Places(place, surface, samples.hits.distance[:n] * (2.0 / max(columns, rows)))
+        self._anchors = points.pick(self.index)
+        near = range(-3, 4)
+        self.smooth = _spread(self._anchors, self._anchors, self._lists, near, nearest=40, width=3.5)
+        self.spread = _spread(self._anchors, points, self._lists, (0, 1), nearest=4, width=1.0)
+
+    def spread_to(self, surface: Surface, place: Tensor, distance: Tensor) -> Spread:
+        """Carries from anchors to other points: what the picture shows of them, or of things near by.
+
+        Args:
+            surface: N points.
+            place: (2, N) picture positions in pixels, which may lie outside.
+            distance: (N,) from the camera.
+        """
+        rows, columns = self._lists.shape[:2]
+        limit = place.new_tensor([[columns], [rows]]) - 0.5
+        inside = torch.minimum((place / self._stride).clamp_min(0.5), limit)
+        points = _Places(inside, surface, distance * (2.0 / max(columns, rows)))
+        return _spread(self._anchors, points, self._lists, (0, 1), nearest=4, width=1.0)
 
 
 @dataclass(frozen=True)
@@ -90,7 +107,7 @@ def _cell_lists(cell: Tensor, columns: int, rows: int, most: int = 3) -> Tensor:
 
 
 def _spread(
-    anchors: _Places, points: _Places, lists: Tensor, window: tuple[int, ...], nearest: int, width: float
+    anchors: _Places, points: _Places, lists: Tensor, window: Sequence[int], nearest: int, width: float
 ) -> Spread:
     """Weights to points from the anchors around them that fit their normal, plane and place best.
 

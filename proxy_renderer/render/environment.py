@@ -98,9 +98,14 @@ class Sky:
         return torch.stack(rows) * self.color
 
     @property
-    def mean(self) -> Tensor:
-        """(3,) average radiance over all directions."""
-        return self.environment.harmonics[0] * self.color / (2 * math.sqrt(math.pi))
+    def halves(self) -> Tensor:
+        """(2, 3) light of the world on surfaces that face up and down: irradiance over pi.
+
+        Ramamoorthi and Hanrahan's convolution with the cosine (2001), which the rotation does not change.
+        """
+        h = self.environment.harmonics * self.color
+        even, odd = 0.282095 * h[0] + 0.315392 * 2 / 4 * h[6], 0.488603 * 2 / 3 * h[2]
+        return torch.stack((even + odd, even - odd)).clamp_min(0.0)
 
 
 def sky_of(environment: Environment, settings: Settings) -> Sky:

@@ -28,27 +28,32 @@ _WORLD_AT_SECOND = 0.3
 class Table:
     """What far hits and the world radiate in one render; the rows of `radiances` are:
 
-    for every material, the light that it scatters of each lamp and of the world, then the same scattered
-    twice and more; then every material's glow; then the world's nine spherical harmonics.
+    for every material, the light that it scatters of each lamp and of the world's upper and lower half, then
+    the same scattered twice and more; then every material's glow; then the world's nine spherical harmonics.
+
+    Attributes:
+        radiances: (K, 3).
+        albedo: (M, 3) share of light that each material scatters.
     """
 
     radiances: Tensor
+    albedo: Tensor
 
     @staticmethod
-    def of(albedo: Tensor, glow: Tensor, lamp_colors: Tensor, sky_mean: Tensor, sky: Tensor) -> Table:
+    def of(albedo: Tensor, glow: Tensor, lamp_colors: Tensor, halves: Tensor, sky: Tensor) -> Table:
         """Builds the table.
 
         Args:
             albedo: (M, 3) share of light that each material scatters.
             glow: (M, 3) emitted radiance.
             lamp_colors: (L, 3).
-            sky_mean: (3,) average radiance of the world.
+            halves: (2, 3) light of the world on what faces up and down.
             sky: (9, 3) its spherical harmonics.
         """
-        sources = torch.cat((lamp_colors / math.pi, sky_mean[None]))
+        sources = torch.cat((lamp_colors / math.pi, halves))
         again = albedo * albedo / (1 - albedo / 2)  # third and later bounces follow the second
         scattered = torch.cat((albedo[:, None] * sources, again[:, None] * sources), 1).flatten(0, 1)
-        return Table(torch.cat((scattered, glow, sky)))
+        return Table(torch.cat((scattered, glow, sky)), albedo)
 
 
 class Far:
@@ -59,7 +64,7 @@ class Far:
         origin, toward: (3, A * R) rays.
         count: R.
         materials, lamps: How many the scene has.
-        deep: Whether light that comes to the hits over other surfaces counts.
+        deep: Whether the light at the hits includes the world's and what comes over other surfaces.
 
     Attributes:
         open: (A,) share of rays that leave the scene.
@@ -85,10 +90,10 @@ class Far:
         self.owner = self.surface.material * hits.hit + materials * ~hits.hit
         self.materials = materials
         self._members: list[Tensor] = []
-        self.lamps, self.deep = lamps, deep
-        # Rows: every lamp and the world at the hits; the same where one more ray from there ends.
-        self.arriving = torch.zeros((2 * (lamps + 1), len(self.hit)), device=self.hit.device)
-        self.beyond = self._look_around()
+        self.lamps = lamps
+        # Rows: every lamp and both halves of the world at the hits; the same where one more ray from there ends.
+        self.arriving = torch.zeros((2 * (lamps + 2), len(self.hit)), device=self.hit.device)
+        self.beyond = self._look_around() if deep else None
         self.harmonics = (harmonics(toward) * (1 - self.hit)).view(9, -1, count).mean(2)
 
     def _look_around(self) -> Surface:
@@ -97,22 +102,33 @@ class Far:
         uv = torch.rand((2, self.surface.position.shape[1]), generator=generator).to(self.hit.device)
         toward = above(cosine_directions(self.surface.normal, uv), self.surface.facet)
         hits = self.geometry.first_hits(self.geometry.lifted(self.surface), toward)
-        self.arriving[self.lamps] = (~hits.hit).to(torch.float32)
-        self.arriving[-1] = hits.hit * (_WORLD_AT_SECOND if self.deep else 0.0)
-        return self.geometry.surface(hits, toward)
+        self.found = hits.hit.to(torch.float32)
+        beyond = self.geometry.surface(hits, toward)
+        for row, surface, seen in (
+            (self.lamps, self.surface, 1 - self.found),
+            (2 * self.lamps + 2, beyond, self.found * _WORLD_AT_SECOND),
+        ):
+            up = (1 + surface.normal[2]) / 2
+            self.arriving[row : row + 2] = torch.stack((up, 1 - up)) * seen
+        return beyond
 
     def light(self, index: int, lamp: Lamp) -> None:
         """Traces shadow rays to one lamp."""
         self.arriving[index] = _lit(self.geometry, lamp, self.surface)
-        if self.deep:
+        if self.beyond is not None:
             second = _lit(self.geometry, lamp, self.beyond)
-            self.arriving[self.lamps + 1 + index] = second * (1 - self.arriving[self.lamps])
+            self.arriving[self.lamps + 2 + index] = second * self.found
 
-    def image(self, table: Table) -> Tensor:
-        """Radiance (3, A) of the hits of single rays; 0 where they leave the scene."""
+    def image(self, table: Table, ambient: Tensor) -> Tensor:
+        """Radiance (3, A) of the hits of single rays; 0 where they leave the scene.
+
+        Args:
+            table: The radiances of all there is to see.
+            ambient: (3, A) irradiance at the hits that is not the lamps'.
+        """
         if not self._members:
             self._members = [(self.owner == m).nonzero()[:, 0] for m in range(self.materials)]
-        return _Image.apply(table.radiances, self.arriving, self._members)
+        return _Image.apply(table.radiances, table.albedo / math.pi, ambient, self.arriving, self._members)
 
     def weights(self) -> Tensor:
         """(A, K) average over each point's rays: weights over the rows of `Table.radiances`."""
@@ -141,23 +157,30 @@ class _Image(torch.autograd.Function):
     """Radiance (3, N) of single hits: like `Far.weights() @ radiances`, without the mostly empty matrix."""
 
     @staticmethod
-    def forward(ctx, radiances, sources, members):
+    def forward(ctx, radiances, albedo, ambient, sources, members):
+        ctx.save_for_backward(albedo, ambient)
         ctx.members, ctx.sources, ctx.rows = members, sources, len(radiances)
         count, materials = len(sources), len(members)
         out = torch.zeros((3, sources.shape[1]), device=sources.device)
         for m, chosen in enumerate(members):
             if len(chosen):
                 rows, glow = radiances[m * count : (m + 1) * count], radiances[materials * count + m]
-                out.index_copy_(1, chosen, rows.T @ sources.index_select(1, chosen) + glow[:, None])
+                light = torch.addmm(glow[:, None], rows.T, sources.index_select(1, chosen))
+                light += ambient.index_select(1, chosen) * albedo[m][:, None]
+                out.index_copy_(1, chosen, light)
         return out
 
     @staticmethod
     def backward(ctx, gradient):
+        albedo, ambient = ctx.saved_tensors
         count, materials = len(ctx.sources), len(ctx.members)
-        result = gradient.new_zeros((ctx.rows, 3))
+        radiances, albedos = gradient.new_zeros((ctx.rows, 3)), torch.zeros_like(albedo)
+        ambients = torch.zeros_like(ambient)
         for m, chosen in enumerate(ctx.members):
             if len(chosen):
                 part = gradient.index_select(1, chosen)
-                result[m * count : (m + 1) * count] = ctx.sources.index_select(1, chosen) @ part.T
-                result[materials * count + m] = part.sum(1)
-        return result, None, None
+                radiances[m * count : (m + 1) * count] = ctx.sources.index_select(1, chosen) @ part.T
+                radiances[materials * count + m] = part.sum(1)
+                albedos[m] = (part * ambient.index_select(1, chosen)).sum(1)
+                ambients.index_copy_(1, chosen, part * albedo[m][:, None])
+        return radiances, albedos, ambients, None, None

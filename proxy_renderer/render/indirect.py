@@ -8,21 +8,40 @@ product per render weighs all rays, and spread to the samples; mirror images are
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import torch
 from torch import Tensor
 
-from .anchors import choose_anchors
+from .anchors import Anchors, Spread
+from .camera import View
 from .directions import above, cosine_directions, reflect
 from .far import Far, Table
 from .lights import Lamp, tangents
 from .samples import Samples
+from .vectors import length
 from .visibility import Geometry, Surface, sphere_points
 
 GLOSSY = 0.4
 """Roughness of the blurred reflection between the mirror image and the diffuse light."""
 _DIFFUSE_RAYS = 16
 _GLOSSY_RAYS = 8
+
+
+@dataclass(frozen=True)
+class Gathered:
+    """Light that comes over other surfaces and from the world.
+
+    Attributes:
+        irradiance: (3, N) the world's included.
+        glossy, mirror: (3, N) blurred and mirrored radiance of surfaces, without the world.
+        anchors: (A, 3) the irradiance at the anchors.
+    """
+
+    irradiance: Tensor
+    glossy: Tensor
+    mirror: Tensor
+    anchors: Tensor
 
 
 class Indirect:
@@ -32,22 +51,30 @@ class Indirect:
     reflection that the world fills.
     """
 
-    def __init__(self, geometry: Geometry, samples: Samples, surface: Surface, materials: int, lamps: int,
-                 generator: torch.Generator) -> None:  # fmt: skip
-        n = samples.surfaces
-        anchors, self._smooth, self.spread = choose_anchors(samples, surface)
-        self.points = points = surface.pick(anchors)
-        toward = samples.toward[:, anchors]
+    def __init__(
+        self,
+        geometry: Geometry,
+        samples: Samples,
+        surface: Surface,
+        view: View,
+        materials: int,
+        lamps: int,
+        generator: torch.Generator,
+    ) -> None:
+        self._view = view
+        self._anchors = anchors = Anchors(samples, surface)
+        self.points = points = surface.pick(anchors.index)
         origin = geometry.lifted(points)
         shape = geometry, materials, lamps
+        glossy = _glossy_rays(points, samples.toward[:, anchors.index], generator)
         self.diffuse = _far(*shape, origin, _diffuse_rays(points, generator), _DIFFUSE_RAYS)
-        self.glossy = _far(*shape, origin, _glossy_rays(points, toward, generator), _GLOSSY_RAYS)
-        mirrored = reflect(samples.toward[:, :n], surface.normal)
-        mirrored = above(mirrored, surface.facet)
+        self.glossy = _far(*shape, origin, glossy, _GLOSSY_RAYS)
+        mirrored = above(reflect(samples.toward[:, : samples.surfaces], surface.normal), surface.facet)
         self.mirror = Far(geometry, geometry.lifted(surface), mirrored, 1, materials, lamps)
-        self.open_sky = self.spread(self.glossy.open[:, None])[:, 0], self.mirror.open
+        self._mirror_ambient = self.spread_to(self.mirror.surface)
+        self.open_sky = anchors.spread(self.glossy.open[:, None])[:, 0], self.mirror.open
         self._weights: tuple[Tensor, Tensor] | None = None
-        self._skies = materials * (2 * lamps + 3)
+        self._skies = materials * (2 * lamps + 5)
 
     def light(self, index: int, lamp: Lamp) -> None:
         """Takes up that a lamp has moved."""
@@ -55,27 +82,29 @@ class Indirect:
             far.light(index, lamp)
         self._weights = None
 
-    def gather(self, table: Table, ambient: Tensor | None = None) -> tuple[Tensor, Tensor, Tensor]:
-        """Light that comes over other surfaces and from the world.
+    def spread_to(self, surface: Surface) -> Spread:
+        """Carries irradiance from the anchors to points that the picture shows, or nearly."""
+        distance = length(surface.position - self._view.position[:, None])
+        return self._anchors.spread_to(surface, self._view.project(surface.position), distance)
+
+    def gather(self, table: Table, ambient: Tensor | None = None) -> Gathered:
+        """Weighs all rays.
 
         Args:
             table: The radiances of all there is to see.
             ambient: (A,) share of the world's light that fog lets through to the anchors.
-
-        Returns:
-            Irradiance (3, N), the world's included; blurred and mirrored radiance of surfaces, (3, N)
-            each, without the world.
         """
         if self._weights is None:
-            low, glossy = self._smooth(self.diffuse.weights()) * math.pi, self.glossy.weights()
+            low, glossy = self._anchors.smooth(self.diffuse.weights()) * math.pi, self.glossy.weights()
             self._weights = low, glossy[:, : self._skies]
         wide, narrow = self._weights
         sky = wide[:, self._skies :] @ table.radiances[self._skies :]
         sky = sky if ambient is None else sky * ambient[:, None]
         over = table.radiances[: self._skies]
-        low = torch.cat((wide[:, : self._skies] @ over + sky, narrow @ over), 1)
-        full = self.spread(low).T
-        return full[:3].clamp_min(0.0), full[3:], self.mirror.image(table)
+        low = (wide[:, : self._skies] @ over + sky).clamp_min(0.0)
+        full = self._anchors.spread(torch.cat((low, narrow @ over), 1)).T
+        mirror = self.mirror.image(table, self._mirror_ambient(low).T)
+        return Gathered(full[:3], full[3:], mirror, low)
 
 
 def _far(geometry: Geometry, materials: int, lamps: int, origin: Tensor, toward: Tensor, count: int) -> Far:

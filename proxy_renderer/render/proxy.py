@@ -18,7 +18,7 @@ from .environment import Environment, Sky, sky_of
 from .far import Table
 from .film import Film
 from .fog import Fog
-from .indirect import GLOSSY
+from .indirect import GLOSSY, Gathered
 from .lights import Lamp, lamps_of
 from .lobes import Light, Reflected
 from .paint import Paint, paint_of, used
@@ -109,14 +109,19 @@ class Proxy:
         if frame.fog.active:
             beams = [beam.through(frame.fog, sight) for beam in beams]
         table = _table(frame)
-        irradiance, glossy, mirror = cache.indirect.gather(table, _ambient(frame))
+        gathered = cache.indirect.gather(table, _ambient(frame))
+        irradiance = gathered.irradiance
         around = irradiance / math.pi
         if beams:
             irradiance = irradiance + frame.colors.T @ torch.stack([beam.irradiance for beam in beams])
         sharp, blurred, behind = cache.worlds(sky, sight)
         open_glossy, open_mirror = cache.indirect.open_sky
         tint = sky.color[:, None]
-        images = mirror + tint * (sharp * open_mirror), glossy + tint * (blurred * open_glossy), around
+        images = (
+            gathered.mirror + tint * (sharp * open_mirror),
+            gathered.glossy + tint * (blurred * open_glossy),
+            around,
+        )
         # One split backs up as one concatenation; a slice for every material would as a picture of zeros each.
         sizes = [stop - start for _, start, stop in cache.samples.slices]
         shares = zip(*(field.split(sizes, 1) for field in (irradiance, *images)), strict=True)
@@ -129,7 +134,7 @@ class Proxy:
                 highlights=[beam.highlight.pick(part) for beam in beams],
                 view=sight.basis[:, part],
                 reflected=Reflected(_KNOTS, seen),
-                behind=_behind(frame, table, material, part) if used(paint.transmission) else None,
+                behind=_behind(frame, table, gathered, material, part) if used(paint.transmission) else None,
             )
             texture = cache.texture(material, sight.surface.uv[:, part])
             pieces.append(shade(paint, incoming, texture))
@@ -172,7 +177,7 @@ def _table(frame: Frame) -> Table:
     albedos = torch.stack([p.base * mean * (1 - p.transmission) for p, mean in rows])
     glow = torch.stack([p.emission for p in frame.paints])
     sky = frame.sky
-    return Table.of(within(albedos, 0.0, 1.0), glow, frame.colors, sky.mean, sky.coefficients())
+    return Table.of(within(albedos, 0.0, 1.0), glow, frame.colors, sky.halves, sky.coefficients())
 
 
 def _ambient(frame: Frame) -> Tensor | None:
@@ -183,9 +188,9 @@ def _ambient(frame: Frame) -> Tensor | None:
     return ambient_transmittance(frame.fog, points.position, points.normal)
 
 
-def _behind(frame: Frame, table: Table, material: int, part: slice) -> Tensor:
+def _behind(frame: Frame, table: Table, gathered: Gathered, material: int, part: slice) -> Tensor:
     """Radiance (3, n) seen through a transparent material."""
     ior = float(frame.paints[material].ior.detach())
-    far, toward = frame.cache.behind(material, part, ior, frame.lamps)
-    world = frame.sky.levels(toward, (0.0,))[0] * frame.sky.color[:, None]
-    return far.image(table) + world * far.open
+    behind = frame.cache.behind(material, part, ior, frame.lamps)
+    world = frame.sky.levels(behind.toward, (0.0,))[0] * frame.sky.color[:, None]
+    return behind.far.image(table, behind.ambient(gathered.anchors).T) + world * behind.far.open

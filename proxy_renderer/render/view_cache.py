@@ -11,6 +11,7 @@ from torch.nn.functional import grid_sample
 
 from ..scene import Material, SceneData
 from . import albedo
+from .anchors import Spread
 from .camera import View
 from .directions import above, reflect
 from .environment import Sky
@@ -97,6 +98,15 @@ class _Shadowed:
     beam: Beam | None = None
 
 
+@dataclass(frozen=True)
+class Behind:
+    """What rays (N,) through a transparent material meet: far hits, final directions (3, N), irradiance there."""
+
+    far: Far
+    toward: Tensor
+    ambient: Spread
+
+
 class ViewCache:
     """Everything that is traced and looked up once per camera position.
 
@@ -117,14 +127,16 @@ class ViewCache:
             self._sight = Sight.of(geometry.surface(self._hits, toward[:, : samples.surfaces]), toward)
             generator = torch.Generator().manual_seed(seed)
             counts = len(scene.materials), len(scene.lights)
-            self.indirect = Indirect(geometry, samples, self._sight.surface, *counts, generator)
+            self.indirect = Indirect(
+                geometry, samples, self._sight.surface, view.detached(), *counts, generator
+            )
             self.mean_texture = [_mean(m, geometry.device) for m in scene.materials]
             self.inside, self.depth = self._inside(), self._depth()
             self.mask = samples.resolve(self.inside).view(self.depth.shape)
         self._beams: dict[int, _Shadowed] = {}
         self._bounced: dict[int, Tensor] = {}
         self._outlines: Silhouettes | None = None
-        self._through: dict[int, tuple[float, object, tuple[Far, Tensor]]] = {}
+        self._through: dict[int, tuple[float, object, Behind]] = {}
         self._worlds: tuple[object, tuple[Tensor, Tensor, Tensor]] | None = None
 
     def sight(self, view: View) -> Sight:
@@ -169,20 +181,20 @@ class ViewCache:
         with torch.no_grad():
             self.indirect.light(index, lamp.detached())
 
-    def behind(self, material: int, part: slice, ior: float, lamps: list[Lamp]) -> tuple[Far, Tensor]:
-        """What is seen through a material's samples: far hits and directions; traced anew for a new IOR."""
+    def behind(self, material: int, part: slice, ior: float, lamps: list[Lamp]) -> Behind:
+        """What is seen through a material's samples; traced anew for a new IOR."""
         place = tuple(lamp.signature() for lamp in lamps)
         kept = self._through.get(material)
         if kept is None or abs(kept[0] - ior) > 1e-3:
             with torch.no_grad():
                 toward = self.samples.toward[:, part]
                 counts = len(self.scene.materials), len(self.scene.lights)
-                found = through(self.geometry, self._sight.surface.pick(part), toward, ior, *counts)
-            kept = ior, None, found
+                far, onward = through(self.geometry, self._sight.surface.pick(part), toward, ior, *counts)
+            kept = ior, None, Behind(far, onward, self.indirect.spread_to(far.surface))
         if kept[1] != place:
             with torch.no_grad():
                 for i, lamp in enumerate(lamps):
-                    kept[2][0].light(i, lamp.detached())
+                    kept[2].far.light(i, lamp.detached())
             kept = kept[0], place, kept[2]
         self._through[material] = kept
         return kept[2]
