@@ -12,7 +12,7 @@ from . import __version__, check
 from .arguments import Help, Parser, add_render_options, add_scene, add_vibe_options, vibe_arguments
 from .schema import VibeError
 
-DEMO_PROMPT = "Glossy teal, warm soft light, misty blue surroundings, vignette"
+DEMO_PROMPT = "Glossy teal on a pale sand background, warm soft light, slight vignette"
 BENCHES = ("speed",)
 
 
