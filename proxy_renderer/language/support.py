@@ -18,6 +18,8 @@ from .view import lightness, radiance
 
 _LATE = 12  # priority of exposure; what words name comes first
 _STAND_OUT = 20.0  # difference in L* at which a subject stands out by lightness alone
+_DARK = 30.0  # L* below which two colors look alike
+_SHADE = 18.0  # the most that L* of a surface that no word names may move
 _STANDS_OUT = "supports the words: the subject stands out from its surroundings"
 _STAND_OUT_COLOR = 38.0  # difference in Lab at which it does by color
 
@@ -74,10 +76,12 @@ def _visibility(
     gap = 14.0 if dim else 24.0
     lighter = subject[0] < (30 if dim else 50)
     low, high = (subject[0] + gap, 60.0 if dim else 85.0) if lighter else (5.0, max(subject[0] - gap, 12.0))
+    # Two darks are one to the eye, so they must part; anything else keeps the artist's color if it can.
+    shift = _shifted_albedo if max(subject[0], around[0]) < _DARK else _shaded_albedo
     found = {}
     for key in (f"material/{name}/base_color" for name in owners.materials("surroundings")):
         if key in free:
-            found[key] = _shifted_albedo(free[key], low, high)
+            found[key] = shift(free[key], low, high)
     if "world/strength" in free and (not found or context.world_share is None or context.world_share > 0.1):
         glow = max(luminance(sources.world_color), 0.02) * 2**sources.exposure
         dimmest, brightest = (radiance(goal, context.view) / glow for goal in (low, high))
@@ -137,11 +141,26 @@ def _unlit(instances: dict[str, Instance], sources: Sources, owners: Owners) -> 
 
 def _shifted_albedo(instance: Instance, low: float, high: float) -> PlanEntry:
     """The artist's color, scaled so that its L* comes into a range."""
-    now = max(to_lab(to_srgb(instance.value))[0], 1.0)
-    factors = [((goal + 16) / (now + 16)) ** 3 for goal in (low, high)]
+    factors = [_factor(instance, goal) for goal in (low, high)]
     bounds = [tuple(min(max(v, 0.01) * factor, 0.9) for v in instance.value) for factor in factors]
     lower, upper = clip(bounds[0], bounds[1], instance)
     return PlanEntry(lower, upper, _LATE - 1, _STANDS_OUT, prior=0.2)
+
+
+def _shaded_albedo(instance: Instance, low: float, high: float) -> PlanEntry:
+    """From the artist's color to a shade of it nearer to that L*: only as far as the picture asks for."""
+    now = to_lab(to_srgb(instance.value))[0]
+    goal = min(max(now, low), high)
+    factor = _factor(instance, min(max(goal, now - _SHADE), now + _SHADE))
+    ends = [tuple(min(v * f, 0.9) for v in instance.value) for f in sorted((1.0, factor))]
+    lower, upper = clip(ends[0], ends[1], instance)
+    return PlanEntry(lower, upper, _LATE - 1, _STANDS_OUT, prior=0.5)
+
+
+def _factor(instance: Instance, goal: float) -> float:
+    """What the artist's color is multiplied by to have an L*."""
+    now = max(to_lab(to_srgb(instance.value))[0], 1.0)
+    return ((goal + 16) / (now + 16)) ** 3
 
 
 def _key_light(
