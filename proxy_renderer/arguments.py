@@ -17,7 +17,10 @@ _BUDGET = {
     "seed": "the same seed gives the same look",
 }
 _RENDER = {
-    "size": (_DEFAULTS.size, "longer side of the pictures in pixels; the loop itself works with smaller ones"),
+    "size": (
+        _DEFAULTS.size,
+        "longer side of the pictures in pixels; the loop itself works with smaller ones",
+    ),
     "samples": (128, "Cycles samples of the pictures"),
 }
 _GROUPS = (
