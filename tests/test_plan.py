@@ -4,7 +4,7 @@
 import pytest
 
 from proxy_renderer.language.types import Plan, PlanEntry
-from proxy_renderer.optimise.plan import feasible_ranges, lock, top_k
+from proxy_renderer.optimise.plan import carry, feasible_ranges, lock, top_k
 from proxy_renderer.schema import FAMILIES, Instance, VibeError
 
 
@@ -79,3 +79,14 @@ def test_ranges_of_azimuths_follow_the_value():
     sun = Instance(FAMILIES["light/azimuth"], "Sun", (-170.0,))
     plan = Plan({sun.key: PlanEntry((180.0,), (200.0,), 0, "from behind")})
     assert feasible_ranges(plan, {sun.key: sun}, {})[sun.key] == ((-180.0,), (-160.0,))
+
+
+def test_what_an_earlier_round_moved_keeps_its_range_and_reason():
+    support = PlanEntry((0.2,), (0.4,), 12, "supports", prior=0.5)
+    named, renamed = (PlanEntry((0.0,), (high,), 1, "'matte'", prior=0.0) for high in (0.1, 0.2))
+    untouched = PlanEntry((0.0,), (1.0,), None, "untouched")
+    plan = Plan({"a": support, "b": named})
+    for _ in range(2):
+        plan = carry(Plan({"a": untouched, "b": renamed}), plan)
+    assert (plan["a"].upper, plan["a"].reason, plan["a"].priority) == ((0.4,), "supports", None)
+    assert plan["b"] == renamed

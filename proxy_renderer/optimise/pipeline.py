@@ -24,7 +24,7 @@ from . import context
 from .baseline import GlobalGuide, plan_everything
 from .inner import Settings, descend, promise
 from .objective import RoundObjective, Terms, draw
-from .plan import feasible_ranges, lock, top_k
+from .plan import carry, feasible_ranges, lock, top_k
 from .progress import Clock, Watch
 from .vector import ParameterVector, project
 
@@ -83,6 +83,7 @@ def run(
     words = context.scene_words(scene)
     clock = Clock(options, watch)
     u = vector.encode({})
+    plan = Plan()
     terms: Terms | None = None
     weights = None if options.baseline else Weights()
     rounds: list[dict[str, Any]] = []
@@ -94,7 +95,8 @@ def run(
         values = vector.values(u)
         parsed = parse(prompt, words)
         prompts = compose(parsed)
-        plan = confine(parsed, prompts, vector.instances, context.plan_context(proxy, values, picture))
+        now = context.plan_context(proxy, values, picture)
+        plan = carry(confine(parsed, prompts, vector.instances, now), plan)
         if options.baseline:
             plan = plan_everything(vector.instances)
         ranges = feasible_ranges(plan, vector.instances, values)

@@ -38,6 +38,16 @@ def top_k(plan: Plan, k: int, movable: Mapping[str, bool], promise: Mapping[str,
     return sorted(relevant, key=rank)[:k]
 
 
+def carry(plan: Plan, earlier: Plan) -> Plan:
+    """The plan, with what an earlier round supported and this one no longer mentions held in its range.
+
+    Without it a value would stay where the earlier round moved it, though its reason says otherwise.
+    """
+    gone = {k: e for k, e in earlier.items() if e.prior < 1.0 and plan[k].prior == 1.0}
+    held = {key: replace(entry, priority=None) for key, entry in gone.items()}
+    return Plan({**plan, **held}, plan.notes)
+
+
 def feasible_ranges(
     plan: Plan, instances: Mapping[str, Instance], values: Mapping[str, Values]
 ) -> dict[str, tuple[Values, Values]]:
