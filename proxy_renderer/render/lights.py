@@ -133,8 +133,11 @@ def _sun(lamp: Lamp, normals: Tensor) -> Arrival:
 
 
 def _point(lamp: Lamp, normals: Tensor, toward: Tensor, distance: Tensor, squared: Tensor) -> Arrival:
-    """Point and spot: the intensity is power / 4 pi, whatever the radius (blender_facts.md)."""
-    frontal = 1.0 / (4 * math.pi * squared)
+    """Point and spot: power / 4 pi d^2, which Blender's soft falloff (its default) lowers near large lamps.
+
+    With it Cycles takes the lamp for a disc that faces the point, whose view factor is r^2 / (d^2 + r^2).
+    """
+    frontal = 1.0 / (4 * math.pi * (squared + lamp.size * lamp.size))
     if not lamp.light.normalize:
         frontal = frontal * (4 * math.pi * lamp.size * lamp.size)
     if lamp.light.type == "SPOT":

@@ -20,6 +20,9 @@ from .paint import Paint, used
 from .settings import wanted
 from .vectors import within
 
+_FAINT = 1e-4
+"""Reflectance seen head on below which the dielectric layer fades out."""
+
 
 def shade(paint: Paint, light: Light, texture: Tensor | None) -> Tensor:
     """Outgoing radiance (3, N) towards the viewer."""
@@ -89,8 +92,10 @@ def _dielectric(
     average = (ior - 1) / (4.08567 + 1.00071 * ior)
     s = ((average - straight) / (1 - straight)).clamp(0.0, 1.0)
     many = multiple_scattering(tinted + (1 - tinted) * s, mean)
-    share = (albedo.dielectric_share(paint.roughness, ior) @ light.view).clamp(0.0, 1.0)
-    curve = albedo.dielectric_curve(ior)
+    # An IOR of 1 reflects nothing; next to it the curves are too steep for their tables.
+    present = (f0.detach() / _FAINT).clamp_max(1.0)
+    share = (albedo.dielectric_share(paint.roughness, ior) @ light.view).clamp(0.0, 1.0) * present
+    curve = albedo.dielectric_curve(ior) * present
     direct = specular(light.lamps, light.highlights, lobes, curve, tinted, 1.0)
     strongest = tinted.amax()
     around = reflections * (tinted + (1 - tinted) * share)
