@@ -100,10 +100,16 @@ def test_looks_of_unseen_shapes_are_told_apart(encoder: Encoder) -> None:
     layout = bank.fields(128)
     fresh = {name: np.stack([view[name] for view in views]).astype(layout[name][1]) for name in layout}
     scores = evaluate.judge(encoder, fresh, batches=2)
-    assert scores["attribute_flip"] > 0.65
-    assert scores["swap"] > 0.65
-    assert scores["heads"]["surroundings_color"] > 0.6
-    assert scores["heads"]["brightness"] > 0.75
+    assert scores["attribute_flip"] > 0.62
+    assert scores["swap"] > 0.57
+    least = {
+        "subject_color": 0.6,
+        "surroundings_color": 0.85,
+        "brightness": 0.85,
+        "saturation": 0.8,
+        "vignette": 0.7,
+    }
+    assert all(scores["heads"][name] > share for name, share in least.items()), scores["heads"]
 
 
 @pytest.mark.parametrize("tag", ["nonsense", "ViT-B-32-256/nonsense", "RN50/", "../nowhere"])

@@ -8,7 +8,7 @@ import json
 import os
 import random
 import time
-from collections import defaultdict
+from collections import Counter, defaultdict
 from pathlib import Path
 
 import numpy as np
@@ -52,8 +52,9 @@ def evaluate(model: Path, held_out: Path, meshes: list[Path], out: Path | None =
 
 
 def judge(encoder: Encoder, bank: dict, batches: int | None = None) -> dict:
-    """Flip, swap and head accuracy on whole pictures of a bank."""
+    """Flip, swap and head accuracy on whole pictures of a bank; ``commonest`` is what a blind guess would score."""
     right: dict[str, list[bool]] = defaultdict(list)
+    shown: dict[str, list[int]] = defaultdict(list)
     dice = random.Random(_SEED)
     for k in range(batches or _BATCHES):
         batch = make_batch(bank, _GROUPS, _SEED + k, augment=False)
@@ -67,9 +68,11 @@ def judge(encoder: Encoder, bank: dict, batches: int | None = None) -> dict:
         for name, value in logits.items():
             known = batch.labels[:, INDEX[name]] >= 0
             right[f"heads/{name}"] += (value.argmax(1) == batch.labels[:, INDEX[name]])[known].tolist()
+            shown[name] += batch.labels[known, INDEX[name]].tolist()
         comparisons = _comparisons(batch, dice)
-        true, false = (encoder.encode_texts([c[k] for c in comparisons]).cpu() for k in (2, 3))
-        closer = (features[[c[1] for c in comparisons]] * (true - false)).sum(1) > 0
+        true = encoder.encode_texts([said for _, _, said, _ in comparisons]).cpu()
+        false = encoder.encode_texts([otherwise for _, _, _, otherwise in comparisons]).cpu()
+        closer = (features[[picture for _, picture, _, _ in comparisons]] * (true - false)).sum(1) > 0
         for comparison, correct in zip(comparisons, closer.tolist(), strict=True):
             right[comparison[0]].append(correct)
     share = {key: round(float(np.mean(values)), 4) for key, values in right.items()}
@@ -78,6 +81,7 @@ def judge(encoder: Encoder, bank: dict, batches: int | None = None) -> dict:
     return {
         "attribute_flip": round(float(np.mean(list(flips.values()))), 4), "swap": share.get("swap"),
         "heads_mean": round(float(np.mean(list(heads.values()))), 4) if heads else None, "flip_by_attribute": flips, "heads": heads,
+        "commonest": {name: round(max(Counter(c).values()) / len(c), 4) for name, c in shown.items() if c},
         "comparisons": {key: len(values) for key, values in right.items()},
     }  # fmt: skip
 
