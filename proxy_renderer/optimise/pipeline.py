@@ -31,8 +31,8 @@ from .vector import ParameterVector, project
 INNER_SIZE = 256
 """Greatest longer side of the pictures inside the loop, in pixels."""
 
-CONVERGED = 0.002
-"""A round that lowers the loss by a smaller share, with the parameters of the one before, is the last."""
+CONVERGED = 0.005
+"""A round, other than the first, that lowers the loss by a smaller share is the last one."""
 
 
 @dataclass
@@ -87,7 +87,6 @@ def run(
     terms: Terms | None = None
     weights = None if options.baseline else Weights()
     rounds: list[dict[str, Any]] = []
-    tried: set[str] = set()
 
     for number in range(options.rounds):
         started = time.monotonic()
@@ -125,10 +124,9 @@ def run(
                 "seconds": round(time.monotonic() - started, 3),
             }
         )
-        done = found.start_loss - found.loss < CONVERGED * abs(found.start_loss)
-        if clock.stopped or not chosen or (done and set(chosen) == tried):
+        gained = found.start_loss - found.loss
+        if clock.stopped or not chosen or (number and gained < CONVERGED * abs(found.start_loss)):
             break
-        tried = set(chosen)
 
     optimised = {key for record in rounds for key in record["parameters"]}
     return Outcome(vector, u, plan, ranges, optimised, parsed, prompts, rounds, clock.stopped)

@@ -37,18 +37,19 @@ class Clock:
 
     def __init__(self, options: Options, watch: Watch) -> None:
         self._options, self._watch = options, watch
-        self._start = time.monotonic()
-        self._steps = 0
+        self._steps, self._seconds = 0, 0.0
         self.stopped = False
 
     def follow(self, number: int) -> Callable[[int, float, Render], bool]:
         """The inner loop's callback for a round (from 0)."""
         rounds, steps = self._options.rounds, self._options.steps
+        last = time.monotonic()
 
         def on_step(step: int, loss: float, picture: Render) -> bool:
-            self._steps += 1
-            left = (rounds - number) * steps - step
-            seconds = (time.monotonic() - self._start) / self._steps * left
+            nonlocal last
+            now = time.monotonic()
+            self._steps, self._seconds, last = self._steps + 1, self._seconds + now - last, now
+            seconds = self._seconds / self._steps * ((rounds - number) * steps - step)
             progress = Progress(number + 1, rounds, step, steps, loss, seconds, PREVIEW)
             self.stopped |= self._watch.step(progress, picture.display.detach())
             return self.stopped
