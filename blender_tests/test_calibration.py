@@ -9,12 +9,12 @@ import bpy
 import numpy as np
 import pytest
 import torch
-
-from proxy_renderer.render.proxy import Proxy
-from proxy_renderer.scene import load_scene
 from vibe_render.export import export
 from vibe_render.subject import Choice
 from vibe_render.survey import survey
+
+from proxy_renderer.render.proxy import Proxy
+from proxy_renderer.scene import load_scene
 
 SIZE = 24
 HEIGHT = 2.0

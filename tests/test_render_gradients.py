@@ -97,6 +97,29 @@ def test_camera_outlines(proxy: Proxy, name: str) -> None:
     assert automatic.item() == pytest.approx(difference.item(), rel=0.15, abs=6e-4)
 
 
+@pytest.mark.parametrize(
+    ("name", "step"), [("azimuth", 4.0), ("elevation", 4.0), ("distance", 0.2), ("size", 0.1)]
+)
+def test_lamp_placement(name: str, step: float) -> None:
+    """Where a lamp stands, by the subject's brightness: 35 %.
+
+    Shadows and bounced light are constants to autograd; what turns towards or away from a lamp counts most.
+    """
+    scene = balls(2, 1)
+    proxy = Proxy(scene, SIZE)
+    subject = proxy.render({}).mask[..., None]
+    key = f"light/Lamp 0/{name}"
+    value = torch.tensor(scene.instances[key].value, requires_grad=True)
+
+    def total(value: Tensor) -> Tensor:
+        return (proxy.render({key: value}).linear * subject).mean()
+
+    (automatic,) = torch.autograd.grad(total(value), value)
+    with torch.no_grad():
+        difference = (total(value + step) - total(value - step)) / (2 * step)
+    assert automatic.item() == pytest.approx(difference.item(), rel=0.35)
+
+
 def test_unlit_lobes_keep_their_gradient(proxy: Proxy) -> None:
     """A weight that starts at zero, on its bound, must be able to leave it."""
     for name in ("metallic", "coat", "sheen", "transmission", "emission"):

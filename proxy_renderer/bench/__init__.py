@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measurements that the README quotes; each has `main(out) -> dict` and writes OUT/results.json."""
+"""Measurements that the README quotes; each has `run(out) -> dict` and writes OUT/results.json."""

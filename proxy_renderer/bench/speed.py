@@ -7,6 +7,7 @@ import json
 import os
 import statistics
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,26 +20,32 @@ from .scenes import balls
 _SIZE = 512
 _STEPS = 8
 _TRIANGLES = (3, 7)  # subdivisions: a ball of 1,280 and one of 327,680 triangles
+_COMMON = ("light/Lamp 0/power", "light/Lamp 0/color", "world/color", "film/exposure", "film/contrast")
+_ONE = [*(f"material/Ball 0/{name}" for name in ("base_color", "roughness", "metallic")), *_COMMON]
+_MANY = [*(f"material/Ball {i}/base_color" for i in range(3)), *_COMMON]
 
 
-def main(out: Path) -> dict[str, Any]:
+def run(out: Path) -> dict[str, Any]:
     """Measures steps and writes OUT/results.json.
 
     Returns:
-        Milliseconds: `step_ms_512` for one material and one light with all of their looks (and the
-        film's) learned, `step_ms_512_eight_materials` for eight and four lights, the step while
-        a light or the camera moves, and the step for few and for many triangles.
+        Milliseconds. `step_ms_512` is a step with eight parameters learned, as many as a round of a vibe
+        chooses, of one material, one light, the world and the film; `..._eight_materials` the same of eight
+        materials and four lights; `..._everything` learns all that does not move, at once; then steps
+        with a light or the camera moving before each, and steps for few and for many triangles.
     """
     one, many = balls(1, 1), balls(8, 4)
+    still = [key for key in one.instances if _still(key)]
     results: dict[str, Any] = {
         "threads": torch.get_num_threads(),
-        "step_ms_512": _step(one, ("material", "light", "world", "film")),
-        "step_ms_512_eight_materials": _step(many, ("material", "light", "world", "film")),
-        "step_ms_512_moving_light": _step(one, ("azimuth", "elevation"), moving="light"),
-        "step_ms_512_moving_camera": _step(one, ("azimuth", "elevation"), moving="camera"),
+        "step_ms_512": _step(one, _ONE),
+        "step_ms_512_eight_materials": _step(many, _MANY),
+        "step_ms_512_everything": _step(one, still),
+        "step_ms_512_eight_materials_everything": _step(many, [key for key in many.instances if _still(key)]),
+        "step_ms_512_moving_light": _step(one, ["light/Lamp 0/azimuth", "light/Lamp 0/elevation"], 0.3),
+        "step_ms_512_moving_camera": _step(one, ["camera/azimuth", "camera/elevation"], 0.3),
         "step_ms_by_triangles": {
-            len(scene.mesh.faces): _step(scene, ("material", "light"))
-            for scene in (balls(2, 1, subdivisions) for subdivisions in _TRIANGLES)
+            len(scene.mesh.faces): _step(scene, _ONE) for scene in (balls(2, 1, n) for n in _TRIANGLES)
         },
     }
     out.mkdir(parents=True, exist_ok=True)
@@ -48,31 +55,25 @@ def main(out: Path) -> dict[str, Any]:
     return results
 
 
-def _step(scene: SceneData, learned: tuple[str, ...], moving: str = "") -> float:
-    """Median milliseconds of rendering and differentiating; what moves is moved before every step."""
+def _step(scene: SceneData, learned: Sequence[str], move: float = 0.0) -> float:
+    """Median milliseconds of rendering and differentiating; `move` is added before every step."""
     proxy = Proxy(scene, (_SIZE, _SIZE))
-    values = {
-        key: torch.tensor(i.value, requires_grad=True)
-        for key, i in scene.instances.items()
-        if _learned(key, learned, moving)
-    }
+    values = {key: torch.tensor(scene.instances[key].value, requires_grad=True) for key in learned}
     times = []
     for step in range(_STEPS):
-        if moving:
-            with torch.no_grad():
-                for value in values.values():
-                    value += 0.3
+        with torch.no_grad():
+            for value in values.values():
+                value += move
         start = time.perf_counter()
         picture = proxy.render(values).display
         picture.backward(torch.full_like(picture, 1e-6))
-        if step > 1:
+        if step > 1:  # the first ones trace rays and warm up
             times.append(1000 * (time.perf_counter() - start))
     return round(statistics.median(times), 1)
 
 
-def _learned(key: str, learned: tuple[str, ...], moving: str) -> bool:
+def _still(key: str) -> bool:
+    """Whether a parameter changes looks only: no rays are traced again for it."""
     group, name = key.split("/")[0], key.rpartition("/")[2]
-    if moving:
-        return group == moving and name in learned
     placed = group == "light" and name in ("azimuth", "elevation", "distance", "size", "angle")
-    return group in learned and not placed
+    return group in ("material", "light", "world", "film") and not placed
