@@ -13,6 +13,7 @@ from proxy_renderer.language.attributes import ATTRIBUTES
 from proxy_renderer.train import bank as banks
 from proxy_renderer.train import captions, looks, shader, wording
 from proxy_renderer.train.data import EMPTY, WHOLE, contradicts, gather, make_batch
+from proxy_renderer.train.evaluate import skill
 from proxy_renderer.train.shapes import FAMILIES, shape
 from proxy_renderer.train.train import Recipe, Trainer
 
@@ -169,3 +170,9 @@ def test_losses_fall_on_a_batch_that_is_seen_again(bank: dict[str, np.ndarray]) 
         sum(losses.values()).backward()
         trainer.optimizer.step()
     assert (history[-1] < 0.9 * history[0]).all(), history
+
+
+def test_skill_is_what_a_head_knows_beyond_a_blind_guess():
+    one = {"heads": {"fog": 0.75, "vignette": 0.4}, "commonest": {"fog": 0.5, "vignette": 0.6}}
+    other = {"heads": {"fog": 1.0}, "commonest": {"fog": 0.5}}
+    assert skill([one, other]) == {"fog": 0.5, "vignette": 0.0}

@@ -30,11 +30,14 @@ class AttributeHeads(nn.Module):
 
     Attributes:
         names: Attribute name → its classes, in the order of the logits.
+        skill: Attribute name → how far above a blind guess its head has been measured to be, in [0, 1];
+            1 where nobody has measured.
     """
 
     def __init__(self, dim: int, names: dict[str, list[str]], hidden: int = 192) -> None:
         super().__init__()
         self.names = names
+        self.skill = dict.fromkeys(names, 1.0)
         self.scale = dim**0.5
         self.layers = nn.Sequential(
             nn.Linear(dim, hidden), nn.GELU(), nn.Linear(hidden, sum(map(len, names.values())))
@@ -193,4 +196,6 @@ def _load_heads(folder: Path) -> AttributeHeads | None:
     weights = {key: w.float() for key, w in load_file(folder / "heads.safetensors").items()}
     heads = AttributeHeads(weights["layers.0.weight"].shape[1], names, weights["layers.0.weight"].shape[0])
     heads.load_state_dict(weights)
+    if (folder / "skill.json").is_file():
+        heads.skill |= json.loads((folder / "skill.json").read_text())
     return heads

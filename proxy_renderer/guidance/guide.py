@@ -17,7 +17,7 @@ from . import regions
 from .losses import border_loss, color_loss, form_loss, negative_loss, positive_loss, visibility_loss
 
 if TYPE_CHECKING:
-    from .encoder import Encoder
+    from .encoder import AttributeHeads, Encoder
 
 _REGIONS = ("subject", "surroundings", "whole")
 _SURE = 0.1  # cross-entropy below which an attribute counts as there: p > 0.9
@@ -163,13 +163,13 @@ class Guide:
         )
 
     def _attribute_loss(self, features: Tensor) -> Tensor:
-        """Mean over the named attributes of how far each is from being there."""
-        logits = self.heads.heads.logits(features)  # type: ignore[union-attr]
-        losses = []
+        """Mean over the named attributes of how far each is from being there, as far as its head can tell."""
+        heads: AttributeHeads = self.heads.heads  # type: ignore[union-attr, assignment]
+        logits, losses = heads.logits(features), []
         for attribute, target in self.targets.items():
             seen = logits[attribute][:1] if attribute in _FULL_FRAME else logits[attribute]
             entropy = F.cross_entropy(seen, torch.full((len(seen),), target, device=seen.device))
-            losses.append(F.relu(entropy - _SURE))
+            losses.append(heads.skill[attribute] * F.relu(entropy - _SURE))
         return torch.stack(losses).mean()
 
     def _margin(self, features: Tensor, region: str) -> float:

@@ -81,8 +81,8 @@ def loads(text: str) -> Preset:
         )
     for role, entries in raw["roles"].items():
         _check_role(role, entries)
-    kinds = raw.get("kinds") if isinstance(raw.get("kinds"), dict) else {}
-    return Preset(str(raw.get("name", "")), raw["roles"], kinds, version)
+    kinds = raw.get("kinds")
+    return Preset(str(raw.get("name", "")), raw["roles"], kinds if isinstance(kinds, dict) else {}, version)
 
 
 def _check_role(role: str, entries: Any) -> None:

@@ -9,6 +9,7 @@ import os
 import random
 import time
 from collections import Counter, defaultdict
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +32,9 @@ _GROUPS, _BATCHES, _SEED = 48, 10, 7_000_000
 def evaluate(model: Path, held_out: Path, meshes: list[Path], out: Path | None = None) -> dict:
     """Judges a model on a held-out bank, and on views of meshes; writes ``results.json``.
 
+    The model's folder gets ``skill.json``: how far each attribute's head is from a blind guess (0) to
+    never being wrong (1). Guidance trusts the heads by it.
+
     Returns:
         ``attribute_flip`` and ``swap`` (fractions), the same per attribute and for the heads, per set of
         pictures, and ``crops_seconds``, the cost of 8 crops forward and backward.
@@ -44,11 +48,29 @@ def evaluate(model: Path, held_out: Path, meshes: list[Path], out: Path | None =
         "crops_seconds": cost(encoder),
     }
     results |= {key: results["sets"]["procedural"][key] for key in ("attribute_flip", "swap", "heads_mean")}
+    if skills := skill(results["sets"].values()):
+        _write(model / "skill.json", skills)
     if out:
-        temporary = out.with_suffix(".part")
-        temporary.write_text(json.dumps(results, indent=1) + "\n")
-        os.replace(temporary, out)
+        _write(out, results)
     return results
+
+
+def skill(sets: Iterable[dict]) -> dict[str, float]:
+    """Attribute -> skill in [0, 1] of its head, the worst over all sets: (right - blind) / (1 - blind)."""
+    found: dict[str, float] = {}
+    for one in sets:
+        for name, right in one["heads"].items():
+            blind = one["commonest"][name]
+            found[name] = min(
+                found.get(name, 1.0), round(max(right - blind, 0.0) / max(1.0 - blind, 1e-6), 3)
+            )
+    return found
+
+
+def _write(path: Path, content: dict) -> None:
+    temporary = path.with_suffix(".part")
+    temporary.write_text(json.dumps(content, indent=1) + "\n")
+    os.replace(temporary, path)
 
 
 def judge(encoder: Encoder, bank: dict, batches: int | None = None) -> dict:
