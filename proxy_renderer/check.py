@@ -62,6 +62,13 @@ def prompt(text: str) -> str:
     return text
 
 
+def words(text: str) -> None:
+    """At least one word of the prompt names a look."""
+    from .language import SceneWords, parse
+
+    parse(text, SceneWords())
+
+
 def numbers(arguments: argparse.Namespace) -> None:
     """Every number within its range."""
     for name, (low, high) in _RANGES.items():

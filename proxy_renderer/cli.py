@@ -115,6 +115,7 @@ def _demo(a: argparse.Namespace) -> int:
 def _vibe(a: argparse.Namespace, what: list[str]) -> int:
     """Checks everything that can be checked without Blender, then starts it."""
     check.prompt(a.prompt)
+    check.words(a.prompt)
     check.numbers(a)
     groups = check.groups(a.groups)
     check.locks(a.lock)
@@ -143,7 +144,7 @@ def _revert(a: argparse.Namespace) -> int:
         raise VibeError(
             f"{a.scene} is not a .blend.", "Revert takes the vibed.blend that a vibe has written."
         )
-    return launch(["revert", str(scene)], scene.parent)
+    return launch(["revert", str(scene)], scene)
 
 
 def _explain(a: argparse.Namespace) -> int:

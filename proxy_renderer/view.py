@@ -68,7 +68,7 @@ class View:
             print(text, flush=True)
 
     def end(self, out: Path) -> None:
-        """What came of it, and what to open."""
+        """What came of it, and what to open: the comparison in a folder, or a file."""
         seconds = time.monotonic() - self._start
         for line in self._result.get("lines", []):
             self.note(line)

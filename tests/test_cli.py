@@ -57,7 +57,8 @@ def test_scenes_that_cannot_be_one(tmp_path, scene, words):
 
 
 @pytest.mark.parametrize(
-    ("prompt", "word"), [("", "empty"), (" \n\t", "empty"), ("teal " * 2000, "10000 characters")]
+    ("prompt", "word"),
+    [("", "empty"), (" \n\t", "empty"), ("teal " * 2000, "10000 characters"), ("xqzt wrrgl", "xqzt")],
 )
 def test_prompts_that_cannot_be_one(mesh, prompt, word):
     assert_refused(run(mesh, prompt=prompt), word)
