@@ -44,7 +44,7 @@ def test_projection_inverts_rays(kind: str, fit: str) -> None:
 def test_irradiance_of_every_lamp() -> None:
     """blender_facts.md: what a surface gets that faces the lamp; small lamps count as points."""
     scene = balls(2, 4, 2)
-    settings = _settings(scene, **{"light__Lamp 0__size": 0.05})
+    settings = _settings(scene, **{f"light__Lamp {i}__size": 0.05 for i in (0, 1, 3)})
     for lamp in lamps_of(scene, settings):
         toward = lamp.axes[:, 2:3]
         point = lamp.position[:, None] - 4.0 * toward

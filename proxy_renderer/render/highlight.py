@@ -10,13 +10,14 @@ A lamp's outline is carried to slope space and treated as one of the two there.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import torch
 from torch import Tensor
 
 from .albedo import basis
 from .lights import Arrival, Lamp, half_axes, tangents
+from .settings import wanted
 from .vectors import dot, unit
 
 _LEAST_ALPHA = 2e-3
@@ -41,11 +42,13 @@ class Highlight:
     slope_in: Tensor
     slope_out: Tensor
     outline: Tensor
+    _lobes: dict[float, Tensor] = field(default_factory=dict, repr=False, compare=False)
 
     def pick(self, index: slice) -> Highlight:
         """The points at an index."""
         parts = self.strength, self.curve, self.slope_in, self.slope_out, self.outline
-        return Highlight(*(p[..., index] for p in parts))
+        strength, curve, slope_in, slope_out, outline = (p[..., index] for p in parts)
+        return Highlight(strength, curve, slope_in, slope_out, outline)
 
     def times(self, visible: Tensor) -> Highlight:
         """The same, shadowed by visible shares (N,)."""
@@ -53,7 +56,20 @@ class Highlight:
         return Highlight(strength, self.curve, self.slope_in, self.slope_out, self.outline)
 
     def lobe(self, roughness: Tensor) -> Tensor:
-        """Reflected radiance (N,) per unit of the lamp's color, Fresnel aside, for one roughness ()."""
+        """Reflected radiance (N,) per unit of the lamp's color, Fresnel aside, for one roughness ().
+
+        Kept until the roughness changes, unless gradients are wanted.
+        """
+        if wanted(roughness, self.strength, self.outline):
+            return self._lobe(roughness)
+        key = float(roughness)
+        if key not in self._lobes:
+            if len(self._lobes) > 1:  # a base and a coat
+                self._lobes.clear()
+            self._lobes[key] = self._lobe(roughness)
+        return self._lobes[key]
+
+    def _lobe(self, roughness: Tensor) -> Tensor:
         alpha2 = (roughness * roughness).clamp_min(_LEAST_ALPHA) ** 2
         masked = (1 + alpha2 * self.slope_in).sqrt() + (1 + alpha2 * self.slope_out).sqrt()
         covered = _disc(self.outline, alpha2) if len(self.outline) == 2 else _box(self.outline, alpha2)

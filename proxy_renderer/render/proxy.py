@@ -131,7 +131,7 @@ class Proxy:
             incoming = Light(
                 irradiance=lit,
                 lamps=frame.colors,
-                highlights=[beam.highlight.pick(part) for beam in beams],
+                highlights=[beam.part(part) for beam in beams],
                 view=sight.basis[:, part],
                 reflected=Reflected(_KNOTS, seen),
                 behind=_behind(frame, table, gathered, material, part) if used(paint.transmission) else None,

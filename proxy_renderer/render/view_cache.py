@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import torch
 from torch import Tensor
@@ -74,6 +74,13 @@ class Beam:
     highlight: Highlight
     toward: Tensor
     distance: Tensor
+    _parts: dict[int, Highlight] = field(default_factory=dict, repr=False, compare=False)
+
+    def part(self, samples: slice) -> Highlight:
+        """The highlight at the samples of one material; the same object every time, for what it keeps."""
+        if samples.start not in self._parts:
+            self._parts[samples.start] = self.highlight.pick(samples)
+        return self._parts[samples.start]
 
     def through(self, fog: Fog, sight: Sight) -> Beam:
         """The beam after the fog between lamp and samples."""
