@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import pytest
 import torch
 from torch import Tensor
@@ -44,3 +46,17 @@ def test_all_at_random_bounds(proxy: Proxy) -> None:
         sides = torch.rand(len(SCENE.instances), generator=generator) < 0.5
         rows = zip(SCENE.instances.items(), sides, strict=True)
         _check(proxy, {key: torch.tensor(i.lower if low else i.upper) for (key, i), low in rows})
+
+
+@pytest.mark.parametrize("name", ["away", "orthographic", "inside", "dark", "one pixel"])
+def test_odd_views(name: str) -> None:
+    scene, camera = balls(2, 0 if name == "dark" else 2, subdivisions=2), SCENE.camera
+    if name == "away":
+        camera = dataclasses.replace(camera, residual=((-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, -1.0)))
+    elif name == "orthographic":
+        camera = dataclasses.replace(camera, type="ORTHO")
+    proxy = Proxy(dataclasses.replace(scene, camera=camera), (1, 1) if name == "one pixel" else (24, 16))
+    values = {key: torch.tensor(i.value) for key, i in scene.instances.items()}
+    if name == "inside":
+        values["camera/distance"] = torch.tensor([0.01])
+    _check(proxy, values)
