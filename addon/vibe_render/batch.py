@@ -7,6 +7,8 @@
 A mistake of the user's is one clear line and exit code 2.
 """
 
+import atexit
+import os
 import sys
 from pathlib import Path
 
@@ -38,5 +40,20 @@ def main() -> int:
         return 2
 
 
+def _end(status: list[int]) -> None:
+    """Leaves without Blender's own exit handlers, where Blender is a Python module.
+
+    Those of Blender 4.5 may wait for ever on a thread of theirs (seen with bpy 4.5.15 on Linux).
+    """
+    bpy = sys.modules.get("bpy")
+    if bpy and bpy.app.module:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(status[0])
+
+
 if __name__ == "__main__":
-    sys.exit(main())
+    outcome = [1]
+    atexit.register(_end, outcome)  # registered first, it comes last: engines are stopped before
+    outcome[0] = main()
+    sys.exit(outcome[0])
