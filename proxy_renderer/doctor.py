@@ -18,7 +18,7 @@ _BLENDER = (
     "import bpy, json, os; print('BLENDER ' + json.dumps([bpy.app.version_string, "
     "os.path.join(bpy.utils.system_resource('DATAFILES'), 'colormanagement', 'config.ocio')]))"
 )
-_AGAIN = "Install it again: pip install vibe-render."
+_AGAIN = "Install it again: `pip install .` in a clone of Vibe Render."
 
 
 def examine() -> int:
@@ -67,7 +67,7 @@ def _blender(config: list[str]) -> str:
         raise VibeError(
             f"Blender's module does not start: {reason[:150]}",
             "If a lib*.so is missing, install it with your system's package manager; otherwise "
-            "pip install vibe-render again.",
+            "Install it again: `pip install .` in a clone of Vibe Render.",
         )
     import json
 

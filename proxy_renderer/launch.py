@@ -121,7 +121,8 @@ def _batch() -> Path:
         if (place / "batch.py").is_file():
             return place / "batch.py"
     raise VibeError(
-        "The Blender side of vibe-render is missing.", "Install it again: pip install vibe-render."
+        "The Blender side of vibe-render is missing.",
+        "Install it again: `pip install .` in a clone of Vibe Render.",
     )
 
 

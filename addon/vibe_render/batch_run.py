@@ -205,7 +205,7 @@ def _listed(job: Job, values: dict[str, Any]) -> list[str]:
         line = f"{changes.title(key)}: {changes.text(key, before)} -> {changes.text(key, after)}"
         rows.append((distance, line))
     rows.sort(reverse=True)
-    more = [f"... and {len(rows) - _SHOWN} more in report.json"] if len(rows) > _SHOWN else []
+    more = [f"... and {len(rows) - _SHOWN} more"] if len(rows) > _SHOWN else []
     return [line for _, line in rows[:_SHOWN]] + more
 
 

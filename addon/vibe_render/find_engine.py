@@ -19,7 +19,7 @@ BUILT_FROM = Path(__file__).with_name("engine.txt")
 _CLONE = Path(__file__).resolve().parents[2]
 _PROBE = "import sys, importlib.util as u; sys.exit(not all(map(u.find_spec, ('torch', 'open_clip', 'proxy_renderer'))))"
 _HELP = (
-    "Install it with `pip install vibe-render` (in a virtual environment), then choose that "
+    "Run `pip install .` in a clone of Vibe Render (in a virtual environment), then choose that "
     f"environment's folder in the add-on's preferences or in {ENVIRONMENT_VARIABLE}."
 )
 
