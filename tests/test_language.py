@@ -339,7 +339,7 @@ def test_ranges_are_always_legal():
         lab = lambda: (draw.uniform(0, 100), draw.uniform(-60, 60), draw.uniform(-60, 60))  # noqa: E731
         picture = PictureStats({"subject": lab(), "surroundings": lab()}, (5.0, 40.0, 95.0))
         context = PlanContext(
-            draw.uniform(-180, 180), 10.0, draw.choice(["AgX", "Filmic", "Standard", "False Color"]),
+            draw.uniform(-180, 180), draw.choice(["AgX", "Filmic", "Standard", "False Color"]),
             picture=picture if seed % 2 else None,
         )  # fmt: skip
         prompt = PROMPTS[seed] if seed < len(PROMPTS) else random_prompt(draw)

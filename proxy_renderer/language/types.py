@@ -147,7 +147,6 @@ class PlanContext:
 
     Attributes:
         camera_azimuth: Degrees, as in `schema.orbit`: light directions are relative to it.
-        camera_elevation: Degrees.
         view: View transform: "AgX", "Filmic", "Standard", ...
         light_types: Light -> "POINT", "SPOT", "AREA" or "SUN"; watts mean different things to them.
         world_share: Fraction of the surroundings' pixels that show the world, not a surface; None if unknown.
@@ -159,7 +158,6 @@ class PlanContext:
     """
 
     camera_azimuth: float = 0.0
-    camera_elevation: float = 10.0
     view: str = "AgX"
     light_types: dict[str, str] = field(default_factory=dict)
     world_share: float | None = None

@@ -42,15 +42,10 @@ def scene_words(scene: SceneData) -> SceneWords:
 def plan_context(proxy: Proxy, values: dict[str, Values], picture: Render) -> PlanContext:
     """What the planner knows: the scene, where its values are now, and what that looks like."""
     scene = proxy.scene
-
-    def now(key: str, default: float) -> float:
-        return values[key][0] if key in values else default
-
     world, materials = coverage(proxy, values)
     textures = {m.name: m.texture.image for m in scene.materials if m.texture is not None}
     return PlanContext(
-        camera_azimuth=now("camera/azimuth", 0.0),
-        camera_elevation=now("camera/elevation", 10.0),
+        camera_azimuth=values["camera/azimuth"][0] if "camera/azimuth" in values else 0.0,
         view=scene.film.view,
         light_types={light.name: light.type for light in scene.lights},
         world_share=world,

@@ -58,11 +58,6 @@ def feasible_ranges(
     }
 
 
-def hard_ranges(instances: Mapping[str, Instance]) -> dict[str, tuple[Values, Values]]:
-    """Key -> (lower, upper) of the schema: what the baseline may use."""
-    return {key: (i.lower, i.upper) for key, i in instances.items()}
-
-
 def lock(
     instances: Mapping[str, Instance], groups: Sequence[str], locks: Sequence[str], camera: bool
 ) -> dict[str, Instance]:

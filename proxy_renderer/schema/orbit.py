@@ -35,14 +35,3 @@ def frame(azimuth: float, elevation: float) -> Matrix:
     zx, zy, zz = direction(azimuth, elevation)
     xx, xy = math.cos(a), math.sin(a)
     return (xx, -zz * xy, zx), (xy, zz * xx, zy), (0.0, zx * xy - zy * xx, zz)
-
-
-def transpose(m: Matrix) -> Matrix:
-    """The transpose, which for a rotation is its inverse."""
-    return tuple(zip(*m, strict=True))  # type: ignore[return-value]
-
-
-def multiply(a: Matrix, b: Matrix) -> Matrix:
-    """Matrix product a @ b."""
-    columns = transpose(b)
-    return tuple(tuple(sum(p * q for p, q in zip(row, col, strict=True)) for col in columns) for row in a)  # type: ignore[return-value]
