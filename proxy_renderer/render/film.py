@@ -14,6 +14,8 @@ from . import grade
 from .bloom import bloom
 from .view import ViewTransform
 
+_CLEAR = 1e-3  # coverage below which colors are too uncertain to be divided by it
+
 
 class Film:
     """Develops linear pictures of one size.
@@ -31,14 +33,20 @@ class Film:
         self._view = ViewTransform(spec.ocio, spec.display, spec.view, spec.look, device)
         self._falloff = grade.falloff(*size).to(device)
 
-    def develop(self, linear: Tensor, values: Mapping[str, Tensor]) -> Tensor:
-        """Display-encoded picture (H, W, 3) in [0, 1].
+    def develop(self, linear: Tensor, values: Mapping[str, Tensor], alpha: Tensor | None = None) -> Tensor:
+        """Display-encoded picture (H, W, 3) in [0, 1]; what is transparent shows black.
 
         Args:
-            linear: (H, W, 3) scene-linear Rec.709, before the grade.
+            linear: (H, W, 3) scene-linear Rec.709, before the grade, times alpha.
             values: "film/…" to (1,) or (3,) in Blender's units; what is missing leaves the picture alone.
+            alpha: (H, W) coverage of a transparent film; None where the background is seen.
         """
-        return self.show(self.grade(linear, values), values)
+        graded = self.grade(linear, values)
+        if alpha is None:
+            return self.show(graded, values)
+        # Blender divides by alpha before its view transform (imbuf, IMB_colormanagement), and PNGs stay so.
+        alpha = alpha.clamp(0, 1)[..., None]
+        return self.show(graded / alpha.clamp_min(_CLEAR), values) * alpha
 
     def grade(self, linear: Tensor, values: Mapping[str, Tensor]) -> Tensor:
         """The compositor group "Vibe Grade", in its order. Neutral steps that nothing learns from are skipped."""

@@ -40,6 +40,8 @@ class Render:
     Attributes:
         display: (H, W, 3) as shown, sRGB-encoded in [0, 1].
         linear: (H, W, 3) scene-linear Rec.709 before grade and view transform.
+        alpha: (H, W) coverage where the film is transparent, else None; `linear` is multiplied with it,
+            and `display` stands on black.
         mask: (H, W) share of each pixel that the subject covers.
         depth: (H, W) distance along the rays in meters; infinite where nothing is hit.
     """
@@ -48,6 +50,7 @@ class Render:
     linear: Tensor
     mask: Tensor
     depth: Tensor
+    alpha: Tensor | None = None
 
 
 class Proxy:
@@ -97,13 +100,17 @@ class Proxy:
         picture, mask = cache.samples.resolve(radiance), cache.mask
         if view.moving:
             term = cache.outlines().term(view, torch.cat((radiance, cache.inside)), picture.shape[1])
-            picture, mask = picture + term[:3], mask + term[3].view(mask.shape)
-        linear = picture.view(3, *self.size[::-1]).permute(1, 2, 0)
+            picture, mask = picture + term[:-1], mask + term[-1].view(mask.shape)
+        channels = picture.view(-1, *self.size[::-1])
+        linear, alpha = channels[:3].permute(1, 2, 0), channels[3] if len(channels) > 3 else None
         film = {key: settings.color(key) for key in _FILM_KEYS if settings.has(key)}
-        return Render(self.film.develop(linear, film), linear, mask, cache.depth)
+        return Render(self.film.develop(linear, film, alpha), linear, mask, cache.depth, alpha)
 
     def _radiance(self, frame: Frame) -> Tensor:
-        """Radiance (3, N + B) of all samples: surfaces in the order of their materials, then background."""
+        """Radiance (3, N + B) of all samples: surfaces in the order of their materials, then background.
+
+        A transparent film has a fourth row: how much of what is behind it a sample covers.
+        """
         cache, sight, sky = frame.cache, frame.sight, frame.sky
         beams = [cache.beam(i, lamp, sight) for i, lamp in enumerate(frame.lamps)]
         if frame.fog.active:
@@ -138,7 +145,10 @@ class Proxy:
             )
             texture = cache.texture(material, sight.surface.uv[:, part])
             pieces.append(shade(paint, incoming, texture))
-        return torch.cat((*pieces, behind * tint), 1)
+        if not self.scene.film.transparent:
+            return torch.cat((*pieces, behind * tint), 1)
+        shown = torch.cat((*pieces, torch.zeros_like(behind)), 1)
+        return torch.cat((shown, cache.covered))
 
     def _through_fog(self, frame: Frame, view: View, radiance: Tensor) -> Tensor:
         """Adds the light that fog scatters to the eye, takes what it extinguishes."""
@@ -147,7 +157,8 @@ class Proxy:
         world = sky.color[:, None] * sky.levels(DIRECTIONS.to(self.device), (0.5,))[0]
         haze = self.volume.scatter(frame.fog, view, near, frame.lamps, world)
         light, passing = haze.look_up(samples.place, samples.hits.distance)
-        return radiance * passing + light
+        lit = radiance[:3] * passing + light
+        return lit if len(radiance) == 3 else torch.cat((lit, 1 - passing * (1 - radiance[3:])))
 
 
 @dataclass(frozen=True)

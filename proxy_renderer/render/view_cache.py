@@ -139,6 +139,7 @@ class ViewCache:
             )
             self.mean_texture = [_mean(m, geometry.device) for m in scene.materials]
             self.inside, self.depth = self._inside(), self._depth()
+            self.covered = samples.hits.hit.to(torch.float32)[None]
             self.mask = samples.resolve(self.inside).view(self.depth.shape)
         self._beams: dict[int, _Shadowed] = {}
         self._bounced: dict[int, Tensor] = {}
