@@ -170,7 +170,7 @@ def test_a_network_over_uvs_is_baked(stage, tmp_path):
     np.testing.assert_allclose(corners[1, 1], (0, 0, 0.5), atol=0.02)
 
 
-def test_other_networks_are_averaged_where_they_show_with_a_warning(stage, tmp_path):
+def test_other_networks_come_as_the_camera_sees_them(stage, tmp_path):
     _, tree, shader = material("Veined", cube(size=2.0))
     split, position = tree.nodes.new("ShaderNodeSeparateXYZ"), tree.nodes.new("ShaderNodeNewGeometry")
     tree.links.new(position.outputs["Position"], split.inputs["Vector"])
@@ -178,14 +178,21 @@ def test_other_networks_are_averaged_where_they_show_with_a_warning(stage, tmp_p
     greater.operation = "GREATER_THAN"
     greater.inputs[1].default_value = 0.0
     tree.links.new(split.outputs["X"], greater.inputs[0])  # white on the right half, black on the left
-    tree.links.new(greater.outputs["Value"], shader.inputs["Base Color"])
-    tree.links.new(greater.outputs["Value"], shader.inputs["Roughness"])
+    for socket in ("Base Color", "Roughness", "Sheen Weight"):
+        tree.links.new(greater.outputs["Value"], shader.inputs[socket])
     job, scene = job_of(stage, tmp_path)
-    np.testing.assert_allclose(scene.materials[0].texture.image, 0.5, atol=0.06)
+    row = scene.materials[0]
+    assert row.texture.window is not None
+    for texture in (row.texture, row.maps["roughness"]):
+        middle = texture.image[texture.image.shape[0] // 2]
+        quarter = len(middle) // 4
+        np.testing.assert_allclose(middle[2:quarter], 0.0, atol=1e-6)
+        np.testing.assert_allclose(middle[-quarter:-2], 1.0, atol=1e-6)
     roughness = scene.instances["material/Veined/roughness"]
     assert roughness.value[0] == pytest.approx(0.5, abs=0.06)
     assert roughness.locked
-    assert any("Veined" in warning and "average" in warning for warning in job.warnings)
+    assert scene.value("material/Veined/sheen")[0] == pytest.approx(0.5, abs=0.06)
+    assert any("Veined: Sheen Weight" in warning and "average" in warning for warning in job.warnings)
 
 
 def test_other_shaders_are_approximated(stage, tmp_path):

@@ -6,6 +6,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import bpy
+import numpy as np
 import pytest
 import torch
 from mathutils import Vector
@@ -86,3 +87,112 @@ def test_transparent_film_shows_black_and_covers_what_is_hit(stage, tmp_path):
     assert render.alpha[40, 48] == 1
     assert 0 < render.alpha.mean() < 0.6
     assert difference.mean() < 1.0
+
+
+def _node(tree: bpy.types.NodeTree, kind: str, **inputs) -> bpy.types.Node:
+    made = tree.nodes.new(f"ShaderNode{kind}")
+    for name, value in inputs.items():
+        made.inputs[name].default_value = value
+    return made
+
+
+def _pattern(material: bpy.types.Material, socket: str, low: tuple, high: tuple) -> None:
+    """Feeds an input of the Principled BSDF with noise in object coordinates."""
+    tree = material.node_tree
+    place, noise, ramp = _node(tree, "TexCoord"), _node(tree, "TexNoise", Scale=2.0), _node(tree, "ValToRGB")
+    for element, at, shade in zip(ramp.color_ramp.elements, (0.4, 0.6), (low, high), strict=True):
+        element.position, element.color = at, (*shade, 1)
+    tree.links.new(place.outputs["Object"], noise.inputs["Vector"])
+    tree.links.new(noise.outputs[0], ramp.inputs[0])
+    tree.links.new(ramp.outputs[0], tree.nodes["Principled BSDF"].inputs[socket])
+
+
+@pytest.mark.parametrize(
+    ("socket", "low", "high", "inputs", "most"),
+    [
+        ("Base Color", (0.7, 0.1, 0.05), (0.05, 0.2, 0.6), {}, 2.0),
+        ("Roughness", (0.1,) * 3, (0.7,) * 3, {"Base_Color": (0.9, 0.6, 0.3), "Metallic": 1.0}, 2.5),
+        ("Metallic", (0.0,) * 3, (1.0,) * 3, {"Base_Color": (0.9, 0.6, 0.3), "Roughness": 0.4}, 2.0),
+        ("Emission Color", (0.0,) * 3, (1, 0.3, 0.05), {"Emission_Strength": 3.0}, 2.0),
+        ("Alpha", (0.0,) * 3, (1.0,) * 3, {"Base_Color": (0.3, 0.6, 0.2)}, 3.0),
+    ],
+)
+def test_procedural_networks_arrive_per_pixel(stage, tmp_path, socket, low, high, inputs, most):
+    _pattern(_ball("Ball", **inputs), socket, low, high)
+    difference, _, warnings = _compare(stage, tmp_path)
+    assert difference.mean() < most
+    assert not warnings
+
+
+def test_bumps_arrive_per_pixel(stage, tmp_path):
+    tree = _ball("Ball", Base_Color=(0.6, 0.4, 0.2), Roughness=0.3).node_tree
+    noise, bump = _node(tree, "TexNoise", Scale=3.0), _node(tree, "Bump", Strength=0.8, Distance=0.3)
+    place = _node(tree, "TexCoord")
+    tree.links.new(place.outputs["Object"], noise.inputs["Vector"])
+    tree.links.new(noise.outputs[0], bump.inputs["Height"])
+    tree.links.new(bump.outputs[0], tree.nodes["Principled BSDF"].inputs["Normal"])
+    difference, _, warnings = _compare(stage, tmp_path)
+    assert difference.mean() < 2.0
+    assert not warnings
+
+
+def test_patterns_in_a_shared_node_group(stage, tmp_path):
+    group = bpy.data.node_groups.new("Pattern", "ShaderNodeTree")
+    group.interface.new_socket("BSDF", in_out="OUTPUT", socket_type="NodeSocketShader")
+    shader, cells, end = (_node(group, k) for k in ("BsdfPrincipled", "TexVoronoi", "TexCoord"))
+    group.links.new(end.outputs["Object"], cells.inputs["Vector"])
+    group.links.new(cells.outputs["Color"], shader.inputs["Base Color"])
+    group.links.new(shader.outputs[0], group.nodes.new("NodeGroupOutput").inputs[0])
+    for material in (_ball("Ball"), bpy.data.materials["Floor"]):
+        outer = material.node_tree
+        node = outer.nodes.new("ShaderNodeGroup")
+        node.node_tree = group
+        outer.links.new(node.outputs[0], outer.nodes["Material Output"].inputs["Surface"])
+    assert _compare(stage, tmp_path)[0].mean() < 3.0
+
+
+def _leaf() -> bpy.types.Image:
+    """A disc: inside color and opaque, outside transparent."""
+    y, x = np.mgrid[0:128, 0:128] / 128 - 0.5
+    inside = np.hypot(x, y) < 0.35
+    image = bpy.data.images.new("Leaf", 128, 128, alpha=True)
+    image.pixels.foreach_set(np.stack([x + 0.5, y * 0 + 0.5, y + 0.5, inside], -1).astype(np.float32).ravel())
+    image.pack()
+    return image
+
+
+@pytest.mark.parametrize("way", ["Alpha", "Mix Shader", "Mix Shader, turned"])
+def test_leaf_cards_are_cut_out_and_cast_their_shadow(stage, tmp_path, way):
+    card = _add("plane", size=3, location=(0, 0, 1.3), rotation=(1.2, 0, 0.3))
+    tree = _paint(card, "Card").node_tree
+    shader, leaf = tree.nodes["Principled BSDF"], _node(tree, "TexImage")
+    leaf.image = _leaf()
+    tree.links.new(leaf.outputs["Color"], shader.inputs["Base Color"])
+    if way == "Alpha":
+        tree.links.new(leaf.outputs["Alpha"], shader.inputs["Alpha"])
+    else:
+        mix, clear, turn = _node(tree, "MixShader"), _node(tree, "BsdfTransparent"), _node(tree, "Invert")
+        turned = way.endswith("turned")
+        tree.links.new(leaf.outputs["Alpha"], turn.inputs["Color"])
+        tree.links.new((turn.outputs[0] if turned else leaf.outputs["Alpha"]), mix.inputs[0])
+        for number, part in zip((1, 2), (shader, clear) if turned else (clear, shader), strict=True):
+            tree.links.new(part.outputs[0], mix.inputs[number])
+        tree.links.new(mix.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    difference, _, warnings = _compare(stage, tmp_path)
+    assert difference.mean() < 1.5
+    assert not warnings
+
+
+@pytest.mark.parametrize("alpha", [0.3, 0.7])
+def test_half_transparent_things(stage, tmp_path, alpha):
+    _ball("Ball", Base_Color=(0.6, 0.15, 0.1), Alpha=alpha)
+    assert _compare(stage, tmp_path)[0].mean() < 1.5
+
+
+def test_measuring_leaves_node_trees_alone(stage, tmp_path):
+    _pattern(_ball("Ball"), "Roughness", (0.1,) * 3, (0.7,) * 3)
+    tree = bpy.data.materials["Ball"].node_tree
+    before = [(n.name, n.select) for n in tree.nodes], len(tree.links), tree.nodes.active.name
+    scene_io.open_job(stage, tmp_path / "job", Choice())
+    assert ([(n.name, n.select) for n in tree.nodes], len(tree.links), tree.nodes.active.name) == before
+    assert "Vibe Bake" not in bpy.data.scenes

@@ -30,6 +30,12 @@ def node_tree(block: Any) -> NodeTree | None:
     return block.node_tree if block.use_nodes else None
 
 
+def displaces_normals(material: bpy.types.Material) -> bool:
+    """Whether a material's displacement is rendered as bump, or as both."""
+    owner = material if "displacement_method" in material.bl_rna.properties else material.cycles
+    return owner.displacement_method != "DISPLACEMENT"
+
+
 def compositor(scene: Scene) -> NodeTree | None:
     """The compositor tree that is applied to the scene's renders; None if there is none."""
     if not scene.render.use_compositing:

@@ -14,9 +14,19 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from . import bindings, export_material, export_texture, export_view, export_world, fog, roster, shaders
+from . import (
+    bindings,
+    export_material,
+    export_texture,
+    export_view,
+    export_world,
+    fog,
+    roster,
+    shaders,
+    view_maps,
+)
 from .contract import schema
-from .export_material import NO_MATERIAL, Exported
+from .export_material import NO_MATERIAL, Exported, Measured
 from .survey import Survey
 
 FORMAT = 1
@@ -49,7 +59,7 @@ def export(survey: Survey, folder: Path) -> Job:
     folder.mkdir(parents=True, exist_ok=True)
     scene, geometry = survey.scene, survey.geometry
     found = bindings.instances(scene, survey.objects, survey.pivot)
-    materials = {name: _material(survey, name) for name in geometry.materials}
+    materials = _materials(survey)
     instances = _with_materials(found, survey, materials)
     warnings = [*geometry.warnings, *(m.row["warning"] for m in materials.values() if m.row["warning"])]
     warnings += export_view.ignored(scene)
@@ -88,25 +98,56 @@ def _scaled(scene: bpy.types.Scene, pixels: int) -> int:
     return max(1, int(pixels * scene.render.resolution_percentage / 100))
 
 
-def _material(survey: Survey, name: str) -> Exported:
-    number = survey.geometry.materials.index(name)
+def _materials(survey: Survey) -> dict[str, Exported]:
+    """All materials by name, with what their nodes compute."""
+    geometry = survey.geometry
+    known = {m.name_full: m for m in bpy.data.materials}
+    materials = {name: known.get(name) for name in geometry.materials}
+    found: dict[str, dict[str, Measured]] = {name: {} for name in materials}
+    wanted = []
+    for name, material in materials.items():
+        if material is None:
+            continue
+        uvs = geometry.uvs[geometry.material == geometry.materials.index(name)]
+        for channel, source in export_material.computed(material).items():
+            picture = _over_uvs(material, channel, source, uvs)
+            if picture:
+                found[name][channel] = Measured(picture.image.mean((0, 1)), picture)
+            else:
+                wanted.append(view_maps.Wanted(material, channel, source))
+    seen = view_maps.measure(survey.scene, wanted)
+    for w in wanted:
+        name = w.material.name_full
+        view = seen.get((name, w.channel))
+        if view:
+            picture = export_texture.Picture(view.image, "EXTEND", "", view.window)
+            found[name][w.channel] = Measured(view.mean, picture)
+        elif w.source is not None and w.channel != "normal":
+            found[name][w.channel] = Measured(_mean(survey, w))
+    return {name: export_material.export(material, found[name]) for name, material in materials.items()}
+
+
+def _over_uvs(
+    material: bpy.types.Material, channel: str, source: bpy.types.NodeSocket | None, uvs: np.ndarray
+) -> export_texture.Picture | None:
+    """A texture where one is enough, and as sharp as the original: of base colors and cut-outs."""
+    if source is None or channel not in ("base_color", "alpha"):
+        return None
+    chosen, matrix = export_material.uv_of(material)
+    name, own = export_texture.uv_mapping(source)
+    if name != chosen or not np.allclose(matrix, own):
+        return None
+    outputs = ("Color", "Alpha") if channel == "alpha" else ("Color",)
+    tiles = export_texture.plain_image(source, outputs) is not None
+    inside = uvs.size and -1e-3 <= uvs.min() <= uvs.max() <= 1 + 1e-3
+    return export_texture.over_uvs(material, channel, source) if tiles or inside else None
+
+
+def _mean(survey: Survey, wanted: view_maps.Wanted) -> np.ndarray:
+    number = survey.geometry.materials.index(wanted.material.name_full)
     mask = survey.seen.material == number
-    material = next((m for m in bpy.data.materials if m.name_full == name), None) if name else None
-    if material is None:
-        return export_material.export(None, _unread, _unmeasured)
-    return export_material.export(
-        material,
-        lambda source: export_texture.texture(survey.scene, material, source, mask),
-        lambda source: export_texture.measured(survey.scene, material, source, mask),
-    )
-
-
-def _unread(_source: bpy.types.NodeSocket) -> export_texture.Picture:
-    raise AssertionError("a missing material has no inputs")
-
-
-def _unmeasured(_source: bpy.types.NodeSocket) -> np.ndarray:
-    raise AssertionError("a missing material has no inputs")
+    assert wanted.source is not None
+    return export_texture.measured(survey.scene, wanted.material, wanted.source, mask)
 
 
 def _roles(survey: Survey) -> dict[str, str]:
@@ -150,11 +191,13 @@ def _write_textures(survey: Survey, materials: Mapping[str, Exported], folder: P
     rows: list[dict[str, Any]] = []
     for exported in materials.values():
         row = {**exported.row, "role": roles[exported.row["name"]]}
-        if exported.picture:
+        pictures = {}
+        for channel, picture in exported.pictures.items():
             (folder / "textures").mkdir(exist_ok=True)
-            name = f"textures/{len(rows)}.npy"
-            np.save(folder / name, exported.picture.image.astype(np.float32))
-            row["texture"] = {"image": name, "extension": exported.picture.extension}
+            name = f"textures/{len(rows)}_{channel}.npy"
+            np.save(folder / name, picture.image.astype(np.float32))
+            pictures[channel] = {"image": name, "extension": picture.extension, "window": picture.window}
+        row["texture"], row["maps"] = pictures.pop("base_color", None), pictures
         rows.append(row)
     return rows
 

@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import bpy
@@ -16,9 +16,6 @@ from .export_texture import Picture, untinted, uv_mapping
 
 NO_MATERIAL = "(no material)"
 """What faces without a material are called; a name that Blender would not give."""
-
-Read = Callable[[bpy.types.NodeSocket], Picture]
-Mean = Callable[[bpy.types.NodeSocket], np.ndarray]
 
 # What the other shaders are in the words of the Principled BSDF.
 _APPROXIMATE: dict[str, dict[str, tuple[float, ...]]] = {
@@ -47,7 +44,10 @@ _CONSTANTS = {
     "anisotropic": "Anisotropic",
     "subsurface": "Subsurface Weight",
 }
-_MEASURED = {
+_COMPUTED = {
+    "base_color": "Base Color",
+    "alpha": "Alpha",
+    "normal": "Normal",
     "metallic": "Metallic",
     "roughness": "Roughness",
     "specular": "Specular IOR Level",
@@ -59,6 +59,19 @@ _MEASURED = {
     "emission_color": "Emission Color",
     "emission": "Emission Strength",
 }
+"""Inputs that nodes may compute, and what the Principled BSDF calls them."""
+_UNIFORM = {"specular", "specular_tint", "coat_roughness", "sheen"}
+"""Those of them that the engine takes for the same everywhere."""
+
+_COLORS = ("base_color", "emission_color", "specular_tint")
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What nodes give for an input: its mean (1 or 3,), and a picture of it if there is one."""
+
+    mean: np.ndarray
+    picture: Picture | None = None
 
 
 @dataclass
@@ -66,43 +79,55 @@ class Exported:
     """One material.
 
     Attributes:
-        row: Its entry in scene.json, but for the role and the texture.
-        picture: The texture of its base color, if that is linked.
+        row: Its entry in scene.json, but for the role and the pictures.
+        pictures: Inputs that vary, by name: "base_color", "alpha", "normal", or a parameter's.
         values: Values that bindings cannot know: of other shaders, and means of computed inputs.
         reason: Why those values are locked.
     """
 
     row: dict[str, Any]
-    picture: Picture | None = None
+    pictures: dict[str, Picture] = field(default_factory=dict)
     values: dict[str, schema.Values] = field(default_factory=dict)
     reason: str = ""
 
 
 def uv_of(material: bpy.types.Material) -> tuple[str, np.ndarray]:
-    """The UV map that a material's base color is laid over, and the 3x3 matrix of its mapping."""
-    _, source = _input(material, "Base Color")
-    return uv_mapping(untinted(source) if source else None)
+    """The UV map that a material's textures are laid over, and the 3x3 matrix of its mapping."""
+    sources = computed(material)
+    return uv_mapping(sources.get("base_color") or sources.get("alpha"))
 
 
-def export(material: bpy.types.Material | None, read: Read, mean: Mean) -> Exported:
+def computed(material: bpy.types.Material | None) -> dict[str, bpy.types.NodeSocket | None]:
+    """The outputs that compute a material's inputs, without our own tint; None is the normal of its bumps."""
+    if material is None or shaders.surface(material) is None:
+        return {}
+    sources = {name: _input(material, socket)[1] for name, socket in _COMPUTED.items()}
+    found = {name: untinted(source) for name, source in sources.items() if source}
+    cut = shaders.cutout(material)
+    if cut and cut.source:
+        found["alpha"] = cut.source
+    bumps = shaders.bumps(material)
+    return {**found, "normal": None} if bumps and "normal" not in found else found
+
+
+def export(material: bpy.types.Material | None, measured: Mapping[str, Measured]) -> Exported:
     """Describes a material; None stands for faces without one.
 
     Args:
-        read: Gives the texture behind an output that Base Color is linked to.
-        mean: Gives the mean color of an output.
+        measured: What `computed` inputs give; those that could not be measured are missing.
     """
     if material is None:
         values = {**_DEFAULTS, **_APPROXIMATE["ShaderNodeBsdfDiffuse"]}
-        return Exported(_row(NO_MATERIAL, "approximate"), None, values, "it has no material")
+        return Exported(_row(NO_MATERIAL, "approximate"), {}, values, "it has no material")
     tree, found = compat.node_tree(material), shaders.surface(material)
     if tree is None:
         values = {"metallic": (material.metallic,), "roughness": (material.roughness,)}
-        return Exported(_row(material.name_full, "approximate"), None, values, "its nodes are off")
+        return Exported(_row(material.name_full, "approximate"), {}, values, "its nodes are off")
     if found is None:
         row = _row(
             material.name_full, "approximate", f"{material.name}: its shader is not known; it is shown grey."
         )
-        return Exported(row, None, dict(_DEFAULTS), "its shader is not known")
+        return Exported(row, {}, dict(_DEFAULTS), "its shader is not known")
     result = Exported(_row(material.name_full, "principled"))
     kind = found.node.bl_idname
     notes = []
@@ -110,10 +135,13 @@ def export(material: bpy.types.Material | None, read: Read, mean: Mean) -> Expor
         result.row["model"], result.reason = "approximate", f"its shader is a {found.node.bl_label}"
         result.values.update(_APPROXIMATE[kind])
         notes.append(f"{found.node.bl_label} is approximated")
-    elif not _is_output(material, found.node):
+    elif not _is_output(material, found.node) and not shaders.cutout(material):
         notes.append("its mix of shaders is shown as its Principled BSDF alone")
     _constants(found, result.row)
-    _computed(material, result, read, mean, notes)
+    cut = shaders.cutout(material)
+    if cut and cut.share is not None:
+        result.row["alpha"] *= cut.share
+    _varying(result, measured, cut is not None and cut.inverted, notes)
     result.row["warning"] = f"{material.name}: {'; '.join(notes)}." if notes else ""
     return result
 
@@ -153,24 +181,23 @@ def _constants(found: shaders.Found, row: dict[str, Any]) -> None:
         row["alpha"] = float(alpha.default_value)
 
 
-def _computed(
-    material: bpy.types.Material, result: Exported, read: Read, mean: Mean, notes: list[str]
-) -> None:
-    """Reads the texture of the base color, and the means of the other computed inputs."""
-    _, source = _input(material, "Base Color")
-    if source:
-        result.picture = read(untinted(source))
-        notes += [result.picture.warning] if result.picture.warning else []
-    for name, socket in _MEASURED.items():
-        _, source = _input(material, socket)
-        if source:
-            color = tuple(float(v) for v in mean(source))
-            result.values[name] = (
-                color if schema.FAMILIES[f"material/{name}"].components == 3 else (sum(color) / 3,)
-            )
-            notes.append(f"{socket} is shown as its average")
-    _, source = _input(material, "Alpha")
-    if source:
-        result.row["alpha"] = float(np.clip(mean(source).mean(), 0.0, 1.0))
-        notes.append("Alpha is shown as its average")
+def _varying(result: Exported, measured: Mapping[str, Measured], inverted: bool, notes: list[str]) -> None:
+    """Takes over what nodes compute: pictures where the engine takes them, means of the others."""
+    for name, found in measured.items():
+        picture, mean = found.picture, found.mean
+        if name == "alpha" and inverted:
+            mean = 1 - mean
+            picture = replace(picture, image=1 - picture.image) if picture else None
+        if picture and name not in _UNIFORM:
+            result.pictures[name] = picture
+            notes += [picture.warning] if picture.warning else []
+        elif name != "normal":
+            notes.append(f"{_COMPUTED[name]} is shown as its average")
+        if name == "alpha":
+            result.row["alpha"] = float(np.clip(mean.mean(), 0.0, 1.0))
+        elif name not in ("normal", "base_color"):
+            color = tuple(float(v) for v in mean)
+            result.values[name] = color if name in _COLORS else (sum(color) / len(color),)
+        if name == "base_color" and not picture:
+            result.pictures[name] = Picture(mean[None, None].astype(np.float32))
     result.reason = result.reason or "it is computed by nodes"

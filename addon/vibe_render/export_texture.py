@@ -31,49 +31,50 @@ _TEXTURES = {
 
 @dataclass(frozen=True)
 class Picture:
-    """A texture of a base color.
+    """A picture of a material's input.
 
     Attributes:
-        image: (H, W, 3) float32 linear, row 0 at v = 0.
+        image: (H, W, C) float32 linear, row 0 at the bottom.
         extension: "REPEAT", "EXTEND" or "CLIP".
         warning: What is only approximate about it, "" if nothing.
+        window: For what the camera sees: left, bottom, right and top in parts of its picture. None for a
+            texture over UVs.
     """
 
     image: np.ndarray
     extension: str = "REPEAT"
     warning: str = ""
+    window: tuple[float, float, float, float] | None = None
 
 
 def uv_mapping(source: bpy.types.NodeSocket | None) -> tuple[str, np.ndarray]:
     """Which UV map the texture behind an output reads, and the 3x3 matrix of its Mapping node."""
-    node = _plain_image(source)
+    node = plain_image(source, ("Color", "Alpha"))
     if node is not None:
         return _coordinates(node) or ("", np.eye(3))
     maps = [n.uv_map for n in _upstream(source) if n.bl_idname == "ShaderNodeUVMap"] if source else []
     return (maps[0] if maps else ""), np.eye(3)
 
 
-def texture(
-    scene: bpy.types.Scene, material: bpy.types.Material, source: bpy.types.NodeSocket, mask: Mask
-) -> Picture:
-    """The picture behind an output that a base color is linked to.
+def over_uvs(material: bpy.types.Material, channel: str, source: bpy.types.NodeSocket) -> Picture | None:
+    """The picture of an input that depends on nothing but UVs in the unit square; otherwise None.
 
     Args:
-        mask: Where the camera sees the material, see `measured`.
+        channel: "alpha", or a color that is not tinted.
+        source: The output that computes it.
     """
-    node = _plain_image(source)
-    if node is not None:
-        image = image_colors(node.image)
-        if image is None:
-            missing = f"the image {node.image.name!r} of {material.name} is missing"
-            return Picture(np.array([[[1.0, 0.0, 1.0]]], np.float32), warning=missing)  # as Cycles shows it
-        return Picture(image, {"MIRROR": "REPEAT"}.get(node.extension, node.extension))
-    if source.id_data == material.node_tree and _reads_uv_only(source):
+    node = plain_image(source, ("Color", "Alpha") if channel == "alpha" else ("Color",))
+    if node is None:
+        if source.id_data != material.node_tree or not _reads_uv_only(source):
+            return None
         with bake.emitting(material, source) as glowing:
             return Picture(bake.plane_of(glowing, _BAKED))
-    color = measured(scene, material, source, mask)
-    warning = f"the color network of {material.name} is shown as its average color"
-    return Picture(color[None, None], warning=warning)
+    alpha = channel == "alpha" and source.name == "Alpha"
+    image = image_alpha(node.image) if alpha else image_colors(node.image)
+    if image is None:
+        missing = f"the image {node.image.name!r} of {material.name} is missing"
+        return Picture(np.array([[[1.0, 0.0, 1.0]]], np.float32), warning=missing)  # as Cycles shows it
+    return Picture(image, {"MIRROR": "REPEAT"}.get(node.extension, node.extension))
 
 
 Mask = np.ndarray
@@ -89,7 +90,7 @@ def measured(
     """
     if source.id_data != material.node_tree or not mask.any():
         return np.full(3, 0.5, np.float32)
-    plain = _plain_image(source)
+    plain = plain_image(source)
     image = image_colors(plain.image) if plain else None
     if image is not None:
         return image.reshape(-1, 3).mean(0)
@@ -110,6 +111,18 @@ def image_colors(image: bpy.types.Image | None) -> np.ndarray | None:
     return np.where(colors <= 0.04045, low, high).astype(np.float32)
 
 
+def image_alpha(image: bpy.types.Image | None) -> np.ndarray | None:
+    """The alpha (H, W, 1) of an image with at most 1024 pixels a side; None if its file is missing."""
+    if image is None or not image.size[0] or not image.size[1]:
+        return None
+    width, height = image.size
+    if image.channels < 4:
+        return np.ones((1, 1, 1), np.float32)
+    flat = np.empty(width * height * image.channels, np.float32)
+    image.pixels.foreach_get(flat)
+    return shrink(flat.reshape(height, width, image.channels)[..., 3:4], _LONGEST)
+
+
 def shrink(image: np.ndarray, longest: int) -> np.ndarray:
     """Averages blocks of pixels until no side is longer than `longest`."""
     step = -(-max(image.shape[:2]) // longest)
@@ -117,7 +130,7 @@ def shrink(image: np.ndarray, longest: int) -> np.ndarray:
         return image
     height, width = (max(1, side // step) for side in image.shape[:2])
     tall, wide = min(step, image.shape[0]), min(step, image.shape[1])
-    blocks = image[: height * tall, : width * wide].reshape(height, tall, width, wide, 3)
+    blocks = image[: height * tall, : width * wide].reshape(height, tall, width, wide, image.shape[2])
     return blocks.mean((1, 3))
 
 
@@ -130,12 +143,14 @@ def untinted(source: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
     return source
 
 
-def _plain_image(source: bpy.types.NodeSocket | None) -> bpy.types.Node | None:
+def plain_image(
+    source: bpy.types.NodeSocket | None, outputs: tuple[str, ...] = ("Color",)
+) -> bpy.types.Node | None:
     """The image texture node that an output belongs to, if it is laid flat over a UV map."""
     while source is not None and source.node.type == "REROUTE":
         links = active_links(source.node.inputs[0])
         source = links[0].from_socket if links else None
-    if source is None or source.node.bl_idname != "ShaderNodeTexImage" or source.name != "Color":
+    if source is None or source.node.bl_idname != "ShaderNodeTexImage" or source.name not in outputs:
         return None
     node = source.node
     flat = node.projection == "FLAT" and node.image and node.image.source in ("FILE", "GENERATED")

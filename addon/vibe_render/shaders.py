@@ -53,6 +53,56 @@ def background(world: World) -> Found | None:
     )
 
 
+@dataclass(frozen=True)
+class Cutout:
+    """How a Mix Shader lets a Transparent BSDF through.
+
+    Attributes:
+        share: How much of the surface is left, where that is one number.
+        source: The output that computes the mix, where one does.
+        inverted: Whether that output is the share of the Transparent BSDF.
+    """
+
+    share: float | None
+    source: NodeSocket | None
+    inverted: bool
+
+
+def cutout(material: Material) -> Cutout | None:
+    """The mix with a plain Transparent BSDF that a material's surface ends in, if it does."""
+    found = _from_output(
+        compat.node_tree(material), "ShaderNodeOutputMaterial", "Surface", ("ShaderNodeMixShader",)
+    )
+    if found is None or not _is_last(material, found):
+        return None
+    sides = [[link.from_node.bl_idname for link in active_links(s)] for s in found.node.inputs[1:3]]
+    clear = [side == ["ShaderNodeBsdfTransparent"] for side in sides]
+    if sum(clear) != 1:
+        return None
+    inverted = clear[1]
+    socket, source = resolve(found.node.inputs[0], found.inside)
+    if source is not None:
+        return Cutout(None, source, inverted)
+    share = min(max(float(socket.default_value), 0.0), 1.0)
+    return Cutout(1 - share if inverted else share, None, inverted)
+
+
+def _is_last(material: Material, found: Found) -> bool:
+    """Whether nothing but reroutes and groups stand between a shader and the material's output."""
+    shaders_ = ("ShaderNodeMixShader", "ShaderNodeAddShader", *ALIASES)
+    first = _from_output(
+        compat.node_tree(material), "ShaderNodeOutputMaterial", "Surface", shaders_, nearest=True
+    )
+    return first is not None and first.node == found.node
+
+
+def bumps(material: Material) -> bool:
+    """Whether a material's Displacement is rendered, at least partly, as a change of its normals."""
+    tree = compat.node_tree(material)
+    output = tree.get_output_node("CYCLES") if tree else None
+    return bool(output and active_links(output.inputs["Displacement"]) and compat.displaces_normals(material))
+
+
 def world_volume(world: World) -> Found | None:
     """The node of the artist's own fog: on the World Output's Volume."""
     kinds = ("ShaderNodeVolumePrincipled", "ShaderNodeVolumeScatter")
@@ -65,14 +115,17 @@ def environment(color: NodeSocket) -> Found | None:
 
 
 def _from_output(
-    tree: bpy.types.NodeTree | None, output: str, entry: str, kinds: tuple[str, ...]
+    tree: bpy.types.NodeTree | None, output: str, entry: str, kinds: tuple[str, ...], nearest: bool = False
 ) -> Found | None:
+    """The first of some kinds of nodes behind an output's input; `nearest` searches for all kinds at once."""
     if tree is None:
         return None
     target = "CYCLES" if output == "ShaderNodeOutputMaterial" else "ALL"
     node = tree.get_output_node(target) or next((n for n in tree.nodes if n.bl_idname == output), None)
     if node is None or entry not in node.inputs:
         return None
+    if nearest:
+        return _search(node.inputs[entry], (), kinds)
     found = (_search(node.inputs[entry], (), (kind,)) for kind in kinds)
     return next(filter(None, found), None)
 

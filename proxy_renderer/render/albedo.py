@@ -46,7 +46,7 @@ def f0_of(ior: Tensor) -> Tensor:
 
 
 def energy(roughness: Tensor) -> tuple[Tensor, Tensor]:
-    """Coefficients (7,) of single-scattering albedo without Fresnel, and its cosine-weighted mean ()."""
+    """Coefficients (7,), or (7, N) for a roughness (N,), of single-scattering albedo without Fresnel, and its cosine-weighted mean ()."""
     table, mean = _tables()[:2]
     return _between(table, roughness), _between(mean, roughness)
 
@@ -78,13 +78,30 @@ def edge_curve() -> Tensor:
     return _fit(cosine * (1 - cosine) ** 6)
 
 
+def weigh(coefficients: Tensor, basis_: Tensor) -> Tensor:
+    """Functions (N,) from coefficients (7,), or (7, N) where they vary, of the basis (7, N)."""
+    if coefficients.dim() == 1:
+        return coefficients @ basis_
+    return (coefficients * basis_).sum(0)
+
+
 def _between(table: Tensor, place: Tensor) -> Tensor:
-    """Cubic (Catmull-Rom) look-up along the first axis of a table over [0, 1]: smooth, so gradients are."""
-    last = len(table) - 1
+    """Cubic (Catmull-Rom) look-up along the first axis of a table over [0, 1]: smooth, so gradients are.
+
+    Args:
+        table: (R, ...), with at most one more axis where places vary.
+        place: () or (N,).
+
+    Returns:
+        (...), or (..., N).
+    """
+    table, last = table.to(place.device), len(table) - 1
     x = place.clamp(0.0, 1.0) * last
-    i = int(x.detach().clamp(0, last - 1))
+    i = x.detach().clamp(0, last - 1).long()
     t = x - i
-    p0, p1, p2, p3 = (table[min(max(i + k, 0), last)].to(place.device) for k in (-1, 0, 1, 2))
+    p0, p1, p2, p3 = (table[(i + k).clamp(0, last)] for k in (-1, 0, 1, 2))
+    if place.dim():
+        p0, p1, p2, p3 = (p.movedim(0, -1) for p in (p0, p1, p2, p3))
     return p1 + 0.5 * t * (p2 - p0 + t * (2 * p0 - 5 * p1 + 4 * p2 - p3 + t * (3 * (p1 - p2) + p3 - p0)))
 
 

@@ -59,9 +59,12 @@ class Anchors:
         cell = place[1].long().clamp(0, rows - 1) * columns + place[0].long().clamp(0, columns - 1)
         # The one that lies nearest to its cell's middle.
         order = torch.argsort((place % 1.0 - 0.5).abs().sum(0), descending=True, stable=True)
-        _, group = torch.unique(cell * 4096 + surface.material, return_inverse=True)
+        # Behind a transparent surface the same material may look elsewhere.
+        kind = (cell * 4096 + surface.material) * 8 + samples.layer[:n].clamp_max(7)
+        _, group = torch.unique(kind, return_inverse=True)
         self.index = last_of(group, order, int(group.max()) + 1 if n else 0)
-        self._lists = _cell_lists(cell[self.index], columns, rows)
+        most = 3 * (1 + int(samples.layer[:n].max())) if n else 3
+        self._lists = _cell_lists(cell[self.index], columns, rows, min(most, 9))
         points = _Places(place, surface, samples.hits.distance[:n] * (2.0 / max(columns, rows)))
         self._anchors = points.pick(self.index)
         near = range(-3, 4)
@@ -95,7 +98,7 @@ class _Places:
         return _Places(self.place[:, index], self.surface.pick(index), self.pitch[index])
 
 
-def _cell_lists(cell: Tensor, columns: int, rows: int, most: int = 3) -> Tensor:
+def _cell_lists(cell: Tensor, columns: int, rows: int, most: int) -> Tensor:
     """(rows, columns, most) anchors of every cell, -1 where there are fewer."""
     order = torch.argsort(cell, stable=True)
     count = torch.bincount(cell, minlength=columns * rows)

@@ -19,7 +19,7 @@ def coat(paint: Paint, light: Light) -> tuple[Tensor, Tensor]:
     ior = torch.tensor(paint.coat_ior, device=e.device).clamp_min(1.0001)
     f0 = albedo.f0_of(ior)
     many = multiple_scattering((ior - 1) / (4.08567 + 1.00071 * ior), mean)
-    share = (albedo.dielectric_share(paint.coat_roughness, ior) @ light.view).clamp(0.0, 1.0)
+    share = albedo.weigh(albedo.dielectric_share(paint.coat_roughness, ior), light.view).clamp(0.0, 1.0)
     lobes = [h.lobe(paint.coat_roughness) for h in light.highlights]
     curve = albedo.dielectric_curve(ior)
     direct = specular(light.lamps, light.highlights, lobes, curve, f0.expand(3, 1), 1.0)

@@ -56,13 +56,13 @@ class Highlight:
         return Highlight(strength, self.curve, self.slope_in, self.slope_out, self.outline)
 
     def lobe(self, roughness: Tensor) -> Tensor:
-        """Reflected radiance (N,) per unit of the lamp's color, Fresnel aside, for one roughness ().
+        """Reflected radiance (N,) per unit of the lamp's color, Fresnel aside, for a roughness () or (N,).
 
         Kept until the roughness changes, unless gradients are wanted.
         """
         if wanted(roughness, self.strength, self.outline):
             return self._lobe(roughness)
-        key = float(roughness)
+        key = id(roughness) if roughness.dim() else float(roughness)
         if key not in self._lobes:
             if len(self._lobes) > 1:  # a base and a coat
                 self._lobes.clear()

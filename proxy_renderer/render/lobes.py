@@ -48,17 +48,25 @@ class Reflected:
     images: Sequence[Tensor]
 
     def at(self, roughness: Tensor) -> Tensor:
-        """Radiance (3, N) between the two nearest knots."""
+        """Radiance (3, N) between the two nearest knots of one roughness () or of many (N,)."""
+        if roughness.dim():
+            return self._varying(roughness)
         r = float(roughness.detach())
         i = max(k for k, knot in enumerate(self.knots[:-1]) if knot <= r or k == 0)
         t = (roughness - self.knots[i]) / (self.knots[i + 1] - self.knots[i])
         return torch.lerp(self.images[i], self.images[i + 1], t)
 
+    def _varying(self, roughness: Tensor) -> Tensor:
+        result = self.images[0]
+        for low, high, image in zip(self.knots, self.knots[1:], self.images[1:], strict=False):
+            result = torch.lerp(result, image, ((roughness - low) / (high - low)).clamp(0.0, 1.0))
+        return result
+
 
 def single_scattering(roughness: Tensor, view: Tensor) -> tuple[Tensor, Tensor]:
     """Single-scattering albedo (N,) without Fresnel, and its mean ()."""
     coefficients, mean = albedo.energy(roughness)
-    return (coefficients @ view).clamp(0.05, 1.0), mean.clamp(0.05, 1.0)
+    return albedo.weigh(coefficients, view).clamp(0.05, 1.0), mean.clamp(0.05, 1.0)
 
 
 def multiple_scattering(fss: Tensor, mean: Tensor) -> Tensor:

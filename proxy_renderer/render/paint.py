@@ -4,7 +4,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
 
 from torch import Tensor
 
@@ -13,10 +15,16 @@ from .color import luma
 from .settings import Settings, wanted
 from .vectors import within
 
+_MOST = {"metallic": 1.0, "roughness": 1.0, "coat": 1.0, "transmission": 1.0, "emission": math.inf}
+"""Parameters that may vary over a surface, and their greatest values."""
+
 
 @dataclass(frozen=True)
 class Paint:
-    """A material's values in one render: scalars () and colors (3,)."""
+    """A material's values in one render: scalars () and colors (3,).
+
+    Where nodes compute them, `metallic`, `roughness`, `coat` and `transmission` are (N,), `emission` (3, N).
+    """
 
     base: Tensor
     metallic: Tensor
@@ -32,8 +40,28 @@ class Paint:
     sheen_tint: tuple[float, ...]
     sheen_roughness: float
     transmission: Tensor
-    emission: Tensor
+    emission_color: Tensor
+    strength: Tensor
     recolor: Tensor | None
+
+    @property
+    def emission(self) -> Tensor:
+        """Emitted radiance (3,), or (3, N) where its color or its strength vary."""
+        color, strength = self.emission_color, self.strength
+        return color[:, None] * strength if color.dim() == strength.dim() == 1 else color * strength
+
+    def varied(self, inputs: Mapping[str, Tensor]) -> Paint:
+        """The same with inputs (1 or 3, N) that vary over its samples."""
+        if not inputs:
+            return self
+        given: dict[str, Any] = {
+            "strength" if name == "emission" else name: value[0].clamp(0.0, _MOST[name])
+            for name, value in inputs.items()
+            if name in _MOST
+        }
+        if "emission_color" in inputs:
+            given["emission_color"] = inputs["emission_color"]
+        return replace(self, **given)
 
     def colored(self, texture: Tensor | None) -> Tensor:
         """Base color (3, 1), or (3, N) where a texture (3, N) is linked."""
@@ -51,7 +79,6 @@ def paint_of(material: Material, settings: Settings) -> Paint:
     constants = material.constants
     textured = material.texture is not None
     base = settings.color(key + ("tint" if textured else "base_color"), 1.0 if textured else 0.8)
-    glow = settings.color(key + "emission_color", 1.0) * settings.scalar(key + "emission")
 
     def unit(name: str, default: float) -> Tensor:
         return within(settings.scalar(key + name, default), 0.0, 1.0)
@@ -71,7 +98,8 @@ def paint_of(material: Material, settings: Settings) -> Paint:
         sheen_tint=tuple(constants.get("sheen_tint", (1.0, 1.0, 1.0))),
         sheen_roughness=float(constants.get("sheen_roughness", 0.5)),
         transmission=unit("transmission", 0.0),
-        emission=glow,
+        emission_color=settings.color(key + "emission_color", 1.0),
+        strength=settings.scalar(key + "emission"),
         recolor=settings.scalar(key + "recolor") if textured else None,
     )
 

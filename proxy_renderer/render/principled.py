@@ -30,20 +30,21 @@ def shade(paint: Paint, light: Light, texture: Tensor | None) -> Tensor:
     clamped = within(base, 0.0, 1.0)
     result, weight = torch.zeros_like(light.irradiance), torch.ones((), device=base.device)
     if used(paint.sheen):
-        glow, weight = sheen(paint, light)
-        result = result + glow
+        fuzz, weight = sheen(paint, light)
+        result = result + fuzz
     if used(paint.coat):
         gloss, left = coat(paint, light)
         result, weight = result + gloss * weight, weight * left
-    if used(paint.emission):
-        result = result + paint.emission[:, None] * weight
+    glow = paint.emission
+    if used(glow):
+        result = result + (glow if glow.dim() > 1 else glow[:, None]) * weight
     reflections = light.reflected.at(paint.roughness)
     lobes = [h.lobe(paint.roughness) for h in light.highlights]
     missing = single_scattering(paint.roughness, light.view)
     if used(paint.metallic):
         metal = _metal(paint, light, clamped, lobes, reflections, missing)
         result, weight = result + metal * (weight * paint.metallic), weight * (1 - paint.metallic)
-    if wanted(paint.metallic) or bool(paint.metallic < 1):
+    if wanted(paint.metallic) or bool((paint.metallic < 1).any()):
         if used(paint.transmission):
             glass = _glass(paint, light, clamped, lobes, reflections, missing)
             result, weight = result + glass * (weight * paint.transmission), weight * (1 - paint.transmission)
@@ -69,7 +70,7 @@ def _metal(
     fss = base + (1 - base) / 21 - b / 126
     many = multiple_scattering(fss, mean)
     curve = torch.tensor(albedo.SCHLICK_CURVE, device=e.device)
-    share = albedo.schlick_share(paint.roughness) @ light.view
+    share = albedo.weigh(albedo.schlick_share(paint.roughness), light.view)
     direct = specular(light.lamps, light.highlights, lobes, curve, base, 1.0)
     if used(1 - tint):
         edge = albedo.edge_curve().to(e.device)
@@ -94,7 +95,7 @@ def _dielectric(
     many = multiple_scattering(tinted + (1 - tinted) * s, mean)
     # An IOR of 1 reflects nothing; next to it the curves are too steep for their tables.
     present = (f0.detach() / _FAINT).clamp_max(1.0)
-    share = (albedo.dielectric_share(paint.roughness, ior) @ light.view).clamp(0.0, 1.0) * present
+    share = albedo.weigh(albedo.dielectric_share(paint.roughness, ior), light.view).clamp(0.0, 1.0) * present
     curve = albedo.dielectric_curve(ior) * present
     direct = specular(light.lamps, light.highlights, lobes, curve, tinted, 1.0)
     strongest = tinted.amax()
@@ -115,7 +116,7 @@ def _glass(
     """Solid glass, approximately: the mirror image by Fresnel, the rest from the ray refracted through it."""
     ior = paint.ior.clamp_min(1.0001)
     f0 = albedo.f0_of(ior) * within(paint.specular_tint, 0.0, 1.0)[:, None]
-    share = (albedo.dielectric_share(paint.roughness, ior) @ light.view).clamp(0.0, 1.0)
+    share = albedo.weigh(albedo.dielectric_share(paint.roughness, ior), light.view).clamp(0.0, 1.0)
     reflectance = f0 + (1 - f0) * share
     curve = albedo.dielectric_curve(ior)
     direct = specular(light.lamps, light.highlights, lobes, curve, f0, 1.0)

@@ -143,8 +143,9 @@ class Proxy:
                 reflected=Reflected(_KNOTS, seen),
                 behind=_behind(frame, table, gathered, material, part) if used(paint.transmission) else None,
             )
-            texture = cache.texture(material, sight.surface.uv[:, part])
-            pieces.append(shade(paint, incoming, texture))
+            varying = dict(cache.inputs(material, part, sight))
+            texture = varying.pop("base_color", None)
+            pieces.append(shade(paint.varied(varying), incoming, texture))
         if not self.scene.film.transparent:
             return torch.cat((*pieces, behind * tint), 1)
         shown = torch.cat((*pieces, torch.zeros_like(behind)), 1)

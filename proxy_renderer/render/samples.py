@@ -25,6 +25,7 @@ class Samples:
         pixel: (N,) index of the pixel (row-major, row 0 on top) that a sample counts towards.
         weight: (N,) its share; the shares of a pixel sum to 1.
         place: (2, N) picture position in pixels.
+        layer: (N,) how many surfaces their rays have passed before, at least.
         hits: What the samples' rays meet.
         slices: Material index, first and last-plus-one sample of every material in view.
         surfaces: How many samples meet a surface; the others see the background.
@@ -39,6 +40,7 @@ class Samples:
     pixel: Tensor
     weight: Tensor
     place: Tensor
+    layer: Tensor
     hits: Hits
     slices: tuple[tuple[int, int, int], ...]
     surfaces: int
@@ -71,29 +73,102 @@ class _Resolve(torch.autograd.Function):
 
 
 def take(geometry: Geometry, view: View) -> Samples:
-    """Finds what the view sees: one sample in the middle of plain pixels, several where edges pass."""
+    """Finds what the view sees: one sample in the middle of plain pixels, several where edges pass.
+
+    Where surfaces are transparent, a ray makes a sample of each, weighted by what it adds.
+    """
     width, height = view.size
     y, x = torch.meshgrid(torch.arange(height), torch.arange(width), indexing="ij")
     centers = torch.stack((x.flatten(), y.flatten())).to(geometry.device, torch.float32) + 0.5
     origin, toward = view.rays(centers)
-    center_hits = geometry.first_hits(origin, toward)
+    layers = _layers(geometry, origin, toward)
+    center_hits = layers.strongest(len(origin[0]))
     edge = _edges(geometry, center_hits, toward, width, height)
-    plain, busy = (~edge).nonzero()[:, 0], edge.nonzero()[:, 0]
+    if geometry.opacity is not None:
+        edge |= _edges(geometry, layers.nearest(len(origin[0])), toward, width, height)
+    busy = edge.nonzero()[:, 0]
     jitter = _filter_points(geometry.device)
     places = (centers[:, busy, None] + jitter[:, None, :]).flatten(1)
     more_origin, more_toward = view.rays(places)
-    more = geometry.first_hits(more_origin, more_toward)
-    pixel = torch.cat((plain, busy.repeat_interleave(EDGE_SAMPLES)))
-    weight = torch.ones(len(pixel), device=geometry.device)
-    weight[len(plain) :] = 1.0 / EDGE_SAMPLES
-    hits = Hits(*(torch.cat((a[plain], b)) for a, b in zip(_parts(center_hits), _parts(more), strict=True)))
-    place = torch.cat((centers[:, plain], places), 1)
-    rays = torch.cat((origin[:, plain], more_origin), 1), torch.cat((toward[:, plain], more_toward), 1)
-    return _sorted(geometry, view.size, pixel, weight, place, hits, center_hits, rays)
+    more = _layers(geometry, more_origin, more_toward)
+    kept = (~edge)[layers.ray]
+    few = Layers(layers.ray[kept], layers.number[kept], layers.hits.pick(kept), layers.weight[kept])
+    owner = busy.repeat_interleave(EDGE_SAMPLES)
+    parts = zip(few.hits.parts, more.hits.parts, strict=True)
+    return _sorted(
+        geometry,
+        view.size,
+        pixel=torch.cat((few.ray, owner[more.ray])),
+        weight=torch.cat((few.weight, more.weight / EDGE_SAMPLES)),
+        place=torch.cat((centers[:, few.ray], places[:, more.ray]), 1),
+        layer=torch.cat((few.number, more.number)),
+        hits=Hits(*(torch.cat(pair) for pair in parts)),
+        center_hits=center_hits,
+        rays=(
+            torch.cat((origin[:, few.ray], more_origin[:, more.ray]), 1),
+            torch.cat((toward[:, few.ray], more_toward[:, more.ray]), 1),
+        ),
+    )
 
 
-def _parts(hits: Hits) -> tuple[Tensor, ...]:
-    return hits.triangle, hits.u, hits.v, hits.distance
+@dataclass(frozen=True)
+class Layers:
+    """What rays pass through and end on, nearest first.
+
+    Attributes:
+        ray: (N,) index of the ray.
+        number: (N,) how many surfaces it has met before.
+        hits: (N,) what it meets there.
+        weight: (N,) the share of the ray that is seen there; the shares of a ray sum to 1.
+    """
+
+    ray: Tensor
+    number: Tensor
+    hits: Hits
+    weight: Tensor
+
+    def strongest(self, count: int) -> Hits:
+        """For every ray (count,) the hit that it shows most of."""
+        return self.hits.pick(last_of(self.ray, torch.argsort(self.weight, stable=True), count))
+
+    def nearest(self, count: int) -> Hits:
+        """For every ray (count,) the first hit that counts."""
+        index = torch.arange(len(self.ray), device=self.ray.device).flip(0)
+        return self.hits.pick(last_of(self.ray, index, count))
+
+
+_FAINT = 0.004
+"""Share of a ray below which it is not followed, and a hit does not count."""
+_MOST_LAYERS = 8
+
+
+def _layers(geometry: Geometry, origin: Tensor, toward: Tensor) -> Layers:
+    """Follows rays (3, N) through transparent surfaces."""
+    index = torch.arange(origin.shape[1], device=geometry.device)
+    left = torch.ones(len(index), device=geometry.device)
+    hits = geometry.nearest(origin, toward)
+    if geometry.opacity is None:
+        return Layers(index, torch.zeros_like(index), hits, left)
+    found: list[tuple[Tensor, Hits, Tensor]] = []
+    for number in range(_MOST_LAYERS):
+        alpha = geometry.opacity.at(geometry.surface(hits, toward[:, index]), seen=number == 0)
+        alpha = torch.where(hits.hit, alpha, 1.0)
+        rest = left * (1 - alpha)
+        ends = (rest < _FAINT) | (number == _MOST_LAYERS - 1)
+        share = torch.where(ends, left, left * alpha)
+        counts = share >= _FAINT
+        found.append((index[counts], hits.pick(counts), share[counts]))
+        # What is too faint to count is given to what comes after it.
+        rest = torch.where(counts, rest, left)
+        onward = ~ends
+        if not bool(onward.any()):
+            break
+        index, left = index[onward], rest[onward]
+        hits = geometry.onward(hits.pick(onward), origin[:, index], toward[:, index])
+    numbers = [torch.full_like(rays, i) for i, (rays, _, _) in enumerate(found)]
+    rays, met, shares = zip(*found, strict=True)
+    merged = Hits(*(torch.cat(p) for p in zip(*(h.parts for h in met), strict=True)))
+    return Layers(torch.cat(rays), torch.cat(numbers), merged, torch.cat(shares))
 
 
 def _sorted(
@@ -102,6 +177,7 @@ def _sorted(
     pixel: Tensor,
     weight: Tensor,
     place: Tensor,
+    layer: Tensor,
     hits: Hits,
     center_hits: Hits,
     rays: tuple[Tensor, Tensor],
@@ -124,7 +200,8 @@ def _sorted(
         pixel=pixel,
         weight=weight[order],
         place=place[:, order],
-        hits=Hits(*(p[order] for p in _parts(hits))),
+        layer=layer[order],
+        hits=hits.pick(order),
         slices=tuple(slices),
         surfaces=start,
         first=first,

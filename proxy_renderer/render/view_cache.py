@@ -3,11 +3,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import torch
 from torch import Tensor
-from torch.nn.functional import grid_sample
 
 from ..scene import Material, SceneData
 from . import albedo
@@ -20,18 +19,23 @@ from .fog import Fog
 from .highlight import Highlight, highlight
 from .indirect import Indirect
 from .lights import Lamp, arrival
+from .maps import Maps
 from .refraction import through
 from .samples import take
 from .settings import wanted
 from .shadows import shadow
 from .silhouette import Silhouettes
-from .vectors import dot
-from .visibility import Geometry, Surface
+from .vectors import dot, unit
+from .visibility import Geometry, Surface, facing
 
 _SMALL_STEP = 0.02
 """Part of a lamp's distance by which a gradient loop may move it before bounced light is traced again."""
 _BLURRED = 0.5
 """Level of the world's picture that glossy reflections see."""
+
+_LEAST_ALIKE = 0.1
+"""Cosine between a mapped and the true normal below which the map cannot be meant."""
+_GEOMETRIC = ("alpha", "normal")
 
 
 @dataclass(frozen=True)
@@ -129,9 +133,11 @@ class ViewCache:
         self.signature = view.signature()
         with torch.no_grad():
             self.samples = samples = take(geometry, view.detached())
-            self._hits = samples.hits.first(samples.surfaces)
+            self._hits = samples.hits.pick(slice(0, samples.surfaces))
             toward = samples.toward
-            self._sight = Sight.of(geometry.surface(self._hits, toward[:, : samples.surfaces]), toward)
+            self._maps = Maps(scene, geometry.device, view.size)
+            surface = geometry.surface(self._hits, toward[:, : samples.surfaces])
+            self._sight = Sight.of(self._bumped(surface, toward), toward)
             generator = torch.Generator().manual_seed(seed)
             counts = len(scene.materials), len(scene.lights)
             self.indirect = Indirect(
@@ -142,6 +148,7 @@ class ViewCache:
             self.covered = samples.hits.hit.to(torch.float32)[None]
             self.mask = samples.resolve(self.inside).view(self.depth.shape)
         self._beams: dict[int, _Shadowed] = {}
+        self._varying: dict[int, dict[str, Tensor]] = {}
         self._bounced: dict[int, Tensor] = {}
         self._outlines: Silhouettes | None = None
         self._through: dict[int, tuple[float, object, Behind]] = {}
@@ -154,7 +161,38 @@ class ViewCache:
         origin, toward = view.rays(self.samples.place)
         n = self.samples.surfaces
         surface = self.geometry.follow(self._hits, origin[:, :n], toward[:, :n])
-        return Sight.of(surface, toward)
+        return Sight.of(self._bumped(surface, toward), toward)
+
+    def _bumped(self, surface: Surface, toward: Tensor) -> Surface:
+        """The surface with the normals of its materials' maps, turned to the rays (3, N) as its own are."""
+        slices = self.samples.slices
+        if not any(self._maps.has(material, "normal") for material, _, _ in slices):
+            return surface
+        normals = []
+        for material, start, stop in slices:
+            part = surface.pick(slice(start, stop))
+            normals.append(part.normal)
+            if self._maps.has(material, "normal"):
+                mapped = unit(self._maps.at(material, "normal", part) * 2 - 1)
+                # a map that the camera did not see here may hold anything
+                sound = dot(mapped, part.normal) > _LEAST_ALIKE
+                normals[-1] = facing(torch.where(sound, mapped, part.normal), toward[:, start:stop])
+        return replace(surface, normal=torch.cat(normals, 1))
+
+    def inputs(self, material: int, part: slice, sight: Sight) -> dict[str, Tensor]:
+        """What varies of a material's inputs (C, n) at its samples: "base_color", and parameters by name."""
+        if sight.moving:
+            return self._inputs(material, sight.surface.pick(part))
+        if material not in self._varying:
+            with torch.no_grad():
+                self._varying[material] = self._inputs(material, self._sight.surface.pick(part))
+        return self._varying[material]
+
+    def _inputs(self, material: int, surface: Surface) -> dict[str, Tensor]:
+        names = ["base_color", *(n for n in self.scene.materials[material].maps if n not in _GEOMETRIC)]
+        return {
+            name: self._maps.at(material, name, surface) for name in names if self._maps.has(material, name)
+        }
 
     def beam(self, index: int, lamp: Lamp, sight: Sight) -> Beam:
         """A lamp's beam; its shadows are traced again when it has moved."""
@@ -222,18 +260,6 @@ class ViewCache:
             with torch.no_grad():
                 self._worlds = sky.signature(), _worlds(sky, self._sight)
         return self._worlds[1]
-
-    def texture(self, material: int, uv: Tensor) -> Tensor | None:
-        """Linked base color (3, n) of a material at texture coordinates (2, n)."""
-        texture = self.scene.materials[material].texture
-        if texture is None:
-            return None
-        image = torch.from_numpy(texture.image).to(uv.device).permute(2, 0, 1)[None]
-        if texture.extension == "REPEAT":
-            uv = uv - uv.detach().floor()
-        place = (uv * 2 - 1).T[None, None]
-        padding = "zeros" if texture.extension == "CLIP" else "border"
-        return grid_sample(image, place, padding_mode=padding, align_corners=False)[0, :, 0]
 
     def _inside(self) -> Tensor:
         """(1, N + B) 1 for samples of the subject, else 0."""

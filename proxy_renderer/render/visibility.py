@@ -12,10 +12,13 @@ from embreex.mesh_construction import TriangleMesh
 from torch import Tensor
 
 from ..scene import Mesh, SceneData
+from .maps import Opacity
 from .vectors import cross, damped, dot, unit
 
 _GRAZING = 0.3
 """Cosine below which gradients of hits are damped."""
+_LAYERS = 8
+"""Transparent surfaces that a ray passes at most: Cycles' default of transparent bounces."""
 
 
 @dataclass(frozen=True)
@@ -38,9 +41,14 @@ class Hits:
         """(N,) bool."""
         return self.triangle >= 0
 
-    def first(self, count: int) -> Hits:
-        """The first hits."""
-        return Hits(self.triangle[:count], self.u[:count], self.v[:count], self.distance[:count])
+    @property
+    def parts(self) -> tuple[Tensor, Tensor, Tensor, Tensor]:
+        """The fields, in order."""
+        return self.triangle, self.u, self.v, self.distance
+
+    def pick(self, index: Tensor | slice) -> Hits:
+        """The hits at an index."""
+        return Hits(*(part[index] for part in self.parts))
 
 
 class Geometry:
@@ -51,14 +59,14 @@ class Geometry:
         normals: (3, F, 3) shading normals, likewise.
         uvs: (3, F, 2).
         material, object: (F,) int64.
+        opacity: Alpha of what is not opaque; None where everything is.
         size: Diagonal of the bounding box; offsets and tolerances are relative to it.
     """
 
     def __init__(self, scene: SceneData, device: torch.device) -> None:
         mesh: Mesh = scene.mesh
         triangles = mesh.vertices[mesh.faces]
-        self._embree = rtcore_scene.EmbreeScene()
-        TriangleMesh(self._embree, np.ascontiguousarray(triangles, np.float32))
+        self._embree = _embree(triangles)
         self.device = device
         self.corners = torch.from_numpy(triangles).to(device).permute(1, 0, 2).contiguous()
         self.normals = torch.from_numpy(mesh.normals).to(device).permute(1, 0, 2).contiguous()
@@ -67,9 +75,45 @@ class Geometry:
         self.object = torch.from_numpy(mesh.object).to(device, torch.int64)
         flat = triangles.reshape(-1, 3)
         self.size = float(np.linalg.norm(flat.max(0) - flat.min(0)))
+        opacity = Opacity(scene, device)
+        clear = opacity.clear[self.material].cpu().numpy()
+        self.opacity = opacity if clear.any() else None
+        if self.opacity:
+            far_away = np.full((1, 3, 3), 1e30, np.float32) + np.eye(
+                3, dtype=np.float32
+            )  # for lack of solid ones
+            self._solid = _embree(triangles[~clear] if not clear.all() else far_away)
+            self._clear = _embree(triangles[clear])
+            self._numbers = torch.from_numpy(clear.nonzero()[0]).to(device)
 
     def first_hits(self, origin: Tensor, toward: Tensor) -> Hits:
-        """Nearest intersections of rays (3, N) with unit directions (3, N)."""
+        """Where rays (3, N) with unit directions (3, N) end; transparent surfaces stop their share of the rays."""
+        hits = self.nearest(origin, toward)
+        if self.opacity is None:
+            return hits
+        number = torch.arange(origin.shape[1], device=self.device)
+        chance = number.double().mul(0.6180339887498949).frac().float()  # evenly spread, the same every time
+        index, parts = number, list(hits.parts)
+        for _ in range(_LAYERS):
+            found = Hits(*(p[index] for p in parts))
+            surface = self.surface(found, toward[:, index])
+            passes = found.hit & (self.opacity.at(surface) <= chance[index])
+            index = index[passes]
+            if not len(index):
+                break
+            further = self.onward(Hits(*(p[index] for p in parts)), origin[:, index], toward[:, index])
+            parts = [p.index_copy(0, index, f) for p, f in zip(parts, further.parts, strict=True)]
+        return Hits(*parts)
+
+    def onward(self, hits: Hits, origin: Tensor, toward: Tensor) -> Hits:
+        """What rays meet after their hits; distances still count from the origin."""
+        gap = 1e-5 * (self.size + hits.distance)
+        start = hits.distance + gap
+        further = self.nearest(origin + toward * start, toward)
+        return Hits(further.triangle, further.u, further.v, further.distance + start)
+
+    def nearest(self, origin: Tensor, toward: Tensor) -> Hits:
+        """Nearest intersections of rays (3, N) with unit directions (3, N), transparent or not."""
         found = self._embree.run(_rows(origin), _rows(toward), output=1)
         triangle = torch.from_numpy(found["primID"]).to(self.device, torch.int64)
         distance = torch.from_numpy(found["tfar"]).to(self.device)
@@ -78,10 +122,33 @@ class Geometry:
         return Hits(triangle, u, v, distance)
 
     def clear(self, origin: Tensor, toward: Tensor, distance: Tensor) -> Tensor:
-        """1.0 where nothing blocks rays (3, N) over distances (N,), else 0.0."""
+        """Share (N,) of light that passes along rays (3, N) over distances (N,)."""
         limit = distance.clamp_max(1e30).cpu().numpy().astype(np.float32)
-        blocked = self._embree.run(_rows(origin), _rows(toward), limit, query="OCCLUDED")
-        return torch.from_numpy((blocked < 0).astype(np.float32)).to(self.device)
+        solid = self._solid if self.opacity else self._embree
+        blocked = solid.run(_rows(origin), _rows(toward), limit, query="OCCLUDED")
+        passing = torch.from_numpy((blocked < 0).astype(np.float32)).to(self.device)
+        return self._filtered(origin, toward, distance, passing) if self.opacity else passing
+
+    def _filtered(self, origin: Tensor, toward: Tensor, distance: Tensor, passing: Tensor) -> Tensor:
+        """Takes from the passing share (N,) what transparent surfaces on the way stop."""
+        assert self.opacity is not None
+        index = (passing > 0).nonzero()[:, 0]
+        start = torch.zeros_like(passing)
+        for _ in range(_LAYERS):
+            if not len(index):
+                break
+            way = toward[:, index]
+            found = self._clear.run(_rows(origin[:, index] + way * start[index]), _rows(way), output=1)
+            triangle = torch.from_numpy(found["primID"]).to(self.device, torch.int64)
+            reach = start[index] + torch.from_numpy(found["tfar"]).to(self.device)
+            met = (triangle >= 0) & (reach < distance[index])
+            u, v = (torch.from_numpy(found[name]).to(self.device)[met] for name in "uv")
+            index, reach = index[met], reach[met]
+            hits = Hits(self._numbers[triangle[met]], u, v, reach)
+            passing[index] *= 1 - self.opacity.at(self.surface(hits, toward[:, index]))
+            start[index] = reach + 1e-5 * (self.size + reach)
+            index = index[passing[index] > 1e-3]
+        return passing
 
     def surface(self, hits: Hits, toward: Tensor) -> Surface:
         """The surface at hits; where rays miss, whatever triangle 0 has (finite, to be ignored)."""
@@ -116,11 +183,7 @@ class Geometry:
         normal = sum((self.normals[k, triangle].T * weights[k] for k in range(3)), torch.zeros_like(a))
         normal = unit(normal)
         back = torch.where(dot(facet, toward) > 0, -1.0, 1.0)
-        facet, normal = facet * back, normal * back
-        # A shading normal that looks away from the eye would put the whole surface in the dark.
-        cosine = -dot(normal, toward)
-        normal = normal - toward * (0.02 - cosine).clamp_min(0.0)
-        normal = unit(normal)
+        facet, normal = facet * back, facing(normal * back, toward)
         uv = sum((self.uvs[k, triangle].T * weights[k] for k in range(3)), torch.zeros_like(a[:2]))
         return Surface(position, normal, facet, uv, self.material[triangle])
 
@@ -160,6 +223,15 @@ class Surface:
         return Surface(position, normal, facet, uv, self.material[index])
 
 
+def facing(normal: Tensor, toward: Tensor) -> Tensor:
+    """Unit normals (3, N) bent so far that rays (3, N) meet them from outside.
+
+    One that looks away from the eye would put the whole surface in the dark.
+    """
+    cosine = -dot(normal, toward)
+    return unit(normal - toward * (0.02 - cosine).clamp_min(0.0))
+
+
 def sphere_points(count: int, copies: int, generator: torch.Generator) -> Tensor:
     """Stratified points in [0, 1)^2: (2, copies, count), each copy shifted at random.
 
@@ -169,6 +241,13 @@ def sphere_points(count: int, copies: int, generator: torch.Generator) -> Tensor
     base = torch.stack((index * 0.7548776662466927, index * 0.5698402909980532))
     shift = torch.rand((2, copies, 1), generator=generator, dtype=torch.float64)
     return ((base[:, None, :] + shift) % 1.0).to(torch.float32)
+
+
+def _embree(triangles: np.ndarray) -> rtcore_scene.EmbreeScene:
+    """Triangles (F, 3, 3) ready for rays."""
+    made = rtcore_scene.EmbreeScene()
+    TriangleMesh(made, np.ascontiguousarray(triangles, np.float32))
+    return made
 
 
 def _rows(vectors: Tensor) -> np.ndarray:

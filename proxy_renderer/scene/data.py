@@ -73,15 +73,31 @@ class Light:
 
 @dataclass(frozen=True)
 class Texture:
-    """A linked base color: image (H, W, 3), row 0 at the bottom; extension "REPEAT", "EXTEND" or "CLIP"."""
+    """A picture of a material's input.
+
+    Attributes:
+        image: (H, W, C) float32, row 0 at the bottom.
+        extension: "REPEAT", "EXTEND" or "CLIP".
+        window: For what the exported camera saw: left, bottom, right and top in parts of its picture, to
+            which it is a projection. None for a texture over UVs.
+    """
 
     image: Array
     extension: str = "REPEAT"
+    window: tuple[float, float, float, float] | None = None
 
 
 @dataclass(frozen=True)
 class Material:
-    """A material that the camera sees. `constants` are Principled inputs that no vibe changes."""
+    """A material that the camera sees.
+
+    Attributes:
+        alpha: Opacity, or the mean of its map.
+        constants: Principled inputs that no vibe changes.
+        texture: Its base color, where that is computed; tinted by parameters.
+        maps: Other inputs that are computed: "alpha", "normal" (world space, halved and raised to [0, 1]), and
+            parameters by name.
+    """
 
     name: str
     role: str
@@ -90,6 +106,7 @@ class Material:
     alpha: float = 1.0
     constants: Mapping[str, Any] = field(default_factory=dict)
     texture: Texture | None = None
+    maps: Mapping[str, Texture] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -120,11 +120,19 @@ def _vector(row: list[float]) -> tuple[float, float, float]:
 
 
 def _material(folder: Path, row: dict[str, Any]) -> Material:
-    texture = row.get("texture")
-    if texture:
-        image = _picture(folder / texture["image"])
-        row = {**row, "texture": Texture(image, texture.get("extension", "REPEAT"))}
-    return _record(Material, row)
+    texture, maps = row.get("texture"), row.get("maps") or {}
+    pictures = {name: _texture(folder, picture) for name, picture in maps.items()}
+    made = _record(Material, {**row, "texture": None, "maps": {}})
+    return replace(made, texture=_texture(folder, texture) if texture else None, maps=pictures)
+
+
+def _texture(folder: Path, row: dict[str, Any]) -> Texture:
+    window = row.get("window")
+    return Texture(
+        _picture(folder / row["image"], (1, 3)),
+        row.get("extension", "REPEAT"),
+        (float(window[0]), float(window[1]), float(window[2]), float(window[3])) if window else None,
+    )
 
 
 def _world(folder: Path, row: dict[str, Any]) -> World:
@@ -133,11 +141,11 @@ def _world(folder: Path, row: dict[str, Any]) -> World:
     return World("environment", _picture(folder / row["image"]))
 
 
-def _picture(path: Path) -> Array:
-    """A linear picture (H, W, 3) as float32; what is not finite or is negative becomes 0."""
+def _picture(path: Path, channels: tuple[int, ...] = (3,)) -> Array:
+    """A linear picture (H, W, C) as float32; what is not finite or is negative becomes 0."""
     image = np.load(path, allow_pickle=False).astype(np.float32)
-    if image.ndim != 3 or image.shape[2] != 3 or 0 in image.shape:
-        raise ValueError(f"{path.name} has the shape {image.shape}, not (H, W, 3)")
+    if image.ndim != 3 or image.shape[2] not in channels or 0 in image.shape:
+        raise ValueError(f"{path.name} has the shape {image.shape}, not (H, W, {channels[-1]})")
     return np.nan_to_num(image, nan=0.0, posinf=0.0, neginf=0.0).clip(0.0)
 
 
