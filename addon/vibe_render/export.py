@@ -22,6 +22,7 @@ from . import (
     export_world,
     fog,
     roster,
+    sane,
     shaders,
     view_maps,
 )
@@ -60,9 +61,9 @@ def export(survey: Survey, folder: Path) -> Job:
     scene, geometry = survey.scene, survey.geometry
     found = bindings.instances(scene, survey.objects, survey.pivot)
     materials = _materials(survey)
-    instances = _with_materials(found, survey, materials)
+    instances, mended = sane.instances(_with_materials(found, survey, materials))
     warnings = [*geometry.warnings, *(m.row["warning"] for m in materials.values() if m.row["warning"])]
-    warnings += export_view.ignored(scene)
+    warnings += [*export_view.ignored(scene), *mended]
     image, note = export_world.environment(scene.world)
     if image is not None:
         np.save(folder / "world.npy", image.astype(np.float32))
@@ -89,9 +90,10 @@ def export(survey: Survey, folder: Path) -> Job:
     }
     _write_meshes(survey, folder)
     temporary = folder / "scene.json.part"
-    temporary.write_text(json.dumps(content, indent=1), encoding="utf-8")
+    content = sane.content(content, "", warnings)
+    temporary.write_text(json.dumps(content, indent=1, allow_nan=False), encoding="utf-8")
     os.replace(temporary, folder / "scene.json")
-    return Job(folder, survey, instances, [w for w in (*warnings, note) if w])
+    return Job(folder, survey, instances, list(dict.fromkeys(w for w in (*warnings, note) if w)))
 
 
 def _scaled(scene: bpy.types.Scene, pixels: int) -> int:

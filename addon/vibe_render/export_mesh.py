@@ -19,6 +19,9 @@ UvOf = Callable[[bpy.types.Material], tuple[str, np.ndarray]]
 
 _SKIPPED = {"CURVES": "hair", "VOLUME": "a volume object", "POINTCLOUD": "a point cloud"}
 
+_FARTHEST = 1e9
+"""Meters from the origin beyond which squares of areas leave the range of 32-bit floats."""
+
 
 @dataclass
 class Geometry:
@@ -57,6 +60,11 @@ class _Part:
     uvs: np.ndarray
     slot: np.ndarray
 
+    def pick(self, faces: np.ndarray) -> _Part:
+        """The same mesh with some of its faces, (F,) bool."""
+        rest = (self.faces[faces], self.normals[faces], self.uvs[faces], self.slot[faces])
+        return _Part(self.vertices, *rest)
+
 
 def collect(depsgraph: bpy.types.Depsgraph, uv_of: UvOf) -> Geometry:
     """Reads the evaluated meshes and instances of a final render's dependency graph."""
@@ -66,6 +74,8 @@ def collect(depsgraph: bpy.types.Depsgraph, uv_of: UvOf) -> Geometry:
         thing = instance.object
         if thing.type in _SKIPPED and instance.show_self:
             result.warnings[f"{thing.name} is {_SKIPPED[thing.type]}: the prediction leaves it out."] = None
+        if instance.show_self and thing.type == "MESH":
+            result.warnings.update(dict.fromkeys(_special(thing)))
         # Curves, texts and metaballs come once as themselves and once as the mesh that they become.
         if thing.type != "MESH" or not instance.show_self or not thing.visible_camera:
             continue
@@ -76,6 +86,21 @@ def collect(depsgraph: bpy.types.Depsgraph, uv_of: UvOf) -> Geometry:
             parent = instance.parent.original.name_full if instance.parent else ""
             result.add(part, slots, np.array(instance.matrix_world), (thing.original.name_full, parent))
     return result.geometry()
+
+
+def _special(thing: bpy.types.Object) -> list[str]:
+    """Ways of being rendered that the prediction does not know, in words."""
+    found = []
+    if not thing.visible_camera:
+        found.append(
+            f"{thing.name} is hidden from the camera: the prediction leaves it out, shadows and all."
+        )
+    elif thing.is_holdout or thing.is_shadow_catcher:
+        kind = "a holdout" if thing.is_holdout else "a shadow catcher"
+        found.append(f"{thing.name} is {kind}: the prediction shows it as a plain surface.")
+    elif not all((thing.visible_diffuse, thing.visible_glossy, thing.visible_shadow)):
+        found.append(f"{thing.name} is hidden from some rays: the prediction shows it to all.")
+    return found
 
 
 class _Builder:
@@ -91,10 +116,18 @@ class _Builder:
     def add(
         self, part: _Part, slots: list[bpy.types.Material | None], matrix: np.ndarray, who: tuple[str, str]
     ) -> None:
+        vertices, normals = _place(part, matrix)
+        usable = (np.abs(vertices) < _FARTHEST).all(1)  # also false for what is not a number
+        if not usable.all():
+            self.warnings[f"{who[0]} has corners without a usable place: their faces are left out."] = None
+            vertices[~usable] = 0.0
+        whole = usable[part.faces].all(1) & _has_area(vertices[part.faces])
+        if not whole.any():
+            return
+        part, normals = part.pick(whole), normals[whole]
         names = [m.name_full if m else DEFAULT_MATERIAL for m in slots]
         numbers = np.array([self.materials.setdefault(n, len(self.materials)) for n in names], np.int32)
         owner = self.objects.setdefault(who, len(self.objects))
-        vertices, normals = _place(part, matrix)
         # a mirrored instance keeps its winding counter-clockwise seen from outside
         order = [2, 1, 0] if np.linalg.det(matrix[:3, :3]) < 0 else [0, 1, 2]
         faces, normals, uvs = part.faces[:, order] + self.count, normals[:, order], part.uvs[:, order]
@@ -171,10 +204,17 @@ def _array(collection, attribute: str, shape: tuple[int, ...], kind: type) -> np
     return flat.reshape(shape)
 
 
+def _has_area(corners: np.ndarray) -> np.ndarray:
+    """(F,) bool: whether triangles (F, 3, 3) are more than lines and points."""
+    a, b, c = corners.astype(float).transpose(1, 0, 2)
+    return np.cross(b - a, c - a).any(1)
+
+
 def _place(part: _Part, matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Vertices and corner normals in world space."""
     linear = matrix[:3, :3]
-    vertices = (part.vertices @ linear.T + matrix[:3, 3]).astype(np.float32)
+    with np.errstate(invalid="ignore", over="ignore"):
+        vertices = (part.vertices @ linear.T + matrix[:3, 3]).astype(np.float32)
     # Normals go with the inverse transpose; the cofactor matrix is that times the determinant, and
     # flattened objects have one too.
     a, b, c = linear

@@ -9,7 +9,7 @@ from typing import Any
 import bpy
 from mathutils import Vector
 
-from . import poses, roster
+from . import compat, poses, roster, shaders
 from .survey import Survey
 
 
@@ -47,14 +47,33 @@ def _light(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, Any]:
         "exposure": getattr(data, "exposure", 0.0),
         "use_temperature": getattr(data, "use_temperature", False),
         "role": role,
+        "tint": _glow(data) or (1.0, 1.0, 1.0),
     }
     if data.type == "AREA":
         both = data.shape in ("RECTANGLE", "ELLIPSE")
         aspect = data.size_y / max(data.size, 1e-9) if both else 1.0
-        row |= {"shape": data.shape, "aspect": aspect, "spread": data.spread}
+        width, height, _ = (max(abs(side), 1e-6) for side in thing.matrix_world.to_scale())
+        aspect *= height / width
+        row |= {"shape": data.shape, "aspect": aspect, "spread": data.spread, "scale": width}
     if data.type == "SPOT":
         row |= {"spot_size": data.spot_size, "spot_blend": data.spot_blend}
     return row
+
+
+def _glow(data: bpy.types.Light) -> tuple[float, float, float] | None:
+    """What a light's nodes multiply it by: its Emission's color times strength; None if they do anything else."""
+    tree = compat.node_tree(data)
+    if tree is None:
+        return 1.0, 1.0, 1.0
+    output = tree.get_output_node("CYCLES")
+    links = shaders.active_links(output.inputs["Surface"]) if output else []
+    if not links or links[0].from_node.bl_idname != "ShaderNodeEmission":
+        return None
+    color, strength = (links[0].from_node.inputs[name] for name in ("Color", "Strength"))
+    if shaders.active_links(color) or shaders.active_links(strength):
+        return None
+    red, green, blue = (float(c) * strength.default_value for c in color.default_value[:3])
+    return red, green, blue
 
 
 def _rows(matrix: Any) -> list[list[float]]:
@@ -95,4 +114,21 @@ def ignored(scene: bpy.types.Scene) -> list[str]:
         notes.append("The view transform's white balance is left out of the prediction.")
     if scene.camera.data.dof.use_dof:
         notes.append("Depth of field is left out of the prediction.")
+    if scene.render.use_motion_blur:
+        notes.append("Motion blur is left out of the prediction.")
+    if scene.render.use_border:
+        notes.append("The render border is left out: the whole picture is predicted and rendered.")
+    lamps = (o for o in scene.objects if o.type == "LIGHT" and roster.visible(scene, o))
+    for lamp in lamps:
+        if not roster.placed(lamp):
+            notes.append(f"{lamp.name} has no usable place: it is left out.")
+        elif _glow(lamp.data) is None:
+            notes.append(f"The nodes of {lamp.name} are left out of the prediction.")
+        sides = lamp.matrix_world.to_scale()
+        if lamp.data.type == "SPOT" and abs(sides.x - sides.y) > 0.01 * abs(sides.x):
+            notes.append(f"{lamp.name} is scaled unevenly; the prediction shows a round cone.")
+        if any((lamp.light_linking.receiver_collection, lamp.light_linking.blocker_collection)):
+            notes.append(f"{lamp.name} is linked to some objects; in the prediction it lights all.")
+    if scene.render.use_multiview:
+        notes.append("Stereo is left out: the picture is what the camera itself sees.")
     return notes

@@ -48,6 +48,7 @@ def look(scene: bpy.types.Scene, see: Callable[[bpy.types.Depsgraph], Seen]) -> 
             use_compositing=False,
             use_sequencer=False,
             use_multiview=False,
+            use_border=False,
         ):
             bpy.ops.render.render(scene=scene.name, layer=layer(scene).name)
     finally:

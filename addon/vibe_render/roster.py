@@ -71,9 +71,14 @@ def depsgraph(scene: Scene) -> bpy.types.Depsgraph:
 
 
 def lights(scene: Scene) -> list[Object]:
-    """The lights that a render sees, by name."""
-    found = [o for o in scene.objects if o.type == "LIGHT" and visible(scene, o)]
+    """The lights that a render sees, by name; those whose place is not a number light nothing."""
+    found = [o for o in scene.objects if o.type == "LIGHT" and visible(scene, o) and placed(o)]
     return sorted(found, key=lambda o: o.name_full)
+
+
+def placed(obj: Object) -> bool:
+    """Whether an object's place is finite; broken drivers and constraints leave it otherwise."""
+    return all(math.isfinite(v) for row in obj.matrix_world for v in row)
 
 
 def meshes(scene: Scene) -> list[Object]:
@@ -140,6 +145,7 @@ def bounds(scene: Scene, objects: Iterable[Object]) -> tuple[Vector, Vector]:
     for obj in objects:
         evaluated = obj.evaluated_get(graph)
         corners += [evaluated.matrix_world @ Vector(c) for c in evaluated.bound_box]
+    corners = [c for c in corners if all(map(math.isfinite, c))]
     if not corners:
         return Vector((-1.0, -1.0, -1.0)), Vector((1.0, 1.0, 1.0))
     return Vector(map(min, zip(*corners, strict=True))), Vector(map(max, zip(*corners, strict=True)))

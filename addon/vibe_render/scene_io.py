@@ -13,7 +13,7 @@ from .export import Job
 from .export import export as write_job
 from .prepare import prepare
 from .subject import Choice, named
-from .survey import survey
+from .survey import refuse, survey
 
 Vector = tuple[float, float, float]
 
@@ -33,6 +33,7 @@ def export(scene: bpy.types.Scene, folder: Path, choice: Choice) -> tuple[Sequen
 
 def open_job(scene: bpy.types.Scene, folder: Path, choice: Choice) -> Job:
     """The same, returning all that is known about the scene."""
+    refuse(scene)
     was_vibed, start = snapshot.exists(scene), snapshot.mark(scene)
     try:
         prepare(scene, named(scene, choice))

@@ -87,8 +87,12 @@ def see(scene: bpy.types.Scene, geometry: Geometry) -> Visibility:
     if len(geometry.faces):
         tree = BVHTree.FromPolygons(geometry.vertices.tolist(), geometry.faces.tolist(), all_triangles=True)
         starts, directions = camera_rays(scene, _RAYS)
+        ahead = -np.array(scene.camera.matrix_world.normalized())[:3, 2]
+        lens = scene.camera.data
         for index in np.ndindex(hits.shape):
-            face = tree.ray_cast(Vector(starts[index]), Vector(directions[index]))[2]
+            toward, slant = Vector(directions[index]), 1.0 / max(directions[index] @ ahead, 1e-6)
+            start = Vector(starts[index]) + toward * (slant * lens.clip_start)
+            face = tree.ray_cast(start, toward, slant * (lens.clip_end - lens.clip_start))[2]
             hits[index] = -1 if face is None else face
     owner, material = (np.append(a, -1)[hits] for a in (geometry.object, geometry.material))
     return Visibility(owner, material)

@@ -43,18 +43,34 @@ class Survey:
         return x, y, z
 
 
+def refuse(scene: bpy.types.Scene) -> None:
+    """Says no to a camera that cannot be worked with, before anything in the scene is touched.
+
+    Raises:
+        VibeError: The camera is panoramic, no camera at all, or nowhere. None is fine: we add one.
+    """
+    camera = scene.camera
+    if camera is None:
+        return
+    remedy = "Choose a perspective or orthographic camera."
+    if camera.type != "CAMERA":
+        raise schema.VibeError(f"{camera.name}, through which the scene is seen, is no camera.", remedy)
+    if camera.data.type not in ("PERSP", "ORTHO"):
+        kind = {"PANO": "panoramic"}.get(camera.data.type, camera.data.type.lower())
+        raise schema.VibeError(f"{camera.name} is a {kind} camera.", remedy)
+    if not np.isfinite(np.array(camera.matrix_world)).all():
+        raise schema.VibeError(f"{camera.name} has no usable place: it is not a number.", "Move it back.")
+
+
 def survey(scene: bpy.types.Scene, choice: subject.Choice) -> Survey:
     """Looks at the scene; nothing in it is changed.
 
     Raises:
         VibeError: There is no mesh, no usable camera, no mesh in view, or no such subject.
     """
-    if scene.camera is None or scene.camera.type != "CAMERA":
+    if scene.camera is None:
         raise schema.VibeError("The scene has no camera.", "Add one, and aim it at the subject.")
-    if scene.camera.data.type not in ("PERSP", "ORTHO"):
-        raise schema.VibeError(
-            f"{scene.camera.name} is a panoramic camera.", "Use a perspective or orthographic one."
-        )
+    refuse(scene)
     geometry = render_view.look(scene, lambda depsgraph: collect(depsgraph, uv_of))
     if not len(geometry.faces):
         raise schema.VibeError(

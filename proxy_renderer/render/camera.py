@@ -14,7 +14,7 @@ from torch import Tensor
 
 from ..scene import SceneData
 from .settings import Settings, wanted
-from .vectors import unit
+from .vectors import dot, unit
 
 
 def direction(azimuth: Tensor, elevation: Tensor) -> Tensor:
@@ -43,6 +43,7 @@ class View:
         size: Width and height in pixels.
         extent: Width and height of the picture in units of the side that the lens angle spans.
         shift: Lens shift in the same units.
+        clip: Distances of the near and the far plane.
     """
 
     position: Tensor
@@ -52,6 +53,7 @@ class View:
     size: tuple[int, int]
     extent: tuple[float, float]
     shift: tuple[float, float]
+    clip: tuple[float, float]
 
     @property
     def moving(self) -> bool:
@@ -61,7 +63,7 @@ class View:
     def detached(self) -> View:
         """The same view without gradients."""
         parts = self.position.detach(), self.rotation.detach(), self.scale.detach()
-        return View(*parts, self.orthographic, self.size, self.extent, self.shift)
+        return View(*parts, self.orthographic, self.size, self.extent, self.shift, self.clip)
 
     def signature(self) -> tuple[float, ...]:
         """Numbers that change when anything that rays depend on does."""
@@ -86,6 +88,11 @@ class View:
             return self.position[:, None] + across, -back[:, None].expand_as(across)
         toward = across - back[:, None]
         return self.position[:, None].expand_as(toward), unit(toward)
+
+    def span(self, toward: Tensor) -> tuple[Tensor, Tensor]:
+        """Distances (N,) along rays with unit directions (3, N) at which the near and the far plane lie."""
+        slant = 1.0 / -dot(self.rotation[:, 2:3], toward).clamp_max(-1e-6)
+        return slant * self.clip[0], slant * self.clip[1]
 
     def project(self, points: Tensor) -> Tensor:
         """Picture positions (2, N) in pixels of points (3, N), which must lie in front of the camera."""
@@ -118,4 +125,5 @@ def view_of(scene: SceneData, settings: Settings, size: tuple[int, int]) -> View
         size=size,
         extent=(width / spanned, height / spanned),
         shift=camera.shift,
+        clip=camera.clip,
     )

@@ -21,7 +21,7 @@ from .vectors import dot
 from .visibility import Geometry, Surface
 
 _WORLD_AT_SECOND = 0.3
-"""Share of the world that the surfaces of second bounces are taken to see."""
+"""Most of the world that the surfaces of second bounces are taken to see; less in rooms, where rays rarely leave."""
 
 
 @dataclass(frozen=True)
@@ -104,9 +104,11 @@ class Far:
         hits = self.geometry.first_hits(self.geometry.lifted(self.surface), toward)
         self.found = hits.hit.to(torch.float32)
         beyond = self.geometry.surface(hits, toward)
+        leaving = float(((1 - self.found) * self.hit).sum() / self.hit.sum().clamp_min(1.0))
+        again = min(_WORLD_AT_SECOND, leaving)
         for row, surface, seen in (
             (self.lamps, self.surface, 1 - self.found),
-            (2 * self.lamps + 2, beyond, self.found * _WORLD_AT_SECOND),
+            (2 * self.lamps + 2, beyond, self.found * again),
         ):
             up = (1 + surface.normal[2]) / 2
             self.arriving[row : row + 2] = torch.stack((up, 1 - up)) * seen

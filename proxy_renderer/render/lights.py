@@ -82,9 +82,13 @@ def _lamp(light: Light, scene: SceneData, settings: Settings) -> Lamp:
     temperature = settings.scalar(key + "temperature", 6500.0)
     if light.use_temperature or wanted(temperature) or float(temperature.detach()) != 6500.0:
         tint = tint * color.blackbody(temperature)
+    if light.tint != (1.0, 1.0, 1.0):
+        tint = tint * torch.tensor(light.tint, device=settings.device)
     pivot = torch.tensor(scene.pivot, device=settings.device)
     distance = 0.0 if sun else settings.scalar(key + "distance", 1.0)
-    size = torch.deg2rad(settings.scalar(key + "angle")) if sun else settings.scalar(key + "size")
+    size = (
+        torch.deg2rad(settings.scalar(key + "angle")) if sun else settings.scalar(key + "size") * light.scale
+    )
     axes = frame(azimuth, elevation) @ torch.tensor(light.residual, device=settings.device)
     position = pivot + distance * direction(azimuth, elevation)
     return Lamp(light, tint, position, axes, within(size, 0.0, math.inf))

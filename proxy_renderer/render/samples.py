@@ -81,7 +81,7 @@ def take(geometry: Geometry, view: View) -> Samples:
     y, x = torch.meshgrid(torch.arange(height), torch.arange(width), indexing="ij")
     centers = torch.stack((x.flatten(), y.flatten())).to(geometry.device, torch.float32) + 0.5
     origin, toward = view.rays(centers)
-    layers = _layers(geometry, origin, toward)
+    layers = _layers(geometry, view, origin, toward)
     center_hits = layers.strongest(len(origin[0]))
     edge = _edges(geometry, center_hits, toward, width, height)
     if geometry.opacity is not None:
@@ -90,7 +90,7 @@ def take(geometry: Geometry, view: View) -> Samples:
     jitter = _filter_points(geometry.device)
     places = (centers[:, busy, None] + jitter[:, None, :]).flatten(1)
     more_origin, more_toward = view.rays(places)
-    more = _layers(geometry, more_origin, more_toward)
+    more = _layers(geometry, view, more_origin, more_toward)
     kept = (~edge)[layers.ray]
     few = Layers(layers.ray[kept], layers.number[kept], layers.hits.pick(kept), layers.weight[kept])
     owner = busy.repeat_interleave(EDGE_SAMPLES)
@@ -142,11 +142,13 @@ _FAINT = 0.004
 _MOST_LAYERS = 8
 
 
-def _layers(geometry: Geometry, origin: Tensor, toward: Tensor) -> Layers:
-    """Follows rays (3, N) through transparent surfaces."""
+def _layers(geometry: Geometry, view: View, origin: Tensor, toward: Tensor) -> Layers:
+    """Follows the camera's rays (3, N) from its near to its far plane, through transparent surfaces."""
     index = torch.arange(origin.shape[1], device=geometry.device)
     left = torch.ones(len(index), device=geometry.device)
-    hits = geometry.nearest(origin, toward)
+    near, far = view.span(toward)
+    hits = geometry.nearest(origin + toward * near, toward)
+    hits = _before(far, Hits(hits.triangle, hits.u, hits.v, hits.distance + near))
     if geometry.opacity is None:
         return Layers(index, torch.zeros_like(index), hits, left)
     found: list[tuple[Tensor, Hits, Tensor]] = []
@@ -164,11 +166,19 @@ def _layers(geometry: Geometry, origin: Tensor, toward: Tensor) -> Layers:
         if not bool(onward.any()):
             break
         index, left = index[onward], rest[onward]
-        hits = geometry.onward(hits.pick(onward), origin[:, index], toward[:, index])
+        further = geometry.onward(hits.pick(onward), origin[:, index], toward[:, index])
+        hits = _before(far[index], further)
     numbers = [torch.full_like(rays, i) for i, (rays, _, _) in enumerate(found)]
     rays, met, shares = zip(*found, strict=True)
     merged = Hits(*(torch.cat(p) for p in zip(*(h.parts for h in met), strict=True)))
     return Layers(torch.cat(rays), torch.cat(numbers), merged, torch.cat(shares))
+
+
+def _before(far: Tensor, hits: Hits) -> Hits:
+    """Hits (N,) with those beyond distances (N,) turned into misses."""
+    seen = hits.distance <= far
+    distance = torch.where(seen, hits.distance, torch.inf)
+    return Hits(torch.where(seen, hits.triangle, -1), hits.u, hits.v, distance)
 
 
 def _sorted(

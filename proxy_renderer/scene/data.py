@@ -45,7 +45,7 @@ class Light:
     Attributes:
         type: "POINT", "SUN", "SPOT" or "AREA".
         shape: For area lights "SQUARE", "RECTANGLE", "DISK" or "ELLIPSE".
-        aspect: Height over width of an area light.
+        aspect: Height over width of an area light, its object's scale included.
         spot_size: Full opening angle of a spot.
         spot_blend: Softness of a spot's rim, in [0, 1].
         shadow: Whether it casts shadows.
@@ -53,6 +53,8 @@ class Light:
         exposure: Stops on top of the power.
         spread: Opening angle of an area light's emission; pi for a plain one.
         role: "key", "fill", "rim" or "other".
+        tint: What the light's own nodes multiply its color by.
+        scale: What its object's scale multiplies the width of an area light by.
     """
 
     name: str
@@ -69,6 +71,8 @@ class Light:
     use_temperature: bool = False
     spread: float = 3.141593
     role: str = "other"
+    tint: Vector = (1.0, 1.0, 1.0)
+    scale: float = 1.0
 
 
 @dataclass(frozen=True)

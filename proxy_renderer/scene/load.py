@@ -27,6 +27,8 @@ from .data import (
 )
 
 FORMAT = 1
+_FARTHEST = 1e9
+"""Meters from the origin beyond which squares of areas leave the range of 32-bit floats."""
 _EXPORT_AGAIN = "Export the scene again with the add-on that belongs to this engine."
 _ROWS = {(p.group, p.name): p for p in PARAMETERS}
 _MESH_SHAPES = {
@@ -169,13 +171,13 @@ def _mesh(path: Path, materials: int, objects: int) -> Mesh:
 
 
 def _drop_broken(arrays: dict[str, Array]) -> dict[str, Array]:
-    """Removes triangles that have no area or a corner that is not finite; mends broken normals and UVs."""
+    """Removes triangles that have no area or a corner without a usable place; mends broken normals and UVs."""
     corners = arrays["vertices"][arrays["faces"]]
-    finite = np.isfinite(corners).all((1, 2))
-    corners = np.where(finite[:, None, None], corners, 0.0)
+    finite = (np.abs(corners) < _FARTHEST).all((1, 2))  # also false for what is not a number
+    corners = np.where(finite[:, None, None], corners, 0.0).astype(float)
     flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = np.linalg.norm(flat, axis=1)
-    keep = finite & (area > 0) & np.isfinite(area)
+    keep = finite & (area > 0)
     length = np.linalg.norm(arrays["normals"], axis=2, keepdims=True)
     facet = (flat / np.where(area > 0, area, 1.0)[:, None]).astype(np.float32)
     sound = np.isfinite(length) & (length > 1e-6)
