@@ -7,6 +7,8 @@ import sys
 import bpy
 import pytest
 
+os.environ.pop("VIBE_VLM_MODEL", None)  # no test asks the model that its reader may have configured
+
 
 @pytest.fixture
 def scene():

@@ -10,6 +10,7 @@ from .schema import GROUPS
 from .schema.messages import Options
 
 _DEFAULTS = Options()
+_OPTIONAL = ("encoder", "baseline", "vlm_model", "vlm_url")
 _BUDGET = {
     "rounds": "times that the plan is made",
     "steps": "gradient steps in each round",
@@ -31,6 +32,15 @@ _SUBJECT = (
 )
 _LOCK = "leave this alone: a group, light/Key, or */roughness; can be given several times"
 _ENCODER = "an open_clip model such as ViT-B-32-256/datacomp_s34b_b86k, or a local checkpoint (default: the embedded one)"
+
+_MODEL = (
+    "a vision-language model that plans and judges, such as qwen2.5vl:7b or gpt-5-mini; off for none "
+    "(default: VIBE_VLM_MODEL, else none)"
+)
+_URL = (
+    "base URL of its OpenAI-compatible endpoint, such as http://localhost:11434/v1 for Ollama (default: "
+    "VIBE_VLM_URL, else OPENAI_BASE_URL, else OpenAI's); its key is read from VIBE_VLM_KEY or OPENAI_API_KEY only"
+)
 
 
 class Parser(argparse.ArgumentParser):
@@ -67,6 +77,8 @@ def add_vibe_options(sub: argparse.ArgumentParser) -> None:
     engine.add_argument(
         "--device", default=_DEFAULTS.device, metavar="NAME", help="auto, cpu, cuda, cuda:1 (default: auto)"
     )
+    engine.add_argument("--vlm-model", default="", metavar="NAME", help=_MODEL)
+    engine.add_argument("--vlm-url", default="", metavar="URL", help=_URL)
     engine.add_argument(
         "--baseline",
         choices=("clip-only",),
@@ -85,7 +97,7 @@ def add_render_options(sub: argparse.ArgumentParser) -> None:
 
 def vibe_arguments(a: argparse.Namespace, groups: list[str]) -> list[str]:
     """The same options again, for the command line of Blender's side."""
-    names = (*_BUDGET, *_RENDER, "device", *(n for n in ("encoder", "baseline") if getattr(a, n)))
+    names = (*_BUDGET, *_RENDER, "device", *(n for n in _OPTIONAL if getattr(a, n)))
     options = [f"--{name.replace('_', '-')}={getattr(a, name)}" for name in names]
     options += [f"--groups={','.join(groups)}"] if groups else []
     return options + [f"--lock={pattern}" for pattern in a.lock]

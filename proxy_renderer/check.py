@@ -69,6 +69,15 @@ def words(text: str) -> None:
     parse(text, SceneWords())
 
 
+def model(arguments: argparse.Namespace) -> bool:
+    """Whether a vision-language model is configured, and rightly: it knows more words than we do."""
+    from .schema.messages import Options
+    from .vlm.endpoint import find_endpoint
+
+    options = Options(vlm_model=arguments.vlm_model, vlm_url=arguments.vlm_url)
+    return find_endpoint(options) is not None and not arguments.baseline
+
+
 def numbers(arguments: argparse.Namespace) -> None:
     """Every number within its range."""
     for name, (low, high) in _RANGES.items():

@@ -115,7 +115,8 @@ def _demo(a: argparse.Namespace) -> int:
 def _vibe(a: argparse.Namespace, what: list[str]) -> int:
     """Checks everything that can be checked without Blender, then starts it."""
     check.prompt(a.prompt)
-    check.words(a.prompt)
+    if not check.model(a):
+        check.words(a.prompt)
     check.numbers(a)
     groups = check.groups(a.groups)
     check.locks(a.lock)

@@ -33,6 +33,7 @@ def examine() -> int:
         ("color", lambda: _ocio(config)),
         ("encoder", _encoder),
         ("folders", _folders),
+        ("model", _model),
     ]
     broken = 0
     for name, act in checks:
@@ -113,6 +114,19 @@ def _encoder() -> str:
     encoder = load_encoder(None, "cpu")
     heads = "with" if encoder.heads is not None else "without"
     return f"{encoder.name}, {encoder.size} pixels, {heads} attribute heads"
+
+
+def _model() -> str:
+    """One cheap question with a picture, if a vision-language model is configured."""
+    from .schema.messages import Options
+    from .vlm.endpoint import find_endpoint
+
+    endpoint = find_endpoint(Options())
+    if endpoint is None:
+        return "none, the offline planner does without (VIBE_VLM_MODEL names one)"
+    from .vlm.trial import try_model
+
+    return try_model(endpoint)
 
 
 def _folders() -> str:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +20,12 @@ from .optimise.objective import draw
 from .optimise.progress import Watch
 from .render.color import ciede2000, srgb_to_lab
 from .render.proxy import Proxy
-from .scene import load_scene
+from .scene import SceneData, load_scene
 from .schema import VibeError, messages
+from .vlm import judge
+from .vlm.advisor import ModelAdvisor
+from .vlm.client import Client
+from .vlm.endpoint import find_endpoint
 
 PREDICTION, MASK = "prediction.png", "mask.png"
 
@@ -33,12 +38,17 @@ class Session:
         prompt: What the artist typed.
         options: Of the vibe.
         watch: Follows it.
+        vlm_key: The vision-language model's key from the preferences; "" for the environment's.
     """
 
-    def __init__(self, job: Path, prompt: str, options: messages.Options, watch: Watch) -> None:
+    def __init__(
+        self, job: Path, prompt: str, options: messages.Options, watch: Watch, vlm_key: str = ""
+    ) -> None:
         self.job, self.prompt, self.options, self._watch = job, prompt, options, watch
         self._caption = prompt
         self._encoder: Encoder | None = None
+        endpoint = find_endpoint(options, vlm_key)
+        self._model = Client(endpoint, watch.stopped) if endpoint and not options.baseline else None
 
     def run(self) -> messages.Result:
         """Finds the values, draws the prediction and says how it went."""
@@ -51,7 +61,8 @@ class Session:
         self._watch.stage("loading the scene")
         scene = load_scene(self.job)
         clock.lap("load scene")
-        outcome = pipeline.run(scene, self.prompt, self.options, encoder, heads, self._watch)
+        advisor = self._advisor(scene)
+        outcome = pipeline.run(scene, self.prompt, self.options, encoder, heads, self._watch, advisor)
         clock.lap("loop")
         self._watch.stage("drawing the prediction")
         proxy = Proxy(
@@ -65,7 +76,11 @@ class Session:
         self._caption = outcome.prompts.whole or self.prompt
         return messages.Result(
             values=report.changed_values(outcome),
-            report={**self._facts(outcome, encoder), "timings": clock.laps},
+            report={
+                **self._facts(outcome, encoder),
+                **({"vlm": advisor.account()} if advisor else {}),
+                "timings": clock.laps,
+            },
             prediction=PREDICTION,
             stopped=outcome.stopped,
         )
@@ -89,7 +104,27 @@ class Session:
         return messages.Finished(
             delta_e=round(float(difference.mean()), 3),
             similarity={"before": self._similarity(before), "after": self._similarity(after)},
+            judge=self._judge(images[0][1], images[2][1]),
         )
+
+    def _advisor(self, scene: SceneData) -> ModelAdvisor | None:
+        """The model as parser and confiner; None for the offline planner."""
+        if self._model is None:
+            return None
+        return ModelAdvisor(self.prompt, context.scene_words(scene), self._model, self._watch.stage)
+
+    def _judge(self, before: Image.Image, after: Image.Image) -> dict[str, Any]:
+        """The model's verdict on Cycles' two pictures, or why there is none."""
+        if self._model is None:
+            return {}
+        self._watch.stage("asking the judge")
+        model = Client(self._model.endpoint)
+        column = judge.Column("The scene", self.prompt, after, before)
+        try:
+            verdict = asdict(judge.judge(model, [column], judge.BEFORE_AFTER))
+        except VibeError as error:
+            verdict = {"error": str(error)}
+        return {"model": model.endpoint.model, **verdict, **model.usage.account()}
 
     def _similarity(self, picture: np.ndarray) -> float:
         """Cosine of a picture (H, W, 3) and the caption of the whole (equation 2)."""

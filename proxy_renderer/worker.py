@@ -93,6 +93,10 @@ class Watch:
         if now - self._told > _PROGRESS_SECONDS or progress.step == progress.steps:
             self._wire.send(progress)
             self._told = now
+        return self.stopped()
+
+    def stopped(self) -> bool:
+        """Whether the loop should end."""
         return self._wire.stop.is_set()
 
 
@@ -139,7 +143,7 @@ def _vibe(wire: Wire, request: messages.Vibe) -> Session:
     watch.stage("loading the engine")
     from .session import Session
 
-    session = Session(job, request.prompt, options, watch)
+    session = Session(job, request.prompt, options, watch, request.vlm_key)
     wire.send(session.run())
     return session
 

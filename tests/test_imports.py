@@ -10,7 +10,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 ENGINE, ADDON = ROOT / "proxy_renderer", ROOT / "addon" / "vibe_render"
-HEAVY = ("torch", "open_clip", "trimesh", "numpy", "PIL", "rich")
+HEAVY = ("torch", "open_clip", "trimesh", "numpy", "PIL", "rich", "openai")
 
 
 def imported(path):

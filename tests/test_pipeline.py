@@ -29,6 +29,9 @@ class Silent:
 
     def step(self, progress, display):
         self.seen.append(progress)
+        return self.stopped()
+
+    def stopped(self):
         return len(self.seen) >= self.end
 
 

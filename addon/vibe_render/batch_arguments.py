@@ -74,18 +74,37 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--engine", default="", metavar="PYTHON", help="Python that has the engine")
     for name in ("rounds", "steps", "size", "top_k", "seed"):
         parser.add_argument(f"--{name.replace('_', '-')}", type=int, default=getattr(_DEFAULTS, name))
-    for name in ("encoder", "device", "baseline"):
-        parser.add_argument(f"--{name}", default=getattr(_DEFAULTS, name))
+    for name in ("encoder", "device", "baseline", "vlm_model", "vlm_url"):
+        parser.add_argument(f"--{name.replace('_', '-')}", default=getattr(_DEFAULTS, name))
     parser.add_argument("--groups", action="append", default=[], metavar="A,B", help="only these may change")
     parser.add_argument("--lock", action="append", default=[], metavar="PATTERN", help="leave this alone")
     return parser
 
 
-def engine_options(a: argparse.Namespace, free_camera: bool) -> messages.Options:
-    """The options of a vibe; the camera is free for bare meshes, or if it is among the groups."""
-    names = ("rounds", "steps", "size", "top_k", "seed", "encoder", "device", "baseline")
+def engine_options(a: argparse.Namespace, free_camera: bool, online: bool) -> messages.Options:
+    """The options of a vibe; the camera is free for bare meshes, or if it is among the groups.
+
+    Args:
+        a: The command line.
+        free_camera: Whether the scene is a bare mesh.
+        online: Whether other computers may be reached.
+    """
+    names = (
+        "rounds",
+        "steps",
+        "size",
+        "top_k",
+        "seed",
+        "encoder",
+        "device",
+        "baseline",
+        "vlm_model",
+        "vlm_url",
+    )
     chosen = {name: getattr(a, name) for name in names}
-    return messages.Options(**chosen, groups=tuple(a.groups), lock=tuple(a.lock), camera=free_camera)
+    return messages.Options(
+        **chosen, groups=tuple(a.groups), lock=tuple(a.lock), camera=free_camera, online=online
+    )
 
 
 def arguments_of_process() -> list[str]:

@@ -14,7 +14,7 @@ from typing import Any
 
 import bpy
 
-from . import bindings, changes, demo, presets, rendering, scene_io, snapshot, stage
+from . import bindings, changes, demo, preferences, presets, rendering, scene_io, snapshot, stage
 from .batch_arguments import engine_options
 from .batch_report import Reporter
 from .contract import messages, schema
@@ -41,7 +41,7 @@ def vibe(a: argparse.Namespace, reporter: Reporter) -> None:
             reporter.stage("reading the scene")
             job = scene_io.open_job(scene, Path(folder), choice)
             laps.lap("export")
-            options = engine_options(a, free_camera=bare)
+            options = engine_options(a, free_camera=bare, online=preferences.online())
             talk.ask(messages.Vibe(schema.schema_hash(), folder, a.prompt, asdict(options)))
             rendering.render(scene, out.path("before.png"), a.size, a.samples, a.seed)
             laps.lap("render before")
@@ -169,6 +169,7 @@ def _report(
         "subject": [thing.name_full for thing in job.survey.objects],
         "similarity": measured.similarity,
         "delta_e": measured.delta_e,
+        **({"judge": measured.judge} if measured.judge else {}),
         "stopped": found.stopped,
         "not_written": skipped,
         "warnings": job.warnings,

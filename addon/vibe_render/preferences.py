@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # mypy: disable-error-code="valid-type"
-"""Where the engine is, and what it runs on."""
+"""Where the engine is, what it runs on, and the vision-language model that it may ask."""
 
 import time
 
@@ -32,6 +32,24 @@ class VibePreferences(bpy.types.AddonPreferences):
         name="Encoder",
         description="An open_clip model's tag or a checkpoint that guides the look. Empty: the one that comes with it",
     )
+    vlm_model: StringProperty(
+        name="Model",
+        description="A vision-language model that reads the prompt and the picture, and plans. Empty: none "
+        "(or the one that the environment variable VIBE_VLM_MODEL names)",
+        maxlen=200,
+    )
+    vlm_url: StringProperty(
+        name="Endpoint",
+        description="Base URL of the model's OpenAI-compatible server. Empty: OPENAI_BASE_URL, or OpenAI's",
+        maxlen=500,
+    )
+    vlm_key: StringProperty(
+        name="Key",
+        description="The endpoint's API key; servers on this computer need none. It is kept in Blender's "
+        "preferences only. Empty: the environment variable VIBE_VLM_KEY or OPENAI_API_KEY",
+        subtype="PASSWORD",
+        maxlen=1024,  # long keys are cut without it
+    )
     tested: StringProperty(options={"SKIP_SAVE", "HIDDEN"})
     works: BoolProperty(options={"SKIP_SAVE", "HIDDEN"})
 
@@ -51,6 +69,13 @@ class VibePreferences(bpy.types.AddonPreferences):
         column = layout.column()
         column.prop(self, "device")
         column.prop(self, "encoder", placeholder="Embedded")
+        layout.separator()
+        column = layout.column(heading="Vision-Language Model")
+        column.prop(self, "vlm_model", placeholder="None")
+        column.prop(self, "vlm_url", placeholder="https://api.openai.com/v1")
+        column.prop(self, "vlm_key")
+        if self.vlm_model and not online():
+            column.label(text="Online access is off: only a model on this computer is asked", icon="INFO")
 
 
 class VIBE_OT_test_engine(bpy.types.Operator):
@@ -77,6 +102,14 @@ def get(context: bpy.types.Context) -> VibePreferences | None:
     """The add-on's preferences; None where it is registered without being installed (tests)."""
     addon = context.preferences.addons.get(__package__)
     return addon.preferences if addon else None
+
+
+def online() -> bool:
+    """Whether other computers may be reached: Blender's own setting, which `--online-mode` overrides.
+
+    Where Blender is a Python module there is no such setting to click: the command line decides.
+    """
+    return bpy.app.module or bpy.app.online_access
 
 
 def _version(choice: str) -> str:

@@ -139,6 +139,9 @@ class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
             lock=tuple(filter(None, (pattern.strip() for pattern in self.lock.split(",")))),
             encoder=chosen.encoder if chosen else "",
             device=chosen.device if chosen else "auto",
+            vlm_model=chosen.vlm_model if chosen else "",
+            vlm_url=chosen.vlm_url if chosen else "",
+            online=preferences.online(),
         )
 
 

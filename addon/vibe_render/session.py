@@ -40,6 +40,8 @@ class Session:
         self.progress: messages.Progress | None = None
         self.preview: Path | None = None
         self._options = settings.engine_options(context)
+        chosen = preferences.get(context)
+        self._key = chosen.vlm_key if chosen else ""
         self._choice = choice(settings)
         self._engine = engine
         self._job = Path(tempfile.mkdtemp(prefix="vibe-", dir=bpy.app.tempdir))
@@ -100,7 +102,9 @@ class Session:
             raise
 
     def _wait_for_result(self) -> Generator[str]:
-        request = messages.Vibe(schema.schema_hash(), str(self._job), self.prompt, asdict(self._options))
+        request = messages.Vibe(
+            schema.schema_hash(), str(self._job), self.prompt, asdict(self._options), self._key
+        )
         self._engine.send(request)
         self._asked = True
         self.stage = "Warming up the engine"

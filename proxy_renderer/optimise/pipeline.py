@@ -13,8 +13,7 @@ from torch import Tensor
 from ..guidance.encoder import Encoder
 from ..guidance.guide import Guide, Weights
 from ..guidance.regions import Views
-from ..language import compose, parse
-from ..language import plan as confine
+from ..language.advice import Advisor, OfflineAdvisor
 from ..language.types import Parsed, Plan, Prompts
 from ..render.proxy import Proxy
 from ..scene import SceneData
@@ -63,7 +62,13 @@ class Outcome:
 
 
 def run(
-    scene: SceneData, prompt: str, options: Options, encoder: Encoder, heads: Encoder | None, watch: Watch
+    scene: SceneData,
+    prompt: str,
+    options: Options,
+    encoder: Encoder,
+    heads: Encoder | None,
+    watch: Watch,
+    advisor: Advisor | None = None,
 ) -> Outcome:
     """Finds the values that make the scene look like the prompt.
 
@@ -74,13 +79,14 @@ def run(
         encoder: Judges similarity.
         heads: Encoder whose attribute heads guide beside it; None for none.
         watch: Follows the loop, and may end it.
+        advisor: Parses, composes and confines; None for the offline planner.
 
     Raises:
         VibeError: If no word of the prompt is known, or nothing that the words touch may change.
     """
     vector = ParameterVector(lock(scene.instances, options.groups, options.lock, options.camera))
     proxy = Proxy(scene, inner_size(scene, options, encoder), device=str(encoder.device), seed=options.seed)
-    words = context.scene_words(scene)
+    advisor = advisor or OfflineAdvisor(prompt, context.scene_words(scene))
     clock = Clock(options, watch)
     u = vector.encode({})
     plan = Plan()
@@ -92,10 +98,9 @@ def run(
         started = time.monotonic()
         picture = draw(proxy, vector, u)
         values = vector.values(u)
-        parsed = parse(prompt, words)
-        prompts = compose(parsed)
         now = context.plan_context(proxy, values, picture)
-        plan = carry(confine(parsed, prompts, vector.instances, now), plan)
+        advice = advisor.advise(picture.display, vector.instances, now)  # parse, compose, confine
+        parsed, prompts, plan = advice.parsed, advice.prompts, carry(advice.plan, plan)
         if options.baseline:
             plan = plan_everything(vector.instances)
         ranges = feasible_ranges(plan, vector.instances, values)
@@ -121,6 +126,7 @@ def run(
                 **objective.account(u),
                 "steps": found.steps,
                 "repairs": found.repairs,
+                "advice": advice.source,
                 "seconds": round(time.monotonic() - started, 3),
             }
         )

@@ -27,6 +27,9 @@ class Watch(Protocol):
     def step(self, progress: Progress, display: Tensor) -> bool:
         """A step is done and looks like this (H, W, 3); True ends the loop with the best so far."""
 
+    def stopped(self) -> bool:
+        """Whether the loop should end with the best so far: what takes long outside of steps asks this."""
+
 
 class Clock:
     """Turns steps into progress messages.

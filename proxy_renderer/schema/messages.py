@@ -33,6 +33,10 @@ class Options:
         device: A torch device, or "auto".
         baseline: "" for the product, "clip-only" for the paper's baseline.
         camera: Whether the camera may be optimised though `groups` does not name it.
+        vlm_model: A vision-language model that parses, plans and judges; "" for the environment's
+            VIBE_VLM_MODEL (none if that is not set), "off" for none.
+        vlm_url: Base URL of its OpenAI-compatible endpoint; "" for the environment's.
+        online: Whether other computers may be reached; a model on this one always may.
     """
 
     rounds: int = 6
@@ -46,6 +50,9 @@ class Options:
     device: str = "auto"
     baseline: str = ""
     camera: bool = False
+    vlm_model: str = ""
+    vlm_url: str = ""
+    online: bool = True
 
     @classmethod
     def from_dict(cls, raw: dict[str, Any]) -> Options:
@@ -68,13 +75,17 @@ class Ready:
 
 @dataclass(frozen=True)
 class Vibe:
-    """Blender → engine: work on the scene in the folder `job`. `schema` is Blender's schema hash."""
+    """Blender → engine: work on the scene in the folder `job`. `schema` is Blender's schema hash.
+
+    `vlm_key` is the model's key from the add-on's preferences; it goes through the pipe and nowhere else.
+    """
 
     type: ClassVar[str] = "vibe"
     schema: str
     job: str
     prompt: str
     options: dict[str, Any] = field(default_factory=dict)
+    vlm_key: str = field(default="", repr=False)
 
 
 @dataclass(frozen=True)
@@ -153,11 +164,14 @@ class Finished:
     Attributes:
         delta_e: Mean CIEDE2000 of the prediction against `after`.
         similarity: {"before": s, "after": s}, cosine of picture and prompt.
+        judge: A vision-language model's verdict on before and after: winner, reason and what it cost, or
+            error; empty if no model is configured.
     """
 
     type: ClassVar[str] = "finished"
     delta_e: float
     similarity: dict[str, float]
+    judge: dict[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

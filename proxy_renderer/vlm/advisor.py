@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The model as parser and confiner: it improves on the offline planner's draft, which stands in where it fails."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+from ..language import compose, parse
+from ..language import plan as confine
+from ..language.advice import Advice, OfflineAdvisor
+from ..language.types import Parsed, Plan, PlanContext, PlanEntry, Prompts, SceneObject, SceneWords
+from ..schema import Instance, VibeError
+from .client import Client
+from .errors import ModelError
+from .picture import jpeg_of
+from .reply import Reply, read_reply
+from .request import make_question
+from .table import Table
+
+_PATIENCE = 2  # rounds in a row without an answer, after which the model is not asked any more
+
+
+class ModelAdvisor:
+    """Asks a model once a round, with the current picture.
+
+    Args:
+        prompt: What the artist typed.
+        words: Names in the scene.
+        client: The model.
+        tell: Called with what goes on, for a status line.
+    """
+
+    def __init__(self, prompt: str, words: SceneWords, client: Client, tell: Callable[[str], None]) -> None:
+        self._prompt, self._words, self._client, self._tell = prompt, words, client, tell
+        self._offline = OfflineAdvisor(prompt, words)
+        self._caption = ""  # the model's own words for the look: the vocabulary may know these at least
+        self._failures: list[str] = []
+        self._in_a_row = 0
+        self._given_up = False
+        self._counts = {"clipped": 0, "mended": 0, "dropped": 0, "missing": 0}
+
+    def advise(self, display: Any, instances: Mapping[str, Instance], context: PlanContext) -> Advice:
+        """The model's advice; the offline planner's if it has none this time.
+
+        Raises:
+            VibeError: Neither understands the prompt.
+        """
+        try:
+            draft: Advice | None = self._offline.advise(display, instances, context)
+            unknown: VibeError | None = None
+        except VibeError as error:
+            draft, unknown = None, error
+        if self._given_up:
+            return self._alone(draft, unknown, instances, context, self._failures[-1])
+        try:
+            reply = self._ask(display, instances, context, draft)
+        except ModelError as error:
+            self._failures.append(str(error))
+            self._in_a_row += 1
+            self._given_up = error.lasting or self._in_a_row == _PATIENCE
+            rest = "the rest is" if self._given_up else "this round is"
+            self._tell(f"{error.message} So {rest} planned offline")
+            return self._alone(draft, unknown, instances, context, str(error))
+        self._in_a_row = 0
+        self._caption = reply.prompts.whole or self._caption
+        return self._combine(draft, reply, instances, context)
+
+    def account(self) -> dict[str, Any]:
+        """For report.json: who was asked, what it cost, what went wrong and what was not used."""
+        return {
+            "model": self._client.endpoint.model,
+            "endpoint": self._client.endpoint.place,
+            "pictures": self._client.dialect.pictures,
+            "format": self._client.dialect.format,
+            **self._client.usage.account(),
+            "failures": self._failures,
+            **self._counts,
+        }
+
+    def _ask(
+        self, display: Any, instances: Mapping[str, Instance], context: PlanContext, draft: Advice | None
+    ) -> Reply:
+        table = Table(instances, context)
+        empty = Advice(Parsed(self._prompt), Prompts("", "", ""), Plan())
+        base = draft or empty
+        question = make_question(
+            self._prompt, table, context, (base.parsed, base.prompts, base.plan), jpeg_of(display)
+        )
+        self._tell(f"asking {self._client.endpoint.model}")
+
+        def check(raw: Any) -> None:
+            if not read_reply(raw, table).useful:
+                raise ModelError("The model's answer has nothing in it to go by.", "Use a larger model.")
+
+        reply = read_reply(self._client.ask(question, check), table)
+        for name in self._counts:
+            self._counts[name] += getattr(reply, name)
+        return reply
+
+    def _combine(
+        self, draft: Advice | None, reply: Reply, instances: Mapping[str, Instance], context: PlanContext
+    ) -> Advice:
+        """The model's words where it has some, the draft's elsewhere; its ranges over the drafted ones."""
+        known = draft.parsed if draft else self._read(reply.prompts.whole)
+        parsed = replace(
+            known,
+            objects=reply.objects
+            or known.objects
+            or [SceneObject(self._words.subject or "subject", "subject")],
+            targets={**known.targets, **reply.targets},
+            colors={**known.colors, **reply.colors},
+            ignored=reply.ignored if draft is None else known.ignored,
+        )
+        composed = compose(known)
+        theirs = {name: value for name, value in vars(reply.prompts).items() if value}
+        prompts = replace(composed, **theirs)
+        drafted = confine(parsed, prompts, dict(instances), context)
+        entries = {key: self._kept(instances[key]) if key in reply.keep else e for key, e in drafted.items()}
+        plan = Plan({**entries, **reply.entries}, drafted.notes)
+        return Advice(parsed, prompts, plan, self._client.endpoint.model)
+
+    def _alone(
+        self,
+        draft: Advice | None,
+        unknown: VibeError | None,
+        instances: Mapping[str, Instance],
+        context: PlanContext,
+        why: str,
+    ) -> Advice:
+        """Without the model: the draft, or what it said earlier, in words that the vocabulary knows."""
+        if draft is None and self._caption:
+            parsed = self._read(self._caption)
+            if parsed.attributes:
+                prompts = compose(parsed)
+                draft = Advice(parsed, prompts, confine(parsed, prompts, dict(instances), context))
+        if draft is None:
+            assert unknown is not None
+            raise VibeError(
+                f"{unknown.message} And the model did not help: {why}", unknown.remedy
+            ) from unknown
+        return replace(draft, source=f"offline planner: {why}")
+
+    def _read(self, caption: str) -> Parsed:
+        """What the vocabulary makes of the model's caption."""
+        try:
+            return replace(parse(caption, self._words), prompt=self._prompt)
+        except VibeError:
+            return Parsed(self._prompt, objects=[SceneObject("subject", "subject")])
+
+    def _kept(self, instance: Instance) -> PlanEntry:
+        reason = f"locked: {instance.locked}" if instance.locked else "model: keeps the artist's value"
+        if instance.locked:
+            return PlanEntry(instance.value, instance.value, None, reason)
+        return PlanEntry(instance.lower, instance.upper, None, reason)

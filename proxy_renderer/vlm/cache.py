@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Answers on disk, by the content of their question: the same question is paid for once."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+_MOST = 500  # answers that are kept; the ones used longest ago go first
+
+
+def cache_folder() -> Path:
+    """The user's own folder for what can be made again; XDG_CACHE_HOME decides where it is set."""
+    home = Path.home()
+    if chosen := os.environ.get("XDG_CACHE_HOME"):
+        base = Path(chosen)
+    elif sys.platform == "win32":
+        base = Path(os.environ.get("LOCALAPPDATA") or home / "AppData" / "Local")
+    elif sys.platform == "darwin":
+        base = home / "Library" / "Caches"
+    else:
+        base = home / ".cache"
+    return base / "vibe-render" / "vlm"
+
+
+class Cache:
+    """One small JSON file for each answer. What cannot be read or written is as if it were not there.
+
+    Args:
+        folder: Made when needed.
+    """
+
+    def __init__(self, folder: Path | None = None) -> None:
+        self.folder = folder or cache_folder()
+
+    @staticmethod
+    def key(*parts: Any) -> str:
+        """A name for content: JSON values and bytes."""
+        digest = hashlib.sha256()
+        for part in parts:
+            raw = part if isinstance(part, bytes) else json.dumps(part, sort_keys=True).encode()
+            digest.update(len(raw).to_bytes(8, "big") + raw)
+        return digest.hexdigest()
+
+    def read(self, key: str) -> Any:
+        """An answer, or None."""
+        path = self.folder / f"{key}.json"
+        try:
+            answer = json.loads(path.read_text(encoding="utf-8"))["answer"]
+            os.utime(path)
+            return answer
+        except (OSError, ValueError, KeyError, TypeError, RecursionError):
+            return None
+
+    def write(self, key: str, answer: Any) -> None:
+        """Keeps an answer, all at once or not at all, readable by its owner only."""
+        with contextlib.suppress(OSError, RuntimeError):
+            self.folder.mkdir(parents=True, exist_ok=True)
+            handle, part = tempfile.mkstemp(dir=self.folder, suffix=".part")
+            try:
+                with os.fdopen(handle, "w", encoding="utf-8") as file:
+                    json.dump({"answer": answer}, file)
+                os.replace(part, self.folder / f"{key}.json")
+            except OSError:
+                os.unlink(part)
+            self._prune()
+
+    def _prune(self) -> None:
+        files = sorted(self.folder.glob("*.json"), key=lambda p: p.stat().st_mtime)
+        for path in files[:-_MOST]:
+            path.unlink(missing_ok=True)

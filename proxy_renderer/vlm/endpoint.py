@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which model is asked, where, and with whose key. Standard library only."""
+
+from __future__ import annotations
+
+import ipaddress
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from urllib.parse import urlsplit
+
+from ..schema import VibeError
+from ..schema.messages import Options
+
+OPENAI = "https://api.openai.com/v1"
+OFF = "off"
+_SECONDS = 120.0
+_HOW = "Ollama's is http://localhost:11434/v1, OpenAI's is " + OPENAI + "."
+
+
+@dataclass(frozen=True)
+class Endpoint:
+    """A model behind an OpenAI-compatible endpoint.
+
+    Attributes:
+        model: Its name there.
+        url: The base URL, without a slash at its end.
+        key: Never written anywhere, not even by `repr`.
+        seconds: Time limit of a question, repetitions included.
+        prices: US dollars per million tokens, (read, written); None if unknown.
+    """
+
+    model: str
+    url: str
+    key: str = field(default="", repr=False)
+    seconds: float = _SECONDS
+    prices: tuple[float, float] | None = None
+
+    @property
+    def local(self) -> bool:
+        """Whether it is this computer's own."""
+        return is_local(self.url)
+
+    @property
+    def place(self) -> str:
+        """Host and port, for messages; never what else a URL may hold."""
+        parts = urlsplit(self.url)
+        return parts.netloc.rpartition("@")[2]
+
+
+def find_endpoint(
+    options: Options, key: str = "", environment: Mapping[str, str] | None = None
+) -> Endpoint | None:
+    """The model to ask, or None: no model is asked unless one is named.
+
+    Options come before the environment: VIBE_VLM_MODEL, VIBE_VLM_URL (else OPENAI_BASE_URL, else
+    OpenAI's), VIBE_VLM_KEY, VIBE_VLM_TIMEOUT (seconds) and VIBE_VLM_PRICE ("2.5/10", US dollars per
+    million tokens read/written). OPENAI_API_KEY goes only where it belongs: to OPENAI_BASE_URL, or to
+    OpenAI if that is not set.
+
+    Args:
+        options: The vibe's; a `vlm_model` of "off" means none, whatever the environment says.
+        key: From the add-on's preferences; "" for the environment's.
+        environment: This process's if left out.
+
+    Raises:
+        VibeError: For a URL that is none, a missing key, or a place that Blender may not reach.
+    """
+    env = os.environ if environment is None else environment
+    model = (options.vlm_model or env.get("VIBE_VLM_MODEL", "")).strip()
+    if not model or model == OFF:
+        return None
+    theirs = (env.get("OPENAI_BASE_URL", "").strip() or OPENAI).rstrip("/")
+    url = (options.vlm_url or env.get("VIBE_VLM_URL", "")).strip().rstrip("/") or theirs
+    _check(url)
+    key = (key or env.get("VIBE_VLM_KEY", "")).strip() or (
+        env.get("OPENAI_API_KEY", "").strip() if url == theirs else ""
+    )
+    if url == OPENAI and not key:
+        raise VibeError(
+            f"The model {model} at OpenAI needs a key.",
+            "Set OPENAI_API_KEY, or name another place by VIBE_VLM_URL. " + _HOW,
+        )
+    if not key.isascii() or not key.isprintable():
+        raise VibeError(
+            "The model's key holds characters that no key has.", "Copy it again, without quotes or line ends."
+        )
+    found = Endpoint(model, url, key, _seconds(env.get("VIBE_VLM_TIMEOUT", "")), _prices(env))
+    if not options.online and not found.local:
+        raise VibeError(
+            f"Blender's online access is off, and the model {model} is at {found.place}.",
+            "Allow it in Preferences > System > Network, or use a model on this computer.",
+        )
+    return found
+
+
+def is_local(url: str) -> bool:
+    """Whether a URL stays on this computer (a loopback address)."""
+    host = urlsplit(url).hostname or ""
+    if host == "localhost" or host.endswith(".localhost"):
+        return True
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False
+
+
+def _check(url: str) -> None:
+    try:
+        parts = urlsplit(url)
+        fine = parts.scheme in ("http", "https") and bool(parts.hostname) and (parts.port or 1) > 0
+    except ValueError:
+        fine = False
+    if not fine:
+        shown = url.rpartition("@")[2][:60]
+        raise VibeError(f"{shown!r} is not an endpoint's URL.", "It starts with http:// or https://. " + _HOW)
+    if parts.username or parts.password or parts.query:
+        raise VibeError(
+            f"The URL of the endpoint at {parts.hostname} holds more than an address.",
+            "Put the key into VIBE_VLM_KEY instead: URLs end up in reports.",
+        )
+
+
+def _seconds(text: str) -> float:
+    try:
+        seconds = float(text or _SECONDS)
+    except ValueError:
+        seconds = 0.0
+    if not 1.0 <= seconds <= 3600.0:
+        raise VibeError(f"VIBE_VLM_TIMEOUT {text[:20]!r} is no time limit.", "Use 1 to 3600 seconds.")
+    return seconds
+
+
+def _prices(env: Mapping[str, str]) -> tuple[float, float] | None:
+    text = env.get("VIBE_VLM_PRICE", "")
+    if not text:
+        return None
+    try:
+        read, written = (float(part) for part in text.split("/"))
+    except ValueError as error:
+        raise VibeError(
+            f"VIBE_VLM_PRICE {text[:20]!r} is no price.",
+            'Use "2.5/10": US dollars per million tokens read and written.',
+        ) from error
+    return read, written

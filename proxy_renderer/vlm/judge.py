@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The paper's blind judge (section 4.1): a model says which of two rows of pictures follows its prompts better."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from PIL import Image, ImageDraw, ImageFont
+
+from .client import Client
+from .dialect import Question
+from .errors import ModelError
+from .extract import clean
+from .picture import jpeg_of
+
+INSTRUCTIONS = """\
+Unpaired Text-to-Appearance Evaluation Instructions
+Role: You are an evaluator for an unpaired text-to-appearance task.
+You will see ONE 2×3 comparison figure:
+• Top row = Ours
+• Bottom row = CLIP-only
+• Columns are three objects: Dolphin, Teapot, Tree.
+• Each column has its target prompt shown under the images.
+Task: Decide which method is better overall across the 3 objects.
+How to judge (only what is visible):
+• Prompt adherence: color, material (glossy/matte), lighting, fog/no-fog, vignette, background
+• Object visibility: object should be clearly visible (not too dark or washed out)
+• Attribute correctness matters more than aesthetics
+Output format (strict):
+WINNER = OURS or CLIP-ONLY or TIE
+REASON = one sentence summary"""
+"""The paper's evaluation prompt, verbatim."""
+
+PAPER = ("Dolphin", "Teapot", "Tree")
+ROWS = ("Ours", "CLIP-only")
+BEFORE_AFTER = ("After", "Before")
+
+_CELL, _MARGIN, _LINE = 384, 16, 24
+_PAPER_COLOR, _INK, _FAINT = (250, 250, 248), (32, 32, 36), (120, 120, 126)
+_NUMBERS = ("zero", "one", "two", "three", "four", "five", "six")
+
+
+@dataclass(frozen=True)
+class Column:
+    """One object's two pictures.
+
+    Attributes:
+        name: Of the object.
+        prompt: What both were asked for.
+        top: The first row's picture.
+        bottom: The second row's.
+    """
+
+    name: str
+    prompt: str
+    top: Image.Image
+    bottom: Image.Image
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a judge says.
+
+    Attributes:
+        winner: A row's name in capitals, or "TIE".
+        reason: One sentence.
+    """
+
+    winner: str
+    reason: str
+
+
+def judge(
+    client: Client, columns: Sequence[Column], rows: tuple[str, str] = ROWS, fresh: bool = False
+) -> Verdict:
+    """Asks a model which row of a figure is better; the paper's own words for the paper's own figure.
+
+    Args:
+        client: The model; it has to see pictures.
+        columns: One to six.
+        rows: Names of the top and the bottom row.
+        fresh: Do not take the answer from the cache.
+
+    Raises:
+        ModelError: It does not answer, not in the strict form, or cannot see pictures.
+    """
+    text = instructions([c.name for c in columns], rows)
+    question = Question(text, "The comparison figure:", jpeg_of(figure(columns, rows)), must_see=True)
+    return read_verdict(client.ask(question, lambda said: read_verdict(said, rows), fresh), rows)
+
+
+def instructions(names: Sequence[str], rows: tuple[str, str] = ROWS) -> str:
+    """The evaluation prompt for other objects and rows; for the paper's it is the paper's."""
+    count = len(names)
+    many = "objects" if count > 1 else "object"
+    return (
+        INSTRUCTIONS.replace("2×3", f"2×{count}")
+        .replace("Columns are three objects", f"Columns are {_NUMBERS[count]} {many}")
+        .replace(", ".join(PAPER), ", ".join(clean(n, 40) for n in names))
+        .replace("the 3 objects", f"the {count} {many}")
+        .replace("Top row = Ours", f"Top row = {rows[0]}")
+        .replace("Bottom row = CLIP-only", f"Bottom row = {rows[1]}")
+        .replace("OURS or CLIP-ONLY", f"{rows[0].upper()} or {rows[1].upper()}")
+    )
+
+
+def read_verdict(text: str, rows: tuple[str, str] = ROWS) -> Verdict:
+    """Reads the strict output; bold marks, a colon for the equals sign and other lines are forgiven.
+
+    Raises:
+        ModelError: There is no winner among the three, or more than one.
+    """
+    plain = text.rpartition("</think>")[2].replace("*", "").replace("`", "")
+    options = "|".join(re.escape(name.upper()) for name in (*rows, "TIE"))
+    winners = re.findall(rf"^\W*WINNER\s*[=:]\s*({options})\W*$", plain, re.IGNORECASE | re.MULTILINE)
+    reasons = re.findall(r"^\W*REASON\s*[=:]\s*(.+)$", plain, re.IGNORECASE | re.MULTILINE)
+    if len({w.upper() for w in winners}) != 1:
+        raise ModelError("The judge's answer names no winner.", "Use a larger model.")
+    return Verdict(winners[0].upper(), clean(reasons[0], 400) if reasons else "")
+
+
+def figure(columns: Sequence[Column], rows: tuple[str, str] = ROWS) -> Image.Image:
+    """The comparison figure: two rows, a column for each object, its prompt under it."""
+    font, small = ImageFont.load_default(20), ImageFont.load_default(17)
+    lines = [_wrapped(f"{c.name}: {c.prompt}", small) for c in columns]
+    left, top = 110, _MARGIN
+    width = left + len(columns) * (_CELL + _MARGIN)
+    height = top + 2 * (_CELL + _MARGIN) + _LINE * max(map(len, lines)) + _MARGIN
+    sheet = Image.new("RGB", (width, height), _PAPER_COLOR)
+    draw = ImageDraw.Draw(sheet)
+    for row, name in enumerate(rows):
+        y = top + row * (_CELL + _MARGIN)
+        draw.text((left / 2, y + _CELL / 2), name, _FAINT, font, anchor="mm")
+        for index, column in enumerate(columns):
+            picture = _fitted((column.top, column.bottom)[row])
+            x = left + index * (_CELL + _MARGIN)
+            sheet.paste(picture, (x + (_CELL - picture.width) // 2, y + (_CELL - picture.height) // 2))
+    for index, text in enumerate(lines):
+        middle = left + index * (_CELL + _MARGIN) + _CELL / 2
+        for number, line in enumerate(text):
+            below = top + 2 * (_CELL + _MARGIN) + (number + 0.5) * _LINE
+            draw.text((middle, below), line, _INK, small, anchor="mm")
+    return sheet
+
+
+def _fitted(picture: Image.Image) -> Image.Image:
+    """As large as fits into a cell."""
+    factor = _CELL / max(picture.size)
+    width, height = (max(round(n * factor), 1) for n in picture.size)
+    return picture.convert("RGB").resize((width, height), Image.Resampling.LANCZOS)
+
+
+def _wrapped(text: str, font: ImageFont.FreeTypeFont | ImageFont.ImageFont) -> list[str]:
+    """Lines that fit under a column; at most eight."""
+    lines = [""]
+    for word in clean(text, 1000).split():
+        longer = f"{lines[-1]} {word}".strip()
+        if font.getlength(longer) <= _CELL or not lines[-1]:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return lines[:8]

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What of a scene a model may plan: parameters under short names of ours, with values that it can judge.
+
+Names of lights and materials are the artist's, and may hold anything, instructions included. So a
+model speaks of "material1/roughness"; the names are told once, as data.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ..language.types import PlanContext
+from ..schema import Instance, Values
+from ..schema.spec import SRGB
+
+_LIGHTS, _MATERIALS = 8, 10  # the most important ones; a question has to fit into small contexts
+_LONGEST_NAME = 60
+
+
+@dataclass(frozen=True)
+class Thing:
+    """A light or material.
+
+    Attributes:
+        id: "light1".
+        name: The artist's.
+        role: As in `schema.Instance`.
+        share: Fraction of its region's pixels, for materials; None if unknown.
+        kind: Type of light; "" for materials.
+    """
+
+    id: str
+    name: str
+    role: str
+    share: float | None = None
+    kind: str = ""
+
+
+class Table:
+    """The parameters that a model may plan.
+
+    Args:
+        instances: All of the scene's, by key; locked ones are left out.
+        context: What the planner knows about the scene.
+
+    Attributes:
+        rows: Name in questions and answers -> instance.
+        things: Lights and materials that have a row.
+        names: Key -> name in questions, the inverse of `rows`.
+    """
+
+    def __init__(self, instances: Mapping[str, Instance], context: PlanContext) -> None:
+        self._camera = context.camera_azimuth
+        free = [i for i in instances.values() if not i.locked]
+        owners = {
+            group: list(dict.fromkeys((i.owner, i.role) for i in free if i.parameter.group == group))
+            for group in ("material", "light")
+        }
+        share = context.material_share
+        materials = sorted(owners["material"], key=lambda o: (o[1] != "subject", -share.get(o[0], 0.0), o))
+        lights = sorted(owners["light"], key=lambda o: (o[1] != "key", o))
+        self.things = [
+            Thing(f"material{n}", _name(owner), role, share.get(owner))
+            for n, (owner, role) in enumerate(materials[:_MATERIALS], 1)
+        ]
+        self.things += [
+            Thing(f"light{n}", _name(owner), role, kind=context.light_types.get(owner, ""))
+            for n, (owner, role) in enumerate(lights[:_LIGHTS], 1)
+        ]
+        chosen = [*materials[:_MATERIALS], *lights[:_LIGHTS]]
+        groups = ["material"] * len(materials[:_MATERIALS]) + ["light"] * len(lights[:_LIGHTS])
+        ids = {
+            (group, owner): thing.id
+            for group, (owner, _), thing in zip(groups, chosen, self.things, strict=True)
+        }
+        self.rows: dict[str, Instance] = {}
+        for instance in free:
+            group, owner = instance.parameter.group, instance.owner
+            head = ids.get((group, owner)) if owner else group
+            if head:
+                self.rows[f"{head}/{instance.parameter.name}"] = instance
+        self.names = {i.key: name for name, i in self.rows.items()}
+
+    def shown(self, instance: Instance, values: Values) -> Values:
+        """Values as a model sees them: colors as sRGB, light directions relative to the camera."""
+        if instance.parameter.kind == "color" and instance.parameter.scale == SRGB:
+            return tuple(_encode(v) for v in values)
+        if _is_direction(instance):
+            return ((values[0] - self._camera + 180.0) % 360.0 - 180.0,)
+        return values
+
+    def bounds(self, instance: Instance) -> tuple[float, float]:
+        """Least and greatest value of a component, as shown."""
+        if _is_direction(instance):
+            return -180.0, 180.0
+        low, high = self.shown(instance, instance.lower), self.shown(instance, instance.upper)
+        return min(low), max(high)
+
+    def ordered(self, instance: Instance, lower: Values, upper: Values) -> tuple[Values, Values]:
+        """A range, as shown, the right way up; for a direction from 150 to -150 that is past 180."""
+        if _is_direction(instance) and lower[0] - upper[0] > 180.0:
+            return lower, (upper[0] + 360.0,)
+        return tuple(map(min, lower, upper)), tuple(map(max, lower, upper))
+
+    def meant(self, instance: Instance, lower: Values, upper: Values) -> tuple[Values, Values]:
+        """Inverse of `shown` for a range; a direction is turned to where the artist's value is nearest."""
+        if instance.parameter.kind == "color" and instance.parameter.scale == SRGB:
+            return tuple(map(_decode, lower)), tuple(map(_decode, upper))
+        if _is_direction(instance):
+            middle = (lower[0] + upper[0]) / 2 + self._camera
+            turn = 360.0 * round((instance.value[0] - middle) / 360.0) + self._camera
+            return (lower[0] + turn,), (upper[0] + turn,)
+        return lower, upper
+
+
+def _is_direction(instance: Instance) -> bool:
+    return instance.parameter.family == "light/azimuth"
+
+
+def _name(text: str) -> str:
+    return text[:_LONGEST_NAME]
+
+
+def _encode(v: float) -> float:
+    """sRGB of a linear component, beyond 1 too."""
+    return 12.92 * max(v, 0.0) if v <= 0.0031308 else 1.055 * v ** (1 / 2.4) - 0.055
+
+
+def _decode(v: float) -> float:
+    return max(v, 0.0) / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4

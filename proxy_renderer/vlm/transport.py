@@ -1,0 +1,273 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One request through the `openai` package, bounded in time and size; every failure is a ModelError."""
+
+from __future__ import annotations
+
+import json
+import queue
+import re
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from email.utils import parsedate_to_datetime
+from typing import Any
+
+from .endpoint import Endpoint
+from .errors import ModelError
+from .extract import clean, scrub
+
+LARGEST = 2_000_000
+"""Bytes of an answer; a plan has a few thousand."""
+
+_TICK = 0.05
+_OVERFULL = re.compile(r"context[ _](length|size|window)|too many tokens|n_ctx", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a server sent back.
+
+    Attributes:
+        text: The model's words.
+        cut: Whether it ran out of tokens.
+        read: Tokens of the question; 0 if the server does not say.
+        written: Tokens of the answer.
+        cost: US dollars, where the server says so.
+    """
+
+    text: str
+    cut: bool
+    read: int = 0
+    written: int = 0
+    cost: float | None = None
+
+
+class _TooLong(Exception):
+    pass
+
+
+class Transport:
+    """A connection to an endpoint.
+
+    Args:
+        endpoint: Where to.
+        stop: True when the wait should end now.
+    """
+
+    def __init__(self, endpoint: Endpoint, stop: Callable[[], bool]) -> None:
+        self.endpoint, self._stop = endpoint, stop
+        self._client: Any = None
+
+    def post(self, body: dict[str, Any], seconds: float) -> Answer:
+        """Sends one request and waits for its answer, at most so long.
+
+        It runs in a thread of its own: whatever hangs, be it the name look-up or a server that sends
+        a byte a minute, the time limit holds and Stop is heard.
+
+        Raises:
+            ModelError: Whatever happens instead.
+        """
+        client = self._connect()
+        box: queue.Queue[Answer | ModelError] = queue.Queue()
+
+        def act() -> None:
+            try:
+                made = client.chat.completions.with_raw_response.create(**body, timeout=seconds)
+                box.put(read_answer(made.http_response.content))
+            except ModelError as error:
+                box.put(error)
+            except Exception as error:
+                box.put(self._explain(error))
+
+        threading.Thread(target=act, daemon=True).start()
+        end = time.monotonic() + seconds
+        while True:
+            try:
+                found = box.get(timeout=_TICK)
+            except queue.Empty:
+                if self._stop():
+                    self.close()
+                    raise ModelError("You stopped it.", "", lasting=True) from None
+                if time.monotonic() > end:
+                    self.close()
+                    raise self._late(seconds) from None
+                continue
+            if isinstance(found, ModelError):
+                raise found
+            return found
+
+    def close(self) -> None:
+        """Ends the connection; the next request makes a new one."""
+        client, self._client = self._client, None
+        if client is not None:
+            client.close()
+
+    def _connect(self) -> Any:
+        if self._client is None:
+            try:
+                import openai
+            except ImportError as error:
+                raise ModelError(
+                    "The openai package cannot be imported.", "pip install openai", lasting=True
+                ) from error
+            point = self.endpoint
+            # A redirect could take the picture elsewhere; a proxy has no business on this computer.
+            http = _bounded(openai.DefaultHttpxClient)(follow_redirects=False, trust_env=not point.local)
+            self._client = openai.OpenAI(
+                base_url=point.url, api_key=point.key or "none", max_retries=0, http_client=http
+            )
+        return self._client
+
+    def _late(self, seconds: float) -> ModelError:
+        return ModelError(
+            f"The model {self.endpoint.model} did not answer within {seconds:.0f} s.",
+            "Use a faster one, or set VIBE_VLM_TIMEOUT to more seconds.",
+        )
+
+    def _explain(self, error: Exception) -> ModelError:
+        """What an exception of the openai package means for its reader."""
+        import openai
+
+        point = self.endpoint
+        if isinstance(error, openai.APITimeoutError):
+            return self._late(point.seconds)
+        if isinstance(error, openai.APIStatusError):
+            return explain_status(error.status_code, _said(error, point.key), error.response.headers, point)
+        if isinstance(error, _TooLong) or isinstance(error.__cause__, _TooLong):
+            return ModelError(
+                f"{point.place} sent more than {LARGEST // 10**6} MB.", "Check that it is the right endpoint."
+            )
+        if isinstance(error, openai.APIConnectionError):
+            why = " ".join(str(error.__cause__ or "").split())[:120]
+            why = scrub(why, point.key)
+            return ModelError(
+                f"{point.place} cannot be reached{f' ({why})' if why else ''}.",
+                "Start the server, or check VIBE_VLM_URL and the network.",
+                wait=0.0,
+            )
+        return ModelError(
+            f"{point.place} does not speak the OpenAI protocol ({type(error).__name__}).",
+            "Check the base URL: it usually ends in /v1.",
+        )
+
+
+def read_answer(raw: bytes) -> Answer:
+    """The model's words in a body that should be a chat completion."""
+    try:
+        body = json.loads(raw)
+        choice = body["choices"][0]
+        message, usage = choice["message"], body.get("usage") or {}
+        text = message.get("content") or ""
+        if isinstance(text, list):  # parts
+            text = "".join(part.get("text") or "" for part in text)
+        if not isinstance(text, str):
+            raise TypeError
+        read, written = (_count(usage.get(n)) for n in ("prompt_tokens", "completion_tokens"))
+        cost = usage.get("cost")
+        return Answer(
+            text=text,
+            cut=choice.get("finish_reason") == "length",
+            read=read,
+            written=written,
+            cost=float(cost) if isinstance(cost, int | float) and 0 <= cost < 1e6 else None,
+        )
+    except (ValueError, KeyError, IndexError, TypeError, AttributeError, RecursionError) as error:
+        raise ModelError(
+            "The endpoint's answer is not a chat completion.", "Check the base URL: it usually ends in /v1."
+        ) from error
+
+
+def explain_status(code: int, said: str, headers: Any, point: Endpoint) -> ModelError:
+    """What an HTTP status other than 200 means, and what to do about it."""
+    more = f": {said}" if said else ""
+    if code in (401, 403):
+        return ModelError(
+            f"{point.place} refuses the key{more}.", "Check the key: `vibe doctor` tries it.", True, said=said
+        )
+    if code == 404:
+        return ModelError(
+            f"{point.place} does not have the model {point.model}{more}.",
+            "Check the model's name and the base URL, which usually ends in /v1.",
+            True,
+            said=said,
+        )
+    if code == 402 or (code == 429 and "quota" in said.lower()):
+        return ModelError(
+            f"{point.place} wants to be paid{more}.", "Check the account's balance.", True, said=said
+        )
+    if _OVERFULL.search(said):
+        return ModelError(
+            f"The scene does not fit into the context of {point.model}{more}.",
+            "Give the model more context: 16384 tokens are enough (Ollama: OLLAMA_CONTEXT_LENGTH=16384).",
+            True,
+        )
+    if code == 429:
+        wait = _retry_after(headers)
+        again = f" and asks to wait {wait:.0f} s" if wait else ""
+        return ModelError(
+            f"{point.place} is asked too often{again}.", "Wait a little, or use another model.", wait=wait
+        )
+    if 300 <= code < 400:
+        return ModelError(
+            f"{point.place} sends us elsewhere (HTTP {code}).", "Name the final base URL.", True, said=said
+        )
+    if code in (408, 409) or code >= 500:
+        return ModelError(
+            f"{point.place} fails (HTTP {code}){more}.",
+            "Look at the server's log, or try again.",
+            wait=_retry_after(headers),
+            said=said or f"HTTP {code}",
+        )
+    return ModelError(
+        f"{point.place} refuses the request (HTTP {code}){more}.",
+        "Use another model.",
+        said=said or f"HTTP {code}",
+    )
+
+
+def _said(error: Any, key: str) -> str:
+    """The server's own words, on one line, without the key."""
+    body = error.body if isinstance(error.body, dict) else {}
+    inner = body.get("error", body)
+    text = inner.get("message") if isinstance(inner, dict) else inner
+    return clean(scrub(str(text or error.body or ""), key), 200).rstrip(". ")
+
+
+def _retry_after(headers: Any) -> float:
+    """Seconds that a server asks to wait; 0 if it does not."""
+    try:
+        if "retry-after-ms" in headers:
+            return max(float(headers["retry-after-ms"]) / 1000, 0.0)
+        text = headers.get("retry-after", "0")
+        if text.replace(".", "", 1).isdigit():
+            return float(text)
+        return max(parsedate_to_datetime(text).timestamp() - time.time(), 0.0)
+    except (ValueError, TypeError):
+        return 0.0
+
+
+def _count(value: Any) -> int:
+    return value if isinstance(value, int) and 0 <= value < 10**9 else 0
+
+
+def _bounded(base: Any) -> Any:
+    """An HTTP client that reads no more than LARGEST bytes of any answer, errors included."""
+
+    class Bounded(base):
+        def send(self, request: Any, **how: Any) -> Any:
+            how["stream"] = True
+            response = super().send(request, **how)
+            body = bytearray()
+            try:
+                for chunk in response.iter_bytes():
+                    body += chunk
+                    if len(body) > LARGEST:
+                        raise _TooLong
+            finally:
+                response.close()
+            dropped = ("content-encoding", "content-length", "transfer-encoding")
+            headers = [(k, v) for k, v in response.headers.multi_items() if k.lower() not in dropped]
+            return type(response)(response.status_code, headers=headers, content=bytes(body), request=request)
+
+    return Bounded
