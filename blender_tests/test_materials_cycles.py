@@ -196,3 +196,49 @@ def test_measuring_leaves_node_trees_alone(stage, tmp_path):
     scene_io.open_job(stage, tmp_path / "job", Choice())
     assert ([(n.name, n.select) for n in tree.nodes], len(tree.links), tree.nodes.active.name) == before
     assert "Vibe Bake" not in bpy.data.scenes
+
+
+def _surface(material: bpy.types.Material, kind: str, **inputs) -> bpy.types.Node:
+    """Puts another shader in the place of the Principled BSDF."""
+    tree = material.node_tree
+    node = _node(tree, kind, **inputs)
+    tree.links.new(node.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    return node
+
+
+@pytest.mark.parametrize(
+    ("kind", "most"), [("BsdfToon", 4.0), ("BsdfSheen", 4.0), ("BsdfHairPrincipled", 15.0)]
+)
+def test_rare_shaders_are_approximated_with_a_warning(stage, tmp_path, kind, most):
+    _surface(_ball("Ball"), kind, Color=(0.7, 0.3, 0.2, 1))
+    difference, _, warnings = _compare(stage, tmp_path)
+    assert difference.mean() < most
+    assert any("Ball" in w and "approximated" in w for w in warnings)
+
+
+def test_shader_to_rgb_is_left_out_as_cycles_does(stage, tmp_path):
+    material = _ball("Ball", Base_Color=(0.6, 0.3, 0.2))
+    flat = _surface(material, "Emission", Strength=0.3)
+    toon = _node(material.node_tree, "ShaderToRGB")
+    material.node_tree.links.new(material.node_tree.nodes["Principled BSDF"].outputs[0], toon.inputs[0])
+    material.node_tree.links.new(toon.outputs[0], flat.inputs["Color"])
+    difference, _, warnings = _compare(stage, tmp_path)
+    assert difference.mean() < 1.5
+    assert any("Ball: Shader to RGB" in warning for warning in warnings)
+
+
+@pytest.mark.parametrize("share", [0.2, 0.6, "Fresnel"])
+def test_the_old_plastic_of_diffuse_and_glossy(stage, tmp_path, share):
+    material = _ball("Ball")
+    mix, tree = _surface(material, "MixShader"), material.node_tree
+    diffuse = _node(tree, "BsdfDiffuse", Color=(0.6, 0.1, 0.1, 1))
+    glossy = _node(tree, "BsdfGlossy", Color=(0.9, 0.9, 0.9, 1), Roughness=0.2)
+    for number, part in ((1, diffuse), (2, glossy)):
+        tree.links.new(part.outputs[0], mix.inputs[number])
+    if share == "Fresnel":
+        tree.links.new(_node(tree, share, IOR=1.6).outputs[0], mix.inputs[0])
+    else:
+        mix.inputs[0].default_value = share
+    difference, _, warnings = _compare(stage, tmp_path)
+    assert difference.mean() < 2.5
+    assert any("Ball: its mix of shaders is approximated" in warning for warning in warnings)

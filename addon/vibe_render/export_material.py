@@ -10,7 +10,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from . import compat, shaders
+from . import compat, export_mix, shaders
 from .contract import schema
 from .export_texture import Picture, untinted, uv_mapping
 
@@ -22,6 +22,11 @@ _APPROXIMATE: dict[str, dict[str, tuple[float, ...]]] = {
     "ShaderNodeBsdfDiffuse": {"roughness": (1.0,), "specular": (0.0,)},
     "ShaderNodeBsdfTranslucent": {"roughness": (1.0,), "specular": (0.0,)},
     "ShaderNodeSubsurfaceScattering": {"roughness": (1.0,), "specular": (0.0,)},
+    "ShaderNodeBsdfToon": {"roughness": (1.0,), "specular": (0.0,)},
+    "ShaderNodeBsdfSheen": {"base_color": (0.0, 0.0, 0.0), "specular": (0.0,), "sheen": (1.0,)},
+    "ShaderNodeBsdfHair": {"roughness": (0.6,)},
+    "ShaderNodeBsdfHairPrincipled": {"roughness": (0.6,)},
+    "ShaderNodeBsdfRefraction": {"transmission": (1.0,)},
     "ShaderNodeBsdfGlossy": {"metallic": (1.0,), "specular_tint": (1.0, 1.0, 1.0)},
     "ShaderNodeBsdfAnisotropic": {"metallic": (1.0,), "specular_tint": (1.0, 1.0, 1.0)},
     "ShaderNodeBsdfMetallic": {"metallic": (1.0,)},
@@ -43,6 +48,7 @@ _CONSTANTS = {
     "diffuse_roughness": "Diffuse Roughness",
     "anisotropic": "Anisotropic",
     "subsurface": "Subsurface Weight",
+    "thin_film": "Thin Film Thickness",
 }
 _COMPUTED = {
     "base_color": "Base Color",
@@ -123,27 +129,46 @@ def export(material: bpy.types.Material | None, measured: Mapping[str, Measured]
     if tree is None:
         values = {"metallic": (material.metallic,), "roughness": (material.roughness,)}
         return Exported(_row(material.name_full, "approximate"), {}, values, "its nodes are off")
+    notes = _foreign(material)
     if found is None:
-        row = _row(
-            material.name_full, "approximate", f"{material.name}: its shader is not known; it is shown grey."
-        )
+        notes.append("its shader is not known; it is shown grey")
+        row = _row(material.name_full, "approximate", f"{material.name}: {'; '.join(notes)}.")
         return Exported(row, {}, dict(_DEFAULTS), "its shader is not known")
     result = Exported(_row(material.name_full, "principled"))
     kind = found.node.bl_idname
-    notes = []
     if kind != "ShaderNodeBsdfPrincipled":
         result.row["model"], result.reason = "approximate", f"its shader is a {found.node.bl_label}"
-        result.values.update(_APPROXIMATE[kind])
-        notes.append(f"{found.node.bl_label} is approximated")
+        result.values.update(export_mix.plastic(material) or _APPROXIMATE[kind])
+        mixed = export_mix.plastic(material) is not None
+        notes.append(f"{'its mix of shaders' if mixed else found.node.bl_label} is approximated")
     elif not _is_output(material, found.node) and not shaders.cutout(material):
         notes.append("its mix of shaders is shown as its Principled BSDF alone")
     _constants(found, result.row)
+    notes += _rare(result.row["constants"])
     cut = shaders.cutout(material)
     if cut and cut.share is not None:
         result.row["alpha"] *= cut.share
     _varying(result, measured, cut is not None and cut.inverted, notes)
     result.row["warning"] = f"{material.name}: {'; '.join(notes)}." if notes else ""
     return result
+
+
+def _foreign(material: bpy.types.Material) -> list[str]:
+    """What to say about nodes that a render leaves out."""
+    labels = {node.bl_idname: node.bl_label for node in shaders.foreign(material)}
+    return [f"{label}, which {shaders.FOREIGN[kind]}, is left out" for kind, label in labels.items()]
+
+
+def _rare(constants: Mapping[str, Any]) -> list[str]:
+    """What to say about inputs that the engine knows only roughly, or not at all."""
+    notes = []
+    if constants.get("subsurface", 0.0) > 0:
+        notes.append("Subsurface is shown as plain diffuse color")
+    if constants.get("anisotropic", 0.0) > 0:
+        notes.append("Anisotropic highlights are shown round")
+    if constants.get("thin_film", 0.0) > 0:
+        notes.append("Thin Film is left out")
+    return notes
 
 
 def _row(name: str, model: str, warning: str = "") -> dict[str, Any]:
@@ -171,8 +196,9 @@ def _is_output(material: bpy.types.Material, node: bpy.types.Node) -> bool:
 def _constants(found: shaders.Found, row: dict[str, Any]) -> None:
     """Inputs that no vibe changes."""
     for name, socket in _CONSTANTS.items():
-        if socket in found.node.inputs:
-            value = found.node.inputs[socket].default_value
+        entry = found.input(socket)
+        if entry is not None:
+            value = entry.default_value
             row["constants"][name] = (
                 [float(v) for v in value[:3]] if hasattr(value, "__len__") else float(value)
             )

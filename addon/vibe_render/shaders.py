@@ -19,11 +19,27 @@ ALIASES: dict[str, dict[str, str]] = {
     "ShaderNodeBsdfGlass": {"Base Color": "Color"},
     "ShaderNodeBsdfTranslucent": {"Base Color": "Color"},
     "ShaderNodeSubsurfaceScattering": {"Base Color": "Color"},
+    "ShaderNodeBsdfToon": {"Base Color": "Color"},
+    "ShaderNodeBsdfSheen": {"Sheen Tint": "Color", "Sheen Roughness": "Roughness"},
+    "ShaderNodeBsdfHair": {"Base Color": "Color"},
+    "ShaderNodeBsdfHairPrincipled": {"Base Color": "Color"},
+    "ShaderNodeBsdfRefraction": {"Base Color": "Color"},
     "ShaderNodeEmission": {"Emission Color": "Color", "Emission Strength": "Strength"},
 }
 """Surface shaders that can be worked with, and what they call the inputs of the Principled BSDF."""
 
-_UNLIKE = {"ShaderNodeBsdfDiffuse": {"Roughness"}}  # Oren-Nayar's roughness is another thing
+# Oren-Nayar's roughness is another thing, and so are those of fabric, hair and cartoons.
+_UNLIKE = {
+    "ShaderNodeBsdfDiffuse": {"Roughness"},
+    "ShaderNodeBsdfSheen": {"Roughness"},
+    "ShaderNodeBsdfHairPrincipled": {"Roughness", "IOR", "Coat Weight", "Coat Roughness"},
+}
+FOREIGN = {
+    "ShaderNodeShaderToRGB": "Cycles does not know",
+    "ShaderNodeEeveeSpecular": "Cycles does not know",
+    "ShaderNodeScript": "only Cycles with Open Shading Language knows",
+}
+"""Nodes that a render on a CPU takes for absent, and what to say of them."""
 
 
 @dataclass(frozen=True)
@@ -70,10 +86,8 @@ class Cutout:
 
 def cutout(material: Material) -> Cutout | None:
     """The mix with a plain Transparent BSDF that a material's surface ends in, if it does."""
-    found = _from_output(
-        compat.node_tree(material), "ShaderNodeOutputMaterial", "Surface", ("ShaderNodeMixShader",)
-    )
-    if found is None or not _is_last(material, found):
+    found = last_mix(material)
+    if found is None:
         return None
     sides = [[link.from_node.bl_idname for link in active_links(s)] for s in found.node.inputs[1:3]]
     clear = [side == ["ShaderNodeBsdfTransparent"] for side in sides]
@@ -87,13 +101,13 @@ def cutout(material: Material) -> Cutout | None:
     return Cutout(1 - share if inverted else share, None, inverted)
 
 
-def _is_last(material: Material, found: Found) -> bool:
-    """Whether nothing but reroutes and groups stand between a shader and the material's output."""
-    shaders_ = ("ShaderNodeMixShader", "ShaderNodeAddShader", *ALIASES)
-    first = _from_output(
-        compat.node_tree(material), "ShaderNodeOutputMaterial", "Surface", shaders_, nearest=True
+def last_mix(material: Material) -> Found | None:
+    """The Mix Shader that a material's surface ends in, reroutes and groups aside."""
+    kinds = ("ShaderNodeMixShader", "ShaderNodeAddShader", *ALIASES)
+    found = _from_output(
+        compat.node_tree(material), "ShaderNodeOutputMaterial", "Surface", kinds, nearest=True
     )
-    return first is not None and first.node == found.node
+    return found if found and found.node.bl_idname == "ShaderNodeMixShader" else None
 
 
 def bumps(material: Material) -> bool:
@@ -160,8 +174,25 @@ def _group_output(group: Node) -> list[NodeSocket]:
 
 
 def active_links(socket: NodeSocket) -> list[bpy.types.NodeLink]:
-    """The links into a socket that count."""
-    return [link for link in socket.links if link.is_valid and not link.is_muted]
+    """The links into a socket that count in Cycles."""
+    usable = (link for link in socket.links if link.is_valid and not link.is_muted)
+    return [link for link in usable if not _is_foreign(link.from_node)]
+
+
+def _is_foreign(node: Node) -> bool:
+    scripts = node.bl_idname == "ShaderNodeScript" and any(s.cycles.shading_system for s in bpy.data.scenes)
+    return node.bl_idname in FOREIGN and not scripts
+
+
+def foreign(material: Material) -> list[Node]:
+    """The nodes of a material, its groups included, that Cycles takes for absent."""
+    tree, found = compat.node_tree(material), []
+    trees = [tree] if tree else []
+    for tree in trees:
+        found += [n for n in tree.nodes if _is_foreign(n) and any(s.is_linked for s in n.outputs)]
+        inner = (n.node_tree for n in tree.nodes if n.type == "GROUP" and n.node_tree)
+        trees += [t for t in inner if t not in trees]
+    return found
 
 
 def resolve(socket: NodeSocket, inside: tuple[Node, ...]) -> tuple[NodeSocket, NodeSocket | None]:

@@ -95,13 +95,17 @@ def _between(table: Tensor, place: Tensor) -> Tensor:
     Returns:
         (...), or (..., N).
     """
-    table, last = table.to(place.device), len(table) - 1
+    last = len(table) - 1
     x = place.clamp(0.0, 1.0) * last
-    i = x.detach().clamp(0, last - 1).long()
-    t = x - i
-    p0, p1, p2, p3 = (table[(i + k).clamp(0, last)] for k in (-1, 0, 1, 2))
     if place.dim():
-        p0, p1, p2, p3 = (p.movedim(0, -1) for p in (p0, p1, p2, p3))
+        near = x.detach().clamp(0, last - 1).long()
+        rows = [table.to(place.device)[(near + k).clamp(0, last)].movedim(0, -1) for k in (-1, 0, 1, 2)]
+        t = x - near
+    else:
+        i = int(x.detach().clamp(0, last - 1))
+        rows = [table[min(max(i + k, 0), last)].to(place.device) for k in (-1, 0, 1, 2)]
+        t = x - i
+    p0, p1, p2, p3 = rows
     return p1 + 0.5 * t * (p2 - p0 + t * (2 * p0 - 5 * p1 + 4 * p2 - p3 + t * (3 * (p1 - p2) + p3 - p0)))
 
 
