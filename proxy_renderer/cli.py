@@ -10,10 +10,10 @@ from pathlib import Path
 
 from . import __version__, check
 from .arguments import Help, Parser, add_render_options, add_scene, add_vibe_options, vibe_arguments
+from .bench.options import BENCHES
 from .schema import VibeError
 
 DEMO_PROMPT = "Glossy teal on a pale sand background, warm soft light, slight vignette"
-BENCHES = ("speed",)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -85,8 +85,13 @@ def parser() -> argparse.ArgumentParser:
     command("doctor", _doctor, "Check what is installed, and say what to fix.")
 
     bench = command("bench", _bench, "Measure, and write DIR/results.json.")
-    bench.add_argument("name", choices=BENCHES, metavar="NAME", help=f"one of: {', '.join(BENCHES)}")
-    bench.add_argument("--out", required=True, type=Path, metavar="DIR", help="folder for the results")
+    benches = bench.add_subparsers(
+        title="measurements", metavar="NAME", dest="bench", required=True, parser_class=Parser
+    )
+    for name, (summary, add_options) in BENCHES.items():
+        sub = benches.add_parser(name, help=summary, description=summary, formatter_class=Help)
+        sub.add_argument("--out", required=True, type=Path, metavar="DIR", help="folder for the results")
+        add_options(sub)
 
     extension = command("extension", _extension, "Build the Blender extension (a .zip to install from disk).")
     extension.add_argument("action", choices=("build",), metavar="build", help="the only thing to do with it")
@@ -165,11 +170,13 @@ def _doctor(a: argparse.Namespace) -> int:
 def _bench(a: argparse.Namespace) -> int:
     from importlib import import_module
 
+    check.numbers(a)
     out = check.folder(a.out)
-    print(f"Measuring {a.name} …", flush=True)
-    import_module(f".bench.{a.name}", __package__).run(out)
+    print(f"Measuring {a.bench} …", flush=True)
+    options = {k: v for k, v in vars(a).items() if k not in ("command", "bench", "out")}
+    results = import_module(f".bench.{a.bench}", __package__).run(out, **options)
     print(f"Written: {out / 'results.json'}")
-    return 0
+    return 1 if results.get("failed") else 0
 
 
 def _extension(a: argparse.Namespace) -> int:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from .schema import VibeError
 
-_IGNORED = shutil.ignore_patterns("__pycache__", "*.pyc")
+_IGNORED = shutil.ignore_patterns("__pycache__", "*.pyc", "bench")  # measurements are the command's
 
 
 def build(out: Path) -> Path:

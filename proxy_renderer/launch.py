@@ -42,14 +42,14 @@ def launch(arguments: list[str], out: Path) -> int:
         stdin=subprocess.DEVNULL,
         encoding="utf-8",
         errors="replace",
-        env=_environment(),
+        env=environment(),
         **_own_group(),
     )
     presses = _forward_interrupts(process, view)
     tail: deque[str] = deque(maxlen=40)
     failure: VibeError | None = None
     with view:
-        for event in _events(process, tail):
+        for event in events(process, tail):
             if event.get("type") == "error":
                 failure = VibeError(event.get("message", "It failed."), event.get("remedy", ""))
             else:
@@ -69,7 +69,7 @@ def launch(arguments: list[str], out: Path) -> int:
     return 0
 
 
-def _events(process: subprocess.Popen[str], tail: deque[str]) -> Iterator[dict[str, Any]]:
+def events(process: subprocess.Popen[str], tail: deque[str]) -> Iterator[dict[str, Any]]:
     """The events among the printed lines; the other lines go to the tail."""
     assert process.stdout is not None
     for line in process.stdout:
@@ -126,8 +126,8 @@ def _batch() -> Path:
     )
 
 
-def _environment() -> dict[str, str]:
-    """This process's environment, with a clone's own packages first."""
+def environment() -> dict[str, str]:
+    """For Blender's side: this process's environment, with a clone's own packages first."""
     root = Path(__file__).resolve().parents[1]
     paths = [str(root), str(root / "addon")] if (root / "addon").is_dir() else []
     known = filter(None, [os.environ.get("PYTHONPATH", "")])

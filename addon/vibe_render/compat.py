@@ -15,6 +15,8 @@ COMPOSITOR_IS_GROUP = "compositing_node_group" in Scene.bl_rna.properties  # 5.0
 HAS_TEMPERATURE = "use_temperature" in bpy.types.Light.bl_rna.properties  # 4.5 and later
 HAS_IMAGE_COORDINATES = hasattr(bpy.types, "CompositorNodeImageCoordinates")  # 4.5 and later
 
+EEVEE = "BLENDER_EEVEE" if COMPOSITOR_IS_GROUP else "BLENDER_EEVEE_NEXT"  # the identifier of the engine
+
 
 def enable_nodes(block: bpy.types.Material | bpy.types.World) -> NodeTree:
     """The node tree of a fresh material or world, which Blender 4 makes only when asked."""

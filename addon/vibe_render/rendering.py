@@ -23,7 +23,9 @@ _NOISE = 0.05
 _MASK_SAMPLES = 16
 
 
-def render(scene: bpy.types.Scene, path: Path, size: int, samples: int, seed: int = 0) -> None:
+def render(
+    scene: bpy.types.Scene, path: Path, size: int, samples: int, seed: int = 0, exact: bool = False
+) -> None:
     """Renders the current frame with Cycles on the CPU, compositor and view transform included, to a PNG.
 
     The file appears whole or not at all, and every setting is put back.
@@ -32,11 +34,13 @@ def render(scene: bpy.types.Scene, path: Path, size: int, samples: int, seed: in
         size: Longer side of the picture, pixels; the scene's aspect is kept.
         samples: Most samples in a pixel.
         seed: Of the sampling pattern.
+        exact: Take every sample of every pixel, and leave the noise as it is: for measurements.
 
     Raises:
         VibeError: The file cannot be written.
     """
-    with _cycles(scene, size, samples, seed), _quiet_outputs(scene):
+    plain = {"use_adaptive_sampling": False, "use_denoising": False} if exact else {}
+    with _cycles(scene, size, samples, seed), changed(scene.cycles, **plain), _quiet_outputs(scene):
         mode = "RGBA" if scene.render.film_transparent else "RGB"
         _write(scene, path, mode)
 

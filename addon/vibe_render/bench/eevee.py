@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Renders .blend files with EEVEE, ray tracing on, in a Blender that has a window.
+
+    blender --python eevee.py -- SIZE FILE.blend ...
+
+Each picture is written beside its file as eevee.png.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import bpy
+
+if not __package__:
+    here = Path(__file__).resolve()
+    sys.path[:0] = [str(here.parents[2]), str(here.parents[3])]
+
+from vibe_render import compat
+from vibe_render.settings import changed
+
+
+def render(path: Path, size: int) -> None:
+    """Opens a file and renders it."""
+    bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False, use_scripts=False)
+    scene = bpy.context.scene
+    picture = scene.render.image_settings
+    scene.eevee.use_raytracing = True
+    with (
+        changed(scene.render, engine=compat.EEVEE, resolution_x=size, resolution_y=size),
+        changed(scene.render, resolution_percentage=100, filepath=str(path.with_name("eevee.png"))),
+        changed(picture, media_type="IMAGE"),
+        changed(picture, file_format="PNG", color_depth="8"),
+        changed(picture, color_mode="RGBA" if scene.render.film_transparent else "RGB"),
+    ):
+        bpy.ops.render.render(write_still=True)
+
+
+def main() -> None:
+    """Renders all files; one that fails does not keep the others."""
+    size, *files = sys.argv[sys.argv.index("--") + 1 :]
+    for file in files:
+        try:
+            render(Path(file), int(size))
+        except RuntimeError as error:
+            print(f"{file}: {error}", flush=True)
+    bpy.ops.wm.quit_blender()
+
+
+if __name__ == "__main__":
+    main()

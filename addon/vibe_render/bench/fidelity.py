@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's side of `vibe bench fidelity`: builds scenes, exports them as a vibe does, renders references.
+
+    python -m vibe_render.bench.fidelity --work DIR --cache DIR --size 256 --samples 512 [--only GLOB] ...
+
+It prints lines `VIBE {json}`: "names", then "begin" before each scene, and "scene" or "failed" after it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import os
+import sys
+import time
+import traceback
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+from .. import rendering, scene_io
+from ..subject import Choice
+from .build import build
+from .catalog import CATALOG
+from .fingerprint import fingerprint
+from .recipe import Recipe, features
+from .shapes import SHAPES
+
+VERSION = 1
+"""Raised when the way references are rendered changes."""
+
+
+def main() -> int:
+    """Makes the scenes one after another; what goes wrong with one is told and the next one comes."""
+    a = _arguments()
+    chosen = {recipe.name: recipe for recipe in CATALOG if fnmatchcase(recipe.name, a.only)}
+    if not chosen:
+        names = ", ".join(recipe.name for recipe in CATALOG)
+        _say("error", message=f"No scene has a name like {a.only!r}.", remedy=f"There are: {names}.")
+        return 2
+    _say("names", names=list(chosen))
+    for name in (n for n in chosen if n not in a.skip.split(",")):
+        _say("begin", name=name)
+        try:
+            _say("scene", name=name, **make(chosen[name], a))
+        except Exception as error:
+            traceback.print_exc()
+            _say("failed", name=name, message=f"{type(error).__name__}: {error}")
+    return 0
+
+
+def make(recipe: Recipe, a: argparse.Namespace) -> dict[str, Any]:
+    """One scene: its job folder, its reference, and what is known about it."""
+    scene, subject = build(recipe, a.seed)
+    folder = a.work / recipe.name
+    job = scene_io.open_job(scene, folder / "job", Choice(tuple(o.name for o in subject)))
+    start = time.monotonic()
+    reference, cached = _reference(scene, a)
+    found: dict[str, Any] = {
+        "features": features(recipe, SHAPES[recipe.shape][1]),
+        "job": str(folder / "job"),
+        "reference": str(reference),
+        "cached": cached,
+        "reference_seconds": round(time.monotonic() - start, 2),
+        "warnings": job.warnings,
+    }
+    if a.blend:
+        found["blend"] = str(_save(folder / "scene.blend"))
+    return found
+
+
+def _reference(scene: bpy.types.Scene, a: argparse.Namespace) -> tuple[Path, bool]:
+    """Cycles' picture of the scene, from the cache if it is there."""
+    settings = f"{fingerprint(scene)} {a.size} {a.samples} {bpy.app.version_string} {VERSION}"
+    path = a.cache / f"{hashlib.sha256(settings.encode()).hexdigest()[:32]}.png"
+    if path.is_file():
+        return path, True
+    a.cache.mkdir(parents=True, exist_ok=True)
+    rendering.render(scene, path, a.size, a.samples, exact=True)
+    return path, False
+
+
+def _save(path: Path) -> Path:
+    """The open file as a .blend that needs no other file."""
+    bpy.ops.file.pack_all()
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True, check_existing=False)
+    return path
+
+
+def _say(kind: str, **content: Any) -> None:
+    print(f"VIBE {json.dumps({'type': kind, **content})}", flush=True)
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--only", default="*", help="pattern of names")
+    parser.add_argument("--skip", default="", help="names that have been made already")
+    parser.add_argument("--work", type=Path, default=Path())
+    parser.add_argument("--cache", type=Path, default=Path())
+    parser.add_argument("--blend", action="store_true")
+    for name in ("size", "samples", "seed"):
+        parser.add_argument(f"--{name}", type=int, default=0)
+    return parser.parse_args()
+
+
+if __name__ == "__main__":
+    status = main()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(status)  # Blender 4.5's own exit handlers may wait for ever

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Blender's side of a measurement, as a process: it builds scenes, exports them and renders references."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections import deque
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from ..launch import environment, events
+from ..schema import VibeError
+
+_MODULE = "vibe_render.bench.fidelity"
+
+
+def scenes(pattern: str, options: Sequence[str]) -> Iterator[dict[str, Any]]:
+    """Makes the scenes whose names match and yields what Blender's side tells.
+
+    A scene that takes Blender down is told as "failed", and Blender starts again with the next one.
+
+    Args:
+        pattern: Of names, as file names are matched.
+        options: More options of `vibe_render.bench.fidelity`.
+
+    Yields:
+        Events: first "names" with the `names` of all that match, then "scene" or "failed" for each.
+
+    Raises:
+        VibeError: Blender does not start, or no scene has such a name.
+    """
+    done: list[str] = []
+    names: list[str] = []
+    while not names or len(done) < len(names):
+        before, at, tail = len(done), "", deque[str](maxlen=40)
+        for event in _process(["--only", pattern, "--skip", ",".join(done), *options], tail):
+            kind = event["type"]
+            if kind == "error":
+                raise VibeError(event["message"], event["remedy"])
+            if kind == "names" and not names:
+                names = event["names"]
+                yield event
+            elif kind == "begin":
+                at = event["name"]
+            elif kind in ("scene", "failed"):
+                done.append(at)
+                yield event
+        if len(done) == len(names):
+            return
+        said = next((line.strip() for line in reversed(tail) if line.strip()), "nothing")
+        if not at or (at in done and len(done) == before):
+            raise VibeError(f"Blender ended unexpectedly. It said last: {said[:200]}", "Run `vibe doctor`.")
+        if at not in done:
+            done.append(at)
+            yield {"type": "failed", "name": at, "message": f"Blender ended unexpectedly: {said[:200]}"}
+
+
+def _process(arguments: Sequence[str], tail: deque[str]) -> Iterator[dict[str, Any]]:
+    """The events of one process; what else it prints goes to the tail. It ends with this generator."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", _MODULE, *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        stdin=subprocess.DEVNULL,
+        encoding="utf-8",
+        errors="replace",
+        env=environment(),
+    )
+    try:
+        yield from events(process, tail)
+        process.wait()
+    finally:
+        process.kill()
+        process.wait()

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: Apache-2.0
+"""EEVEE's figures on the same scenes, from a Blender that has a window."""
+
+from __future__ import annotations
+
+import importlib.util
+import subprocess
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import torch
+
+from ..report import load_picture
+from ..schema import VibeError
+from .metrics import difference
+
+_DIGITS = 3
+
+
+def measure(
+    blender: str, scenes: Mapping[str, dict[str, Any]], work: Path, size: int, failed: dict[str, str]
+) -> None:
+    """Renders WORK/NAME/scene.blend to WORK/NAME/eevee.png, and adds the figures to the scenes' rows.
+
+    Args:
+        blender: The program.
+        scenes: What has been measured, by name; gets `eevee_delta_e`, `eevee_psnr`.
+        work: The folder of the scenes.
+        size: Of the pictures.
+        failed: Gets the scenes that EEVEE did not render.
+    """
+    for old in work.glob("*/eevee.png"):
+        old.unlink()
+    command = [blender, "--python-exit-code", "1", "--python", str(_script()), "--", str(size)]
+    command += [str(work / name / "scene.blend") for name in scenes]
+    print(f"EEVEE renders {len(scenes)} scenes …", flush=True)
+    try:
+        done = subprocess.run(
+            command, stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace"
+        )
+    except OSError as error:
+        raise VibeError(
+            f"{blender} does not start: {error.strerror}.", "Name a Blender with --eevee."
+        ) from error
+    said = next(
+        (line for line in reversed((done.stdout + done.stderr).splitlines()) if line.strip()), "nothing"
+    )
+    for name, row in scenes.items():
+        path = work / name / "eevee.png"
+        if not path.is_file():
+            failed[name] = f"EEVEE rendered nothing; Blender said last: {said.strip()[:200]}"
+            continue
+        picture, reference = (
+            torch.from_numpy(load_picture(p).copy()) for p in (path, work / name / "cycles.png")
+        )
+        found = difference(picture, reference)
+        row |= {"eevee_delta_e": round(found.delta_e, _DIGITS), "eevee_psnr": round(found.psnr, _DIGITS)}
+
+
+def _script() -> Path:
+    """What Blender runs."""
+    spec = importlib.util.find_spec("vibe_render")
+    places = [Path(p) for p in (spec.submodule_search_locations or [])] if spec else []
+    places.append(Path(__file__).resolve().parents[2] / "addon" / "vibe_render")
+    for place in places:
+        if (place / "bench" / "eevee.py").is_file():
+            return place / "bench" / "eevee.py"
+    raise VibeError("The Blender side of vibe-render is missing.", "Install it again: `pip install .`.")

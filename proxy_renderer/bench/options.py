@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The measurements of `vibe bench` and their options. Nothing heavy here."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+
+
+def _none(_: argparse.ArgumentParser) -> None:
+    """No options of its own."""
+
+
+def _fidelity(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("--size", type=int, default=256, metavar="N", help="side of the pictures (default: 256)")
+    sub.add_argument("--samples", type=int, default=512, metavar="N", help="of the references (default: 512)")
+    sub.add_argument("--quick", action="store_true", help="128 pixels and 128 samples, for a first look")
+    sub.add_argument("--only", default="*", metavar="GLOB", help='only scenes with such names: "*fog*"')
+    sub.add_argument(
+        "--seed", type=int, default=0, metavar="N", help="another set of the same kind (default: 0)"
+    )
+    sub.add_argument(
+        "--cache",
+        dest="cache_folder",
+        default="",
+        metavar="DIR",
+        help="where references are kept (default: the folder in VIBE_CACHE, or your cache)",
+    )
+    sub.add_argument(
+        "--eevee",
+        dest="eevee_blender",
+        default="",
+        metavar="BLENDER",
+        help="measure EEVEE too, with this Blender, which needs a display",
+    )
+
+
+Options = Callable[[argparse.ArgumentParser], None]
+
+BENCHES: dict[str, tuple[str, Options]] = {
+    "speed": ("How long a step of the renderer takes, forward and backward.", _none),
+    "fidelity": ("How near the proxy is to Cycles, scene by scene and feature by feature.", _fidelity),
+}
+"""By name: a summary, and what declares the options, which are the keywords of its module's `run`."""
