@@ -242,3 +242,11 @@ def test_the_old_plastic_of_diffuse_and_glossy(stage, tmp_path, share):
     difference, _, warnings = _compare(stage, tmp_path)
     assert difference.mean() < 2.5
     assert any("Ball: its mix of shaders is approximated" in warning for warning in warnings)
+
+
+def test_metals_are_mirrors_in_mirrors_too(stage, tmp_path):
+    """Gold between gold: taken for matte paint where another shows them, they would glow orange."""
+    for name, x, roughness in (("Left", -1.05, 0.1), ("Right", 1.05, 0.3)):
+        material = _ball(name, Base_Color=(0.9, 0.65, 0.3), Metallic=1.0, Roughness=roughness)
+        bpy.data.objects[material.name].location.x = x
+    assert _compare(stage, tmp_path)[0].mean() < 1.8

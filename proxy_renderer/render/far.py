@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from .directions import above, cosine_directions
+from .directions import above, cosine_directions, reflect
 from .environment import harmonics
 from .lights import Lamp, arrival
 from .vectors import dot
@@ -40,11 +40,14 @@ class Table:
     albedo: Tensor
 
     @staticmethod
-    def of(albedo: Tensor, glow: Tensor, lamp_colors: Tensor, halves: Tensor, sky: Tensor) -> Table:
+    def of(
+        albedo: Tensor, metallic: Tensor, glow: Tensor, lamp_colors: Tensor, halves: Tensor, sky: Tensor
+    ) -> Table:
         """Builds the table.
 
         Args:
-            albedo: (M, 3) share of light that each material scatters.
+            albedo: (M, 3) share of light that each material scatters, or reflects if it is a metal.
+            metallic: (M,) share of each material that is metal.
             glow: (M, 3) emitted radiance.
             lamp_colors: (L, 3).
             halves: (2, 3) light of the world on what faces up and down.
@@ -52,6 +55,10 @@ class Table:
         """
         sources = torch.cat((lamp_colors / math.pi, halves))
         again = albedo * albedo / (1 - albedo / 2)  # third and later bounces follow the second
+        # A metal shows things of other colors than its own: of the mean color of those that are none.
+        plain = (1 - metallic)[:, None] + 1e-6
+        common = (albedo * plain).sum(0) / plain.sum(0)
+        again = torch.lerp(again, albedo * common / (1 - common / 2), metallic[:, None])
         scattered = torch.cat((albedo[:, None] * sources, again[:, None] * sources), 1).flatten(0, 1)
         return Table(torch.cat((scattered, glow, sky)), albedo)
 
@@ -63,12 +70,14 @@ class Far:
         geometry: The triangles.
         origin, toward: (3, A * R) rays.
         count: R.
-        materials, lamps: How many the scene has.
+        metals: (M,) bool: materials that mirror what is around them.
+        lamps: How many the scene has.
         deep: Whether the light at the hits includes the world's and what comes over other surfaces.
 
     Attributes:
         open: (A,) share of rays that leave the scene.
         surface: The surface at the hits, (A * R).
+        shiny: (A * R,) bool: hits on metals.
     """
 
     def __init__(
@@ -77,7 +86,7 @@ class Far:
         origin: Tensor,
         toward: Tensor,
         count: int,
-        materials: int,
+        metals: Tensor,
         lamps: int,
         deep: bool = False,
     ) -> None:
@@ -87,39 +96,50 @@ class Far:
         self.surface: Surface = geometry.surface(hits, toward)
         self.distance = hits.distance
         self.open = 1 - self.hit.view(-1, count).mean(1)
+        materials = len(metals)
         self.owner = self.surface.material * hits.hit + materials * ~hits.hit
+        self.shiny = metals[self.surface.material] & hits.hit
         self.materials = materials
         self._members: list[Tensor] = []
         self.lamps = lamps
         # Rows: every lamp and both halves of the world at the hits; the same where one more ray from there ends.
         self.arriving = torch.zeros((2 * (lamps + 2), len(self.hit)), device=self.hit.device)
-        self.beyond = self._look_around() if deep else None
+        around = torch.arange(len(self.hit), device=self.hit.device) if deep else self.shiny.nonzero()[:, 0]
+        self._around = around
+        self.beyond = self._look_around(toward[:, around]) if len(around) else None
         self.harmonics = (harmonics(toward) * (1 - self.hit)).view(9, -1, count).mean(2)
 
-    def _look_around(self) -> Surface:
-        """Sends one cosine-distributed ray from every hit: to the world, or to the surface of a second bounce."""
+    def _look_around(self, arrived: Tensor) -> Surface:
+        """Sends one ray from hits: to the world, or to the surface of a second bounce.
+
+        Metals send it where they mirror, others anywhere above them, distributed like a cosine.
+
+        Args:
+            arrived: (3, H) directions of the rays that have met the hits `self._around`.
+        """
         generator = torch.Generator().manual_seed(7)
-        uv = torch.rand((2, self.surface.position.shape[1]), generator=generator).to(self.hit.device)
-        toward = above(cosine_directions(self.surface.normal, uv), self.surface.facet)
-        hits = self.geometry.first_hits(self.geometry.lifted(self.surface), toward)
-        self.found = hits.hit.to(torch.float32)
+        start, shiny = self.surface.pick(self._around), self.shiny[self._around]
+        uv = torch.rand((2, len(self._around)), generator=generator).to(self.hit.device)
+        toward = torch.where(shiny, reflect(arrived, start.normal), cosine_directions(start.normal, uv))
+        toward = above(toward, start.facet)
+        hits = self.geometry.first_hits(self.geometry.lifted(start), toward)
+        self._found = hits.hit.to(torch.float32)
         beyond = self.geometry.surface(hits, toward)
-        leaving = float(((1 - self.found) * self.hit).sum() / self.hit.sum().clamp_min(1.0))
-        again = min(_WORLD_AT_SECOND, leaving)
-        for row, surface, seen in (
-            (self.lamps, self.surface, 1 - self.found),
-            (2 * self.lamps + 2, beyond, self.found * again),
+        facing = torch.where(shiny, torch.where(toward[2] > 0, 1.0, -1.0), start.normal[2])
+        for row, up, seen in (
+            (self.lamps, (1 + facing) / 2, 1 - self._found),
+            (2 * self.lamps + 2, (1 + beyond.normal[2]) / 2, self._found * _WORLD_AT_SECOND),
         ):
-            up = (1 + surface.normal[2]) / 2
-            self.arriving[row : row + 2] = torch.stack((up, 1 - up)) * seen
+            self.arriving[row, self._around] = up * seen
+            self.arriving[row + 1, self._around] = (1 - up) * seen
         return beyond
 
     def light(self, index: int, lamp: Lamp) -> None:
-        """Traces shadow rays to one lamp."""
-        self.arriving[index] = _lit(self.geometry, lamp, self.surface)
+        """Traces shadow rays to one lamp. Metals do not scatter it: they show what it lights."""
+        self.arriving[index] = _lit(self.geometry, lamp, self.surface) * ~self.shiny
         if self.beyond is not None:
             second = _lit(self.geometry, lamp, self.beyond)
-            self.arriving[self.lamps + 2 + index] = second * self.found
+            self.arriving[self.lamps + 2 + index, self._around] = second * self._found
 
     def image(self, table: Table, ambient: Tensor) -> Tensor:
         """Radiance (3, A) of the hits of single rays; 0 where they leave the scene.
@@ -130,6 +150,7 @@ class Far:
         """
         if not self._members:
             self._members = [(self.owner == m).nonzero()[:, 0] for m in range(self.materials)]
+        ambient = ambient * ~self.shiny
         return _Image.apply(table.radiances, table.albedo / math.pi, ambient, self.arriving, self._members)
 
     def weights(self) -> Tensor:

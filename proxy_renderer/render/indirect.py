@@ -57,7 +57,7 @@ class Indirect:
         samples: Samples,
         surface: Surface,
         view: View,
-        materials: int,
+        metals: Tensor,
         lamps: int,
         generator: torch.Generator,
     ) -> None:
@@ -65,16 +65,16 @@ class Indirect:
         self._anchors = anchors = Anchors(samples, surface)
         self.points = points = surface.pick(anchors.index)
         origin = geometry.lifted(points)
-        shape = geometry, materials, lamps
+        shape = geometry, metals, lamps
         glossy = _glossy_rays(points, samples.toward[:, anchors.index], generator)
         self.diffuse = _far(*shape, origin, _diffuse_rays(points, generator), _DIFFUSE_RAYS)
         self.glossy = _far(*shape, origin, glossy, _GLOSSY_RAYS)
         mirrored = above(reflect(samples.toward[:, : samples.surfaces], surface.normal), surface.facet)
-        self.mirror = Far(geometry, geometry.lifted(surface), mirrored, 1, materials, lamps)
+        self.mirror = Far(geometry, geometry.lifted(surface), mirrored, 1, metals, lamps)
         self._mirror_ambient = self.spread_to(self.mirror.surface)
         self.open_sky = anchors.spread(self.glossy.open[:, None])[:, 0], self.mirror.open
         self._weights: tuple[Tensor, Tensor] | None = None
-        self._skies = materials * (2 * lamps + 5)
+        self._skies = len(metals) * (2 * lamps + 5)
 
     def light(self, index: int, lamp: Lamp) -> None:
         """Takes up that a lamp has moved."""
@@ -107,9 +107,9 @@ class Indirect:
         return Gathered(full[:3], full[3:], mirror, low)
 
 
-def _far(geometry: Geometry, materials: int, lamps: int, origin: Tensor, toward: Tensor, count: int) -> Far:
+def _far(geometry: Geometry, metals: Tensor, lamps: int, origin: Tensor, toward: Tensor, count: int) -> Far:
     origins = origin.repeat_interleave(count, 1)
-    return Far(geometry, origins, toward, count, materials, lamps, deep=True)
+    return Far(geometry, origins, toward, count, metals, lamps, deep=True)
 
 
 def _diffuse_rays(points: Surface, generator: torch.Generator) -> Tensor:

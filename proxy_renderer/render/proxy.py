@@ -83,15 +83,19 @@ class Proxy:
         """
         settings = Settings(self.scene, values, self.device)
         view = view_of(self.scene, settings, self.size)
-        if self._cache is None or self._cache.signature != view.signature():
-            self._cache = ViewCache(self.scene, self.geometry, view, self.seed)
+        paints = [paint_of(m, settings) for m in self.scene.materials]
+        metals = torch.stack([p.metallic.detach() > 0.5 for p in paints])
+        kept = self._cache
+        if kept is None or kept.signature != view.signature() or not torch.equal(kept.metals, metals):
+            self._cache = ViewCache(self.scene, self.geometry, view, metals, self.seed)
         cache = self._cache
+        assert cache is not None
         frame = Frame(
             cache=cache,
             sight=cache.sight(view),
             lamps=lamps_of(self.scene, settings),
             sky=sky_of(self.environment, settings),
-            paints=[paint_of(m, settings) for m in self.scene.materials],
+            paints=paints,
             fog=Fog(self.scene, settings),
         )
         radiance = self._radiance(frame)
@@ -189,7 +193,8 @@ def _table(frame: Frame) -> Table:
     albedos = torch.stack([p.base * mean * (1 - p.transmission) for p, mean in rows])
     glow = torch.stack([p.emission for p in frame.paints])
     sky = frame.sky
-    return Table.of(within(albedos, 0.0, 1.0), glow, frame.colors, sky.halves, sky.coefficients())
+    metallic = torch.stack([p.metallic for p in frame.paints])
+    return Table.of(within(albedos, 0.0, 1.0), metallic, glow, frame.colors, sky.halves, sky.coefficients())
 
 
 def _ambient(frame: Frame) -> Tensor | None:

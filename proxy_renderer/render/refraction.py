@@ -31,7 +31,7 @@ def refract(toward: Tensor, normal: Tensor, ratio: float) -> tuple[Tensor, Tenso
 
 
 def through(
-    geometry: Geometry, surface: Surface, toward: Tensor, ior: float, materials: int, lamps: int
+    geometry: Geometry, surface: Surface, toward: Tensor, ior: float, metals: Tensor, lamps: int
 ) -> tuple[Far, Tensor]:
     """Follows rays (3, N) that enter a surface: the far hits, and their final directions (3, N).
 
@@ -48,4 +48,4 @@ def through(
     shift = (geometry.lifted(exit_) - exit_.position) * torch.where(total, 1.0, -1.0)
     origin = torch.where(leaves, exit_.position + shift, below)
     direction = torch.where(leaves, outward, inward)
-    return Far(geometry, origin, direction, 1, materials, lamps), direction
+    return Far(geometry, origin, direction, 1, metals, lamps), direction

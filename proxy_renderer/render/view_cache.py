@@ -125,11 +125,12 @@ class ViewCache:
         scene: The exported scene.
         geometry: Its triangles.
         view: The camera.
+        metals: (M,) bool: materials that mirror what is around them, where others see them.
         seed: For jitter.
     """
 
-    def __init__(self, scene: SceneData, geometry: Geometry, view: View, seed: int) -> None:
-        self.scene, self.geometry = scene, geometry
+    def __init__(self, scene: SceneData, geometry: Geometry, view: View, metals: Tensor, seed: int) -> None:
+        self.scene, self.geometry, self.metals = scene, geometry, metals
         self.signature = view.signature()
         with torch.no_grad():
             self.samples = samples = take(geometry, view.detached())
@@ -139,10 +140,8 @@ class ViewCache:
             surface = geometry.surface(self._hits, toward[:, : samples.surfaces])
             self._sight = Sight.of(self._bumped(surface, toward), toward)
             generator = torch.Generator().manual_seed(seed)
-            counts = len(scene.materials), len(scene.lights)
-            self.indirect = Indirect(
-                geometry, samples, self._sight.surface, view.detached(), *counts, generator
-            )
+            shape = metals, len(scene.lights), generator
+            self.indirect = Indirect(geometry, samples, self._sight.surface, view.detached(), *shape)
             self.mean_texture = [_mean(m, geometry.device) for m in scene.materials]
             self.inside, self.depth = self._inside(), self._depth()
             self.covered = samples.hits.hit.to(torch.float32)[None]
@@ -234,8 +233,8 @@ class ViewCache:
         if kept is None or abs(kept[0] - ior) > 1e-3:
             with torch.no_grad():
                 toward = self.samples.toward[:, part]
-                counts = len(self.scene.materials), len(self.scene.lights)
-                far, onward = through(self.geometry, self._sight.surface.pick(part), toward, ior, *counts)
+                shape = ior, self.metals, len(self.scene.lights)
+                far, onward = through(self.geometry, self._sight.surface.pick(part), toward, *shape)
             kept = ior, None, Behind(far, onward, self.indirect.spread_to(far.surface))
         if kept[1] != place:
             with torch.no_grad():
