@@ -41,9 +41,13 @@ def build(recipe: Recipe, seed: int) -> tuple[Scene, list[Object]]:
     for i, thing in enumerate(subject):
         thing.data.materials.clear()
         thing.data.materials.append(stuffs[i % len(stuffs)])
-    low, high = roster.bounds(scene, subject)
-    pivot = (low + high) / 2
-    _camera(scene, recipe.view, subject, luck)
+    points = np.concatenate([_points(scene, thing) for thing in subject])
+    sunk = float(points[:, 2].min())
+    for thing in subject:
+        thing.location.z -= sunk
+    points[:, 2] -= sunk
+    pivot = Vector((points.min(0) + points.max(0)) / 2)
+    _camera(scene, recipe.view, points, luck)
     _stage(scene, recipe, luck)
     for i, lamp in enumerate(recipe.lamps):
         _lamp(scene, f"Lamp {i + 1}", lamp, pivot, luck)
@@ -53,8 +57,7 @@ def build(recipe: Recipe, seed: int) -> tuple[Scene, list[Object]]:
     return scene, subject
 
 
-def _camera(scene: Scene, view: View, subject: list[Object], luck: random.Random) -> None:
-    points = np.concatenate([_points(scene, thing) for thing in subject])
+def _camera(scene: Scene, view: View, points: np.ndarray, luck: random.Random) -> None:
     angles = (view.azimuth + luck.uniform(-12, 12), view.elevation + luck.uniform(-3, 3))
     camera = parts.camera(scene, points, angles, view.fov, view.fill)
     if view.orthographic:

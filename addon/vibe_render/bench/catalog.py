@@ -103,15 +103,15 @@ CATALOG: tuple[Recipe, ...] = (
     Recipe("red_mirror_ball", "ball", (Finish(RED, 0.0),), (sun(-50, 45, 0.7),), World(0.6, picture="studio"), ground=GREY),
     Recipe("high_ior_rings", "rings", (Finish(BLUE, 0.1, inputs={"IOR": 2.2}), Finish(GREEN, 0.25, inputs={"IOR": 1.2, "Specular IOR Level": 1.0})), (key(),), OVERCAST, "cove", transform="Filmic"),
     # metals
-    Recipe("gold_head", "head", (metal(GOLD, 0.25),), (key(0.4),), World(1.0, picture="interior"), ground=BOARDS),
+    Recipe("gold_head", "head", (metal(GOLD, 0.25),), (key(0.4),), World(0.45, picture="interior"), ground=BOARDS),
     Recipe("chrome_ball_checker", "ball", (metal(CHROME, 0.0),), (), World(0.9, picture="courtyard"), ground=Finish((0.7, 0.68, 0.62), 0.5, "checker"), transform="Standard"),
     Recipe("steel_bolts", "bolts", (metal(STEEL, 0.5), metal(GOLD, 0.25)), (key(0.5), rim(0.5), point(60, 0.4)), DIM, ground=Finish((0.1, 0.1, 0.11), 0.5), view=View(25, 28)),
     Recipe("copper_rings", "rings", (metal(COPPER, 0.1), metal(STEEL, 0.8), metal(COPPER, 1.0)), (spot(-30, 0.9),), World(0.4, picture="city")),
     Recipe("worn_car", "car", (Finish(TEAL, 0.5, "worn"), Finish(INK, 0.5)), (key(0.7), sun(70, 35, 0.4)), DUSK, ground=STONE, view=View(35, 16)),
     # coat and sheen
-    Recipe("lacquer_car", "car", (coat(RED, 0.5), coat(RED, 0.5), Finish(INK, 0.5)), (key(0.4),), World(0.8, picture="city"), ground=GREY, view=View(-35, 14), transform="Khronos PBR Neutral"),
+    Recipe("lacquer_car", "car", (coat(RED, 0.5), coat(RED, 0.5), Finish(INK, 0.5)), (key(0.4),), World(0.35, picture="city"), ground=GREY, view=View(-35, 14), transform="Khronos PBR Neutral"),
     Recipe("lacquer_knot", "knot", (coat(BLUE, 0.8, 0.25),), (key(0.7), rim()), DIM, "cove"),
-    Recipe("velvet_cushion", "cushion", (sheen((0.2, 0.03, 0.08)),), (key(0.5, -60),), World(0.7, picture="interior"), ground=BOARDS),
+    Recipe("velvet_cushion", "cushion", (sheen((0.2, 0.03, 0.08)),), (key(0.5, -60),), World(0.4, picture="interior"), ground=BOARDS),
     Recipe("velvet_drape", "cloth", (sheen((0.05, 0.12, 0.2), 1.0),), (spot(40, 1.0, 0.8, 0.6),), DIM, ground=GREY),
     # emission
     Recipe("neon_tubes", "tubes", (glow((0.1, 0.6, 1.0), 6.0), glow((1.0, 0.15, 0.4), 6.0), Finish((0.3, 0.3, 0.32), 0.25)), (), DIM, ground=Finish((0.25, 0.25, 0.27), 0.25), film={"glare": 0.5}),
