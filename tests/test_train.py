@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import torch
 
+from proxy_renderer.guidance import network
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.language.attributes import ATTRIBUTES
 from proxy_renderer.train import bank as banks
@@ -128,6 +129,21 @@ def test_batches_depend_on_the_seed_alone(bank: dict[str, np.ndarray]) -> None:
     assert torch.equal(first.pictures, again.pictures)
     assert first.captions == again.captions
     assert first.captions != other.captions
+
+
+def test_the_fused_shader_makes_the_same_pictures(bank: dict[str, np.ndarray]) -> None:
+    plain, fused = (make_batch(bank, 4, 5, shade=shade) for shade in (shader.shade, shader.fused()))
+    assert torch.allclose(plain.pictures, fused.pictures, atol=2e-3)
+    assert plain.captions == fused.captions
+
+
+def test_the_tower_tells_left_from_right() -> None:
+    picture = torch.zeros(1, 3, 160, 160)
+    picture[..., :80] = 1.0
+    tower = network.Tower(16).eval()
+    left, right = tower(picture), tower(picture.flip(-1))
+    assert left.shape == (1, 16)
+    assert (left - right).norm() > 0.1 * left.norm()
 
 
 def test_training_resumes_bit_for_bit_and_exports(bank: dict[str, np.ndarray], tmp_path: Path) -> None:

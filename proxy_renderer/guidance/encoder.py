@@ -18,6 +18,7 @@ from safetensors.torch import load_file
 from torch import Tensor, nn
 
 from ..schema.errors import VibeError
+from . import network  # noqa: F401 - makes timm know our picture tower
 
 EMBEDDED = Path(__file__).with_name("embedded")
 _REMEDY = "Use the embedded encoder (leave --encoder out), or a tag such as ViT-B-32-256/datacomp_s34b_b86k."

@@ -35,7 +35,7 @@ def main() -> None:
         "--views", type=int, default=1000, help="views in the training bank, when it has to be traced"
     )
     parser.add_argument("--shapes", type=int, default=250, help="shapes in it")
-    parser.add_argument("--size", type=int, default=128, help="side of a picture in pixels")
+    parser.add_argument("--size", type=int, default=160, help="side of a picture in pixels")
     parser.add_argument("--workers", type=int, default=2, help="processes that trace")
     parser.add_argument(
         "--rate", type=float, default=Recipe.rate, help="learning rate; lower it for the last sitting"

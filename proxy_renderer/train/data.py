@@ -30,7 +30,7 @@ _SEEN_ALONE = (
     "light_temperature",
 )
 _SEEN_EMPTY = ("surroundings_color", "fog", "light_temperature")
-_GROUPS_AT_ONCE = 1
+_GROUPS_AT_ONCE = 4
 
 
 @dataclass
@@ -54,15 +54,31 @@ class Batch:
     variant: Tensor
 
 
-def make_batch(bank: dict[str, np.ndarray], groups: int, seed: int, augment: bool = True) -> Batch:
-    """A batch of ``groups`` × `LOOKS` pictures that depends on nothing but the bank and the seed."""
+def make_batch(
+    bank: dict[str, np.ndarray],
+    groups: int,
+    seed: int,
+    augment: bool = True,
+    shade: shader.Shade = shader.shade,
+    device: torch.device | str = "cpu",
+) -> Batch:
+    """A batch of ``groups`` × `LOOKS` pictures that depends on nothing but the bank and the seed.
+
+    Args:
+        bank: From `bank.load`.
+        groups: How many groups.
+        seed: Of everything random.
+        augment: Whether pictures are cut, cropped, mirrored and blurred.
+        shade: `shader.shade`, or its faster `shader.fused()`.
+        device: Where pictures are made and stay; the rest of the batch is on the CPU.
+    """
     generator = torch.Generator().manual_seed(seed)
     dice = random.Random(seed)
     rows = torch.randint(len(bank["kind"]), (groups,), generator=generator)
     classes, flipped = _group_classes(groups, generator)
     noise = torch.rand(groups, 1, looks.NOISE, generator=generator).expand(-1, LOOKS, -1)
     look = looks.parameters(classes, noise)
-    pictures, masks = _shade_all(bank, rows.tolist(), classes, look, dice)
+    pictures, masks = _shade_all(bank, rows.tolist(), classes, look, dice, shade, device)
     flat = {name: value.flatten(0, 1) for name, value in look.items()}
     labels = looks.visible(
         classes.flatten(0, 1), flat, pictures.flatten(0, 1), masks.repeat_interleave(LOOKS, 0)
@@ -109,21 +125,19 @@ def _shade_all(
     classes: Tensor,
     look: dict[str, Tensor],
     dice: random.Random,
+    shade: shader.Shade,
+    device: torch.device | str,
 ) -> tuple[Tensor, Tensor]:
     """Pictures (G, LOOKS, 3, H, W) and subject masks (G, H, W), a few groups at a time to stay in the cache."""
     pictures, masks = [], []
     for start in range(0, len(rows), _GROUPS_AT_ONCE):
         part = slice(start, start + _GROUPS_AT_ONCE)
         view = {
-            name: torch.from_numpy(np.stack([values[r] for r in rows[part]])) for name, values in bank.items()
+            name: torch.from_numpy(np.stack([values[r] for r in rows[part]])).to(device)
+            for name, values in bank.items()
         }
-        pictures.append(
-            shader.shade(
-                gather(view, classes[part]),
-                {name: value[part] for name, value in look.items()},
-                dice.random() < 0.6,
-            )
-        )
+        chosen = {name: value[part].to(device) for name, value in look.items()}
+        pictures.append(shade(gather(view, classes[part]), chosen, dice.random() < 0.6))
         masks.append(view["kind"] == SUBJECT)
     return torch.cat(pictures), torch.cat(masks)
 
@@ -132,6 +146,8 @@ def gather(view: dict[str, Tensor], classes: Tensor) -> dict[str, Tensor]:
     """The bank's fields (G, ...) as `shader.shade` takes them, with each look's light and shadow."""
     side, soft = classes[..., looks.INDEX["light_side"]], classes[..., looks.INDEX["light_softness"]]
     each = torch.arange(len(classes))[:, None]
+    device = view["kind"].device
+    each, side, soft = each.to(device), side.to(device), soft.to(device)
     return {
         "kind": view["kind"][:, None],
         "normal": view["normal"][:, None].float(),
@@ -158,9 +174,9 @@ def _cut(
     mean = (pictures * rest).sum((2, 3), keepdim=True) / rest.sum().clamp_min(1)
     chance = torch.rand((), generator=generator)
     if variant == EMPTY:
-        fill = (
-            torch.rand(3, 1, 1, generator=generator) if chance < 0.3 else mean if chance < 0.8 else 0 * mean
-        )
+        fill = mean if chance < 0.8 else 0 * mean
+        if chance < 0.3:
+            fill = torch.rand(3, 1, 1, generator=generator).to(pictures)
         return torch.where(mask, fill, pictures), labels
     if chance < 0.35:
         return torch.where(mask, pictures, mean), labels
@@ -168,7 +184,7 @@ def _cut(
     coarse = torch.rand(len(pictures), 3, cells, cells, generator=generator)
     if cells == 1 and torch.rand((), generator=generator) < 0.4:
         coarse = coarse[:, :1].expand(-1, 3, -1, -1)
-    background = F.interpolate(coarse, pictures.shape[-2:], mode="bilinear", align_corners=False)
+    background = F.interpolate(coarse.to(pictures), pictures.shape[-2:], mode="bilinear", align_corners=False)
     return torch.where(mask, pictures, background), labels
 
 
@@ -205,12 +221,12 @@ def _frame(
 
 
 def _wear(pictures: Tensor, generator: torch.Generator) -> Tensor:
-    """A little blur for some groups and noise for others: renders differ in sharpness and in grain."""
-    blur = torch.rand(len(pictures), 1, 1, 1, 1, generator=generator) * (
-        torch.rand(len(pictures), 1, 1, 1, 1, generator=generator) < 0.6
-    )
-    soft = F.avg_pool2d(F.pad(pictures.flatten(0, 1), (1, 1, 1, 1), mode="replicate"), 3, 1).view_as(pictures)
-    return torch.lerp(pictures, soft, blur)
+    """A little blur for some groups: renders differ in sharpness."""
+    share, worn = torch.rand(2, len(pictures), generator=generator).unbind()
+    for g in torch.nonzero(worn < 0.6)[:, 0].tolist():
+        soft = F.avg_pool2d(F.pad(pictures[g], (1, 1, 1, 1), mode="replicate"), 3, 1)
+        pictures[g] = torch.lerp(pictures[g], soft, share[g].item())
+    return pictures
 
 
 def _describe(

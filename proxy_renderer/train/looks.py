@@ -160,14 +160,17 @@ def visible(classes: Tensor, look: dict[str, Tensor], picture: Tensor, mask: Ten
     Args:
         classes: (n, A) classes asked for.
         look: Their parameters (n, ...).
-        picture: (n, 3, H, W) display picture.
-        mask: (n, H, W) subject coverage.
+        picture: (n, 3, H, W) display picture, on any device.
+        mask: (n, H, W) subject coverage, on the same.
 
     Returns:
         (n, A) classes or `UNKNOWN`.
     """
-    lab = display_to_lab(torch.nn.functional.interpolate(picture, (32, 32), mode="area"))
-    share = torch.nn.functional.interpolate(mask[:, None].float(), (32, 32), mode="area")
+    small, share = (
+        torch.nn.functional.interpolate(field, (32, 32), mode="area").cpu()
+        for field in (picture, mask[:, None].float())
+    )
+    lab = display_to_lab(small)
     subject = (lab * share).sum((2, 3)) / share.sum((2, 3)).clamp_min(1e-3)
     surroundings = (lab * (1 - share)).sum((2, 3)) / (1 - share).sum((2, 3)).clamp_min(1e-3)
     lightness, chroma = lab[:, 0].mean((1, 2)), lab[:, 1:].norm(dim=1)

@@ -5,12 +5,16 @@ It is a picture maker, not a reference: what matters is that every word of the c
 All views have leading dimensions (G, 1), all looks (G, K): K looks of each of G views.
 """
 
+import functools
+from collections.abc import Callable
+
 import torch
 from torch import Tensor
 
 from .bank import FAR, STAGE, SUBJECT
 
 Buffers = dict[str, Tensor]
+Shade = Callable[[Buffers, Buffers, bool], Tensor]
 
 
 def shade(view: Buffers, look: dict[str, Tensor], agx: bool) -> Tensor:
@@ -35,12 +39,23 @@ def shade(view: Buffers, look: dict[str, Tensor], agx: bool) -> Tensor:
     return view_transform(_grade(color, look), agx)
 
 
+@functools.cache
+def fused() -> Shade:
+    """`shade` as one loop over the pixels, three times as fast; as it is where there is no C++ compiler."""
+    torch._dynamo.config.suppress_errors = True
+    return torch.compile(shade, dynamic=False)
+
+
+def _axis(size: int, device: torch.device) -> Tensor:
+    """Pixel centers along one axis, in -1..1."""
+    return (torch.arange(size, device=device) + 0.5) * 2 / size - 1
+
+
 def _rays(view: Buffers) -> Tensor:
-    size = view["kind"].shape[-1]
-    axis = (torch.arange(size) + 0.5) * 2 / size - 1
+    axis = _axis(view["kind"].shape[-1], view["kind"].device)
     x = axis[None, None, None, :] * view["tangent"][..., None, None]
     y = -axis[None, None, :, None] * view["tangent"][..., None, None]
-    local = torch.stack(torch.broadcast_tensors(x, y, torch.tensor(-1.0)), 2)
+    local = torch.stack(torch.broadcast_tensors(x, y, x.new_tensor(-1.0)), 2)
     return _unit(torch.einsum("gkij,gkjhw->gkihw", view["camera"], local))
 
 
@@ -58,8 +73,8 @@ def _surface(view: Buffers, look: dict[str, Tensor], rays: Tensor, subject: Tens
     base = albedo * (key * lit + ambient + _scalar(look["fill"]) * facing)
     diffuse = base * (1 - metal) + albedo * stage * _scalar(look["backdrop"])
 
-    rough = torch.lerp(torch.tensor(0.75), _scalar(look["roughness"]), subject)
-    f0 = torch.lerp(_scalar(look["specular"]) * torch.ones(3)[:, None, None], albedo, metal)
+    rough = torch.lerp(subject.new_tensor(0.75), _scalar(look["roughness"]), subject)
+    f0 = torch.lerp(_scalar(look["specular"]).expand_as(albedo), albedo, metal)
     half = _unit(towards - rays)
     nh, vh = (
         (normal * half).sum(2, keepdim=True).clamp(0, 1),
@@ -111,7 +126,7 @@ def _grade(color: Tensor, look: dict[str, Tensor]) -> Tensor:
     color = torch.exp2(torch.log2(color / 0.18) * contrast) * 0.18
     luma = 0.2126 * color[:, :, 0:1] + 0.7152 * color[:, :, 1:2] + 0.0722 * color[:, :, 2:3]
     color = torch.lerp(luma, color, _scalar(look["saturation"])).clamp_min(0)
-    axis = (torch.arange(color.shape[-1]) + 0.5) * 2 / color.shape[-1] - 1
+    axis = _axis(color.shape[-1], color.device)
     radius = torch.sqrt((axis[:, None] ** 2 + axis[None, :] ** 2) / 2)
     t = ((radius - 0.3) / 0.7).clamp(0, 1)
     return color * (1 - _scalar(look["vignette"]) * t**2 * (3 - 2 * t))
@@ -139,12 +154,12 @@ def view_transform(color: Tensor, agx: bool) -> Tensor:
         c = color.clamp(1e-6, 1)
         return torch.where(c < 0.0031308, 12.92 * c, 1.055 * torch.exp2(torch.log2(c) / 2.4) - 0.055)
     low, high = -12.47393, 4.026069
-    x = torch.einsum("ij,...jhw->...ihw", _AGX_IN, color)
+    x = torch.einsum("ij,...jhw->...ihw", _AGX_IN.to(color), color)
     x = ((torch.log2(x.clamp_min(1e-10)) - low) / (high - low)).clamp(0, 1)
     x2 = x * x
     x4 = x2 * x2
     x = 15.5 * x4 * x2 - 40.14 * x4 * x + 31.96 * x4 - 6.868 * x2 * x + 0.4298 * x2 + 0.1191 * x - 0.00232
-    return torch.einsum("ij,...jhw->...ihw", _AGX_OUT, x).clamp(0, 1)
+    return torch.einsum("ij,...jhw->...ihw", _AGX_OUT.to(x), x).clamp(0, 1)
 
 
 def _scalar(value: Tensor) -> Tensor:

@@ -16,7 +16,7 @@ from pathlib import Path
 import torch
 
 from . import bank as banks
-from . import captions
+from . import captions, shader
 from .data import LOOKS, Batch, make_batch
 from .model import CONFIG, Student, export
 
@@ -49,8 +49,16 @@ class Recipe:
 class Trainer:
     """Everything that a sitting needs and a checkpoint keeps."""
 
-    def __init__(self, recipe: Recipe, bank: dict, device: torch.device, config: dict = CONFIG) -> None:
+    def __init__(
+        self,
+        recipe: Recipe,
+        bank: dict,
+        device: torch.device,
+        config: dict = CONFIG,
+        shade: shader.Shade = shader.shade,
+    ) -> None:
         self.recipe, self.bank, self.device, self.step = recipe, bank, device, 0
+        self._shade = shade
         torch.manual_seed(recipe.seed)
         self.student = Student(config)
         self.student.forget_unseen(captions.samples(8000, recipe.seed))
@@ -89,7 +97,8 @@ class Trainer:
         return ahead[self.step].result()
 
     def _make(self, step: int) -> Batch:
-        return make_batch(self.bank, self.recipe.groups, self.recipe.seed * 1_000_003 + step)
+        seed = self.recipe.seed * 1_000_003 + step
+        return make_batch(self.bank, self.recipe.groups, seed, shade=self._shade, device=self.device)
 
     @torch.no_grad()
     def _average(self) -> None:
@@ -124,7 +133,7 @@ class Trainer:
 def train(recipe: Recipe, bank_folder: Path, out: Path, minutes: float, device: torch.device) -> Trainer:
     """Trains for some minutes into ``out``: ``checkpoint.pt`` and ``log.jsonl``; goes on where it stopped."""
     out.mkdir(parents=True, exist_ok=True)
-    trainer = Trainer(recipe, banks.load(bank_folder), device)
+    trainer = Trainer(recipe, banks.load(bank_folder), device, shade=shader.fused())
     if (out / "checkpoint.pt").exists():
         trainer.load(out / "checkpoint.pt")
         print(f"goes on at step {trainer.step}", flush=True)
