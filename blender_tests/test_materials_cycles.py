@@ -250,3 +250,10 @@ def test_metals_are_mirrors_in_mirrors_too(stage, tmp_path):
         material = _ball(name, Base_Color=(0.9, 0.65, 0.3), Metallic=1.0, Roughness=roughness)
         bpy.data.objects[material.name].location.x = x
     assert _compare(stage, tmp_path)[0].mean() < 1.8
+
+
+@pytest.mark.parametrize(("roughness", "tint", "most"), [(0.0, 1.0, 1.7), (0.0, 0.4, 2.1), (0.3, 1.0, 2.0)])
+def test_glass_lets_light_through(stage, tmp_path, roughness, tint, most):
+    """Were its shadow as dark as a stone's, the floor below would be far off."""
+    _ball("Ball", Base_Color=(tint, 1.0, tint), Transmission_Weight=1.0, Roughness=roughness)
+    assert _compare(stage, tmp_path)[0].mean() < most

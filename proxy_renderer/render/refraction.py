@@ -40,7 +40,7 @@ def through(
     inward, _ = refract(toward, surface.normal, 1.0 / ior)
     inward = -above(-inward, surface.facet)
     below = surface.position - surface.facet * (geometry.lifted(surface) - surface.position).abs().amax(0)
-    hits = geometry.first_hits(below, inward)
+    hits = geometry.nearest(below, inward)
     exit_ = geometry.surface(hits, inward)
     outward, total = refract(inward, exit_.normal, ior)
     outward = torch.where(total, above(outward, exit_.facet), above(outward, -exit_.facet))

@@ -60,6 +60,7 @@ class Geometry:
         uvs: (3, F, 2).
         material, object: (F,) int64.
         opacity: Alpha of what is not opaque; None where everything is.
+        glass: (M,) share of light that passes a surface of each material, refracted.
         size: Diagonal of the bounding box; offsets and tolerances are relative to it.
     """
 
@@ -76,28 +77,42 @@ class Geometry:
         flat = triangles.reshape(-1, 3)
         self.size = float(np.linalg.norm(flat.max(0) - flat.min(0)))
         opacity = Opacity(scene, device)
-        clear = opacity.clear[self.material].cpu().numpy()
-        self.opacity = opacity if clear.any() else None
-        if self.opacity:
-            far_away = np.full((1, 3, 3), 1e30, np.float32) + np.eye(
-                3, dtype=np.float32
-            )  # for lack of solid ones
-            self._solid = _embree(triangles[~clear] if not clear.all() else far_away)
-            self._clear = _embree(triangles[clear])
-            self._numbers = torch.from_numpy(clear.nonzero()[0]).to(device)
+        self.opacity = opacity if bool(opacity.clear[self.material].any()) else None
+        self._triangles = triangles
+        self.glass = torch.zeros(len(scene.materials), device=device)
+        self._part()
+
+    def let_through(self, glass: Tensor) -> bool:
+        """Says how much light (M,) each material's glass lets pass a surface; whether that is news."""
+        news = not torch.equal(glass, self.glass)
+        if news:
+            self.glass = glass
+            self._part()
+        return news
+
+    def _part(self) -> None:
+        """Parts the triangles into those that block light and those that may let some through."""
+        clear = self.glass > 0 if self.opacity is None else self.opacity.clear | (self.glass > 0)
+        passing = clear[self.material].cpu().numpy()
+        self._filter = bool(passing.any())
+        if self._filter:
+            nowhere = np.full((1, 3, 3), 1e30, np.float32)  # for lack of solid ones
+            self._solid = _embree(nowhere if passing.all() else self._triangles[~passing])
+            self._clear = _embree(self._triangles[passing])
+            self._numbers = torch.from_numpy(passing.nonzero()[0]).to(self.device)
 
     def first_hits(self, origin: Tensor, toward: Tensor) -> Hits:
-        """Where rays (3, N) with unit directions (3, N) end; transparent surfaces stop their share of the rays."""
+        """Where rays (3, N) with unit directions (3, N) end; what lets light through stops its share of the rays."""
         hits = self.nearest(origin, toward)
-        if self.opacity is None:
+        if not self._filter:
             return hits
         number = torch.arange(origin.shape[1], device=self.device)
         chance = number.double().mul(0.6180339887498949).frac().float()  # evenly spread, the same every time
         index, parts = number, list(hits.parts)
         for _ in range(_LAYERS):
             found = Hits(*(p[index] for p in parts))
-            surface = self.surface(found, toward[:, index])
-            passes = found.hit & (self.opacity.at(surface) <= chance[index])
+            stopping = self._stopping(self.surface(found, toward[:, index]), toward[:, index])
+            passes = found.hit & (stopping <= chance[index])
             index = index[passes]
             if not len(index):
                 break
@@ -124,14 +139,22 @@ class Geometry:
     def clear(self, origin: Tensor, toward: Tensor, distance: Tensor) -> Tensor:
         """Share (N,) of light that passes along rays (3, N) over distances (N,)."""
         limit = distance.clamp_max(1e30).cpu().numpy().astype(np.float32)
-        solid = self._solid if self.opacity else self._embree
+        solid = self._solid if self._filter else self._embree
         blocked = solid.run(_rows(origin), _rows(toward), limit, query="OCCLUDED")
         passing = torch.from_numpy((blocked < 0).astype(np.float32)).to(self.device)
-        return self._filtered(origin, toward, distance, passing) if self.opacity else passing
+        return self._filtered(origin, toward, distance, passing) if self._filter else passing
+
+    def _stopping(self, surface: Surface, toward: Tensor) -> Tensor:
+        """Share (N,) of light along rays (3, N) that a surface stops.
+
+        Curved glass gathers light in its middle: its rim, where rays graze, casts shadow.
+        """
+        solid = 1.0 if self.opacity is None else self.opacity.at(surface)
+        through = self.glass[surface.material] * dot(surface.normal, toward).abs()
+        return solid * (1 - through)
 
     def _filtered(self, origin: Tensor, toward: Tensor, distance: Tensor, passing: Tensor) -> Tensor:
         """Takes from the passing share (N,) what transparent surfaces on the way stop."""
-        assert self.opacity is not None
         index = (passing > 0).nonzero()[:, 0]
         start = torch.zeros_like(passing)
         for _ in range(_LAYERS):
@@ -145,7 +168,7 @@ class Geometry:
             u, v = (torch.from_numpy(found[name]).to(self.device)[met] for name in "uv")
             index, reach = index[met], reach[met]
             hits = Hits(self._numbers[triangle[met]], u, v, reach)
-            passing[index] *= 1 - self.opacity.at(self.surface(hits, toward[:, index]))
+            passing[index] *= 1 - self._stopping(self.surface(hits, toward[:, index]), toward[:, index])
             start[index] = reach + 1e-5 * (self.size + reach)
             index = index[passing[index] > 1e-3]
         return passing
