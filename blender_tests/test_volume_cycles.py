@@ -28,12 +28,15 @@ FOGS = {
     "fog": Fog(0.9, (0.8, 0.85, 0.9)),
     "thick": Fog(2.8, (0.5, 0.7, 0.9), 0.4),
     "low": Fog(3.5, falloff=1.0, offset=0.3),
+    "black": Fog(1.4, (0.0, 0.0, 0.0)),
 }
 FINISH, GROUND = Finish((0.6, 0.2, 0.1), 0.4), Finish((0.5, 0.45, 0.4), 0.7)
 VIEW = View(12.0, 10.0, fill=0.6)
 
 
-@pytest.mark.parametrize("name", ["area fog", "sun thick", "spot thin", "world fog", "point low"])
+@pytest.mark.parametrize(
+    "name", ["area fog", "sun thick", "spot thin", "world fog", "point low", "area black", "world thick"]
+)
 def test_fog_matches_cycles(tmp_path, name):
     light, fog = name.split()
     lamps, world = LIGHTS[light]

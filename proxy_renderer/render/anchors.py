@@ -44,16 +44,20 @@ class _SparseProduct(torch.autograd.Function):
 class Anchors:
     """Samples on a coarse grid, one for each material seen in each cell.
 
+    Args:
+        samples, surface: What the view sees.
+        across: Cells along the picture's longer side.
+
     Attributes:
         index: (A,) the samples.
         smooth: Evens out noise over neighboring anchors.
         spread: Carries from anchors to all surface samples.
     """
 
-    def __init__(self, samples: Samples, surface: Surface) -> None:
+    def __init__(self, samples: Samples, surface: Surface, across: int = _ANCHORS_ACROSS) -> None:
         width, height = samples.size
         n = samples.surfaces
-        self._stride = max(1, round(max(samples.size) / _ANCHORS_ACROSS))
+        self._stride = max(1, round(max(samples.size) / across))
         columns, rows = -(-width // self._stride), -(-height // self._stride)
         place = samples.place[:, :n] / self._stride
         cell = place[1].long().clamp(0, rows - 1) * columns + place[0].long().clamp(0, columns - 1)

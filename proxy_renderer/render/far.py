@@ -62,6 +62,12 @@ class Table:
         scattered = torch.cat((albedo[:, None] * sources, again[:, None] * sources), 1).flatten(0, 1)
         return Table(torch.cat((scattered, glow, sky)), albedo)
 
+    def dimmed(self, shares: Tensor) -> Table:
+        """With less of each source: shares (S,) of the lamps and the world's halves, and of both scattered twice."""
+        split = len(self.albedo) * len(shares)
+        scattered = self.radiances[:split].view(len(self.albedo), -1, 3) * shares[:, None]
+        return Table(torch.cat((scattered.flatten(0, 1), self.radiances[split:])), self.albedo)
+
 
 class Far:
     """Rays from A points, R each, and what they meet.
@@ -136,9 +142,9 @@ class Far:
 
     def light(self, index: int, lamp: Lamp) -> None:
         """Traces shadow rays to one lamp. Metals do not scatter it: they show what it lights."""
-        self.arriving[index] = _lit(self.geometry, lamp, self.surface) * ~self.shiny
+        self.arriving[index] = lit(self.geometry, lamp, self.surface) * ~self.shiny
         if self.beyond is not None:
-            second = _lit(self.geometry, lamp, self.beyond)
+            second = lit(self.geometry, lamp, self.beyond)
             self.arriving[self.lamps + 2 + index, self._around] = second * self._found
 
     def image(self, table: Table, ambient: Tensor) -> Tensor:
@@ -165,7 +171,7 @@ class Far:
         return torch.cat((scattered, glow, self.harmonics.T), 1)
 
 
-def _lit(geometry: Geometry, lamp: Lamp, surface: Surface) -> Tensor:
+def lit(geometry: Geometry, lamp: Lamp, surface: Surface) -> Tensor:
     """Irradiance (N,) of a lamp on a surface, shadowed by one ray to its middle."""
     met = arrival(lamp, surface.position, surface.normal)
     if not lamp.light.shadow:

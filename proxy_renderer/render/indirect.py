@@ -17,7 +17,9 @@ from .anchors import Anchors, Spread
 from .camera import View
 from .directions import above, cosine_directions, reflect
 from .far import Far, Table
+from .fog import Fog
 from .lights import Lamp, tangents
+from .murk import Murk
 from .samples import Samples
 from .vectors import length
 from .visibility import Geometry, Surface, sphere_points
@@ -34,21 +36,23 @@ class Gathered:
 
     Attributes:
         irradiance: (3, N) the world's included.
-        glossy, mirror: (3, N) blurred and mirrored radiance of surfaces, without the world.
+        glossy, mirror: (3, N) blurred and mirrored radiance of surfaces and fog, without the world.
+        open_glossy, open_mirror: (N,) shares of the blurred and of the mirrored reflection that the world fills.
         anchors: (A, 3) the irradiance at the anchors.
     """
 
     irradiance: Tensor
     glossy: Tensor
     mirror: Tensor
+    open_glossy: Tensor
+    open_mirror: Tensor
     anchors: Tensor
 
 
 class Indirect:
     """Bounced light and reflections for the samples of one view.
 
-    `points` are the anchors' surface; `open_sky` holds the shares (N,) of the blurred and of the mirrored
-    reflection that the world fills.
+    `anchors` are the indices (A,) of the samples at which diffuse light is gathered.
     """
 
     def __init__(
@@ -63,7 +67,8 @@ class Indirect:
     ) -> None:
         self._view = view
         self._anchors = anchors = Anchors(samples, surface)
-        self.points = points = surface.pick(anchors.index)
+        self.anchors = anchors.index
+        points = surface.pick(anchors.index)
         origin = geometry.lifted(points)
         shape = geometry, metals, lamps
         glossy = _glossy_rays(points, samples.toward[:, anchors.index], generator)
@@ -72,8 +77,11 @@ class Indirect:
         mirrored = above(reflect(samples.toward[:, : samples.surfaces], surface.normal), surface.facet)
         self.mirror = Far(geometry, geometry.lifted(surface), mirrored, 1, metals, lamps)
         self._mirror_ambient = self.spread_to(self.mirror.surface)
-        self.open_sky = anchors.spread(self.glossy.open[:, None])[:, 0], self.mirror.open
+        self._surface = surface
+        self._mirrored = mirrored
+        self._open_glossy = anchors.spread(self.glossy.open[:, None])[:, 0]
         self._weights: tuple[Tensor, Tensor] | None = None
+        self._shape = len(metals), 2 * (lamps + 2)
         self._skies = len(metals) * (2 * lamps + 5)
 
     def light(self, index: int, lamp: Lamp) -> None:
@@ -87,24 +95,44 @@ class Indirect:
         distance = length(surface.position - self._view.position[:, None])
         return self._anchors.spread_to(surface, self._view.project(surface.position), distance)
 
-    def gather(self, table: Table, ambient: Tensor | None = None) -> Gathered:
-        """Weighs all rays.
+    def gather(self, table: Table) -> Gathered:
+        """Weighs all rays."""
+        wide, narrow = self._weighed()
+        low = (wide @ table.radiances).clamp_min(0.0)
+        full = self._anchors.spread(torch.cat((low, narrow @ table.radiances[: self._skies]), 1)).T
+        mirror = self.mirror.image(table, self._mirror_ambient(low).T)
+        return Gathered(full[:3], full[3:], mirror, self._open_glossy, self.mirror.open, low)
 
-        Args:
-            table: The radiances of all there is to see.
-            ambient: (A,) share of the world's light that fog lets through to the anchors.
-        """
+    def gather_through(self, table: Table, fog: Fog, murk: Murk) -> Gathered:
+        """Weighs all rays, dimmed by fog, and adds what the fog scatters."""
+        wide, narrow = self._weighed()
+        sky = wide[:, self._skies :] @ table.radiances[self._skies :]
+        low = self._dimmed(wide, table, murk.factors, murk.passing)
+        low = (low + sky * murk.ambient[:, None]).clamp_min(0.0) + murk.scattered
+        through = murk.mirrored[:, None]
+        glossy = self._dimmed(narrow, table, murk.legs, torch.ones_like(murk.passing)) * through
+        glossy = glossy + murk.haze * (1 - through)
+        opening = self.glossy.open[:, None] * through
+        full = self._anchors.spread(torch.cat((low, glossy, murk.haze, opening), 1)).T
+        passing = fog.transmittance(self._surface.position, self._mirrored, self.mirror.distance)
+        image = self.mirror.image(table.dimmed(murk.legs.mean(0)), self._mirror_ambient(low).T)
+        mirror = image * passing + full[6:9] * (1 - passing)
+        return Gathered(full[:3], full[3:6], mirror, full[9], self.mirror.open * passing, low)
+
+    def _weighed(self) -> tuple[Tensor, Tensor]:
         if self._weights is None:
             low, glossy = self._anchors.smooth(self.diffuse.weights()) * math.pi, self.glossy.weights()
             self._weights = low, glossy[:, : self._skies]
-        wide, narrow = self._weights
-        sky = wide[:, self._skies :] @ table.radiances[self._skies :]
-        sky = sky if ambient is None else sky * ambient[:, None]
-        over = table.radiances[: self._skies]
-        low = (wide[:, : self._skies] @ over + sky).clamp_min(0.0)
-        full = self._anchors.spread(torch.cat((low, narrow @ over), 1)).T
-        mirror = self.mirror.image(table, self._mirror_ambient(low).T)
-        return Gathered(full[:3], full[3:], mirror, low)
+        return self._weights
+
+    def _dimmed(self, weights: Tensor, table: Table, shares: Tensor, glow: Tensor) -> Tensor:
+        """What anchors get from surfaces (A, 3), with shares (A, S) of the sources, and of the glow (A,)."""
+        materials, sources = self._shape
+        split = materials * sources
+        by_source = weights[:, :split].view(-1, materials, sources).permute(2, 0, 1)
+        scattered = torch.bmm(by_source, table.radiances[:split].view(materials, sources, 3).transpose(0, 1))
+        emitted = weights[:, split : self._skies] @ table.radiances[split : self._skies]
+        return torch.einsum("sac,as->ac", scattered, shares) + emitted * glow[:, None]
 
 
 def _far(geometry: Geometry, metals: Tensor, lamps: int, origin: Tensor, toward: Tensor, count: int) -> Far:

@@ -29,7 +29,7 @@ from .settings import Settings
 from .vectors import within
 from .view_cache import Sight, ViewCache
 from .visibility import Geometry
-from .volume import DIRECTIONS, Volume, ambient_transmittance
+from .volume import DIRECTIONS, Volume
 
 _FILM_KEYS = tuple(key for key, p in FAMILIES.items() if p.group == "film")
 _KNOTS = (0.0, GLOSSY, 1.0)
@@ -124,17 +124,16 @@ class Proxy:
         if frame.fog.active:
             beams = [beam.through(frame.fog, sight) for beam in beams]
         table = _table(frame)
-        gathered = cache.indirect.gather(table, _ambient(frame))
+        gathered = self._gather(frame, table)
         irradiance = gathered.irradiance
         around = irradiance / math.pi
         if beams:
             irradiance = irradiance + frame.colors.T @ torch.stack([beam.irradiance for beam in beams])
         sharp, blurred, behind = cache.worlds(sky, sight)
-        open_glossy, open_mirror = cache.indirect.open_sky
         tint = sky.color[:, None]
         images = (
-            gathered.mirror + tint * (sharp * open_mirror),
-            gathered.glossy + tint * (blurred * open_glossy),
+            gathered.mirror + tint * (sharp * gathered.open_mirror),
+            gathered.glossy + tint * (blurred * gathered.open_glossy),
             around,
         )
         # One split backs up as one concatenation; a slice for every material would as a picture of zeros each.
@@ -159,12 +158,23 @@ class Proxy:
         shown = torch.cat((*pieces, torch.zeros_like(behind)), 1)
         return torch.cat((shown, cache.covered))
 
+    @property
+    def _near(self) -> float:
+        """A typical distance of what is seen, meters."""
+        return float(self.scene.references.get("view_distance", self.geometry.size))
+
+    def _gather(self, frame: Frame, table: Table) -> Gathered:
+        """Indirect light."""
+        if not frame.fog.active:
+            return frame.cache.indirect.gather(table)
+        murk = frame.cache.murk(self._near).gather(frame.fog, frame.lamps, frame.sky)
+        return frame.cache.indirect.gather_through(table, frame.fog, murk)
+
     def _through_fog(self, frame: Frame, view: View, radiance: Tensor) -> Tensor:
         """Adds the light that fog scatters to the eye, takes what it extinguishes."""
         sky, samples = frame.sky, frame.cache.samples
-        near = float(self.scene.references.get("view_distance", self.geometry.size))
         world = sky.color[:, None] * sky.levels(DIRECTIONS.to(self.device), (0.5,))[0]
-        haze = self.volume.scatter(frame.fog, view, near, frame.lamps, world)
+        haze = self.volume.scatter(frame.fog, view, self._near, frame.lamps, world)
         light, passing = haze.look_up(samples.place, samples.hits.distance)
         lit = radiance[:3] * passing + light
         return lit if len(radiance) == 3 else torch.cat((lit, 1 - passing * (1 - radiance[3:])))
@@ -214,14 +224,6 @@ def _table(frame: Frame) -> Table:
     sky = frame.sky
     metallic = torch.stack([p.metallic for p in frame.paints])
     return Table.of(within(albedos, 0.0, 1.0), metallic, glow, frame.colors, sky.halves, sky.coefficients())
-
-
-def _ambient(frame: Frame) -> Tensor | None:
-    """Share (A,) of the world's light that fog lets through to the anchors of indirect light."""
-    if not frame.fog.active:
-        return None
-    points = frame.cache.indirect.points
-    return ambient_transmittance(frame.fog, points.position, points.normal)
 
 
 def _behind(frame: Frame, table: Table, gathered: Gathered, material: int, part: slice) -> Tensor:

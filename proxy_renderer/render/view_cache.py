@@ -20,6 +20,7 @@ from .highlight import Highlight, highlight
 from .indirect import Indirect
 from .lights import Lamp, arrival
 from .maps import Maps
+from .murk import MurkRays
 from .refraction import through
 from .samples import take
 from .settings import wanted
@@ -150,6 +151,8 @@ class ViewCache:
         self._varying: dict[int, dict[str, Tensor]] = {}
         self._bounced: dict[int, Tensor] = {}
         self._outlines: Silhouettes | None = None
+        self._murk: MurkRays | None = None
+        self._view = view.detached()
         self._through: dict[int, tuple[float, object, Behind]] = {}
         self._worlds: tuple[object, tuple[Tensor, Tensor, Tensor]] | None = None
 
@@ -243,6 +246,15 @@ class ViewCache:
             kept = kept[0], place, kept[2]
         self._through[material] = kept
         return kept[2]
+
+    def murk(self, near: float) -> MurkRays:
+        """The rays along which fog acts between surfaces; `near` is a typical distance of what is seen, meters."""
+        if self._murk is None:
+            with torch.no_grad():
+                self._murk = MurkRays(
+                    self.geometry, self.samples, self._sight.surface, self._view, self.indirect.anchors, near
+                )
+        return self._murk
 
     def outlines(self) -> Silhouettes:
         """The outlines, for gradients with respect to the camera."""
