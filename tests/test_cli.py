@@ -78,6 +78,7 @@ def test_prompts_that_cannot_be_one(mesh, prompt, word):
         (["--device", "gpu"], ["'gpu'", "cuda"]),
         (["--baseline", "magic"], ["clip-only"]),
         (["--stage", "moon"], ["cyclorama"]),
+        (["--vlm-model", "eyes", "--vlm-url", "localhost:11434"], ["'localhost:11434'", "http://"]),
     ],
 )
 def test_options_that_mean_nothing(mesh, more, words):

@@ -9,6 +9,7 @@ import time
 import pytest
 from model_server import KEY, MODEL, has_picture, refuses, says, serving
 
+from proxy_renderer import doctor
 from proxy_renderer.schema import VibeError
 from proxy_renderer.schema.messages import Options
 from proxy_renderer.vlm import client as client_module
@@ -385,6 +386,17 @@ class TestEndpoint:
         ):
             with pytest.raises(VibeError, match="online access"):
                 find_endpoint(Options(vlm_model="m", vlm_url=url, online=False), environment={})
+
+
+def test_doctor_says_whether_a_model_is_configured(monkeypatch):
+    monkeypatch.delenv("VIBE_VLM_MODEL", raising=False)
+    assert "VIBE_VLM_MODEL" in doctor._model()
+    monkeypatch.setenv("VIBE_VLM_MODEL", MODEL)
+    with serving(lambda body, n: says({"color": "red"})) as model:
+        monkeypatch.setenv("VIBE_VLM_URL", model.url)
+        assert f"{MODEL} at 127.0.0.1" in doctor._model()
+    with pytest.raises(VibeError, match="cannot be reached"):
+        doctor._model()
 
 
 @pytest.mark.parametrize(

@@ -21,6 +21,7 @@ from .contract import messages, schema
 from .conversation import Conversation, on_interrupt
 from .engine import Engine
 from .export import Job
+from .model_notes import model_lines
 from .outputs import Outputs
 from .subject import Choice
 
@@ -187,6 +188,7 @@ def _summary(
     lines += _listed(job, values)
     return [
         *lines,
+        *model_lines(found.report, measured.judge),
         f"Similarity to the words {s['before']:.3f} -> {s['after']:.3f}; "
         f"the prediction is {near:.1f} CIEDE2000 away from Cycles.",
     ]

@@ -99,7 +99,8 @@ class VIBE_OT_run(bpy.types.Operator):
 
     def _done(self, failure: schema.VibeError | None, severity: str) -> set[str]:
         if failure is None:
-            self.report({"INFO"}, "The vibe is in the scene")
+            note = desk.session.note if desk.session else ""
+            self.report({"WARNING" if note else "INFO"}, note or "The vibe is in the scene")
             return {"FINISHED"}
         desk.end(failure)
         self.report({severity}, str(failure))

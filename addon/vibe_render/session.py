@@ -15,6 +15,7 @@ import bpy
 from . import preferences, result, scene_io, snapshot
 from .contract import messages, schema
 from .engine import Engine
+from .model_notes import failure_note
 from .subject import Choice
 
 LOOKING = "Looking for the look"
@@ -54,6 +55,11 @@ class Session:
         """How much of the loop is done, 0 to 1."""
         p = self.progress
         return ((p.round - 1) * p.steps + p.step) / (p.rounds * p.steps) if p else 0.0
+
+    @property
+    def note(self) -> str:
+        """What the artist should know of a vibe that has succeeded; "" if there is nothing."""
+        return failure_note(self._found.report) if self._found else ""
 
     def advance(self) -> bool:
         """Does the next bit; False when the vibe is in the scene.
