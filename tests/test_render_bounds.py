@@ -5,14 +5,42 @@ from __future__ import annotations
 
 import dataclasses
 
+import numpy as np
 import pytest
 import torch
 from torch import Tensor
 
 from proxy_renderer.bench.scenes import balls
 from proxy_renderer.render.proxy import Proxy
+from proxy_renderer.scene import SceneData, Texture, World
+from proxy_renderer.schema import FAMILIES, GROUPS, Instance
 
-SCENE = balls(2, 4, subdivisions=2)
+
+def _everything() -> SceneData:
+    """A scene that has every parameter: lamps of each type, a texture, an environment."""
+    scene = balls(2, 4, subdivisions=2)
+    image = np.random.default_rng(3).random((8, 16, 3), np.float32)
+    ball, *rest = scene.materials
+    rows = [
+        ("material/tint", ball.name),
+        ("material/recolor", ball.name),
+        ("world/tint", ""),
+        ("world/rotation", ""),
+    ]
+    linked = (Instance(p := FAMILIES[name], owner, (p.default,) * p.components) for name, owner in rows)
+    return dataclasses.replace(
+        scene,
+        materials=(dataclasses.replace(ball, texture=Texture(image)), *rest),
+        world=World("environment", image),
+        instances={**scene.instances, **{i.key: i for i in linked}},
+    )
+
+
+SCENE = _everything()
+
+
+def test_every_parameter_is_tried() -> None:
+    assert {i.parameter.family for i in SCENE.instances.values()} == set(FAMILIES)
 
 
 @pytest.fixture(scope="module")
@@ -31,20 +59,22 @@ def _check(proxy: Proxy, values: dict[str, Tensor]) -> None:
     assert not broken
 
 
-@pytest.mark.parametrize("group", ["camera", "light", "world", "material", "volume"])
+@pytest.mark.parametrize("group", GROUPS)
 def test_one_at_its_bound(proxy: Proxy, group: str) -> None:
     usual = {key: torch.tensor(i.value) for key, i in SCENE.instances.items()}
     for key, instance in SCENE.instances.items():
-        if instance.parameter.group == group:
+        if instance.parameter.group == group and instance.owner != "Floor":
             for bound in (instance.lower, instance.upper):
                 _check(proxy, {**usual, key: torch.tensor(bound)})
 
 
-def test_all_at_random_bounds(proxy: Proxy) -> None:
-    generator = torch.Generator().manual_seed(5)
-    for _ in range(8):
-        sides = torch.rand(len(SCENE.instances), generator=generator) < 0.5
-        rows = zip(SCENE.instances.items(), sides, strict=True)
+@pytest.mark.parametrize("scene", [SCENE, balls(2, 4, subdivisions=2)], ids=["everything", "plain"])
+def test_all_at_bounds(scene: SceneData) -> None:
+    proxy, generator = Proxy(scene, (24, 24)), torch.Generator().manual_seed(5)
+    instances = scene.instances
+    for share in (1.0, 0.0, *(0.5,) * 8):  # all low, all high, random corners
+        sides = torch.rand(len(instances), generator=generator) < share
+        rows = zip(instances.items(), sides, strict=True)
         _check(proxy, {key: torch.tensor(i.lower if low else i.upper) for (key, i), low in rows})
 
 

@@ -76,3 +76,22 @@ def test_seeds_are_reproducible() -> None:
     scene = balls(2, 1, 2)
     first, second = (Proxy(scene, (48, 48), seed=3).render({}).display for _ in range(2))
     assert torch.equal(first, second)
+
+
+def test_memory_grows_as_the_pixels_do() -> None:
+    """Bytes that a step keeps for its gradient."""
+    scene = balls(2, 2, 2)
+
+    def kept(side: int) -> int:
+        found: dict[int, int] = {}
+
+        def pack(tensor: torch.Tensor) -> torch.Tensor:
+            found[tensor.untyped_storage().data_ptr()] = tensor.untyped_storage().nbytes()
+            return tensor
+
+        values = {key: torch.tensor(i.value, requires_grad=True) for key, i in scene.instances.items()}
+        with torch.autograd.graph.saved_tensors_hooks(pack, lambda tensor: tensor):
+            Proxy(scene, (side, side)).render(values).display.mean().backward()
+        return sum(found.values())
+
+    assert kept(256) < 4.4 * kept(128)

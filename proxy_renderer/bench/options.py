@@ -7,8 +7,10 @@ import argparse
 from collections.abc import Callable
 
 
-def _none(_: argparse.ArgumentParser) -> None:
-    """No options of its own."""
+def _speed(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument(
+        "--mitsuba", action="store_true", help="beside Mitsuba 3 too, where it is installed: time and error"
+    )
 
 
 def _fidelity(sub: argparse.ArgumentParser) -> None:
@@ -38,7 +40,7 @@ def _fidelity(sub: argparse.ArgumentParser) -> None:
 Options = Callable[[argparse.ArgumentParser], None]
 
 BENCHES: dict[str, tuple[str, Options]] = {
-    "speed": ("How long a step of the renderer takes, forward and backward.", _none),
+    "speed": ("How long a step of the renderer takes, forward and backward.", _speed),
     "fidelity": ("How near the proxy is to Cycles, scene by scene and feature by feature.", _fidelity),
 }
 """By name: a summary, and what declares the options, which are the keywords of its module's `run`."""

@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import os
 import statistics
+import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,29 +16,43 @@ import torch
 
 from ..render.proxy import Proxy
 from ..scene import SceneData
+from . import versus
 from .scenes import balls
+
+try:
+    import resource
+except ImportError:  # Windows
+    resource = None  # type: ignore[assignment]
 
 _SIZE = 512
 _STEPS = 8
+_SIDES = (256, 512, 1024)
 _TRIANGLES = (3, 7)  # subdivisions: a ball of 1,280 and one of 327,680 triangles
 _COMMON = ("light/Lamp 0/power", "light/Lamp 0/color", "world/color", "film/exposure", "film/contrast")
 _ONE = [*(f"material/Ball 0/{name}" for name in ("base_color", "roughness", "metallic")), *_COMMON]
 _MANY = [*(f"material/Ball {i}/base_color" for i in range(3)), *_COMMON]
 
 
-def run(out: Path) -> dict[str, Any]:
+def run(out: Path, mitsuba: bool = False) -> dict[str, Any]:
     """Measures steps and writes OUT/results.json.
 
+    Args:
+        out: The folder.
+        mitsuba: Whether to measure Mitsuba 3 on the same scenes, see `versus`.
+
     Returns:
-        Milliseconds. `step_ms_512` is a step with eight parameters learned, as many as a round of a vibe
+        Milliseconds, and `memory_mb` by the side of the picture. `step_ms_512` is a step with eight parameters learned, as many as a round of a vibe
         chooses, of one material, one light, the world and the film; `..._eight_materials` the same of eight
         materials and four lights; `..._everything` learns all that does not move, at once; then steps
         with a light or the camera moving before each, and steps for few and for many triangles.
     """
+    if mitsuba:
+        versus.require()
     one, many = balls(1, 1), balls(8, 4)
     still = [key for key in one.instances if _still(key)]
     results: dict[str, Any] = {
         "threads": torch.get_num_threads(),
+        "memory_mb": _memory(one),  # first: what later steps take would hide it
         "step_ms_512": _step(one, _ONE),
         "step_ms_512_eight_materials": _step(many, _MANY),
         "step_ms_512_everything": _step(one, still),
@@ -48,6 +63,12 @@ def run(out: Path) -> dict[str, Any]:
             len(scene.mesh.faces): _step(scene, _ONE) for scene in (balls(2, 1, n) for n in _TRIANGLES)
         },
     }
+    for name, value in results.items():
+        print(f"{name}: {value}")
+    if mitsuba:
+        results["mitsuba"] = versus.compare(
+            out, _SIZE, lambda scene, keys, size: _step(scene, keys, size=size)
+        )
     out.mkdir(parents=True, exist_ok=True)
     part = out / "results.json.part"
     part.write_text(json.dumps(results, indent=1), encoding="utf-8")
@@ -55,19 +76,39 @@ def run(out: Path) -> dict[str, Any]:
     return results
 
 
-def _step(scene: SceneData, learned: Sequence[str], move: float = 0.0) -> float:
+def _memory(scene: SceneData) -> dict[int, int]:
+    """Megabytes that a step needs at most, by the side of the picture; nothing where the system does not tell."""
+    if resource is None:
+        return {}
+    peaks, start = {}, _peak()
+    for side in _SIDES:  # the largest comes last: a peak never falls
+        _step(scene, _ONE, size=side, steps=2)
+        peaks[side] = round(_peak() - start)
+    return peaks
+
+
+def _peak() -> float:
+    """The most memory that this process has had so far, megabytes."""
+    assert resource is not None
+    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return most / 2**20 if sys.platform == "darwin" else most / 2**10
+
+
+def _step(
+    scene: SceneData, learned: Sequence[str], move: float = 0.0, size: int = _SIZE, steps: int = _STEPS
+) -> float:
     """Median milliseconds of rendering and differentiating; `move` is added before every step."""
-    proxy = Proxy(scene, (_SIZE, _SIZE))
+    proxy = Proxy(scene, (size, size))
     values = {key: torch.tensor(scene.instances[key].value, requires_grad=True) for key in learned}
     times = []
-    for step in range(_STEPS):
+    for step in range(steps):
         with torch.no_grad():
             for value in values.values():
                 value += move
         start = time.perf_counter()
         picture = proxy.render(values).display
         picture.backward(torch.full_like(picture, 1e-6))
-        if step > 1:  # the first ones trace rays and warm up
+        if step > 1 or step == steps - 1:  # the first ones trace rays and warm up
             times.append(1000 * (time.perf_counter() - start))
     return round(statistics.median(times), 1)
 
