@@ -21,7 +21,7 @@ from .vectors import dot
 from .visibility import Geometry, Surface
 
 _WORLD_AT_SECOND = 0.3
-"""Most of the world that the surfaces of second bounces are taken to see; less in rooms, where rays rarely leave."""
+"""Most of the world that surfaces of second bounces are taken to see; in rooms, which rays rarely leave, less."""
 
 
 @dataclass(frozen=True)
@@ -131,10 +131,12 @@ class Far:
         hits = self.geometry.first_hits(self.geometry.lifted(start), toward)
         self._found = hits.hit.to(torch.float32)
         beyond = self.geometry.surface(hits, toward)
+        met = self.hit[self._around]
+        leaving = float(((1 - self._found) * met).sum() / met.sum().clamp_min(1.0))
         facing = torch.where(shiny, torch.where(toward[2] > 0, 1.0, -1.0), start.normal[2])
         for row, up, seen in (
             (self.lamps, (1 + facing) / 2, 1 - self._found),
-            (2 * self.lamps + 2, (1 + beyond.normal[2]) / 2, self._found * _WORLD_AT_SECOND),
+            (2 * self.lamps + 2, (1 + beyond.normal[2]) / 2, self._found * min(leaving, _WORLD_AT_SECOND)),
         ):
             self.arriving[row, self._around] = up * seen
             self.arriving[row + 1, self._around] = (1 - up) * seen
