@@ -16,7 +16,7 @@ from torch import Tensor
 
 from .directions import above, cosine_directions, reflect
 from .environment import harmonics
-from .lights import Lamp, arrival
+from .lights import Arrival, Lamp, arrival
 from .vectors import dot
 from .visibility import Geometry, Surface
 
@@ -110,6 +110,7 @@ class Far:
         self.lamps = lamps
         # Rows: every lamp and both halves of the world at the hits; the same where one more ray from there ends.
         self.arriving = torch.zeros((2 * (lamps + 2), len(self.hit)), device=self.hit.device)
+        self._clear = torch.zeros_like(self.arriving)
         around = torch.arange(len(self.hit), device=self.hit.device) if deep else self.shiny.nonzero()[:, 0]
         self._around = around
         self.beyond = self._look_around(toward[:, around]) if len(around) else None
@@ -144,10 +145,34 @@ class Far:
 
     def light(self, index: int, lamp: Lamp) -> None:
         """Traces shadow rays to one lamp. Metals do not scatter it: they show what it lights."""
-        self.arriving[index] = lit(self.geometry, lamp, self.surface) * ~self.shiny
+        for row, rays, surface, share in self._bounces(index):
+            met = arrival(lamp, surface.position, surface.normal)
+            clear = _clear(self.geometry, lamp, met, surface) * share
+            self._clear[row, rays], self.arriving[row, rays] = clear, met.irradiance * clear
+
+    def _bounces(self, index: int) -> list[tuple[int, Tensor | slice, Surface, Tensor]]:
+        """A lamp's rows of `arriving`: row, rays, the surface that it lights, and the share that rays take of it."""
+        bounces: list[tuple[int, Tensor | slice, Surface, Tensor]] = [
+            (index, slice(None), self.surface, (~self.shiny).float())
+        ]
         if self.beyond is not None:
-            second = lit(self.geometry, lamp, self.beyond)
-            self.arriving[self.lamps + 2 + index, self._around] = second * self._found
+            bounces.append((self.lamps + 2 + index, self._around, self.beyond, self._found))
+        return bounces
+
+    def moved(self, index: int, lamp: Lamp, table: Table) -> Tensor:
+        """Zeros (A, 3) with the gradient of what the points see by where a lamp stands.
+
+        That it lights the hits more or less counts; that its shadows move there does not.
+        """
+        rows = table.radiances[: self.materials * len(self.arriving)].detach()
+        rows = torch.cat((rows.view(self.materials, -1, 3), rows.new_zeros((1, len(self.arriving), 3))))
+        total = torch.zeros((len(self.owner), 3), device=rows.device)
+        for row, rays, surface, _ in self._bounces(index):
+            irradiance = arrival(lamp, surface.position, surface.normal).irradiance
+            light = (irradiance - irradiance.detach()) * self._clear[row, rays]
+            seen = rows[self.owner[rays], row] * light[:, None]
+            total = total + seen if isinstance(rays, slice) else total.index_add(0, rays, seen)
+        return total.view(-1, self.count, 3).mean(1)
 
     def image(self, table: Table, ambient: Tensor) -> Tensor:
         """Radiance (3, A) of the hits of single rays; 0 where they leave the scene.
@@ -176,12 +201,15 @@ class Far:
 def lit(geometry: Geometry, lamp: Lamp, surface: Surface) -> Tensor:
     """Irradiance (N,) of a lamp on a surface, shadowed by one ray to its middle."""
     met = arrival(lamp, surface.position, surface.normal)
+    return met.irradiance * _clear(geometry, lamp, met, surface)
+
+
+def _clear(geometry: Geometry, lamp: Lamp, met: Arrival, surface: Surface) -> Tensor:
+    """(N,) 1.0 where a ray from a surface to the lamp's middle passes, else 0.0."""
     if not lamp.light.shadow:
-        return met.irradiance
+        return torch.ones_like(met.irradiance)
     facing = dot(surface.facet, met.toward) > 0
-    return (
-        met.irradiance * geometry.clear(geometry.lifted(surface), met.toward, met.distance * 0.999) * facing
-    )
+    return geometry.clear(geometry.lifted(surface), met.toward, met.distance * 0.999) * facing
 
 
 class _Image(torch.autograd.Function):

@@ -8,7 +8,8 @@ product per render weighs all rays, and spread to the samples; mirror images are
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import torch
 from torch import Tensor
@@ -118,6 +119,28 @@ class Indirect:
         image = self.mirror.image(table.dimmed(murk.legs.mean(0)), self._mirror_ambient(low).T)
         mirror = image * passing + full[6:9] * (1 - passing)
         return Gathered(full[:3], full[3:6], mirror, full[9], self.mirror.open * passing, low)
+
+    def following(self, gathered: Gathered, table: Table, lamps: Sequence[Lamp]) -> Gathered:
+        """The same light, with gradients by where the lamps that are being learned stand.
+
+        Fog between surfaces is left out here: only the gradients miss what it dims.
+        """
+        moving = [(index, lamp) for index, lamp in enumerate(lamps) if lamp.moving]
+        if not moving:
+            return gathered
+        wide, narrow, mirror = (
+            torch.stack([far.moved(*row, table) for row in moving]).sum(0)
+            for far in (self.diffuse, self.glossy, self.mirror)
+        )
+        low = self._anchors.smooth(wide) * math.pi
+        full = self._anchors.spread(torch.cat((low, narrow), 1)).T
+        return replace(
+            gathered,
+            irradiance=gathered.irradiance + full[:3],
+            glossy=gathered.glossy + full[3:],
+            mirror=gathered.mirror + mirror.T,
+            anchors=gathered.anchors + low,
+        )
 
     def _weighed(self) -> tuple[Tensor, Tensor]:
         if self._weights is None:

@@ -102,7 +102,7 @@ class Proxy:
             paints=paints,
             fog=Fog(self.scene, settings),
         )
-        radiance = self._radiance(frame)
+        radiance = self._radiance(frame, view)
         if frame.fog.active:
             radiance = self._through_fog(frame, view, radiance)
         picture, mask = cache.samples.resolve(radiance), cache.mask
@@ -114,17 +114,17 @@ class Proxy:
         film = {key: settings.color(key) for key in _FILM_KEYS if settings.has(key)}
         return Render(self.film.develop(linear, film, alpha), linear, mask, cache.depth, alpha)
 
-    def _radiance(self, frame: Frame) -> Tensor:
+    def _radiance(self, frame: Frame, view: View) -> Tensor:
         """Radiance (3, N + B) of all samples: surfaces in the order of their materials, then background.
 
         A transparent film has a fourth row: how much of what is behind it a sample covers.
         """
         cache, sight, sky = frame.cache, frame.sight, frame.sky
-        beams = [cache.beam(i, lamp, sight) for i, lamp in enumerate(frame.lamps)]
+        beams = [cache.beam(i, lamp, sight, view) for i, lamp in enumerate(frame.lamps)]
         if frame.fog.active:
             beams = [beam.through(frame.fog, sight) for beam in beams]
         table = _table(frame)
-        gathered = self._gather(frame, table)
+        gathered = cache.indirect.following(self._gather(frame, table), table, frame.lamps)
         irradiance = gathered.irradiance
         around = irradiance / math.pi
         if beams:

@@ -24,6 +24,7 @@ from .murk import MurkRays
 from .refraction import through
 from .samples import take
 from .settings import wanted
+from .shadow_edges import ShadowEdges
 from .shadows import shadow
 from .silhouette import Silhouettes
 from .vectors import dot, unit
@@ -68,7 +69,8 @@ class Sight:
     @property
     def moving(self) -> bool:
         """Whether gradients with respect to the camera are wanted."""
-        return wanted(self.toward_eye)
+        # A camera that only comes nearer turns no ray.
+        return wanted(self.toward_eye, self.surface.position)
 
 
 @dataclass(frozen=True)
@@ -108,6 +110,7 @@ class _Shadowed:
     signature: tuple[float, ...]
     visible: Tensor
     beam: Beam | None = None
+    edges: ShadowEdges | None = None
 
 
 @dataclass(frozen=True)
@@ -145,6 +148,8 @@ class ViewCache:
             self.indirect = Indirect(geometry, samples, self._sight.surface, view.detached(), *shape)
             self.mean_texture = [_mean(m, geometry.device) for m in scene.materials]
             self.inside, self.depth = self._inside(), self._depth()
+            owner = geometry.object[self._hits.triangle]
+            self._on_center = owner == samples.owner[samples.pixel[: samples.surfaces]]
             self.covered = samples.hits.hit.to(torch.float32)[None]
             self.mask = samples.resolve(self.inside).view(self.depth.shape)
         self._beams: dict[int, _Shadowed] = {}
@@ -196,7 +201,7 @@ class ViewCache:
             name: self._maps.at(material, name, surface) for name in names if self._maps.has(material, name)
         }
 
-    def beam(self, index: int, lamp: Lamp, sight: Sight) -> Beam:
+    def beam(self, index: int, lamp: Lamp, sight: Sight, view: View) -> Beam:
         """A lamp's beam; its shadows are traced again when it has moved."""
         signature = lamp.signature()
         kept = self._beams.get(index)
@@ -205,7 +210,7 @@ class ViewCache:
                 kept = self._beams[index] = self._trace(lamp, signature)
             self._bounce(index, lamp)
         if lamp.moving or sight.moving:
-            return Beam.of(lamp, sight, kept.visible)
+            return Beam.of(lamp, sight, kept.visible + self._moving_shadow(kept, lamp, view))
         if kept.beam is None:
             with torch.no_grad():
                 kept.beam = Beam.of(lamp, self._sight, kept.visible)
@@ -217,6 +222,16 @@ class ViewCache:
         met = arrival(still, surface.position, surface.normal)
         visible = shadow(self.geometry, self.samples, surface, still, met, lamp.moving)
         return _Shadowed(signature, visible)
+
+    def _moving_shadow(self, kept: _Shadowed, lamp: Lamp, view: View) -> Tensor:
+        """Zeros (N,) with the gradient of a lamp's shadows, which move with lamp and camera."""
+        if not lamp.light.shadow:
+            return torch.zeros_like(kept.visible)
+        if kept.edges is None:
+            with torch.no_grad():
+                kept.edges = ShadowEdges.of(self.geometry, self.samples, view.detached(), lamp.detached())
+        term = kept.edges.term(view, lamp, self.depth.numel())
+        return torch.where(self._on_center, term[self.samples.pixel[: self.samples.surfaces]], 0.0)
 
     def _bounce(self, index: int, lamp: Lamp) -> None:
         """Renews bounced light: at once after a jump, but only now and then on a gradient loop's small steps."""
