@@ -25,13 +25,15 @@ from .lights import Lamp, lamps_of
 from .lobes import Light, Reflected
 from .paint import Paint, paint_of, used
 from .principled import shade
-from .settings import Settings
+from .settings import Settings, wanted
 from .vectors import within
 from .view_cache import Sight, ViewCache
 from .visibility import Geometry
 from .volume import DIRECTIONS, Volume
 
 _FILM_KEYS = tuple(key for key, p in FAMILIES.items() if p.group == "film")
+_BENT = 0.02
+"""Difference of IOR over which refracted pictures are compared."""
 _KNOTS = (0.0, GLOSSY, 1.0)
 
 
@@ -227,8 +229,21 @@ def _table(frame: Frame) -> Table:
 
 
 def _behind(frame: Frame, table: Table, gathered: Gathered, material: int, part: slice) -> Tensor:
-    """Radiance (3, n) seen through a transparent material."""
-    ior = float(frame.paints[material].ior.detach())
-    behind = frame.cache.behind(material, part, ior, frame.lamps)
-    world = frame.sky.levels(behind.toward, (0.0,))[0] * frame.sky.color[:, None]
-    return behind.far.image(table, behind.ambient(gathered.anchors).T) + world * behind.far.open
+    """Radiance (3, n) seen through a transparent material.
+
+    Another IOR bends rays to other places, over edges too: its gradient is a secant between two traced pictures.
+    """
+    ior = frame.paints[material].ior
+    here = float(ior.detach())
+
+    def seen(side: int) -> Tensor:
+        behind = frame.cache.behind(material, side, part, max(here + side * _BENT, 1.0), frame.lamps)
+        world = frame.sky.levels(behind.toward, (0.0,))[0] * frame.sky.color[:, None]
+        return behind.far.image(table, behind.ambient(gathered.anchors).T) + world * behind.far.open
+
+    straight = seen(0)
+    if not wanted(ior):
+        return straight
+    with torch.no_grad():
+        slope = (seen(1) - seen(-1)) / (here + _BENT - max(here - _BENT, 1.0))
+    return straight + slope * (ior - ior.detach())

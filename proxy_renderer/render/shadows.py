@@ -36,8 +36,9 @@ def shadow(
         return torch.ones(count, device=surface.position.device)
     solid = float(arriving.solid_angle.max()) if count else 0.0
     rays = 1 if solid < _SHARP else (2 if moving else _MOST_RAYS)
-    seen = torch.zeros(count, device=surface.position.device)
-    lit = (dot(surface.facet, arriving.toward) > 0) & (arriving.frontal > 0)
+    facing, reached = dot(surface.facet, arriving.toward) > 0, arriving.frontal > 0
+    # Out of a spot's cone nothing is in shadow: smoothing would carry that over the cone's rim.
+    seen, lit = (facing & ~reached).to(torch.float32), facing & reached
     index = lit.nonzero()[:, 0]
     origin = geometry.lifted(surface)[:, index]
     spots = sphere_points(rays, count, torch.Generator().manual_seed(11)).to(seen.device)[:, index]

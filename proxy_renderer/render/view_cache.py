@@ -158,7 +158,7 @@ class ViewCache:
         self._outlines: Silhouettes | None = None
         self._murk: MurkRays | None = None
         self._view = view.detached()
-        self._through: dict[int, tuple[float, object, Behind]] = {}
+        self._through: dict[tuple[int, int], tuple[float, object, Behind]] = {}
         self._worlds: tuple[object, tuple[Tensor, Tensor, Tensor]] | None = None
 
     def sight(self, view: View) -> Sight:
@@ -244,10 +244,18 @@ class ViewCache:
         with torch.no_grad():
             self.indirect.light(index, lamp.detached())
 
-    def behind(self, material: int, part: slice, ior: float, lamps: list[Lamp]) -> Behind:
-        """What is seen through a material's samples; traced anew for a new IOR."""
+    def behind(self, material: int, side: int, part: slice, ior: float, lamps: list[Lamp]) -> Behind:
+        """What is seen through a material's samples; traced anew for a new IOR.
+
+        Args:
+            material: Its index.
+            side: 0, or -1 and 1 for the IORs beside it: each is kept.
+            part: Its samples.
+            ior: Its IOR.
+            lamps: The lights.
+        """
         place = tuple(lamp.signature() for lamp in lamps)
-        kept = self._through.get(material)
+        kept = self._through.get((material, side))
         if kept is None or abs(kept[0] - ior) > 1e-3:
             with torch.no_grad():
                 toward = self.samples.toward[:, part]
@@ -259,7 +267,7 @@ class ViewCache:
                 for i, lamp in enumerate(lamps):
                     kept[2].far.light(i, lamp.detached())
             kept = kept[0], place, kept[2]
-        self._through[material] = kept
+        self._through[material, side] = kept
         return kept[2]
 
     def murk(self, near: float) -> MurkRays:
