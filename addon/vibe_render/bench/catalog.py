@@ -131,7 +131,7 @@ CATALOG: tuple[Recipe, ...] = (
     Recipe("cottage", "house", (Finish((0.7, 0.66, 0.58), 0.8, "brick"), Finish((0.35, 0.1, 0.06), 0.8), Finish((0.3, 0.2, 0.17), 0.8), Finish((0.06, 0.16, 0.06), 1.0), Finish((0.06, 0.16, 0.06), 1.0)), (sun(-45, 35, 0.9),), World(0.8, (0.3, 0.45, 0.7)), ground=GRASS, view=View(30, 15), transform="Filmic"),
     Recipe("cornell_box", "trio", (Finish((0.7, 0.7, 0.7), 0.8), metal(CHROME, 0.1), Finish((0.7, 0.7, 0.7), 0.25)), (Lamp("AREA", 0.0, 85.0, 1.2, 1.2, WARM, 2.6),), World(0.0), "room", Finish((0.7, 0.69, 0.66), 0.9), view=View(0, 6, 42, 0.62)),
     # textures
-    Recipe("globe", "ball", (Finish((0.8, 0.8, 0.8), 0.25, "map"),), (key(0.7), point(60, 0.2)), World(0.4, picture="interior"), ground=BOARDS, transform="Standard"),
+    Recipe("globe", "ball", (Finish((0.8, 0.8, 0.8), 0.25, "map"),), (key(0.7), point(60, 0.2)), World(0.25, picture="interior"), ground=BOARDS, transform="Standard"),
     Recipe("tartan_curtain", "curtain", (Finish((0.6, 0.1, 0.1), 0.8, "weave"),), (sun(-30, 50, 0.8, 3.0),), OVERCAST, ground=BOARDS),
     Recipe("marble_head", "head", (Finish((0.8, 0.78, 0.74), 0.25, "marble"),), (key(0.7), rim(0.4)), DUSK, "cove"),
     Recipe("wooden_bowl", "bowl", (Finish((0.5, 0.26, 0.1), 0.5, "wood"), Finish(RED, 0.25), Finish((0.7, 0.5, 0.05), 0.5), Finish(GREEN, 0.25)), (key(0.6, 40), spot(-70, 0.5)), DIM, ground=Finish((0.5, 0.5, 0.48), 0.5, "speckles"), view=View(15, 30)),
@@ -143,7 +143,7 @@ CATALOG: tuple[Recipe, ...] = (
     # fog
     Recipe("columns_haze", "columns", (Finish((0.45, 0.41, 0.36), 0.8),), (Lamp("AREA", 170.0, 25.0, 0.9, 2.0, WARM, 6.0), key(0.3)), World(1.0, (0.14, 0.17, 0.22)), ground=STONE, fog=Fog(0.5, anisotropy=0.3, owner="world"), view=View(8, 7)),
     Recipe("misty_tree", "tree", (Finish((0.05, 0.04, 0.04), 1.0),), (sun(100, 25, 0.5),), World(1.0, (0.4, 0.45, 0.5)), ground=GRASS, fog=Fog(1.2, (0.75, 0.8, 0.88)), view=View(10, 5)),
-    Recipe("thick_morning", "house", (Finish((0.6, 0.55, 0.48), 0.8), Finish((0.35, 0.1, 0.06), 0.8)), (sun(-120, 22, 0.7, 1.0, WARM),), World(1.0, (0.35, 0.42, 0.52)), ground=GRASS, fog=Fog(1.6, (0.8, 0.82, 0.85), 0.4), view=View(30, 10)),
+    Recipe("thick_morning", "house", (Finish((0.6, 0.55, 0.48), 0.8), Finish((0.35, 0.1, 0.06), 0.8)), (sun(-120, 22, 1.3, 1.0, WARM),), World(1.0, (0.35, 0.42, 0.52)), ground=GRASS, fog=Fog(1.1, (0.8, 0.82, 0.85), 0.4), view=View(30, 10)),
     Recipe("graveyard_low_fog", "columns", (Finish((0.35, 0.34, 0.33), 1.0),), (key(0.5, -60, COOL), point(50, 0.25)), DUSK, ground=GRASS, fog=Fog(1.8, (0.7, 0.78, 0.85), falloff=1.6, offset=0.15), view=View(12, 9)),
     Recipe("stage_spots", "head", (Finish((0.5, 0.45, 0.42), 0.5),), (spot(-50, 0.8, 0.5, 0.3, WARM), spot(50, 0.8, 0.5, 0.3, COOL), spot(170, 0.9, 0.6)), World(1.0, (0.01, 0.01, 0.015)), ground=Finish((0.15, 0.14, 0.14), 0.5), fog=Fog(0.3, (0.85, 0.85, 0.85), 0.2), transform="Khronos PBR Neutral"),
     Recipe("blind_shafts", "blind", (Finish(BONE, 0.5), *(Finish((0.25, 0.24, 0.23), 0.8),) * 7), (sun(-60, 35, 1.2),), World(1.0, (0.05, 0.06, 0.09)), ground=GREY, fog=Fog(0.4, (0.8, 0.8, 0.8), 0.3), view=View(35, 12)),
