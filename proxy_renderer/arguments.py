@@ -32,6 +32,7 @@ _SUBJECT = (
 )
 _LOCK = "leave this alone: a group, light/Key, or */roughness; can be given several times"
 _ENCODER = "an open_clip model such as ViT-B-32-256/datacomp_s34b_b86k, or a local checkpoint (default: the embedded one)"
+_ANCHOR = "do not let small Cycles pictures correct the prediction meanwhile: quicker, and less exact"
 
 _MODEL = (
     "a vision-language model that plans and judges, such as qwen2.5vl:7b or gpt-5-mini; off for none "
@@ -79,6 +80,7 @@ def add_vibe_options(sub: argparse.ArgumentParser) -> None:
     )
     engine.add_argument("--vlm-model", default="", metavar="NAME", help=_MODEL)
     engine.add_argument("--vlm-url", default="", metavar="URL", help=_URL)
+    engine.add_argument("--no-anchor", dest="anchor", action="store_false", help=_ANCHOR)
     engine.add_argument(
         "--baseline",
         choices=("clip-only",),
@@ -100,6 +102,7 @@ def vibe_arguments(a: argparse.Namespace, groups: list[str]) -> list[str]:
     names = (*_BUDGET, *_RENDER, "device", *(n for n in _OPTIONAL if getattr(a, n)))
     options = [f"--{name.replace('_', '-')}={getattr(a, name)}" for name in names]
     options += [f"--groups={','.join(groups)}"] if groups else []
+    options += [] if a.anchor else ["--no-anchor"]
     return options + [f"--lock={pattern}" for pattern in a.lock]
 
 

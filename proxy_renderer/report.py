@@ -19,6 +19,7 @@ from .schema import Values
 if TYPE_CHECKING:
     from torch import Tensor
 
+    from .optimise.anchoring import Anchoring, Blender
     from .optimise.pipeline import Outcome
 
 _PANEL = 512
@@ -48,6 +49,19 @@ def changed_values(outcome: Outcome) -> dict[str, list[float]]:
     """Key -> components, of what differs from the artist's scene."""
     after = outcome.vector.values(outcome.u)
     return {k: list(v) for k, v in after.items() if v != outcome.vector.instances[k].value}
+
+
+def anchored(anchoring: Anchoring, blender: Blender | None) -> dict[str, Any]:
+    """How the proxy was corrected; nothing if it was not to be.
+
+    `predicted` is the mean CIEDE2000 between what was predicted and what the next picture of Cycles showed, the
+    last time.
+    """
+    if blender is None:
+        return {}
+    records = [{**r, "seconds": s} for r, s in zip(anchoring.records, blender.seconds, strict=True)]
+    predicted = {"predicted": records[-1]["delta_e"]} if records else {}
+    return {"anchored": {"pictures": records, **predicted, "notes": blender.notes}}
 
 
 def plain(values: Values) -> float | list[float]:

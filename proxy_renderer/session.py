@@ -16,6 +16,7 @@ from . import report
 from .guidance import augment
 from .guidance.encoder import Encoder, load_encoder
 from .optimise import context, pipeline
+from .optimise.anchoring import Blender
 from .optimise.objective import draw
 from .optimise.progress import Watch
 from .render.color import ciede2000, srgb_to_lab
@@ -28,6 +29,8 @@ from .vlm.client import Client
 from .vlm.endpoint import find_endpoint
 
 PREDICTION, MASK = "prediction.png", "mask.png"
+OTHERS = {"before_last_anchor": "prediction-earlier.png", "unanchored": "prediction-unanchored.png"}
+"""Predictions that only the figures are taken of: of the correction before the last, and without any."""
 
 
 class Session:
@@ -49,6 +52,7 @@ class Session:
         self._encoder: Encoder | None = None
         endpoint = find_endpoint(options, vlm_key)
         self._model = Client(endpoint, watch.stopped) if endpoint and not options.baseline else None
+        self._others: list[str] = []
 
     def run(self) -> messages.Result:
         """Finds the values, draws the prediction and says how it went."""
@@ -62,16 +66,13 @@ class Session:
         scene = load_scene(self.job)
         clock.lap("load scene")
         advisor = self._advisor(scene)
-        outcome = pipeline.run(scene, self.prompt, self.options, encoder, heads, self._watch, advisor)
+        blender = Blender(scene, self._watch.ask, self.options.seed) if self.options.anchor else None
+        outcome = pipeline.run(
+            scene, self.prompt, self.options, encoder, heads, self._watch, advisor, blender
+        )
         clock.lap("loop")
         self._watch.stage("drawing the prediction")
-        proxy = Proxy(
-            scene, context.picture_size(scene.resolution, self.options.size), device, self.options.seed
-        )
-        with torch.no_grad():
-            picture = draw(proxy, outcome.vector, outcome.u)
-        report.save_picture(picture.display, self.job / PREDICTION)
-        report.save_picture(picture.mask, self.job / MASK)
+        self._predict(scene, outcome, device)
         clock.lap("prediction")
         self._caption = outcome.prompts.whole or self.prompt
         return messages.Result(
@@ -79,11 +80,29 @@ class Session:
             report={
                 **self._facts(outcome, encoder),
                 **({"vlm": advisor.account()} if advisor else {}),
+                **report.anchored(outcome.anchoring, blender),
                 "timings": clock.laps,
             },
             prediction=PREDICTION,
             stopped=outcome.stopped,
         )
+
+    def _predict(self, scene: SceneData, outcome: pipeline.Outcome, device: str) -> None:
+        """Draws the values found at full size, and what would have been predicted without the last anchor."""
+        size = context.picture_size(scene.resolution, self.options.size)
+        proxy = Proxy(scene, size, device, self.options.seed)
+        anchoring = outcome.anchoring
+        last = anchoring.proxy.correction
+        corrections = {PREDICTION: last}
+        if last is not None:
+            corrections |= {OTHERS["before_last_anchor"]: anchoring.earlier, OTHERS["unanchored"]: None}
+        self._others = [name for name in OTHERS if OTHERS[name] in corrections]
+        for name, correction in corrections.items():
+            proxy.correction = correction
+            with torch.no_grad():
+                picture = draw(proxy, outcome.vector, outcome.u)
+            report.save_picture(picture.display, self.job / name)
+        report.save_picture(picture.mask, self.job / MASK)
 
     def finish(self, request: messages.Finish) -> messages.Finished:
         """Measures Cycles' pictures against the prediction and the words, and composes them."""
@@ -91,10 +110,7 @@ class Session:
             raise VibeError("There is nothing to finish.", "Send a vibe first.")
         before, after = (report.load_picture(Path(p)) for p in (request.before, request.after))
         shape = (after.shape[1], after.shape[0])
-        with Image.open(self.job / PREDICTION) as image:
-            prediction = image.convert("RGB").resize(shape, Image.Resampling.LANCZOS)
-        predicted = np.asarray(prediction, np.float32) / 255.0
-        difference = ciede2000(*(srgb_to_lab(torch.from_numpy(p)) for p in (predicted, after)))
+        predicted = self._drawn(PREDICTION, shape)
         panels = [("before", before), ("the proxy's prediction", predicted), ("after (Cycles)", after)]
         images = [(label, Image.fromarray((p * 255.0 + 0.5).astype(np.uint8))) for label, p in panels]
         report.save_image(report.compare(images, self.prompt), Path(request.compare_out))
@@ -102,7 +118,8 @@ class Session:
             with Image.open(self.job / MASK) as mask:
                 report.save_image(mask.resize(shape, Image.Resampling.LANCZOS), Path(request.mask_out))
         return messages.Finished(
-            delta_e=round(float(difference.mean()), 3),
+            delta_e=_delta_e(predicted, after),
+            others={name: _delta_e(self._drawn(OTHERS[name], shape), after) for name in self._others},
             similarity={"before": self._similarity(before), "after": self._similarity(after)},
             judge=self._judge(images[0][1], images[2][1]),
         )
@@ -125,6 +142,12 @@ class Session:
         except VibeError as error:
             verdict = {"error": str(error)}
         return {"model": model.endpoint.model, **verdict, **model.usage.account()}
+
+    def _drawn(self, name: str, shape: tuple[int, int]) -> np.ndarray:
+        """A prediction (H, W, 3) at another width and height."""
+        with Image.open(self.job / name) as image:
+            resized = image.convert("RGB").resize(shape, Image.Resampling.LANCZOS)
+        return np.asarray(resized, np.float32) / 255.0
 
     def _similarity(self, picture: np.ndarray) -> float:
         """Cosine of a picture (H, W, 3) and the caption of the whole (equation 2)."""
@@ -156,6 +179,11 @@ class Session:
             },
             "versions": report.versions(),
         }
+
+
+def _delta_e(a: np.ndarray, b: np.ndarray) -> float:
+    """Mean CIEDE2000 of two pictures (H, W, 3)."""
+    return round(float(ciede2000(*(srgb_to_lab(torch.from_numpy(p)) for p in (a, b))).mean()), 3)
 
 
 def pick_device(name: str) -> str:

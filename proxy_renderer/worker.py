@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 _PREVIEW_SECONDS = 1.0
 _PROGRESS_SECONDS = 0.1
+_ANSWER_SECONDS = 600.0
+"""Most that Blender may take to answer: it may be rendering something else first."""
 
 
 class Wire:
@@ -35,6 +37,7 @@ class Wire:
 
     Attributes:
         inbox: Requests in order; None when the other side has gone.
+        anchored: Blender's answers to the engine's own requests.
         stop: Set when the loop should end now.
     """
 
@@ -42,6 +45,7 @@ class Wire:
         self._source, self._sink = source, sink
         self._lock = threading.Lock()
         self.inbox: queue.Queue[messages.Message | VibeError | None] = queue.Queue()
+        self.anchored: queue.Queue[messages.Anchored] = queue.Queue()
         self.stop = threading.Event()
         threading.Thread(target=self._listen, daemon=True).start()
 
@@ -59,9 +63,12 @@ class Wire:
             for message in messages.read(self._source):
                 if isinstance(message, messages.Vibe):
                     self.stop.clear()
+                    self.anchored = queue.Queue()  # what comes in it belongs to an earlier vibe
                 elif isinstance(message, messages.Stop | messages.Quit):
                     self.stop.set()
-                if not isinstance(message, messages.Stop):
+                if isinstance(message, messages.Anchored):
+                    self.anchored.put(message)
+                elif not isinstance(message, messages.Stop):
                     self.inbox.put(message)
                 if isinstance(message, messages.Quit):
                     return  # a thread that still reads would disturb the interpreter's end
@@ -98,6 +105,22 @@ class Watch:
     def stopped(self) -> bool:
         """Whether the loop should end."""
         return self._wire.stop.is_set()
+
+    def ask(self, request: messages.Anchor) -> messages.Anchored | None:
+        """Has Blender render; None if the loop is to end."""
+        if not self._wire.stop.is_set():
+            self._wire.send(request)
+        end = time.monotonic() + _ANSWER_SECONDS
+        while not self._wire.stop.is_set() and time.monotonic() < end:
+            try:
+                answer = self._wire.anchored.get(timeout=0.1)
+            except queue.Empty:
+                continue
+            if answer.number == request.number:
+                return answer
+        if self._wire.stop.is_set():
+            return None
+        return messages.Anchored(request.number, error=f"no answer within {_ANSWER_SECONDS:.0f} s")
 
 
 def serve(source: BinaryIO, sink: BinaryIO) -> None:

@@ -16,8 +16,8 @@ from tiny_job import write_job
 from proxy_renderer.schema import messages, schema_hash
 
 ROOT = Path(__file__).parents[1]
-QUICK = {"rounds": 1, "steps": 4, "size": 64}
-ENDLESS = {"rounds": 100, "steps": 100, "size": 64}
+QUICK = {"rounds": 1, "steps": 4, "size": 64, "anchor": False}
+ENDLESS = {"rounds": 100, "steps": 100, "size": 64, "anchor": False}
 PROMPT = "glossy teal ball, warm soft light"
 
 

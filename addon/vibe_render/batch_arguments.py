@@ -76,6 +76,9 @@ def _parser() -> argparse.ArgumentParser:
         parser.add_argument(f"--{name.replace('_', '-')}", type=int, default=getattr(_DEFAULTS, name))
     for name in ("encoder", "device", "baseline", "vlm_model", "vlm_url"):
         parser.add_argument(f"--{name.replace('_', '-')}", default=getattr(_DEFAULTS, name))
+    parser.add_argument(
+        "--no-anchor", dest="anchor", action="store_false", help="no Cycles pictures meanwhile"
+    )
     parser.add_argument("--groups", action="append", default=[], metavar="A,B", help="only these may change")
     parser.add_argument("--lock", action="append", default=[], metavar="PATTERN", help="leave this alone")
     return parser
@@ -100,6 +103,7 @@ def engine_options(a: argparse.Namespace, free_camera: bool, online: bool) -> me
         "baseline",
         "vlm_model",
         "vlm_url",
+        "anchor",
     )
     chosen = {name: getattr(a, name) for name in names}
     return messages.Options(

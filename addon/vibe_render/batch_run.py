@@ -14,7 +14,7 @@ from typing import Any
 
 import bpy
 
-from . import bindings, changes, demo, preferences, presets, rendering, scene_io, snapshot, stage
+from . import anchoring, bindings, changes, demo, preferences, presets, rendering, scene_io, snapshot, stage
 from .batch_arguments import engine_options
 from .batch_report import Reporter
 from .contract import messages, schema
@@ -46,7 +46,7 @@ def vibe(a: argparse.Namespace, reporter: Reporter) -> None:
             talk.ask(messages.Vibe(schema.schema_hash(), folder, a.prompt, asdict(options)))
             rendering.render(scene, out.path("before.png"), a.size, a.samples, a.seed)
             laps.lap("render before")
-            found = talk.wait(messages.Result)
+            found = talk.wait(messages.Result, lambda request: _anchor(request, job, reporter))
             laps.lap("wait for the engine")
             skipped = bindings.write(scene, found.values, job.survey.objects, job.survey.pivot)
             reporter.stage("rendering with Cycles")
@@ -64,6 +64,13 @@ def vibe(a: argparse.Namespace, reporter: Reporter) -> None:
         engine.stop(patience=0.1)  # it may be in the middle of something
         raise
     engine.stop()
+
+
+def _anchor(request: messages.Anchor, job: Job, reporter: Reporter) -> messages.Anchored:
+    """Renders what the engine corrects itself by."""
+    reporter.stage(f"rendering anchor {request.number}")
+    found = job.survey
+    return anchoring.answer(found.scene, job.folder, request, found.objects, found.pivot)
 
 
 def apply(a: argparse.Namespace, reporter: Reporter) -> None:
@@ -173,10 +180,16 @@ def _report(
         **({"judge": measured.judge} if measured.judge else {}),
         "stopped": found.stopped,
         "not_written": skipped,
-        "warnings": job.warnings,
+        "delta_e_others": measured.others,
+        "warnings": _warnings(job, found),
         "timings": {**timings, "total": round(sum(laps.seconds.values()), 2)},
         "versions": versions,
     }
+
+
+def _warnings(job: Job, found: messages.Result) -> list[str]:
+    """What the prediction lacks, in words for the artist."""
+    return [*job.warnings, *found.report.get("anchored", {}).get("notes", [])]
 
 
 def _summary(
@@ -184,7 +197,7 @@ def _summary(
 ) -> list[str]:
     values = {k: v for k, v in found.values.items() if k not in skipped}
     near, s = measured.delta_e, measured.similarity
-    lines = [f"Note: {warning}" for warning in job.warnings[:4]]
+    lines = [f"Note: {warning}" for warning in _warnings(job, found)[:4]]
     lines += _listed(job, values)
     return [
         *lines,

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 from bpy.types import Object, Scene
@@ -157,20 +158,46 @@ def write(
     Raises:
         VibeError: A value has the wrong number of components, or is NaN or infinite.
     """
+    with snapshot.transaction(scene) as journal:
+        rest = _put(journal, scene, values, subject, pivot)
+    scene.view_layers[0].update()
+    return rest
+
+
+@contextmanager
+def trial(
+    scene: Scene, values: Mapping[str, Sequence[float]], subject: Sequence[Object], pivot: Sequence[float]
+) -> Iterator[dict[str, str]]:
+    """Values in the scene for a moment; it is exactly as it was afterwards. Otherwise like `write`."""
+    journal = Journal()
+    try:
+        rest = _put(journal, scene, values, subject, pivot)
+        scene.view_layers[0].update()
+        yield rest
+    finally:
+        journal.undo()
+        scene.view_layers[0].update()
+
+
+def _put(
+    journal: Journal,
+    scene: Scene,
+    values: Mapping[str, Sequence[float]],
+    subject: Sequence[Object],
+    pivot: Sequence[float],
+) -> dict[str, str]:
     for key, value in values.items():
         _check(key, value)
     rest = dict.fromkeys(values, "there is nothing of that name in this scene")
-    with snapshot.transaction(scene) as journal:
-        _add_lights(journal, scene, values, subject)
-        cast = roster.Cast(scene, tuple(subject), Vector(pivot), everything=True)
-        for row, owner, place in list(_found(cast)):
-            key = row.parameter.key(owner.name)
-            if key not in values:
-                continue
-            rest[key] = place.locked
-            if not place.locked:
-                place.set(journal, row.codec.encode(tuple(map(float, values[key]))))
-    scene.view_layers[0].update()
+    _add_lights(journal, scene, values, subject)
+    cast = roster.Cast(scene, tuple(subject), Vector(pivot), everything=True)
+    for row, owner, place in list(_found(cast)):
+        key = row.parameter.key(owner.name)
+        if key not in values:
+            continue
+        rest[key] = place.locked
+        if not place.locked:
+            place.set(journal, row.codec.encode(tuple(map(float, values[key]))))
     return {key: reason for key, reason in rest.items() if reason}
 
 

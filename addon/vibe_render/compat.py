@@ -117,6 +117,15 @@ def start_compositor(journal: Journal, scene: Scene) -> NodeTree:
     return tree
 
 
+def drop_compositor(scene: Scene) -> None:
+    """Takes the compositor away from a scene that is ours."""
+    scene.render.use_compositing = False
+    if COMPOSITOR_IS_GROUP:
+        scene.compositing_node_group = None
+    else:
+        scene.use_nodes = False
+
+
 def own_compositor(journal: Journal, scene: Scene, tree: NodeTree) -> NodeTree:
     """The scene's compositor tree, as a copy of its own if other scenes use it too."""
     if not COMPOSITOR_IS_GROUP or sum(s.compositing_node_group == tree for s in bpy.data.scenes) < 2:

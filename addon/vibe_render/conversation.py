@@ -39,8 +39,15 @@ class Conversation:
         if self._interrupted:
             self._engine.send(messages.Stop())
 
-    def wait(self, kind: type[Answer]) -> Answer:
-        """The answer to the last request; raises the VibeError that the engine sent instead."""
+    def wait(
+        self, kind: type[Answer], serve: Callable[[messages.Anchor], messages.Anchored] | None = None
+    ) -> Answer:
+        """The answer to the last request; raises the VibeError that the engine sent instead.
+
+        Args:
+            kind: Of the answer.
+            serve: Answers what the engine asks for meanwhile.
+        """
         while True:
             try:
                 answer = self._answers.get(timeout=0.2)  # lets signals through
@@ -48,6 +55,8 @@ class Conversation:
                 continue
             if isinstance(answer, schema.VibeError):
                 raise answer
+            if serve and isinstance(answer, messages.Anchor):
+                self._engine.send(serve(answer))
             if isinstance(answer, kind):
                 return answer
 

@@ -6,8 +6,9 @@ from __future__ import annotations
 import os
 import uuid
 from collections.abc import Iterable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 import bpy
 import numpy as np
@@ -43,6 +44,15 @@ def render(
     with _cycles(scene, size, samples, seed), changed(scene.cycles, **plain), _quiet_outputs(scene):
         mode = "RGBA" if scene.render.film_transparent else "RGB"
         _write(scene, path, mode)
+
+
+def render_layers(
+    scene: bpy.types.Scene, layer: bpy.types.ViewLayer, path: Path, size: int, samples: int, seed: int
+) -> None:
+    """Renders one view layer as `render` does, with all its passes to a multilayer EXR of 32-bit floats."""
+    kind = {"media_type": "MULTI_LAYER_IMAGE", "file_format": "OPEN_EXR_MULTILAYER"}
+    with _cycles(scene, size, samples, seed):
+        _write_as(scene, path, {**kind, "color_depth": "32", "exr_codec": "ZIP"}, layer=layer.name)
 
 
 def render_mask(scene: bpy.types.Scene, path: Path, size: int, subject: Iterable[bpy.types.Object]) -> None:
@@ -127,25 +137,40 @@ def _quiet_outputs(scene: bpy.types.Scene) -> Iterator[None]:
 
 def _write(scene: bpy.types.Scene, path: Path, mode: str) -> None:
     """Renders to a PNG, atomically."""
+    kind = {"media_type": "IMAGE", "file_format": "PNG"}
+    _write_as(scene, path, {**kind, "color_mode": mode, "color_depth": "8", "compression": 15})
+
+
+def _write_as(scene: bpy.types.Scene, path: Path, kind: dict[str, Any], **options: str) -> None:
+    """Renders to a file of a kind, atomically."""
     whole = _beside(path)
-    picture = scene.render.image_settings
     try:
-        with (
-            changed(picture, media_type="IMAGE"),
-            changed(picture, file_format="PNG"),
-            changed(picture, color_mode=mode, color_depth="8", compression=15),
-            changed(scene.render, filepath=str(whole)),
-        ):
-            bpy.ops.render.render(scene=scene.name, write_still=True)
+        with _kind(scene.render.image_settings, kind), changed(scene.render, filepath=str(whole)):
+            bpy.ops.render.render(scene=scene.name, write_still=True, **options)
         os.replace(whole, path)
     except (OSError, RuntimeError) as error:
         raise schema.VibeError(f"{path} cannot be written: {error}.", "Choose another folder.") from error
     finally:
-        whole.unlink(missing_ok=True)
+        with suppress(OSError):
+            whole.unlink(missing_ok=True)
+
+
+@contextmanager
+def _kind(picture: bpy.types.ImageFormatSettings, kind: dict[str, Any]) -> Iterator[None]:
+    """Another file format for a moment. What comes later in `kind` is valid only after what comes before it."""
+    names = [name for name in kind if name in picture.bl_rna.properties]
+    old = [getattr(picture, name) for name in names]
+    try:
+        for name in names:
+            setattr(picture, name, kind[name])
+        yield
+    finally:
+        for name, value in zip(names, old, strict=True):
+            setattr(picture, name, value)
 
 
 def _beside(path: Path) -> Path:
-    return path.with_name(f".{path.stem}-{uuid.uuid4().hex[:8]}.png")
+    return path.with_name(f".{path.stem}-{uuid.uuid4().hex[:8]}{path.suffix}")
 
 
 def _is_fog(thing: bpy.types.Object) -> bool:

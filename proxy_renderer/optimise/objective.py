@@ -92,11 +92,21 @@ def draw(
     proxy: Proxy, vector: ParameterVector, u: Tensor, free: set[str] | frozenset[str] = frozenset()
 ) -> Render:
     """Renders u (N,): values that are the artist's own are left to the scene, exactly as they are."""
+    return proxy.render(chosen_values(vector, u, proxy.device, free))
+
+
+def chosen_values(
+    vector: ParameterVector,
+    u: Tensor,
+    device: torch.device,
+    free: set[str] | frozenset[str] = frozenset(),
+) -> dict[str, Tensor]:
+    """The values of u (N,) that are free, with gradients, or no longer the artist's."""
     moved = (u.detach() - vector.encode({})).abs() > 1e-9
     values = {}
     for key, value in vector.decode(u).items():
         if key in free:
-            values[key] = value.to(proxy.device)
+            values[key] = value.to(device)
         elif moved[vector.slices[key]].any():
-            values[key] = value.detach().to(proxy.device)
-    return proxy.render(values)
+            values[key] = value.detach().to(device)
+    return values

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Algorithm 1 of the paper: parse, compose, confine, select, project, inner steps, stabilise."""
+"""Algorithm 1 of the paper: parse, compose, confine, select, project, inner steps, stabilise.
+
+Every round is anchored: it works with a proxy that Cycles has corrected where the round starts.
+"""
 
 from __future__ import annotations
 
@@ -20,6 +23,7 @@ from ..scene import SceneData
 from ..schema import Values, VibeError
 from ..schema.messages import Options
 from . import context
+from .anchoring import Anchoring, Source
 from .baseline import GlobalGuide, plan_everything
 from .inner import Settings, descend, promise
 from .objective import RoundObjective, Terms, draw
@@ -29,6 +33,9 @@ from .vector import ParameterVector, project
 
 INNER_SIZE = 256
 """Greatest longer side of the pictures inside the loop, in pixels."""
+
+STRIDE = 0.05
+"""A projection that moves no value by more than this share of its whole range is not worth another anchor."""
 
 CONVERGED = 0.005
 """A round, other than the first, that lowers the loss by a smaller share is the last one."""
@@ -47,6 +54,7 @@ class Outcome:
         parsed: The prompt, understood.
         prompts: What the encoder was asked.
         rounds: One record per round: parameters, loss at start and end, its terms, steps, seconds.
+        anchoring: The proxy's corrections.
         stopped: Whether the watcher ended the loop.
     """
 
@@ -57,6 +65,7 @@ class Outcome:
     optimised: set[str]
     parsed: Parsed
     prompts: Prompts
+    anchoring: Anchoring
     rounds: list[dict[str, Any]] = field(default_factory=list)
     stopped: bool = False
 
@@ -69,6 +78,7 @@ def run(
     heads: Encoder | None,
     watch: Watch,
     advisor: Advisor | None = None,
+    source: Source | None = None,
 ) -> Outcome:
     """Finds the values that make the scene look like the prompt.
 
@@ -80,6 +90,7 @@ def run(
         heads: Encoder whose attribute heads guide beside it; None for none.
         watch: Follows the loop, and may end it.
         advisor: Parses, composes and confines; None for the offline planner.
+        source: Cycles' pictures of values, which correct the proxy; None for none.
 
     Raises:
         VibeError: If no word of the prompt is known, or nothing that the words touch may change.
@@ -87,6 +98,7 @@ def run(
     vector = ParameterVector(lock(scene.instances, options.groups, options.lock, options.camera))
     proxy = Proxy(scene, inner_size(scene, options, encoder), device=str(encoder.device), seed=options.seed)
     advisor = advisor or OfflineAdvisor(prompt, context.scene_words(scene))
+    anchoring = Anchoring(proxy, vector, source)
     clock = Clock(options, watch)
     u = vector.encode({})
     plan = Plan()
@@ -96,6 +108,7 @@ def run(
 
     for number in range(options.rounds):
         started = time.monotonic()
+        anchoring.renew(u, number)
         picture = draw(proxy, vector, u)
         values = vector.values(u)
         now = context.plan_context(proxy, values, picture)
@@ -106,6 +119,7 @@ def run(
         ranges = feasible_ranges(plan, vector.instances, values)
         lower, upper = vector.bounds(ranges)
         u = project(u, lower, upper)
+        anchoring.renew(u, number, slack=STRIDE)
 
         terms = terms or guidance(encoder, heads, parsed, prompts, prompt, options, picture)
         chosen = select(plan, vector, proxy, terms, u, lower, upper, options)
@@ -134,8 +148,9 @@ def run(
         if clock.stopped or not chosen or (number and gained < CONVERGED * abs(found.start_loss)):
             break
 
+    anchoring.renew(u, len(rounds) - 1)
     optimised = {key for record in rounds for key in record["parameters"]}
-    return Outcome(vector, u, plan, ranges, optimised, parsed, prompts, rounds, clock.stopped)
+    return Outcome(vector, u, plan, ranges, optimised, parsed, prompts, anchoring, rounds, clock.stopped)
 
 
 def guidance(

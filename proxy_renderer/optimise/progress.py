@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Protocol
 
-from ..schema.messages import Options, Progress
+from ..schema.messages import Anchor, Anchored, Options, Progress
 
 if TYPE_CHECKING:
     from torch import Tensor
@@ -29,6 +29,9 @@ class Watch(Protocol):
 
     def stopped(self) -> bool:
         """Whether the loop should end with the best so far: what takes long outside of steps asks this."""
+
+    def ask(self, request: Anchor) -> Anchored | None:
+        """Blender's answer; None if there is none, or the loop should end."""
 
 
 class Clock:

@@ -6,16 +6,18 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import torch
 from torch import Tensor
 
 from ..scene import SceneData
-from ..schema import FAMILIES
+from ..schema import FAMILIES, VibeError
 from . import albedo
 from .camera import View, view_of
 from .color import luma
+from .correction import Correction
+from .cycles import CyclesPicture
 from .environment import Environment, Sky, sky_of
 from .far import Table
 from .film import Film
@@ -67,6 +69,9 @@ class Proxy:
         size: Width and height in pixels.
         device: Where to compute; rays are traced on the CPU.
         seed: For the jitter of shadow and bounce rays.
+
+    Attributes:
+        correction: What a picture of Cycles has taught; None for the proxy as it is. See `anchor`.
     """
 
     def __init__(self, scene: SceneData, size: tuple[int, int], device: str = "cpu", seed: int = 0) -> None:
@@ -76,6 +81,7 @@ class Proxy:
         self.environment = Environment(scene, self.device)
         self.film = Film(scene.film, size, device)
         self.volume = Volume(self.geometry.clear)
+        self.correction: Correction | None = None
         self._cache: ViewCache | None = None
 
     def render(self, values: Mapping[str, Tensor]) -> Render:
@@ -85,6 +91,42 @@ class Proxy:
             values: Parameters by key, each (C,); missing ones take the scene's value. The pictures are
                 differentiable in every one of them.
         """
+        frame, settings = self._frame(values)
+        picture, mask = self._expose(frame)
+        if self.correction is not None:
+            corrected = self.correction.apply(picture[:3], frame.owners, frame.view, frame.cache)
+            picture = torch.cat((corrected, picture[3:]))
+        channels = picture.view(-1, *self.size[::-1])
+        linear, alpha = channels[:3].permute(1, 2, 0), channels[3] if len(channels) > 3 else None
+        film = {key: settings.color(key) for key in _FILM_KEYS if settings.has(key)}
+        return Render(self.film.develop(linear, film, alpha), linear, mask, frame.cache.depth, alpha)
+
+    def anchor(self, values: Mapping[str, Tensor], picture: CyclesPicture) -> Correction:
+        """Corrects all renders from now on by what Cycles makes of these values.
+
+        A proxy of another size can be given the correction as well.
+
+        Args:
+            values: As for `render`.
+            picture: Cycles' picture of them, of the proxy's size.
+
+        Raises:
+            VibeError: The picture has another size.
+        """
+        if picture.size != self.size:
+            raise VibeError(
+                f"Cycles' picture has {picture.size} pixels instead of {self.size}.", "Ask for that size."
+            )
+        with torch.no_grad():
+            frame, _ = self._frame(values)
+            whole, colors = self._expose(frame)[0][:3], frame.owners
+            glow = self._expose(frame.only(""))[0][:3]
+            parts = {owner: self._expose(frame.only(owner))[0][:3] - glow for owner in colors}
+            self.correction = Correction.of(picture, whole, parts, colors, frame.view, frame.cache)
+        return self.correction
+
+    def _frame(self, values: Mapping[str, Tensor]) -> tuple[Frame, Settings]:
+        """All that a render at these values is made of."""
         settings = Settings(self.scene, values, self.device)
         view = view_of(self.scene, settings, self.size)
         paints = [paint_of(m, settings) for m in self.scene.materials]
@@ -97,6 +139,7 @@ class Proxy:
         cache = self._cache
         assert cache is not None
         frame = Frame(
+            view=view,
             cache=cache,
             sight=cache.sight(view),
             lamps=lamps_of(self.scene, settings),
@@ -104,6 +147,11 @@ class Proxy:
             paints=paints,
             fog=Fog(self.scene, settings),
         )
+        return frame, settings
+
+    def _expose(self, frame: Frame) -> tuple[Tensor, Tensor]:
+        """The proxy's own linear picture (3 or, with alpha, 4, P), and the mask (H, W)."""
+        view, cache = frame.view, frame.cache
         radiance = self._radiance(frame, view)
         if frame.fog.active:
             radiance = self._through_fog(frame, view, radiance)
@@ -111,10 +159,7 @@ class Proxy:
         if view.moving:
             term = cache.outlines().term(view, torch.cat((radiance, cache.inside)), picture.shape[1])
             picture, mask = picture + term[:-1], mask + term[-1].view(mask.shape)
-        channels = picture.view(-1, *self.size[::-1])
-        linear, alpha = channels[:3].permute(1, 2, 0), channels[3] if len(channels) > 3 else None
-        film = {key: settings.color(key) for key in _FILM_KEYS if settings.has(key)}
-        return Render(self.film.develop(linear, film, alpha), linear, mask, cache.depth, alpha)
+        return picture, mask
 
     def _radiance(self, frame: Frame, view: View) -> Tensor:
         """Radiance (3, N + B) of all samples: surfaces in the order of their materials, then background.
@@ -186,6 +231,7 @@ class Proxy:
 class Frame:
     """All that one render is made of."""
 
+    view: View
     cache: ViewCache
     sight: Sight
     lamps: list[Lamp]
@@ -200,6 +246,23 @@ class Frame:
             torch.stack([lamp.color for lamp in self.lamps])
             if self.lamps
             else self.sky.color.new_zeros((0, 3))
+        )
+
+    @property
+    def owners(self) -> dict[str, Tensor]:
+        """Owner, "light/NAME" or "world", to the color (3,) of its light."""
+        return {**{f"light/{lamp.light.name}": lamp.color for lamp in self.lamps}, "world": self.sky.color}
+
+    def only(self, owner: str) -> Frame:
+        """The same with the light of one owner, "" for none, besides what surfaces emit."""
+        dark = torch.zeros_like(self.sky.color)
+        return replace(
+            self,
+            lamps=[
+                lamp if owner == f"light/{lamp.light.name}" else replace(lamp, color=dark)
+                for lamp in self.lamps
+            ],
+            sky=self.sky if owner == "world" else replace(self.sky, color=dark),
         )
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, fields
-from typing import Any, BinaryIO, ClassVar
+from typing import Any, BinaryIO, ClassVar, get_args
 
 from .errors import VibeError
 from .parameters import schema_hash
@@ -37,6 +37,7 @@ class Options:
             VIBE_VLM_MODEL (none if that is not set), "off" for none.
         vlm_url: Base URL of its OpenAI-compatible endpoint; "" for the environment's.
         online: Whether other computers may be reached; a model on this one always may.
+        anchor: Whether Cycles renders small pictures meanwhile, which correct the proxy.
     """
 
     rounds: int = 6
@@ -53,6 +54,7 @@ class Options:
     vlm_model: str = ""
     vlm_url: str = ""
     online: bool = True
+    anchor: bool = True
 
     @classmethod
     def from_dict(cls, raw: dict[str, Any]) -> Options:
@@ -115,6 +117,47 @@ class Progress:
 
 
 @dataclass(frozen=True)
+class Anchor:
+    """Engine → Blender: render the scene at these values, small, for the engine to correct itself by.
+
+    Attributes:
+        number: Counts the requests of a vibe.
+        values: Parameter key to its components, of what differs from the scene's.
+        size: Longer side of the picture, pixels.
+        samples: Most samples in a pixel.
+        seed: Of the sampling pattern.
+    """
+
+    type: ClassVar[str] = "anchor"
+    number: int
+    values: dict[str, list[float]]
+    size: int
+    samples: int
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class Anchored:
+    """Blender → engine: the answer to an `Anchor`, at most one to each.
+
+    Attributes:
+        number: Of the request.
+        picture: A multilayer EXR of 32-bit floats in the job folder, scene-linear; "" if there is none. Its layers
+            are "Combined" (denoised), "Noisy Image" (the same, not denoised) and "Combined_…" of every group.
+        groups: Name of a light group to whose light it holds: "light/NAME" or "world".
+        seconds: How long it took.
+        error: Why there is no picture.
+    """
+
+    type: ClassVar[str] = "anchored"
+    number: int
+    picture: str = ""
+    groups: dict[str, str] = field(default_factory=dict)
+    seconds: float = 0.0
+    error: str = ""
+
+
+@dataclass(frozen=True)
 class Result:
     """Engine → Blender: the values found.
 
@@ -163,6 +206,7 @@ class Finished:
 
     Attributes:
         delta_e: Mean CIEDE2000 of the prediction against `after`.
+        others: The same of what would have been predicted "before_last_anchor" and "unanchored".
         similarity: {"before": s, "after": s}, cosine of picture and prompt.
         judge: A vision-language model's verdict on before and after: winner, reason and what it cost, or
             error; empty if no model is configured.
@@ -172,6 +216,7 @@ class Finished:
     delta_e: float
     similarity: dict[str, float]
     judge: dict[str, Any] = field(default_factory=dict)
+    others: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -190,10 +235,10 @@ class Quit:
     type: ClassVar[str] = "quit"
 
 
-Message = Ready | Vibe | Stage | Progress | Result | Stop | Finish | Finished | Error | Quit
-_TYPES: dict[str, type] = {
-    m.type: m for m in (Ready, Vibe, Stage, Progress, Result, Stop, Finish, Finished, Error, Quit)
-}
+Message = (
+    Ready | Vibe | Stage | Progress | Anchor | Anchored | Result | Stop | Finish | Finished | Error | Quit
+)
+_TYPES: dict[str, type] = {m.type: m for m in get_args(Message)}
 
 
 def encode(message: Message) -> bytes:

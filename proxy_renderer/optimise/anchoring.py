@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Keeps the loop's proxy near Cycles: asks for pictures of where the loop is, and corrects the proxy by them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import torch
+from torch import Tensor
+
+from ..render.color import ciede2000, srgb_to_lab
+from ..render.cycles import CyclesPicture
+from ..scene import SceneData
+from ..schema import VibeError, messages
+from .objective import chosen_values, draw
+from .vector import ParameterVector
+
+if TYPE_CHECKING:
+    from ..render.correction import Correction
+    from ..render.proxy import Proxy
+
+SAMPLES = 32
+LONGEST = 20.0
+"""Seconds that a picture may take; after a slower one no more are asked for."""
+_NEAR = 0.25  # of a component's whole range: so far an old correction is better than none
+_FAILURES = 2  # in a row, after which no more pictures are asked for
+
+Ask = Callable[[messages.Anchor], messages.Anchored | None]
+"""Sends a request to Blender; None if the loop is to end instead."""
+
+
+class Blender:
+    """A source of Cycles' pictures of one scene. What goes wrong is noted, and the loop goes on without.
+
+    Args:
+        scene: The exported scene.
+        ask: Sends a request.
+        seed: Of Cycles' sampling pattern.
+
+    Attributes:
+        seconds: How long Blender took for each picture.
+        notes: What went wrong, in words for the artist.
+    """
+
+    def __init__(self, scene: SceneData, ask: Ask, seed: int) -> None:
+        self._scene, self._ask, self._seed = scene, ask, seed
+        self._number = self._failures = 0
+        self._over = False
+        self.seconds: list[float] = []
+        self.notes: list[str] = []
+
+    def __call__(self, values: dict[str, list[float]], size: tuple[int, int]) -> CyclesPicture | None:
+        """A picture of values, width and height as given; None where there is none to be had."""
+        if self._over:
+            return None
+        self._number += 1
+        request = messages.Anchor(self._number, values, max(size), SAMPLES, self._seed)
+        answer = self._ask(request)
+        if answer is None:
+            return None
+        try:
+            picture = self._load(answer, size)
+        except VibeError as error:
+            self._miss(error.message)
+            return None
+        self._failures = 0
+        self.seconds.append(answer.seconds)
+        if answer.seconds > LONGEST:
+            self._over = True
+            self._note(f"A small Cycles picture takes {answer.seconds:.0f} s here, too long for more of them")
+        return picture
+
+    def _load(self, answer: messages.Anchored, size: tuple[int, int]) -> CyclesPicture:
+        """The picture of an answer; raises VibeError if it has none that can be used."""
+        if answer.error:
+            raise VibeError(answer.error, "")
+        path = Path(self._scene.folder) / answer.picture
+        picture = CyclesPicture.load(path, answer.groups, self._scene.film)
+        if picture.size != size:
+            raise VibeError(f"it has {picture.size} pixels instead of {size}", "")
+        path.unlink(missing_ok=True)
+        return picture
+
+    def _miss(self, reason: str) -> None:
+        self._failures += 1
+        self._over = self._failures >= _FAILURES
+        self._note(f"Without a Cycles picture for a while: {reason.rstrip('.')}")
+
+    def _note(self, text: str) -> None:
+        if f"{text}." not in self.notes:
+            self.notes.append(f"{text}.")
+
+
+Source = Callable[[dict[str, list[float]], tuple[int, int]], CyclesPicture | None]
+
+
+@dataclass
+class Anchoring:
+    """The corrections of one run.
+
+    Attributes:
+        proxy: The loop's.
+        vector: The parameters of u.
+        source: Of Cycles' pictures; None to leave the proxy as it is.
+        earlier: The correction before the newest.
+        records: One per picture: the number of the round, and the mean CIEDE2000 between what the proxy had
+            predicted and what it says with the picture.
+    """
+
+    proxy: Proxy
+    vector: ParameterVector
+    source: Source | None
+    earlier: Correction | None = None
+    records: list[dict[str, Any]] = field(default_factory=list)
+    _where: Tensor | None = None
+
+    def renew(self, u: Tensor, number: int, slack: float = 0.0) -> None:
+        """Corrects the proxy at u (N,), unless that has been done within `slack` of every component.
+
+        Args:
+            u: Where the loop is.
+            number: Of the round, from 0.
+            slack: Share of a component's whole range.
+        """
+        if self.source is None or self._distance(u) <= slack:
+            return
+        changed = {
+            key: list(value)
+            for key, value in self.vector.values(u).items()
+            if value != self.vector.instances[key].value
+        }
+        picture = self.source(changed, self.proxy.size)
+        if picture is None:
+            if self._distance(u) > _NEAR:
+                self.earlier, self.proxy.correction, self._where = None, None, None
+            return
+        with torch.no_grad():
+            predicted = draw(self.proxy, self.vector, u).display
+            self.earlier = self.proxy.correction
+            self.proxy.anchor(chosen_values(self.vector, u, self.proxy.device), picture)
+            difference = ciede2000(
+                srgb_to_lab(predicted), srgb_to_lab(draw(self.proxy, self.vector, u).display)
+            )
+        self._where = u.clone()
+        self.records.append({"round": number + 1, "delta_e": round(float(difference.mean()), 3)})
+
+    def _distance(self, u: Tensor) -> float:
+        """How far u is from the newest picture's, in its worst component; infinite before the first."""
+        return float((u - self._where).abs().max()) if self._where is not None else float("inf")
