@@ -45,6 +45,7 @@ def _light(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, Any]:
         "shadow": data.use_shadow,
         "normalize": getattr(data, "normalize", True),
         "exposure": getattr(data, "exposure", 0.0),
+        "soft_falloff": getattr(data, "use_soft_falloff", True),
         "use_temperature": getattr(data, "use_temperature", False),
         "role": role,
         "tint": _glow(data) or (1.0, 1.0, 1.0),

@@ -51,6 +51,7 @@ class Anchors:
     Attributes:
         index: (A,) the samples.
         smooth: Evens out noise over neighboring anchors.
+        smooth_glossy: The same over the nearest only, for what turns with the view.
         spread: Carries from anchors to all surface samples.
     """
 
@@ -73,6 +74,8 @@ class Anchors:
         self._anchors = points.pick(self.index)
         near = range(-3, 4)
         self.smooth = _spread(self._anchors, self._anchors, self._lists, near, nearest=40, width=3.5)
+        near = range(-1, 2)
+        self.smooth_glossy = _spread(self._anchors, self._anchors, self._lists, near, nearest=9, width=1.6)
         self.spread = _spread(self._anchors, points, self._lists, (0, 1), nearest=4, width=1.0)
 
     def spread_to(self, surface: Surface, place: Tensor, distance: Tensor) -> Spread:

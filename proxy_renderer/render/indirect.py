@@ -73,7 +73,9 @@ class Indirect:
         origin = geometry.lifted(points)
         shape = geometry, metals, lamps
         glossy = _glossy_rays(points, samples.toward[:, anchors.index], generator)
-        self.diffuse = _far(*shape, origin, _diffuse_rays(points, generator), _DIFFUSE_RAYS)
+        # What metals send on is a caustic on a matte surface: as if they scattered it evenly, on average.
+        matte = geometry, torch.zeros_like(metals), lamps
+        self.diffuse = _far(*matte, origin, _diffuse_rays(points, generator), _DIFFUSE_RAYS)
         self.glossy = _far(*shape, origin, glossy, _GLOSSY_RAYS)
         mirrored = above(reflect(samples.toward[:, : samples.surfaces], surface.normal), surface.facet)
         self.mirror = Far(geometry, geometry.lifted(surface), mirrored, 1, metals, lamps)
@@ -144,7 +146,8 @@ class Indirect:
 
     def _weighed(self) -> tuple[Tensor, Tensor]:
         if self._weights is None:
-            low, glossy = self._anchors.smooth(self.diffuse.weights()) * math.pi, self.glossy.weights()
+            low = self._anchors.smooth(self.diffuse.weights()) * math.pi
+            glossy = self._anchors.smooth_glossy(self.glossy.weights())
             self._weights = low, glossy[:, : self._skies]
         return self._weights
 

@@ -21,6 +21,9 @@ from .vectors import cross, dot, length, unit, within
 
 _POINT_RADIUS = 1e-3
 """Least angular radius (radians) of a lamp: a true point would have no highlight in a mirror."""
+_SOFT_RIM = 0.01
+"""Radius of a spot, seen from a point, above which the rim of its cone is averaged over the lamp."""
+_RIM_POINTS = 9
 
 
 @dataclass(frozen=True)
@@ -50,6 +53,11 @@ class Lamp:
     def round(self) -> bool:
         """Whether its outline is a disc rather than a rectangle."""
         return self.light.type != "AREA" or self.light.shape in ("DISK", "ELLIPSE")
+
+    @property
+    def focused(self) -> bool:
+        """Whether an area light shines into a narrower cone than a plain one."""
+        return self.light.type == "AREA" and self.light.spread / 2 <= math.pi / 2 - 1e-3
 
     @property
     def area(self) -> Tensor:
@@ -139,24 +147,52 @@ def _sun(lamp: Lamp, normals: Tensor) -> Arrival:
 def _point(lamp: Lamp, normals: Tensor, toward: Tensor, distance: Tensor, squared: Tensor) -> Arrival:
     """Point and spot: power / 4 pi d^2, which Blender's soft falloff (its default) lowers near large lamps.
 
-    With it Cycles takes the lamp for a disc that faces the point, whose view factor is r^2 / (d^2 + r^2).
+    With it Cycles takes the lamp for a disc that faces the point, whose view factor is r^2 / (d^2 + r^2);
+    without it for a sphere, whose view factor from outside is r^2 / d^2.
     """
-    frontal = 1.0 / (4 * math.pi * (squared + lamp.size * lamp.size))
+    area = lamp.size * lamp.size
+    frontal = 1.0 / (
+        4 * math.pi * (squared + area if lamp.light.soft_falloff else torch.maximum(squared, area))
+    )
     if not lamp.light.normalize:
         frontal = frontal * (4 * math.pi * lamp.size * lamp.size)
     if lamp.light.type == "SPOT":
-        frontal = frontal * _spot_cone(lamp, toward)
+        frontal = frontal * _spot_cone(lamp, toward, lamp.size / distance)
     cosine = dot(normals, toward).clamp_min(0.0)
     radius2 = lamp.size * lamp.size
     solid = (math.pi * radius2 / squared).clamp(math.pi * _POINT_RADIUS**2, 2 * math.pi)
     return Arrival(toward, distance, frontal * cosine, frontal, solid)
 
 
-def _spot_cone(lamp: Lamp, toward: Tensor) -> Tensor:
-    """Blender's smoothstep between the cone's rim and its blend (kernel/light/spot.h)."""
+def _spot_cone(lamp: Lamp, toward: Tensor, radius: Tensor | None = None) -> Tensor:
+    """Blender's smoothstep between the cone's rim and its blend (kernel/light/spot.h).
+
+    Cycles evaluates it at the point of the lamp that it has sampled: a large lamp has a soft rim. The mean over
+    the disc that faces a point needs only the offsets across the rim, which Gauss and Chebyshev's rule of the
+    second kind weighs as a disc does.
+
+    Args:
+        lamp: The lamp.
+        toward: (3, N) unit vectors to its center.
+        radius: (N,) its radius as seen from the points, as a tangent; None for a small one.
+    """
     edge = math.cos(lamp.light.spot_size / 2)
     slope = 1.0 / max((1.0 - edge) * lamp.light.spot_blend, 1e-5)
-    t = ((dot(toward, lamp.axes[:, 2:3]) - edge) * slope).clamp(0.0, 1.0)
+    cosine = dot(toward, lamp.axes[:, 2:3])
+    if radius is None or not bool((radius > _SOFT_RIM).any()):
+        return _smoothstep((cosine - edge) * slope)
+    reach = radius * (1 - cosine * cosine).clamp_min(1e-6).sqrt()
+    shrink = (1 + radius * radius / 2).rsqrt()
+    result = torch.zeros_like(cosine)
+    for k in range(1, _RIM_POINTS + 1):
+        angle = k * math.pi / (_RIM_POINTS + 1)
+        step = _smoothstep(((cosine + reach * math.cos(angle)) * shrink - edge) * slope)
+        result = result + step * (2 / (_RIM_POINTS + 1) * math.sin(angle) ** 2)
+    return result
+
+
+def _smoothstep(t: Tensor) -> Tensor:
+    t = t.clamp(0.0, 1.0)
     return t * t * (3 - 2 * t)
 
 
@@ -168,19 +204,39 @@ def _area(
     radiance = 1.0 / (math.pi * (lamp.area if lamp.light.normalize else 1.0))
     solid = (lamp.area * facing / (squared + lamp.area / math.pi)).clamp_min(1e-7)
     front = (facing > 0).to(facing.dtype)
-    irradiance = radiance * front * _polygon(lamp, points, normals) * _spread(lamp, facing)
-    return Arrival(toward, distance, irradiance, radiance * front * solid * _spread(lamp, facing), solid)
+    if not lamp.focused:
+        irradiance = radiance * front * _polygon(lamp, points, normals)
+        return Arrival(toward, distance, irradiance, radiance * front * solid, solid)
+    spread = _mean_spread(lamp, points)
+    irradiance = radiance * front * _polygon(lamp, points, normals) * spread
+    return Arrival(toward, distance, irradiance, radiance * front * solid * spread, solid)
 
 
 def _spread(lamp: Lamp, facing: Tensor) -> Tensor:
-    """Cycles' attenuation of a focused area light, at the angle to its center (kernel/light/area.h)."""
-    half = lamp.light.spread / 2
-    if half > math.pi / 2 - 1e-3:
+    """Cycles' attenuation of a focused area light, by the cosine to a point of it (kernel/light/area.h)."""
+    if not lamp.focused:
         return torch.ones_like(facing)
-    half = max(half, 1e-2)
+    half = max(lamp.light.spread / 2, 1e-2)
     tangent = math.tan(half)
     angle = (1 / (facing * facing).clamp_min(1e-6) - 1).clamp_min(1e-12).sqrt()
     return ((tangent - angle) / (tangent - half)).clamp_min(0.0)
+
+
+def _mean_spread(lamp: Lamp, points: Tensor) -> Tensor:
+    """The same (N,), averaged over a lamp by Gauss and Legendre's rule as points (3, N) see its parts."""
+    u, v = half_axes(lamp)
+    total, weight = torch.zeros_like(points[0]), torch.full_like(points[0], 1e-12)
+    for x, share_x in _GAUSS:
+        for y, share_y in _GAUSS:
+            offset = lamp.position[:, None] + u * x + v * y - points
+            squared = dot(offset, offset).clamp_min(1e-8)
+            facing = (dot(offset, lamp.axes[:, 2:3]) * squared.rsqrt()).clamp_min(0.0)
+            seen = facing / squared * (share_x * share_y)
+            total, weight = total + seen * _spread(lamp, facing), weight + seen
+    return total / weight
+
+
+_GAUSS = ((-0.861136, 0.173927), (-0.339981, 0.326073), (0.339981, 0.326073), (0.861136, 0.173927))
 
 
 def _polygon(lamp: Lamp, points: Tensor, normals: Tensor) -> Tensor:

@@ -50,6 +50,7 @@ class Light:
         spot_blend: Softness of a spot's rim, in [0, 1].
         shadow: Whether it casts shadows.
         normalize: Whether power is shared by the lamp's area, so that size does not brighten it.
+        soft_falloff: Whether a point or spot counts as a disc, not as a sphere, close by.
         exposure: Stops on top of the power.
         spread: Opening angle of an area light's emission; pi for a plain one.
         role: "key", "fill", "rim" or "other".
@@ -67,6 +68,7 @@ class Light:
     spot_blend: float = 0.15
     shadow: bool = True
     normalize: bool = True
+    soft_falloff: bool = True
     exposure: float = 0.0
     use_temperature: bool = False
     spread: float = 3.141593
