@@ -617,7 +617,7 @@ FAULTS = {
         Fault(broken_texture, "'Broken' of Body is missing"),
         Fault(empty_texture, near=2.5),
         Fault(nan_texture),
-        Fault(odd_shaders, "Odd 0"),
+        Fault(odd_shaders, "Odd 0", 2.5),
         Fault(script_color, near=_NEAR),
         Fault(wild_values),
         Fault(infinite_values, "light/Sun/strength is not a number"),

@@ -33,6 +33,11 @@ _APPROXIMATE: dict[str, dict[str, tuple[float, ...]]] = {
     "ShaderNodeBsdfGlass": {"transmission": (1.0,)},
     "ShaderNodeEmission": {"base_color": (0.0, 0.0, 0.0), "specular": (0.0,)},
 }
+_BLACK: dict[str, tuple[float, ...]] = {
+    "base_color": (0.0, 0.0, 0.0),
+    "specular": (0.0,),
+    "roughness": (1.0,),
+}
 _DEFAULTS = {
     "base_color": (0.8, 0.8, 0.8),
     "emission": (0.0,),
@@ -131,9 +136,11 @@ def export(material: bpy.types.Material | None, measured: Mapping[str, Measured]
         return Exported(_row(material.name_full, "approximate"), {}, values, "its nodes are off")
     notes = _foreign(material)
     if found is None:
-        notes.append("its shader is not known; it is shown grey")
+        black = not _has_shader(tree)  # as Cycles shows what it has no shader for
+        notes.append(f"its shader is not known; it is shown {'black' if black else 'grey'}")
         row = _row(material.name_full, "approximate", f"{material.name}: {'; '.join(notes)}.")
-        return Exported(row, {}, dict(_DEFAULTS), "its shader is not known")
+        values = {**_DEFAULTS, **(_BLACK if black else {})}
+        return Exported(row, {}, values, "its shader is not known")
     result = Exported(_row(material.name_full, "principled"))
     kind = found.node.bl_idname
     if kind != "ShaderNodeBsdfPrincipled":
@@ -151,6 +158,12 @@ def export(material: bpy.types.Material | None, measured: Mapping[str, Measured]
     _varying(result, measured, cut is not None and cut.inverted, notes)
     result.row["warning"] = f"{material.name}: {'; '.join(notes)}." if notes else ""
     return result
+
+
+def _has_shader(tree: bpy.types.NodeTree) -> bool:
+    """Whether anything is linked to the surface of the output that Cycles takes."""
+    output = tree.get_output_node("CYCLES")
+    return bool(output and shaders.active_links(output.inputs["Surface"]))
 
 
 def _foreign(material: bpy.types.Material) -> list[str]:
