@@ -54,3 +54,53 @@ def test_a_camera_behind_nothing_but_transparency_keeps_its_gradients() -> None:
     Proxy(scene, SIZE).render({"material/Ball 0/base_color": color}).linear.sum().backward()
     assert color.grad is not None
     assert bool((color.grad > 0).all())
+
+
+def test_a_mirror_shows_a_texture() -> None:
+    """A metal ball over a floor that is red on one side and blue on the other."""
+    scene = balls(2, 1, 4)
+    image = np.zeros((2, 2, 3), np.float32)
+    image[:, 0, 0] = image[:, 1, 2] = 0.8
+    floor = dataclasses.replace(scene.materials[1], texture=Texture(image, "EXTEND"))
+    corners = scene.mesh.vertices[scene.mesh.faces]
+    mesh = dataclasses.replace(scene.mesh, uvs=(corners[..., :2] / 18 + 0.5).astype(np.float32))
+    scene = dataclasses.replace(scene, materials=(scene.materials[0], floor), mesh=mesh)
+    key = "material/Ball 0/"
+    values = {
+        key + "metallic": torch.ones(1),
+        key + "roughness": torch.zeros(1),
+        key + "base_color": torch.ones(3),
+    }
+    ball = Proxy(scene, SIZE).render(values).linear[26:34]
+    left, right = ball[:, 16:21].mean((0, 1)), ball[:, 27:32].mean((0, 1))
+    assert left[0] > 1.5 * left[2]
+    assert right[2] > 1.5 * right[0]
+
+
+def test_rays_find_their_way_out_of_thick_and_thin_glass() -> None:
+    """Two shells, one in the other: a ray passes four walls and sees the white world, at any IOR."""
+    scene = balls(2, 0, 3)
+    inner = scene.mesh.vertices.copy()
+    inner = (inner - (0, 0, 1)) * 0.9 + (0, 0, 1)
+    count = len(scene.mesh.vertices)
+    ball = scene.mesh.object == 0
+    mesh = dataclasses.replace(
+        scene.mesh,
+        vertices=np.concatenate([scene.mesh.vertices, inner]).astype(np.float32),
+        faces=np.concatenate([scene.mesh.faces[ball], scene.mesh.faces[ball][:, ::-1] + count]).astype(
+            np.int32
+        ),
+        normals=np.concatenate([scene.mesh.normals[ball], -scene.mesh.normals[ball][:, ::-1]]),
+        **{n: np.concatenate([getattr(scene.mesh, n)[ball]] * 2) for n in ("uvs", "material", "object")},
+    )
+    scene = dataclasses.replace(scene, mesh=mesh)
+    key = "material/Ball 0/"
+    white = {
+        key + "base_color": torch.ones(3),
+        key + "transmission": torch.ones(1),
+        key + "roughness": torch.zeros(1),
+    }
+    for ior in (1.0, 1.5):
+        seen = Proxy(scene, SIZE).render({**white, key + "ior": torch.tensor([ior])}).linear
+        world = seen[0, 0]
+        assert torch.allclose(seen[18, 24], world, rtol=0.15)

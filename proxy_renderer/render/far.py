@@ -17,7 +17,8 @@ from torch import Tensor
 from .directions import above, cosine_directions, reflect
 from .environment import harmonics
 from .lights import Arrival, Lamp, arrival
-from .vectors import dot
+from .maps import Maps
+from .vectors import dot, unit
 from .visibility import Geometry, Surface
 
 _WORLD_AT_SECOND = 0.3
@@ -76,8 +77,9 @@ class Far:
         geometry: The triangles.
         origin, toward: (3, A * R) rays.
         count: R.
-        metals: (M,) bool: materials that mirror what is around them.
+        metals: (M,) how much like a mirror each material is; 0 for what is no metal.
         lamps: How many the scene has.
+        maps: Textures: what single rays meet shows them. None for the mean color.
         deep: Whether the light at the hits includes the world's and what comes over other surfaces.
 
     Attributes:
@@ -94,6 +96,7 @@ class Far:
         count: int,
         metals: Tensor,
         lamps: int,
+        maps: Maps | None = None,
         deep: bool = False,
     ) -> None:
         self.geometry, self.count = geometry, count
@@ -101,10 +104,12 @@ class Far:
         self.hit = hits.hit.to(torch.float32)
         self.surface: Surface = geometry.surface(hits, toward)
         self.distance = hits.distance
+        self._relief = maps.relief(self.surface, geometry) if maps else None
         self.open = 1 - self.hit.view(-1, count).mean(1)
         materials = len(metals)
         self.owner = self.surface.material * hits.hit + materials * ~hits.hit
-        self.shiny = metals[self.surface.material] & hits.hit
+        self.mirroring = metals[self.surface.material] * hits.hit
+        self.shiny = self.mirroring > 0
         self.materials = materials
         self._members: list[Tensor] = []
         self.lamps = lamps
@@ -113,6 +118,8 @@ class Far:
         self._clear = torch.zeros_like(self.arriving)
         around = torch.arange(len(self.hit), device=self.hit.device) if deep else self.shiny.nonzero()[:, 0]
         self._around = around
+        # Without it, the light that lies about counts where a metal is rough, and what it mirrors otherwise.
+        self._share = torch.ones_like(self.hit) if deep else self.mirroring
         self.beyond = self._look_around(toward[:, around]) if len(around) else None
         self.harmonics = (harmonics(toward) * (1 - self.hit)).view(9, -1, count).mean(2)
 
@@ -125,10 +132,12 @@ class Far:
             arrived: (3, H) directions of the rays that have met the hits `self._around`.
         """
         generator = torch.Generator().manual_seed(7)
-        start, shiny = self.surface.pick(self._around), self.shiny[self._around]
+        start, mirroring = self.surface.pick(self._around), self.mirroring[self._around]
+        shiny = mirroring > 0
         uv = torch.rand((2, len(self._around)), generator=generator).to(self.hit.device)
-        toward = torch.where(shiny, reflect(arrived, start.normal), cosine_directions(start.normal, uv))
-        toward = above(toward, start.facet)
+        anywhere = cosine_directions(start.normal, uv)
+        toward = torch.lerp(anywhere, reflect(arrived, start.normal), mirroring)
+        toward = above(unit(toward), start.facet)
         hits = self.geometry.first_hits(self.geometry.lifted(start), toward)
         self._found = hits.hit.to(torch.float32)
         beyond = self.geometry.surface(hits, toward)
@@ -136,7 +145,7 @@ class Far:
         leaving = float(((1 - self._found) * met).sum() / met.sum().clamp_min(1.0))
         facing = torch.where(shiny, torch.where(toward[2] > 0, 1.0, -1.0), start.normal[2])
         for row, up, seen in (
-            (self.lamps, (1 + facing) / 2, 1 - self._found),
+            (self.lamps, (1 + facing) / 2, (1 - self._found) * self._share[self._around]),
             (2 * self.lamps + 2, (1 + beyond.normal[2]) / 2, self._found * min(leaving, _WORLD_AT_SECOND)),
         ):
             self.arriving[row, self._around] = up * seen
@@ -144,7 +153,7 @@ class Far:
         return beyond
 
     def light(self, index: int, lamp: Lamp) -> None:
-        """Traces shadow rays to one lamp. Metals do not scatter it: they show what it lights."""
+        """Traces shadow rays to one lamp. Mirrors do not scatter it: they show what it lights."""
         for row, rays, surface, share in self._bounces(index):
             met = arrival(lamp, surface.position, surface.normal)
             clear = _clear(self.geometry, lamp, met, surface) * share
@@ -153,10 +162,11 @@ class Far:
     def _bounces(self, index: int) -> list[tuple[int, Tensor | slice, Surface, Tensor]]:
         """A lamp's rows of `arriving`: row, rays, the surface that it lights, and the share that rays take of it."""
         bounces: list[tuple[int, Tensor | slice, Surface, Tensor]] = [
-            (index, slice(None), self.surface, (~self.shiny).float())
+            (index, slice(None), self.surface, 1 - self.mirroring)
         ]
         if self.beyond is not None:
-            bounces.append((self.lamps + 2 + index, self._around, self.beyond, self._found))
+            taken = self._found * self._share[self._around]
+            bounces.append((self.lamps + 2 + index, self._around, self.beyond, taken))
         return bounces
 
     def moved(self, index: int, lamp: Lamp, table: Table) -> Tensor:
@@ -183,8 +193,10 @@ class Far:
         """
         if not self._members:
             self._members = [(self.owner == m).nonzero()[:, 0] for m in range(self.materials)]
-        ambient = ambient * ~self.shiny
-        return _Image.apply(table.radiances, table.albedo / math.pi, ambient, self.arriving, self._members)
+        ambient = ambient * (1 - self.mirroring)
+        return _Image.apply(
+            table.radiances, table.albedo / math.pi, ambient, self.arriving, self._members, self._relief
+        )
 
     def weights(self) -> Tensor:
         """(A, K) average over each point's rays: weights over the rows of `Table.radiances`."""
@@ -216,17 +228,20 @@ class _Image(torch.autograd.Function):
     """Radiance (3, N) of single hits: like `Far.weights() @ radiances`, without the mostly empty matrix."""
 
     @staticmethod
-    def forward(ctx, radiances, albedo, ambient, sources, members):
+    def forward(ctx, radiances, albedo, ambient, sources, members, relief):
         ctx.save_for_backward(albedo, ambient)
+        ctx.relief = relief
         ctx.members, ctx.sources, ctx.rows = members, sources, len(radiances)
         count, materials = len(sources), len(members)
         out = torch.zeros((3, sources.shape[1]), device=sources.device)
         for m, chosen in enumerate(members):
             if len(chosen):
                 rows, glow = radiances[m * count : (m + 1) * count], radiances[materials * count + m]
-                light = torch.addmm(glow[:, None], rows.T, sources.index_select(1, chosen))
+                light = rows.T @ sources.index_select(1, chosen)
                 light += ambient.index_select(1, chosen) * albedo[m][:, None]
-                out.index_copy_(1, chosen, light)
+                if relief is not None:
+                    light *= relief.index_select(1, chosen)
+                out.index_copy_(1, chosen, light + glow[:, None])
         return out
 
     @staticmethod
@@ -238,8 +253,10 @@ class _Image(torch.autograd.Function):
         for m, chosen in enumerate(ctx.members):
             if len(chosen):
                 part = gradient.index_select(1, chosen)
-                radiances[m * count : (m + 1) * count] = ctx.sources.index_select(1, chosen) @ part.T
                 radiances[materials * count + m] = part.sum(1)
+                if ctx.relief is not None:
+                    part = part * ctx.relief.index_select(1, chosen)
+                radiances[m * count : (m + 1) * count] = ctx.sources.index_select(1, chosen) @ part.T
                 albedos[m] = (part * ambient.index_select(1, chosen)).sum(1)
                 ambients.index_copy_(1, chosen, part * albedo[m][:, None])
-        return radiances, albedos, ambients, None, None
+        return radiances, albedos, ambients, None, None, None

@@ -20,6 +20,7 @@ from .directions import above, cosine_directions, reflect
 from .far import Far, Table
 from .fog import Fog
 from .lights import Lamp, tangents
+from .maps import Maps
 from .murk import Murk
 from .samples import Samples
 from .vectors import length
@@ -64,6 +65,7 @@ class Indirect:
         view: View,
         metals: Tensor,
         lamps: int,
+        maps: Maps,
         generator: torch.Generator,
     ) -> None:
         self._view = view
@@ -78,7 +80,7 @@ class Indirect:
         self.diffuse = _far(*matte, origin, _diffuse_rays(points, generator), _DIFFUSE_RAYS)
         self.glossy = _far(*shape, origin, glossy, _GLOSSY_RAYS)
         mirrored = above(reflect(samples.toward[:, : samples.surfaces], surface.normal), surface.facet)
-        self.mirror = Far(geometry, geometry.lifted(surface), mirrored, 1, metals, lamps)
+        self.mirror = Far(geometry, geometry.lifted(surface), mirrored, 1, metals, lamps, maps)
         self._mirror_ambient = self.spread_to(self.mirror.surface)
         self._surface = surface
         self._mirrored = mirrored

@@ -12,9 +12,10 @@ from torch.nn.functional import grid_sample, interpolate
 from ..scene import SceneData, Texture
 from .camera import view_of
 from .settings import Settings
+from .vectors import dot, length
 
 if TYPE_CHECKING:
-    from .visibility import Surface
+    from .visibility import Geometry, Surface
 
 
 class Maps:
@@ -52,6 +53,41 @@ class Maps:
         image = self._images[material, name]
         grid = (place * 2 - 1).T[None, None]
         return grid_sample(image, grid, padding_mode=padding, align_corners=False)[0, :, 0]
+
+    def relief(self, surface: Surface, geometry: Geometry) -> Tensor | None:
+        """Base colors (3, N) at points over the means of their textures; None where no material has one.
+
+        What only the exported camera saw is its mean wherever that did not see it.
+        """
+        result = None
+        for material, row in enumerate(self._scene.materials):
+            index = (surface.material == material).nonzero()[:, 0]
+            if row.texture is None or not len(index):
+                continue
+            if row.texture.window is not None:
+                index = index[self._seen(row.texture.window, surface.pick(index), geometry)]
+            found = self.at(material, "base_color", surface.pick(index))
+            mean = self._images[material, "base_color"].mean((2, 3)).view(3, 1).clamp_min(1e-3)
+            result = torch.ones_like(surface.position) if result is None else result
+            result = result.index_copy(1, index, found / mean)
+        return result
+
+    def _seen(
+        self, window: tuple[float, float, float, float], surface: Surface, geometry: Geometry
+    ) -> Tensor:
+        """(N,) bool: points in a window of the exported camera's picture that nothing hides from it."""
+        place = self._through(window, surface.position)
+        eye = self._view.position[:, None]
+        offset = surface.position - eye
+        if self._view.orthographic:
+            back = self._view.rotation[:, 2:3]
+            offset = -back * (dot(-back.expand_as(offset), offset))
+        distance = length(offset)
+        ahead = dot(-self._view.rotation[:, 2:3].expand_as(offset), offset) > 0
+        inside = ((place > 0) & (place < 1)).all(0) & ahead
+        start = surface.position - offset
+        open_ = geometry.clear(start, offset / distance, distance * (1 - 1e-3))
+        return inside & (open_ > 0)
 
     def _through(self, window: tuple[float, float, float, float], points: Tensor) -> Tensor:
         """Where points (3, N) lie in a window (2, N) of the exported camera's picture, [0, 1] from the lower left."""

@@ -130,7 +130,7 @@ class Proxy:
         settings = Settings(self.scene, values, self.device)
         view = view_of(self.scene, settings, self.size)
         paints = [paint_of(m, settings) for m in self.scene.materials]
-        metals = torch.stack([p.metallic.detach() > 0.5 for p in paints])
+        metals = torch.stack([_mirroring(p) for p in paints])
         if self.geometry.let_through(torch.stack([_glassy(p) for p in paints])):
             self._cache, self.volume = None, Volume(self.geometry.clear)
         kept = self._cache
@@ -268,6 +268,12 @@ class Frame:
 
 _GLASS_STEPS = 8
 """Steps in which light through glass changes: shadows are traced again at each."""
+
+
+def _mirroring(paint: Paint) -> Tensor:
+    """How much like a mirror () a material is where other surfaces show it, in coarse steps; 0 if it is no metal."""
+    smooth = (1 - paint.roughness.detach()) * (paint.metallic.detach() > 0.5)
+    return (smooth * 4).ceil() / 4
 
 
 def _glassy(paint: Paint) -> Tensor:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is seen through glass: rays refracted in and out once, then shaded where they end."""
+"""What is seen through glass: rays refracted in and out, then shaded where they end."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from torch import Tensor
 
 from .directions import above, reflect
 from .far import Far
+from .maps import Maps
 from .vectors import dot, unit
 from .visibility import Geometry, Surface
 
@@ -30,22 +31,47 @@ def refract(toward: Tensor, normal: Tensor, ratio: float) -> tuple[Tensor, Tenso
     return torch.where(total, reflect(toward, normal), bent), total
 
 
+_MOST_WALLS = 8
+"""Surfaces of glass that a ray is followed through; Cycles' default is twelve."""
+
+
 def through(
-    geometry: Geometry, surface: Surface, toward: Tensor, ior: float, metals: Tensor, lamps: int
+    geometry: Geometry,
+    surface: Surface,
+    toward: Tensor,
+    ior: float,
+    metals: Tensor,
+    lamps: int,
+    maps: Maps,
 ) -> tuple[Far, Tensor]:
     """Follows rays (3, N) that enter a surface: the far hits, and their final directions (3, N).
 
-    A ray leaves at the next surface if that is seen from behind; total reflection is followed once.
+    Each surface of the same glass on the way, met from inside or outside, bends them or reflects them wholly.
     """
-    inward, _ = refract(toward, surface.normal, 1.0 / ior)
-    inward = -above(-inward, surface.facet)
-    below = surface.position - surface.facet * (geometry.lifted(surface) - surface.position).abs().amax(0)
-    hits = geometry.nearest(below, inward)
-    exit_ = geometry.surface(hits, inward)
-    outward, total = refract(inward, exit_.normal, ior)
-    outward = torch.where(total, above(outward, exit_.facet), above(outward, -exit_.facet))
-    leaves = hits.hit & (exit_.material == surface.material) & geometry.from_behind(hits, inward)
-    shift = (geometry.lifted(exit_) - exit_.position) * torch.where(total, 1.0, -1.0)
-    origin = torch.where(leaves, exit_.position + shift, below)
-    direction = torch.where(leaves, outward, inward)
-    return Far(geometry, origin, direction, 1, metals, lamps), direction
+    direction, _ = refract(toward, surface.normal, 1.0 / ior)
+    direction = -above(-direction, surface.facet)
+    origin = _across(geometry, surface)
+    index = torch.arange(toward.shape[1], device=toward.device)
+    for _ in range(_MOST_WALLS):
+        way, start = direction[:, index], origin[:, index]
+        hits = geometry.nearest(start, way)
+        wall = geometry.surface(hits, way)
+        met = hits.hit & (wall.material == surface.material[index])
+        if not bool(met.any()):
+            break
+        leaving = geometry.from_behind(hits, way)
+        bent, total = refract(way, wall.normal, ior)
+        entered, _ = refract(way, wall.normal, 1.0 / ior)
+        bent = torch.where(leaving, bent, entered)
+        total = total & leaving
+        bent = torch.where(total, above(bent, wall.facet), -above(-bent, wall.facet))
+        goes_on = torch.where(total, geometry.lifted(wall), _across(geometry, wall))
+        index, bent, goes_on = index[met], bent[:, met], goes_on[:, met]
+        direction = direction.index_copy(1, index, bent)
+        origin = origin.index_copy(1, index, goes_on)
+    return Far(geometry, origin, direction, 1, metals, lamps, maps), direction
+
+
+def _across(geometry: Geometry, surface: Surface) -> Tensor:
+    """Origins (3, N) just behind a surface."""
+    return 2 * surface.position - geometry.lifted(surface)

@@ -129,7 +129,7 @@ class ViewCache:
         scene: The exported scene.
         geometry: Its triangles.
         view: The camera.
-        metals: (M,) bool: materials that mirror what is around them, where others see them.
+        metals: (M,) how much like a mirror each material is where others see it; 0 for what is no metal.
         seed: For jitter.
     """
 
@@ -144,7 +144,7 @@ class ViewCache:
             surface = geometry.surface(self._hits, toward[:, : samples.surfaces])
             self._sight = Sight.of(self._bumped(surface, toward), toward)
             generator = torch.Generator().manual_seed(seed)
-            shape = metals, len(scene.lights), generator
+            shape = metals, len(scene.lights), self._maps, generator
             self.indirect = Indirect(geometry, samples, self._sight.surface, view.detached(), *shape)
             self.mean_texture = [_mean(m, geometry.device) for m in scene.materials]
             self.inside, self.depth = self._inside(), self._depth()
@@ -259,7 +259,7 @@ class ViewCache:
         if kept is None or abs(kept[0] - ior) > 1e-3:
             with torch.no_grad():
                 toward = self.samples.toward[:, part]
-                shape = ior, self.metals, len(self.scene.lights)
+                shape = ior, self.metals, len(self.scene.lights), self._maps
                 far, onward = through(self.geometry, self._sight.surface.pick(part), toward, *shape)
             kept = ior, None, Behind(far, onward, self.indirect.spread_to(far.surface))
         if kept[1] != place:
