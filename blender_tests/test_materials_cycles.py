@@ -257,3 +257,9 @@ def test_glass_lets_light_through(stage, tmp_path, roughness, tint, most):
     """Were its shadow as dark as a stone's, the floor below would be far off."""
     _ball("Ball", Base_Color=(tint, 1.0, tint), Transmission_Weight=1.0, Roughness=roughness)
     assert _compare(stage, tmp_path)[0].mean() < most
+
+
+@pytest.mark.parametrize("tint", [(0.3, 0.6, 1.0), (0.0, 0.0, 0.0)])
+def test_the_edge_tint_of_metals_colors_reflections_too(stage, tmp_path, tint):
+    _ball("Ball", Base_Color=(0.9, 0.65, 0.3), Metallic=1.0, Roughness=0.25, Specular_Tint=tint)
+    assert _compare(stage, tmp_path)[0].mean() < 1.6

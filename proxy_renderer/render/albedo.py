@@ -56,6 +56,11 @@ def schlick_share(roughness: Tensor) -> Tensor:
     return _between(_tables()[2], roughness)
 
 
+def edge_share(roughness: Tensor) -> Tensor:
+    """Coefficients (7,) of what the albedo takes of F82's edge c (1 - c)^6, relative to that without Fresnel."""
+    return _between(_tables()[5], roughness)
+
+
 def dielectric_share(roughness: Tensor, ior: Tensor) -> Tensor:
     """Coefficients (7,) of s in albedo = mix(F0, 1, s) for a dielectric's true Fresnel curve."""
     rows = _between(_tables()[3], ((ior - 1) / (ior + 1)).clamp_min(1e-4).sqrt())
@@ -122,13 +127,14 @@ def _fit(values: Tensor) -> Tensor:
 
 @functools.cache
 def _tables() -> tuple[Tensor, ...]:
-    """Energy (R, 7), its mean (R,), Schlick share (R, 7), dielectric share (Z, R, 7) and curve (Z, 7)."""
+    """Energy (R, 7), its mean (R,), Schlick share (R, 7), dielectric share (Z, R, 7) and curve (Z, 7), edge (R, 7)."""
     roughness = torch.linspace(0, 1, _ROUGHNESS).clamp_min(0.02)
     cosine = _cosines()
     weight, at_half = _visible_normals(cosine, roughness)
     e = weight.mean(-1)
     schlick = ((1 - at_half) ** 5 * weight).mean(-1) / e
     fine = torch.linspace(0, 1, 257)[1:] - 1 / 512
+    edge = (at_half * (1 - at_half) ** 6 * weight).mean(-1) / e
     coefficients = _fit(e)
     mean = (coefficients @ basis(fine) * (2 * fine)).mean(-1)
     contrast = torch.linspace(0, 1, _CONTRAST).clamp(0.01, 0.99) ** 2
@@ -138,7 +144,7 @@ def _tables() -> tuple[Tensor, ...]:
         share = (((fresnel(at_half, ior) - f0) / (1 - f0)) * weight).mean(-1) / e
         shares.append(_fit(share))
         curves.append(_fit((fresnel(cosine, ior) - f0) / (1 - f0)))
-    return coefficients, mean, _fit(schlick), torch.stack(shares), torch.stack(curves)
+    return coefficients, mean, _fit(schlick), torch.stack(shares), torch.stack(curves), _fit(edge)
 
 
 def _visible_normals(cosine: Tensor, roughness: Tensor) -> tuple[Tensor, Tensor]:

@@ -76,7 +76,10 @@ def _metal(
         edge = albedo.edge_curve().to(e.device)
         bent = [lobe * (edge @ h.curve) for lobe, h in zip(lobes, light.highlights, strict=True)]
         direct = direct - b * summed(light.lamps, bent)
-    around = reflections * (base + (1 - base) * share)
+    reflectance = base + (1 - base) * share
+    if used(1 - tint):
+        reflectance = reflectance - b * albedo.weigh(albedo.edge_share(paint.roughness), light.view)
+    around = reflections * reflectance.clamp_min(0.0)
     return (around * e + direct) * (1 + many * ((1 - e) / e))
 
 
