@@ -42,6 +42,8 @@ def test_the_command_measures_caches_and_survives_a_broken_scene(tmp_path):
         assert 0 < row["delta_e"] < 6  # so small a picture is all edges and noise
         assert row["delta_e"] < row["p95"]
         assert row["ssim"] > 0.5
+        assert 0 < row["anchored_still_delta_e"] < row["delta_e"]
+        assert 0 < row["anchored_delta_e"] < row["delta_e"] + 1
     assert found["mean_delta_e"] == pytest.approx(
         sum(row["delta_e"] for row in found["scenes"].values()) / 2, abs=1e-3
     )

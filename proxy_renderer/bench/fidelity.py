@@ -10,13 +10,16 @@ from __future__ import annotations
 import json
 import os
 import time
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import torch
 from PIL import Image
+from torch import Tensor
 
+from ..render.cycles import CyclesPicture
 from ..render.proxy import Proxy
 from ..report import load_picture, save_picture
 from ..scene import load_scene
@@ -25,6 +28,7 @@ from .metrics import Difference, difference
 from .sheet import Strip, error_picture, save_sheets
 
 _QUICK = (128, 128)
+_PANELS = ("cycles", "proxy", "error", "anchored", "eevee")
 _DIGITS = 3
 
 
@@ -90,14 +94,15 @@ def measure(event: dict[str, Any], folder: Path) -> dict[str, Any]:
 
     Args:
         event: What Blender's side told of the scene.
-        folder: Gets cycles.png, proxy.png and error.png.
+        folder: Gets cycles.png, proxy.png, error.png and anchored.png.
     """
     reference = torch.from_numpy(load_picture(Path(event["reference"])).copy())
     height, width, _ = reference.shape
     scene = load_scene(event["job"])
     start = time.monotonic()
+    proxy = Proxy(scene, (width, height))
     with torch.no_grad():
-        picture = Proxy(scene, (width, height)).render({}).display
+        picture = proxy.render({}).display
     seconds = time.monotonic() - start
     save_picture(reference, folder / "cycles.png")
     save_picture(picture, folder / "proxy.png")
@@ -105,12 +110,39 @@ def measure(event: dict[str, Any], folder: Path) -> dict[str, Any]:
     return {
         "features": event["features"],
         **rounded(difference(picture, reference)),
+        **_anchored(proxy, event["anchors"], reference, folder),
         "seconds": round(seconds, 2),
         "cycles_seconds": event["reference_seconds"],
         "cached": event["cached"],
         "reference": Path(event["reference"]).name,
         "warnings": event["warnings"],
     }
+
+
+def _anchored(proxy: Proxy, anchors: Mapping[str, Any], reference: Tensor, folder: Path) -> dict[str, float]:
+    """How near the proxy is once it has been corrected by a small picture of Cycles, as in a round of a vibe.
+
+    Args:
+        proxy: Of the reference's size.
+        anchors: "still", rendered at the scene's own values, and "moved", at others: the values that differ, the
+            EXR, and its light groups.
+        reference: Of the scene's own values, which the corrected proxies are asked for.
+        folder: Gets anchored.png, corrected by what has moved.
+    """
+    found = {}
+    small: Proxy | None = None
+    for name, figure in (("still", "anchored_still_delta_e"), ("moved", "anchored_delta_e")):
+        anchor = anchors[name]
+        cycles = CyclesPicture.load(anchor["picture"], anchor["groups"], proxy.scene.film)
+        small = small or Proxy(proxy.scene, cycles.size)
+        values = {key: torch.tensor(value) for key, value in anchor["values"].items()}
+        with torch.no_grad():
+            proxy.correction = small.anchor(values, cycles)
+            picture = proxy.render({}).display
+        found[figure] = round(difference(picture, reference).delta_e, _DIGITS)
+        if name == "moved":
+            save_picture(picture, folder / "anchored.png")
+    return found
 
 
 def rounded(found: Difference) -> dict[str, float]:
@@ -122,16 +154,15 @@ def _line(row: dict[str, Any] | None, failure: str | None) -> str:
     if row is None:
         return f"FAILED: {failure}"
     spent = "cached" if row["cached"] else f"{row['cycles_seconds']:.0f} s of Cycles"
-    return f"delta E {row['delta_e']:.2f} ({spent})"
+    return f"delta E {row['delta_e']:.2f}, anchored {row['anchored_delta_e']:.2f} ({spent})"
 
 
 def _strip(name: str, row: dict[str, Any], folder: Path) -> Strip:
-    kinds = ["cycles", "proxy", *(["eevee"] if (folder / "eevee.png").is_file() else []), "error"]
     panels = []
-    for kind in kinds:
+    for kind in (k for k in _PANELS if (folder / f"{k}.png").is_file()):
         with Image.open(folder / f"{kind}.png") as picture:
             panels.append((kind, picture.convert("RGB")))
-    title = f"{name}   {row['delta_e']:.2f}"
+    title = f"{name}   {row['delta_e']:.2f}, anchored {row['anchored_delta_e']:.2f}"
     note = f"p95 {row['p95']:.1f}, {row['lighter']:+.1f} L*, PSNR {row['psnr']:.1f}; {', '.join(row['features'])}"
     return Strip(title, note[:130], panels)
 

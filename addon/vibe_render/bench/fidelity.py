@@ -12,6 +12,7 @@ import argparse
 import hashlib
 import json
 import os
+import random
 import sys
 import time
 import traceback
@@ -21,16 +22,20 @@ from typing import Any
 
 import bpy
 
-from .. import rendering, scene_io
+from .. import anchoring, rendering, scene_io
+from ..contract import schema
+from ..export import Job
 from ..subject import Choice
 from .build import build
 from .catalog import CATALOG
 from .fingerprint import fingerprint
+from .move import move
 from .recipe import Recipe, features
 from .shapes import SHAPES
 
-VERSION = 1
-"""Raised when the way references are rendered changes."""
+VERSION = ANCHOR_VERSION = 1
+"""Raised when the way references, or anchors, are rendered changes."""
+ANCHOR_SIZE, ANCHOR_SAMPLES = 192, 32
 
 
 def main() -> int:
@@ -58,7 +63,8 @@ def make(recipe: Recipe, a: argparse.Namespace) -> dict[str, Any]:
     folder = a.work / recipe.name
     job = scene_io.open_job(scene, folder / "job", Choice(tuple(o.name for o in subject)))
     start = time.monotonic()
-    reference, cached = _reference(scene, a)
+    mark = fingerprint(scene)
+    reference, cached = _reference(scene, mark, a)
     found: dict[str, Any] = {
         "features": features(recipe, SHAPES[recipe.shape][1]),
         "job": str(folder / "job"),
@@ -66,21 +72,50 @@ def make(recipe: Recipe, a: argparse.Namespace) -> dict[str, Any]:
         "cached": cached,
         "reference_seconds": round(time.monotonic() - start, 2),
         "warnings": job.warnings,
+        "anchors": _anchors(job, mark, recipe, a),
     }
     if a.blend:
         found["blend"] = str(_save(folder / "scene.blend"))
     return found
 
 
-def _reference(scene: bpy.types.Scene, a: argparse.Namespace) -> tuple[Path, bool]:
+def _reference(scene: bpy.types.Scene, mark: str, a: argparse.Namespace) -> tuple[Path, bool]:
     """Cycles' picture of the scene, from the cache if it is there."""
-    settings = f"{fingerprint(scene)} {a.size} {a.samples} {bpy.app.version_string} {VERSION}"
-    path = a.cache / f"{hashlib.sha256(settings.encode()).hexdigest()[:32]}.png"
+    path = _cached(a, ".png", mark, a.size, a.samples, VERSION)
     if path.is_file():
         return path, True
-    a.cache.mkdir(parents=True, exist_ok=True)
     rendering.render(scene, path, a.size, a.samples, exact=True)
     return path, False
+
+
+def _anchors(job: Job, mark: str, recipe: Recipe, a: argparse.Namespace) -> dict[str, dict[str, Any]]:
+    """What a round of a vibe would give the engine: small pictures of the scene's own values, and of a step away."""
+    moved = move(job.instances, random.Random(f"{a.seed}/{recipe.name}/move"))
+    return {name: _anchor(job, mark, values, a) for name, values in (("still", {}), ("moved", moved))}
+
+
+def _anchor(job: Job, mark: str, values: dict[str, schema.Values], a: argparse.Namespace) -> dict[str, Any]:
+    """One small picture and what it was rendered at, from the cache if it is there."""
+    path = _cached(a, ".exr", mark, values, ANCHOR_SIZE, ANCHOR_SAMPLES, ANCHOR_VERSION)
+    notes = path.with_suffix(".json")
+    if path.is_file() and notes.is_file():
+        groups = json.loads(notes.read_text(encoding="utf-8"))
+    else:
+        found = job.survey
+        groups = anchoring.render_anchor(
+            found.scene, path, values, found.objects, found.pivot, ANCHOR_SIZE, ANCHOR_SAMPLES
+        )
+        part = path.with_suffix(".json.part")
+        part.write_text(json.dumps(groups), encoding="utf-8")
+        os.replace(part, notes)
+    return {"values": values, "picture": str(path), "groups": groups}
+
+
+def _cached(a: argparse.Namespace, suffix: str, *settings: Any) -> Path:
+    """Where a picture that depends on these settings, and on this Blender, is kept."""
+    a.cache.mkdir(parents=True, exist_ok=True)
+    text = " ".join(map(str, (*settings, bpy.app.version_string)))
+    return a.cache / f"{hashlib.sha256(text.encode()).hexdigest()[:32]}{suffix}"
 
 
 def _save(path: Path) -> Path:
