@@ -10,7 +10,7 @@ import pytest
 import vibe_render
 from dump import difference, dump
 from small_scenes import studio
-from vibe_render import bindings, changes, compat, result, session, snapshot
+from vibe_render import anchoring, bindings, changes, compat, result, session, snapshot
 from vibe_render.engine import Engine
 
 from proxy_renderer.schema import FAMILIES, GROUPS, VibeError, messages
@@ -202,6 +202,56 @@ def test_engine_refusal_reaches_the_panel(warm):
         bpy.ops.vibe.run()
     assert session.desk.failure.remedy
     assert difference(before, contents()) == {}
+
+
+def test_anchors_are_announced_and_leave_the_scene_as_it_was_meanwhile(warm):
+    running = session.desk.begin(bpy.context)
+    while running.stage != session.ANCHORING:
+        assert running.advance()
+        time.sleep(0.05)
+    between = contents()
+    assert running.advance()
+    assert difference(between, contents()) == {}
+    to_the_end(running)
+    assert running.agreement >= 0.0
+    assert running.notes == []
+
+
+def test_cancel_between_anchors_leaves_a_vibe_as_it_was(warm):
+    assert bpy.ops.vibe.run() == {"FINISHED"}
+    before = contents()
+    warm.vibe.prompt = "dark, cool blue light, fog"
+    running = session.desk.begin(bpy.context)
+    for _ in range(2):
+        while running.stage != session.ANCHORING:
+            assert running.advance()
+            time.sleep(0.05)
+        assert running.advance()
+    session.desk.cancel()
+    assert difference(before, contents()) == {}
+
+
+def test_without_anchors_nothing_is_rendered(warm):
+    warm.vibe.anchor = False
+    running = session.desk.begin(bpy.context)
+    stages = {running.stage}
+    while running.advance():
+        stages.add(running.stage)
+        time.sleep(0.02)
+    assert session.ANCHORING not in stages
+    assert running.agreement is None
+
+
+def test_a_blender_that_cannot_render_goes_on_without(warm, monkeypatch):
+    def broken(*_args, **_named):
+        raise RuntimeError("no memory for this")
+
+    monkeypatch.setattr(anchoring, "render_anchor", broken)
+    running = session.desk.begin(bpy.context)
+    to_the_end(running)
+    assert warm.vibe.changes
+    assert running.agreement is None
+    assert "no memory for this" in running.notes[0]
 
 
 def test_cancel_leaves_the_scene_as_it_was_and_the_engine_warm(warm, engine):

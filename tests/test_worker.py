@@ -108,6 +108,33 @@ def test_a_vibe_and_its_measure(worker, job, tmp_path):
             picture.load()
 
 
+def test_a_vibe_whose_anchors_fail(worker, job):
+    worker.vibe(job, {**QUICK, "anchor": True})
+    asked = worker.until(messages.Anchor)
+    assert asked.number == 1
+    assert asked.size == 64
+    worker.send(messages.Anchored(asked.number + 7, error="not the one"))
+    worker.send(messages.Anchored(asked.number, error="Blender is busy"))
+    worker.send(messages.Anchored(worker.until(messages.Anchor).number, error="still busy"))
+    result = worker.until(messages.Result, messages.Error, messages.Anchor)
+    assert isinstance(result, messages.Result)
+    notes = result.report["anchored"]["notes"]
+    assert any("Blender is busy" in note for note in notes)
+    assert result.report["anchored"]["pictures"] == []
+
+
+def test_stop_is_heard_while_an_anchor_is_waited_for(worker, job):
+    worker.vibe(job, {**ENDLESS, "anchor": True})
+    asked = worker.until(messages.Anchor)
+    worker.send(messages.Stop())
+    result = worker.until(messages.Result, messages.Error)
+    assert isinstance(result, messages.Result)
+    assert result.report["anchored"]["notes"] == []
+    worker.send(messages.Anchored(asked.number, error="too late"))
+    worker.vibe(job, QUICK)
+    assert isinstance(worker.until(messages.Result, messages.Error), messages.Result)
+
+
 def test_another_schema_is_refused_and_the_engine_stays(worker, job):
     worker.vibe(job, QUICK, schema="0123456789abcdef")
     error = worker.until(messages.Result, messages.Error)

@@ -34,6 +34,8 @@ def answer(
     """
     start = time.monotonic()
     name = f"anchor-{request.number}.exr"
+    if bpy.app.is_job_running("RENDER"):
+        return messages.Anchored(request.number, error="Blender is busy with another render")
     try:
         groups = render_anchor(
             scene, folder / name, request.values, subject, pivot, request.size, request.samples, request.seed

@@ -108,6 +108,8 @@ class VIBE_PT_result(_IdleTab):
             _paragraph(layout, context, f"“{settings.vibed_prompt}”")
         if desk.session and (icon := preview.icon(desk.session.preview)):
             layout.template_icon(icon_value=icon, scale=7.0)
+        if desk.session:
+            _draw_agreement(layout, context, desk.session)
         if settings.changes:
             column = layout.column()
             strength = column.row()
@@ -120,6 +122,14 @@ class VIBE_PT_result(_IdleTab):
         row.scale_y = 1.3
         row.operator("vibe.keep", icon="CHECKMARK")
         row.operator("vibe.revert", icon="X")
+
+
+def _draw_agreement(layout: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
+    """How near the prediction is to what Cycles renders; 1 is about the least difference that people see."""
+    if session.agreement is not None:
+        layout.label(text=f"Cycles differs from it by {session.agreement:.1f} ΔE", icon="CHECKMARK")
+    for note in session.notes[:2]:
+        _paragraph(layout, context, note)
 
 
 class VIBE_PT_changes(_IdleTab):
@@ -208,6 +218,7 @@ class VIBE_PT_advanced(_IdleTab):
         column.prop(settings, "lock", placeholder="light/Key, */metallic")
         column.prop(settings, "top_k")
         column.prop(settings, "seed")
+        column.prop(settings, "anchor")
         column = layout.column()
         column.active = settings.budget == "CUSTOM"
         column.prop(settings, "budget")

@@ -101,6 +101,12 @@ class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
         name="Values at Once", description="How many values a round may refine", default=8, min=1, max=64
     )
     seed: IntProperty(name="Seed", description="Another seed finds another look", min=0)
+    anchor: BoolProperty(
+        name="Anchor to Cycles",
+        description="Between rounds, render a small picture with Cycles that corrects the prediction: closer to the "
+        "final render, but Blender pauses for about a second each time",
+        default=True,
+    )
     lock: StringProperty(
         name="Lock",
         description="Values that must stay, separated by commas: light/Key, material/*/metallic, film/exposure",
@@ -135,6 +141,7 @@ class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
             size=size,
             top_k=self.top_k,
             seed=self.seed,
+            anchor=self.anchor,
             groups=self.groups(),
             lock=tuple(filter(None, (pattern.strip() for pattern in self.lock.split(",")))),
             encoder=chosen.encoder if chosen else "",

@@ -12,13 +12,14 @@ from typing import cast
 
 import bpy
 
-from . import preferences, result, scene_io, snapshot
+from . import anchoring, preferences, result, scene_io, snapshot
 from .contract import messages, schema
 from .engine import Engine
 from .model_notes import failure_note
 from .subject import Choice
 
 LOOKING = "Looking for the look"
+ANCHORING = "Rendering an anchor"
 
 
 class Session:
@@ -40,6 +41,8 @@ class Session:
         self.stage = "Starting the engine"
         self.progress: messages.Progress | None = None
         self.preview: Path | None = None
+        self._subject: list[str] = []
+        self._pivot = (0.0, 0.0, 0.0)
         self._options = settings.engine_options(context)
         chosen = preferences.get(context)
         self._key = chosen.vlm_key if chosen else ""
@@ -47,6 +50,7 @@ class Session:
         self._engine = engine
         self._job = Path(tempfile.mkdtemp(prefix="vibe-", dir=bpy.app.tempdir))
         self._asked = False
+        self._stopping = False
         self._found: messages.Result | None = None
         self._steps = self._run()
 
@@ -61,6 +65,16 @@ class Session:
         """What the artist should know of a vibe that has succeeded; "" if there is nothing."""
         return failure_note(self._found.report) if self._found else ""
 
+    @property
+    def agreement(self) -> float | None:
+        """Mean CIEDE2000 between the last prediction and the picture of Cycles that came next; None without."""
+        return self._found.report.get("anchored", {}).get("predicted") if self._found else None
+
+    @property
+    def notes(self) -> list[str]:
+        """What went wrong with such pictures, in words for the artist."""
+        return self._found.report.get("anchored", {}).get("notes", []) if self._found else []
+
     def advance(self) -> bool:
         """Does the next bit; False when the vibe is in the scene.
 
@@ -71,7 +85,7 @@ class Session:
 
     def stop(self) -> None:
         """Asks for the best so far."""
-        self.stage = "Stopping"
+        self.stage, self._stopping = "Stopping", True
         self._engine.send(messages.Stop())
 
     def cancel(self) -> None:
@@ -98,11 +112,10 @@ class Session:
         vibed, start = snapshot.exists(scene), snapshot.mark(scene)
         try:
             subject, pivot = scene_io.export(scene, self._job, self._choice)
-            names = [obj.name_full for obj in subject]
+            self._subject, self._pivot = [obj.name_full for obj in subject], pivot
             yield from self._wait_for_result()
-            scene = self._find_scene()
-            there = [scene.objects[name] for name in names if name in scene.objects]
-            result.apply(scene, self.prompt, cast(messages.Result, self._found), there, pivot)
+            scene, found = self._find_scene(), cast(messages.Result, self._found)
+            result.apply(scene, self.prompt, found, self._there(scene), pivot)
         except BaseException:  # Esc closes this generator, which raises here
             self._restore(vibed, start)
             raise
@@ -117,7 +130,25 @@ class Session:
         while self._found is None:
             yield self.stage
             for message in self._engine.poll():
-                self._hear(message)
+                if isinstance(message, messages.Anchor):
+                    yield from self._anchor(message)
+                else:
+                    self._hear(message)
+
+    def _anchor(self, request: messages.Anchor) -> Generator[str]:
+        """Renders what the engine asks for: Blender is not free for about a second, which the panel says first."""
+        if self._stopping:  # the engine does not wait for it any more
+            return
+        self.stage = ANCHORING
+        yield self.stage
+        scene = self._find_scene()
+        self._engine.send(anchoring.answer(scene, self._job, request, self._there(scene), self._pivot))
+        if not self._stopping:
+            self.stage = LOOKING
+
+    def _there(self, scene: bpy.types.Scene) -> list[bpy.types.Object]:
+        """What is left of the subject."""
+        return [scene.objects[name] for name in self._subject if name in scene.objects]
 
     def _restore(self, vibed: bool, start: int) -> None:
         """Takes back what the export has added, unless an undo or another file has done so already."""
