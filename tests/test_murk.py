@@ -31,8 +31,8 @@ def cache(scene):
 
 def view_cache(scene):
     geometry = Geometry(scene, torch.device("cpu"))
-    metals = torch.zeros(len(scene.materials), dtype=torch.bool)
-    return ViewCache(scene, geometry, view_of(scene, settings(scene), SIZE), metals, 0)
+    metals = torch.zeros(len(scene.materials))
+    return ViewCache(scene, geometry, view_of(scene, settings(scene), SIZE), metals, len(scene.lights), 0)
 
 
 def settings(scene, **volume):

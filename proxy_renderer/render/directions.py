@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 
+import torch
 from torch import Tensor
 
 from .lights import tangents
@@ -27,3 +28,13 @@ def cosine_directions(normal: Tensor, uv: Tensor) -> Tensor:
     radius, angle = uv[0].sqrt(), 2 * math.pi * uv[1]
     across, up = tangents(normal)
     return across * (radius * angle.cos()) + up * (radius * angle.sin()) + normal * (1 - uv[0]).sqrt()
+
+
+def texels(height: int, width: int, device: torch.device) -> tuple[Tensor, Tensor]:
+    """Directions (3, T) of an equirectangular picture's texels, bottom row first, and solid angles (T,)."""
+    v = (torch.arange(height, device=device) + 0.5) / height
+    u = (torch.arange(width, device=device) + 0.5) / width
+    elevation, angle = torch.meshgrid((v - 0.5) * math.pi, (0.5 - u) * 2 * math.pi, indexing="ij")
+    flat = elevation.cos()
+    toward = torch.stack((flat * angle.cos(), flat * angle.sin(), elevation.sin())).flatten(1)
+    return toward, flat.flatten() * (math.pi / height) * (2 * math.pi / width)

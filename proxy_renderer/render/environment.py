@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The world as a light: what a ray that leaves the scene sees, sharp, blurred, or as irradiance."""
+"""The world as a light: what a ray that leaves the scene sees, sharp, blurred, or as irradiance, and its suns as lamps."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ from torch import Tensor
 from torch.nn.functional import grid_sample, interpolate
 
 from ..scene import SceneData
+from .directions import texels
+from .lights import Lamp
 from .settings import Settings
+from .suns import Sun, without_suns
 
 ROUGHNESS = (0.0, 0.15, 0.3, 0.5, 0.75, 1.0)
 """Roughness of the blurred copies of an environment picture."""
@@ -24,11 +27,15 @@ class Environment:
 
     Attributes:
         levels: One picture (1, 3, H, W) per entry of `ROUGHNESS`; empty for a plain color.
+        whole: The picture with its suns; None for a plain color. `levels` and `harmonics` are without.
+        suns: Its bright parts.
         harmonics: (9, 3) spherical harmonics of the radiance; a plain color has only the first.
     """
 
     def __init__(self, scene: SceneData, device: torch.device) -> None:
         self.levels: list[Tensor] = []
+        self.suns: list[Sun] = []
+        self.whole: Tensor | None = None
         image = scene.world.image
         if scene.world.kind != "environment" or image is None:
             white = torch.full((1, 3), 2 * math.sqrt(math.pi), device=device)
@@ -37,8 +44,10 @@ class Environment:
         picture = torch.from_numpy(image).to(device).permute(2, 0, 1)[None]
         size = (min(_SHARP_HEIGHT, picture.shape[2]), min(2 * _SHARP_HEIGHT, picture.shape[3]))
         sharp = interpolate(picture, size, mode="area")
-        small = interpolate(picture, (_BLURRED_HEIGHT, 2 * _BLURRED_HEIGHT), mode="area")[0].flatten(1)
-        grid, solid = _texels(_BLURRED_HEIGHT, device)
+        self.whole = _padded(sharp)
+        sharp, self.suns = without_suns(sharp)
+        small = interpolate(sharp, (_BLURRED_HEIGHT, 2 * _BLURRED_HEIGHT), mode="area")[0].flatten(1)
+        grid, solid = texels(_BLURRED_HEIGHT, 2 * _BLURRED_HEIGHT, device)
         self.harmonics = harmonics(grid).mul(solid) @ small.T
         self.levels = [_padded(sharp)]
         for roughness in ROUGHNESS[1:]:
@@ -75,6 +84,16 @@ class Sky:
             return [torch.ones_like(toward) for _ in roughness]
         place = self._place(toward)
         return [_look_up(self.environment.levels[ROUGHNESS.index(r)], place) for r in roughness]
+
+    def seen(self, toward: Tensor) -> Tensor:
+        """Uncolored radiance (3, N) of the world itself in unit directions (3, N), suns included."""
+        whole = self.environment.whole
+        return torch.ones_like(toward) if whole is None else _look_up(whole, self._place(toward))
+
+    @property
+    def lamps(self) -> list[Lamp]:
+        """The suns in its picture."""
+        return [sun.lamp(i, self.color, self.turn) for i, sun in enumerate(self.environment.suns)]
 
     def _place(self, toward: Tensor) -> Tensor:
         """Blender's equirectangular mapping of turned directions: (1, 1, N, 2) for grid_sample."""
@@ -128,16 +147,6 @@ def harmonics(toward: Tensor) -> Tensor:
     linear = 0.488603 * y, 0.488603 * z, 0.488603 * x
     mixed = 1.092548 * x * y, 1.092548 * y * z, 0.315392 * (3 * z * z - 1)
     return torch.stack((one, *linear, *mixed, 1.092548 * x * z, 0.546274 * (x * x - y * y)))
-
-
-def _texels(height: int, device: torch.device) -> tuple[Tensor, Tensor]:
-    """Directions (3, T) of an equirectangular picture's texels, bottom row first, and solid angles (T,)."""
-    v = (torch.arange(height, device=device) + 0.5) / height
-    u = (torch.arange(2 * height, device=device) + 0.5) / (2 * height)
-    elevation, angle = torch.meshgrid((v - 0.5) * math.pi, (0.5 - u) * 2 * math.pi, indexing="ij")
-    flat = elevation.cos()
-    toward = torch.stack((flat * angle.cos(), flat * angle.sin(), elevation.sin())).flatten(1)
-    return toward, flat.flatten() * (math.pi / height) ** 2
 
 
 def _blur(toward: Tensor, solid: Tensor, roughness: float) -> Tensor:

@@ -8,7 +8,7 @@ so that everything geometric is constant while only power, color or temperature 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import torch
 from torch import Tensor
@@ -36,6 +36,7 @@ class Lamp:
         position: (3,) in meters; for suns the pivot, which nothing depends on.
         axes: (3, 3) columns x, y, z of the lamp; it shines along -z.
         size: () radius of a point or spot, width of an area light, angle of a sun in radians.
+        of_world: Whether it is a bright part of the world's picture.
     """
 
     light: Light
@@ -43,6 +44,12 @@ class Lamp:
     position: Tensor
     axes: Tensor
     size: Tensor
+    of_world: bool = False
+
+    @property
+    def owner(self) -> str:
+        """Whose parameters its color depends on: "light/NAME" or "world"."""
+        return "world" if self.of_world else f"light/{self.light.name}"
 
     @property
     def moving(self) -> bool:
@@ -72,8 +79,13 @@ class Lamp:
 
     def detached(self) -> Lamp:
         """The same lamp without gradients."""
-        parts = (self.color, self.position, self.axes, self.size)
-        return Lamp(self.light, *(p.detach() for p in parts))
+        return replace(
+            self,
+            color=self.color.detach(),
+            position=self.position.detach(),
+            axes=self.axes.detach(),
+            size=self.size.detach(),
+        )
 
 
 def lamps_of(scene: SceneData, settings: Settings) -> list[Lamp]:

@@ -133,17 +133,19 @@ class Proxy:
         metals = torch.stack([_mirroring(p) for p in paints])
         if self.geometry.let_through(torch.stack([_glassy(p) for p in paints])):
             self._cache, self.volume = None, Volume(self.geometry.clear)
+        lamps = len(self.scene.lights) + len(self.environment.suns)
         kept = self._cache
         if kept is None or kept.signature != view.signature() or not torch.equal(kept.metals, metals):
-            self._cache = ViewCache(self.scene, self.geometry, view, metals, self.seed)
+            self._cache = ViewCache(self.scene, self.geometry, view, metals, lamps, self.seed)
         cache = self._cache
+        sky = sky_of(self.environment, settings)
         assert cache is not None
         frame = Frame(
             view=view,
             cache=cache,
             sight=cache.sight(view),
-            lamps=lamps_of(self.scene, settings),
-            sky=sky_of(self.environment, settings),
+            lamps=[*lamps_of(self.scene, settings), *sky.lamps],
+            sky=sky,
             paints=paints,
             fog=Fog(self.scene, settings),
         )
@@ -251,17 +253,14 @@ class Frame:
     @property
     def owners(self) -> dict[str, Tensor]:
         """Owner, "light/NAME" or "world", to the color (3,) of its light."""
-        return {**{f"light/{lamp.light.name}": lamp.color for lamp in self.lamps}, "world": self.sky.color}
+        return {**{lamp.owner: lamp.color for lamp in self.lamps}, "world": self.sky.color}
 
     def only(self, owner: str) -> Frame:
         """The same with the light of one owner, "" for none, besides what surfaces emit."""
         dark = torch.zeros_like(self.sky.color)
         return replace(
             self,
-            lamps=[
-                lamp if owner == f"light/{lamp.light.name}" else replace(lamp, color=dark)
-                for lamp in self.lamps
-            ],
+            lamps=[lamp if owner == lamp.owner else replace(lamp, color=dark) for lamp in self.lamps],
             sky=self.sky if owner == "world" else replace(self.sky, color=dark),
         )
 
@@ -307,7 +306,7 @@ def _behind(frame: Frame, table: Table, gathered: Gathered, material: int, part:
 
     def seen(side: int) -> Tensor:
         behind = frame.cache.behind(material, side, part, max(here + side * _BENT, 1.0), frame.lamps)
-        world = frame.sky.levels(behind.toward, (0.0,))[0] * frame.sky.color[:, None]
+        world = frame.sky.seen(behind.toward) * frame.sky.color[:, None]
         return behind.far.image(table, behind.ambient(gathered.anchors).T) + world * behind.far.open
 
     straight = seen(0)

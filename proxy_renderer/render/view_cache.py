@@ -130,11 +130,14 @@ class ViewCache:
         geometry: Its triangles.
         view: The camera.
         metals: (M,) how much like a mirror each material is where others see it; 0 for what is no metal.
+        lamps: How many the scene has, the suns of its world included.
         seed: For jitter.
     """
 
-    def __init__(self, scene: SceneData, geometry: Geometry, view: View, metals: Tensor, seed: int) -> None:
-        self.scene, self.geometry, self.metals = scene, geometry, metals
+    def __init__(
+        self, scene: SceneData, geometry: Geometry, view: View, metals: Tensor, lamps: int, seed: int
+    ) -> None:
+        self.scene, self.geometry, self.metals, self._lamps = scene, geometry, metals, lamps
         self.signature = view.signature()
         with torch.no_grad():
             self.samples = samples = take(geometry, view.detached())
@@ -144,7 +147,7 @@ class ViewCache:
             surface = geometry.surface(self._hits, toward[:, : samples.surfaces])
             self._sight = Sight.of(self._bumped(surface, toward), toward)
             generator = torch.Generator().manual_seed(seed)
-            shape = metals, len(scene.lights), self._maps, generator
+            shape = metals, lamps, self._maps, generator
             self.indirect = Indirect(geometry, samples, self._sight.surface, view.detached(), *shape)
             self.mean_texture = [_mean(m, geometry.device) for m in scene.materials]
             self.inside, self.depth = self._inside(), self._depth()
@@ -259,7 +262,7 @@ class ViewCache:
         if kept is None or abs(kept[0] - ior) > 1e-3:
             with torch.no_grad():
                 toward = self.samples.toward[:, part]
-                shape = ior, self.metals, len(self.scene.lights), self._maps
+                shape = ior, self.metals, self._lamps, self._maps
                 far, onward = through(self.geometry, self._sight.surface.pick(part), toward, *shape)
             kept = ior, None, Behind(far, onward, self.indirect.spread_to(far.surface))
         if kept[1] != place:
@@ -309,7 +312,7 @@ class ViewCache:
 
 def _worlds(sky: Sky, sight: Sight) -> tuple[Tensor, Tensor, Tensor]:
     sharp, blurred = sky.levels(sight.mirrored, (0.0, _BLURRED))
-    return sharp, blurred, sky.levels(sight.beyond, (0.0,))[0]
+    return sharp, blurred, sky.seen(sight.beyond)
 
 
 def _mean(material: Material, device: torch.device) -> Tensor:

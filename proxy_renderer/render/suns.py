@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Suns in a picture of the world: its small bright parts, taken out and treated as lamps, so that shadows are sharp.
+
+Cycles samples an environment by importance. What throws a visible shadow is what sends much light from a small
+part of the sky: a window, a lamp, the sun. The rest stays a smooth light from all around.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+from torch.nn.functional import interpolate
+
+from ..scene import Light
+from .directions import texels
+from .lights import Lamp, tangents
+
+_MOST = 2
+_LEAST_SHARE = 0.12
+"""Least irradiance of a sun in parts of what a surface gets from the whole world on average."""
+_RADII = (3.0, 6.0, 12.0, 20.0)
+"""Degrees around a peak within which a sun may lie."""
+_MOST_OF = 0.8
+_SEARCH_HEIGHT = 128
+_LUMINANCE = (0.2126, 0.7152, 0.0722)
+
+
+@dataclass(frozen=True)
+class Sun:
+    """A bright part of a picture.
+
+    Attributes:
+        toward: (3,) unit vector to it, before the picture is turned.
+        color: (3,) irradiance of a surface that faces it, above its surroundings'.
+        angle: Its diameter in radians, as a disc.
+    """
+
+    toward: Tensor
+    color: Tensor
+    angle: float
+
+    def lamp(self, number: int, tint: Tensor, turn: Tensor) -> Lamp:
+        """It as a lamp, in a world of color `tint` (3,) whose picture is turned by `turn` () radians."""
+        c, s, zero = turn.cos(), turn.sin(), torch.zeros_like(turn)
+        one = torch.ones_like(turn)
+        rows = torch.stack((c, s, zero)), torch.stack((-s, c, zero)), torch.stack((zero, zero, one))
+        across, up = tangents(self.toward[:, None])
+        axes = torch.stack(rows) @ torch.cat((across, up, self.toward[:, None]), 1)
+        identity = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+        light = Light(f"world/{number}", "SUN", identity, (0.0, 0.0, 0.0))
+        place, size = torch.zeros_like(self.toward), torch.full_like(turn.detach(), self.angle)
+        return Lamp(light, self.color * tint, place, axes, size, of_world=True)
+
+
+def without_suns(picture: Tensor) -> tuple[Tensor, list[Sun]]:
+    """Splits an equirectangular picture (1, 3, H, W), bottom row first, into the rest and its suns."""
+    height = min(_SEARCH_HEIGHT, picture.shape[2])
+    small = interpolate(picture, (height, 2 * height), mode="area")[0].flatten(1)
+    toward, solid = texels(height, 2 * height, picture.device)
+    fine, _ = texels(picture.shape[2], picture.shape[3], picture.device)
+    weights = picture.new_tensor(_LUMINANCE)
+    least = _LEAST_SHARE * float(weights @ small @ solid) / 4
+    suns: list[Sun] = []
+    while len(suns) < _MOST:
+        peak = toward[:, int((weights @ small).argmax())]
+        radius, level = _extent(small, toward, solid, peak, weights)
+        excess = _excess(small, toward, peak, radius, level)
+        color = excess @ solid
+        if not float(weights @ color) > least:
+            break
+        suns.append(_sun(weights @ excess * solid, toward, color))
+        small = small - excess
+        flat = picture[0].flatten(1)
+        picture = (flat - _excess(flat, fine, peak, radius, level)).view_as(picture)
+    return picture, suns
+
+
+def _extent(
+    small: Tensor, toward: Tensor, solid: Tensor, peak: Tensor, weights: Tensor
+) -> tuple[float, Tensor]:
+    """Cosine of the least radius around a peak that holds most of its light, and the level (3,) around that."""
+    found = []
+    for degrees in _RADII:
+        radius = math.cos(math.radians(degrees))
+        cosine = peak @ toward
+        ring = (cosine < radius) & (cosine > math.cos(math.radians(1.3 * degrees + 1.0)))
+        level = small[:, ring].median(1).values if bool(ring.any()) else torch.zeros_like(peak)
+        light = weights @ _excess(small, toward, peak, radius, level) @ solid
+        found.append((float(light), radius, level))
+    most = max(light for light, _, _ in found)
+    return next((radius, level) for light, radius, level in found if light >= _MOST_OF * most)
+
+
+def _excess(picture: Tensor, toward: Tensor, peak: Tensor, radius: float, level: Tensor) -> Tensor:
+    """What is brighter than a level (3,) close to a peak: (3, T)."""
+    near = (peak @ toward > radius).to(picture.dtype)
+    return (picture - level[:, None]).clamp_min(0.0) * near
+
+
+def _sun(light: Tensor, toward: Tensor, color: Tensor) -> Sun:
+    """From the luminous irradiance (T,) of texels: its centroid, and the disc of the same second moment."""
+    center = toward @ light
+    center = center / center.norm()
+    cosine = (center @ toward).clamp(-1.0, 1.0)
+    moment = float((torch.arccos(cosine) ** 2) @ light / light.sum())
+    return Sun(center, color, 2 * math.sqrt(2 * moment))
