@@ -12,17 +12,16 @@ from typing import Any
 from ..launch import environment, events
 from ..schema import VibeError
 
-_MODULE = "vibe_render.bench.fidelity"
 
-
-def scenes(pattern: str, options: Sequence[str]) -> Iterator[dict[str, Any]]:
+def scenes(pattern: str, options: Sequence[str], bench: str = "fidelity") -> Iterator[dict[str, Any]]:
     """Makes the scenes whose names match and yields what Blender's side tells.
 
     A scene that takes Blender down is told as "failed", and Blender starts again with the next one.
 
     Args:
         pattern: Of names, as file names are matched.
-        options: More options of `vibe_render.bench.fidelity`.
+        options: More options of the measurement.
+        bench: Its name, a module of `vibe_render.bench`.
 
     Yields:
         Events: first "names" with the `names` of all that match, then "scene" or "failed" for each.
@@ -34,7 +33,7 @@ def scenes(pattern: str, options: Sequence[str]) -> Iterator[dict[str, Any]]:
     names: list[str] = []
     while not names or len(done) < len(names):
         before, at, tail = len(done), "", deque[str](maxlen=40)
-        for event in _process(["--only", pattern, "--skip", ",".join(done), *options], tail):
+        for event in _process(bench, ["--only", pattern, "--skip", ",".join(done), *options], tail):
             kind = event["type"]
             if kind == "error":
                 raise VibeError(event["message"], event["remedy"])
@@ -56,10 +55,10 @@ def scenes(pattern: str, options: Sequence[str]) -> Iterator[dict[str, Any]]:
             yield {"type": "failed", "name": at, "message": f"Blender ended unexpectedly: {said[:200]}"}
 
 
-def _process(arguments: Sequence[str], tail: deque[str]) -> Iterator[dict[str, Any]]:
+def _process(bench: str, arguments: Sequence[str], tail: deque[str]) -> Iterator[dict[str, Any]]:
     """The events of one process; what else it prints goes to the tail. It ends with this generator."""
     process = subprocess.Popen(
-        [sys.executable, "-m", _MODULE, *arguments],
+        [sys.executable, "-m", f"vibe_render.bench.{bench}", *arguments],
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         stdin=subprocess.DEVNULL,

@@ -37,10 +37,24 @@ def _fidelity(sub: argparse.ArgumentParser) -> None:
     )
 
 
+def _gradients(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("--size", type=int, default=96, metavar="N", help="side of the pictures (default: 96)")
+    sub.add_argument("--samples", type=int, default=128, metavar="N", help="of Cycles (default: 128)")
+    sub.add_argument("--only", default="*", metavar="GLOB", help="only scenes with such names")
+    sub.add_argument(
+        "--cache",
+        dest="cache_folder",
+        default="",
+        metavar="DIR",
+        help="where pictures are kept (default: the folder in VIBE_CACHE, or your cache)",
+    )
+
+
 Options = Callable[[argparse.ArgumentParser], None]
 
 BENCHES: dict[str, tuple[str, Options]] = {
     "speed": ("How long a step of the renderer takes, forward and backward.", _speed),
     "fidelity": ("How near the proxy is to Cycles, scene by scene and feature by feature.", _fidelity),
+    "gradients": ("Whether the proxy's gradients point where Cycles' pictures go.", _gradients),
 }
 """By name: a summary, and what declares the options, which are the keywords of its module's `run`."""

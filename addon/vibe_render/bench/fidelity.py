@@ -40,20 +40,20 @@ ANCHOR_SIZE, ANCHOR_SAMPLES = 192, 32
 
 def main() -> int:
     """Makes the scenes one after another; what goes wrong with one is told and the next one comes."""
-    a = _arguments()
+    a = arguments()
     chosen = {recipe.name: recipe for recipe in CATALOG if fnmatchcase(recipe.name, a.only)}
     if not chosen:
         names = ", ".join(recipe.name for recipe in CATALOG)
-        _say("error", message=f"No scene has a name like {a.only!r}.", remedy=f"There are: {names}.")
+        say("error", message=f"No scene has a name like {a.only!r}.", remedy=f"There are: {names}.")
         return 2
-    _say("names", names=list(chosen))
+    say("names", names=list(chosen))
     for name in (n for n in chosen if n not in a.skip.split(",")):
-        _say("begin", name=name)
+        say("begin", name=name)
         try:
-            _say("scene", name=name, **make(chosen[name], a))
+            say("scene", name=name, **make(chosen[name], a))
         except Exception as error:
             traceback.print_exc()
-            _say("failed", name=name, message=f"{type(error).__name__}: {error}")
+            say("failed", name=name, message=f"{type(error).__name__}: {error}")
     return 0
 
 
@@ -125,11 +125,13 @@ def _save(path: Path) -> Path:
     return path
 
 
-def _say(kind: str, **content: Any) -> None:
+def say(kind: str, **content: Any) -> None:
+    """Tells the engine's side of something."""
     print(f"VIBE {json.dumps({'type': kind, **content})}", flush=True)
 
 
-def _arguments() -> argparse.Namespace:
+def arguments() -> argparse.Namespace:
+    """The options that all measurements share."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--only", default="*", help="pattern of names")
     parser.add_argument("--skip", default="", help="names that have been made already")

@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whether the proxy's gradients point where Cycles' pictures go, for every parameter of the schema.
+
+Blender's side (`vibe_render.bench.gradients`) moves each parameter a step to both sides on its perceptual scale and
+renders with Cycles, every time with the same noise. The difference of these pictures is compared with autograd's
+derivative of the proxy's, both of the same functionals: mean luminance and Lab of the subject and of the surroundings
+(which stay where they were, whatever the camera does), the encoder's loss, and luminance over a coarse grid.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from rich.console import Console
+from rich.table import Table
+from torch import Tensor
+from torch.nn.functional import adaptive_avg_pool2d
+
+from ..guidance import augment
+from ..guidance.encoder import Encoder, load_encoder
+from ..guidance.regions import mean
+from ..render.color import linear_from_srgb, luma, srgb_to_lab
+from ..render.proxy import Proxy
+from ..report import load_picture
+from ..scene import load_scene
+from . import blender, cache
+
+_CELLS = 6
+_REGIONS = 8
+_POOR = 0.5
+_FAINT = 0.3
+"""Change of a region's Lab over the whole of a parameter's scale that nobody sees."""
+
+
+def run(
+    out: Path, size: int = 96, samples: int = 128, only: str = "*", cache_folder: str = ""
+) -> dict[str, Any]:
+    """Measures, prints a table, and writes OUT/results.json.
+
+    Args:
+        out: The folder. OUT/scenes/NAME keeps each scene's job folder.
+        size: Side of the pictures, pixels.
+        samples: Of Cycles.
+        only: A pattern of scene names.
+        cache_folder: Where pictures are kept; "" for the user's cache.
+
+    Returns:
+        The content of results.json: `mean_cosine`, `parameters` by family, `keys` with every single one, and
+        `failed`: the scenes that could not be rendered, and why.
+    """
+    folder = cache.folder(cache_folder)
+    options = [f"--work={out / 'scenes'}", f"--cache={folder}", f"--size={size}", f"--samples={samples}"]
+    encoder = load_encoder(None, "cpu")
+    keys: dict[str, dict[str, Any]] = {}
+    failed: dict[str, str] = {}
+    for event in blender.scenes(only, options, "gradients"):
+        if event["type"] == "failed":
+            failed[event["name"]] = event["message"]
+        elif event["type"] == "scene":
+            keys |= measure(event, encoder)
+        if event["type"] != "names":
+            print(f"{event['name']}: {event.get('message', 'measured')}", flush=True)
+    results = summary(keys) | {"failed": failed, "size": size, "samples": samples}
+    _show(results)
+    _write(results, out / "results.json")
+    return results
+
+
+def measure(event: Mapping[str, Any], encoder: Encoder) -> dict[str, dict[str, Any]]:
+    """Compares the gradients of one scene, parameter by parameter.
+
+    Args:
+        event: What Blender's side told of the scene.
+        encoder: Whose loss to the scene's caption is differentiated.
+
+    Returns:
+        By "scene: key" what `compare` says.
+    """
+    steps = event["steps"]
+    first = load_picture(Path(steps[0]["low_picture"]))
+    proxy = Proxy(load_scene(event["job"]), (first.shape[1], first.shape[0]))
+    values = {step["key"]: torch.tensor(step["middle"], requires_grad=True) for step in steps}
+    picture = proxy.render(values)
+    with torch.no_grad():
+        caption = encoder.encode_texts([event["caption"]])
+    mask = picture.mask.detach()
+    outputs = functionals(picture.display, mask, encoder, caption)
+    slopes = [
+        torch.autograd.grad(output, list(values.values()), retain_graph=True, allow_unused=True)
+        for output in outputs
+    ]
+    found = {}
+    for i, step in enumerate(steps):
+        rate = (torch.tensor(step["high"]) - torch.tensor(step["low"])) / step["du"]
+        ours = torch.stack([torch.zeros(()) if s[i] is None else (s[i] * rate).sum() for s in slopes])
+        with torch.no_grad():
+            low, high = (
+                functionals(_picture(step[f"{end}_picture"]), mask, encoder, caption)
+                for end in ("low", "high")
+            )
+        found[f"{event['name']}: {step['key']}"] = {
+            "family": step["family"],
+            **compare(ours, (high - low) / step["du"]),
+        }
+    return found
+
+
+def functionals(display: Tensor, mask: Tensor, encoder: Encoder, caption: Tensor) -> Tensor:
+    """What is differentiated: luminance in percent and Lab of both regions, the encoder's loss, and cells (8 + 1 + 36).
+
+    Args:
+        display: (H, W, 3).
+        mask: (H, W) the subject's, constant.
+        encoder: See `measure`.
+        caption: (1, D) features.
+    """
+    light = 100 * luma(linear_from_srgb(display))
+    colors = torch.cat((light, srgb_to_lab(display)), -1)
+    seen = encoder.encode_images(augment.whole(display.permute(2, 0, 1)[None], encoder.size))
+    cells = adaptive_avg_pool2d(light.permute(2, 0, 1), _CELLS).flatten()
+    return torch.cat((mean(colors, mask), mean(colors, 1 - mask), 1 - (seen @ caption.T).flatten(), cells))
+
+
+def compare(ours: Tensor, cycles: Tensor) -> dict[str, Any]:
+    """How alike two derivatives of `functionals` are.
+
+    Returns:
+        `cosine` of the regions' means, `image_cosine` of the cells, `sign`: whether the encoder's loss goes the same
+        way, `length` of ours over Cycles', `change`: length of Cycles' derivative, all of the regions.
+    """
+    a, b = ours[:_REGIONS], cycles[:_REGIONS]
+    return {
+        "cosine": _cosine(a, b),
+        "image_cosine": _cosine(ours[_REGIONS + 1 :], cycles[_REGIONS + 1 :]),
+        "sign": bool(ours[_REGIONS] * cycles[_REGIONS] > 0),
+        "length": round(float(a.norm() / b.norm().clamp_min(1e-9)), 3),
+        "change": round(float(b.norm()), 3),
+    }
+
+
+def summary(keys: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    """The content of results.json: means by family, and over the families."""
+    families: dict[str, list[Mapping[str, Any]]] = {}
+    for row in keys.values():
+        families.setdefault(row["family"], []).append(row)
+    parameters = {}
+    for family, rows in families.items():
+        average = {
+            name: round(float(np.mean([row[name] for row in rows])), 3)
+            for name in ("cosine", "image_cosine", "sign", "length", "change")
+        }
+        parameters[family] = {**average, "note": _note(average)}
+    mean_cosine = float(np.mean([row["cosine"] for row in parameters.values()])) if parameters else 0.0
+    return {"mean_cosine": round(mean_cosine, 3), "parameters": parameters, "keys": dict(keys)}
+
+
+def _note(row: Mapping[str, float]) -> str:
+    """Why a gradient is poor, as far as the figures say; "" for a good one."""
+    if row["cosine"] >= _POOR:
+        return ""
+    if row["change"] < _FAINT:
+        return "Cycles' picture hardly depends on it"
+    if row["length"] < 0.2:
+        return "the proxy's picture hardly depends on it"
+    return "the proxy goes another way"
+
+
+def _cosine(a: Tensor, b: Tensor) -> float:
+    return round(float((a @ b) / (a.norm() * b.norm()).clamp_min(1e-9)), 3)
+
+
+def _picture(path: str) -> Tensor:
+    return torch.from_numpy(load_picture(Path(path)).copy())
+
+
+def _show(results: Mapping[str, Any]) -> None:
+    table = Table(title=f"mean cosine {results['mean_cosine']:.3f}")
+    for title in ("parameter", "cosine", "image", "CLIP sign", "length", "change", "note"):
+        table.add_column(title, justify="left" if title in ("parameter", "note") else "right")
+    for family, row in sorted(results["parameters"].items(), key=lambda item: item[1]["cosine"]):
+        figures = [f"{row[name]:.2f}" for name in ("cosine", "image_cosine", "sign", "length", "change")]
+        table.add_row(family, *figures, row["note"])
+    Console().print(table)
+
+
+def _write(results: Mapping[str, Any], path: Path) -> None:
+    part = path.with_name(f"{path.name}.part")
+    part.write_text(json.dumps(results, indent=1), encoding="utf-8")
+    os.replace(part, path)
