@@ -52,7 +52,8 @@ def failure(behave, question=QUESTION, seconds=5.0):
     return error, model
 
 
-def test_a_strict_answer_and_what_it_costs():
+def test_a_strict_answer_and_what_it_costs(monkeypatch):
+    monkeypatch.setenv("OPENAI_ORG_ID", "org-mine")
     with serving(lambda body, n: says(RED)) as model:
         client = Client(Endpoint(MODEL, model.url, KEY, 5.0, (2.0, 10.0)))
         assert client.ask(QUESTION) == RED
@@ -61,6 +62,7 @@ def test_a_strict_answer_and_what_it_costs():
     assert body["response_format"]["json_schema"]["schema"] == SCHEMA
     assert body["messages"][1]["content"][1]["image_url"]["url"].startswith("data:image/jpeg;base64,/9hq")
     assert model.headers[0]["authorization"] == f"Bearer {KEY}"
+    assert "org-mine" not in str(model.headers)
     account = client.usage.account()
     assert (account["calls"], account["cached"]) == (1, 0)
     assert account["tokens"] == {"read": 100, "written": 20}

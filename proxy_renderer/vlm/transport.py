@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from email.utils import parsedate_to_datetime
 from typing import Any
 
-from .endpoint import Endpoint
+from .endpoint import OPENAI, Endpoint
 from .errors import ModelError
 from .extract import clean, scrub
 
@@ -117,6 +117,10 @@ class Transport:
             self._client = openai.OpenAI(
                 base_url=point.url, api_key=point.key or "none", max_retries=0, http_client=http
             )
+            if (
+                point.url != OPENAI
+            ):  # what the environment says about an account there is nobody else's business
+                self._client.organization = self._client.project = None
         return self._client
 
     def _late(self, seconds: float) -> ModelError:
