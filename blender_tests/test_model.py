@@ -13,7 +13,7 @@ import vibe_render
 from small_scenes import studio
 from test_batch import QUICK, batch, save_scene
 from vibe_render import preferences
-from vibe_render.model_notes import failure_note
+from vibe_render.model_notes import failure_note, model_lines
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from model_server import KEY, MODEL, has_picture, plan_for, refuses, says, serving
@@ -147,6 +147,12 @@ def test_what_failed_is_said():
         "Planned without the model in 1 of 2 rounds. It is down."
     )
     assert failure_note({"rounds": rounds}) == ""
+    counts = {"clipped": 2, "mended": 0, "dropped": 1, "missing": 0}
+    model = {"model": "eyes", "calls": 3, "cached": 1, "tokens": {"read": 9, "written": 5}, "cost_usd": 0.5}
+    lines = model_lines({"vlm": {**model, **counts}}, {"error": "It is blind."})
+    assert "0.5000 US dollars" in lines[0]
+    assert lines[1].endswith(": 2 clipped, 1 dropped.")
+    assert lines[2].endswith("It is blind.")
 
 
 def test_the_environment_is_clean():

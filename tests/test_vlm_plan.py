@@ -322,7 +322,7 @@ def vibe(scene, encoder, model, prompt=PROMPT, **options):
     watch = Silent()
     client = Client(Endpoint(MODEL, model.url, KEY, 5.0))
     advisor = ModelAdvisor(prompt, context.scene_words(scene), client, watch.stage)
-    chosen = Options(**{"rounds": 2, "steps": 4, "size": 64, **options})
+    chosen = Options(**{"rounds": 2, "steps": 2, "size": 48, **options})
     outcome = pipeline.run(scene, prompt, chosen, encoder, encoder, watch, advisor)
     return outcome, advisor.account(), watch.seen
 
@@ -371,7 +371,7 @@ class TestLoop:
     def test_every_failure_falls_back_to_the_offline_plan(self, scene, encoder, answer):
         with serving(lambda body, n: answer) as model:
             outcome, account, _ = vibe(scene, encoder, model)
-        offline = pipeline.run(scene, PROMPT, Options(rounds=2, steps=4, size=64), encoder, encoder, Silent())
+        offline = pipeline.run(scene, PROMPT, Options(rounds=2, steps=2, size=48), encoder, encoder, Silent())
         assert torch.equal(outcome.u, offline.u)
         assert all(r["advice"].startswith("offline planner: ") for r in outcome.rounds)
         assert account["failures"]

@@ -31,6 +31,10 @@ def model_lines(report: Mapping[str, Any], judge: Mapping[str, Any]) -> list[str
             f"{model['model']} was asked {model['calls']} times ({model['cached']} more from the cache; "
             f"{tokens['read']} tokens read, {tokens['written']} written{cost})."
         )
+        if unfit := [
+            f"{model[name]} {name}" for name in ("clipped", "mended", "dropped", "missing") if model[name]
+        ]:
+            lines.append(f"Its answers did not fit everywhere: {', '.join(unfit)}.")
     if note := failure_note(report):
         lines.append(f"Note: {note}")
     if "winner" in judge:
