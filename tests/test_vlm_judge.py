@@ -3,7 +3,6 @@
 
 import base64
 import io
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -38,15 +37,6 @@ def test_the_paper_s_figure_is_judged_by_the_paper_s_words():
     top, bottom = picture[: picture.shape[0] // 2], picture[picture.shape[0] // 2 :]
     assert (top[..., 0] - top[..., 2] > 120).mean() > 0.3  # ours above
     assert (bottom[..., 2] - bottom[..., 0] > 120).mean() > 0.2
-
-
-@pytest.mark.skipif(
-    not (SEED := Path("/work/shared/seed/confined_vibe_optimization.txt")).is_file(), reason="no paper"
-)
-def test_the_words_are_verbatim():
-    paper = " ".join(SEED.read_text().replace("<li>", "").replace("</li>", "").split())
-    for line in judge.INSTRUCTIONS.splitlines()[1:]:
-        assert line.removeprefix("• ") in paper, line
 
 
 def test_words_for_another_figure():
