@@ -313,5 +313,7 @@ def _behind(frame: Frame, table: Table, gathered: Gathered, material: int, part:
     if not wanted(ior):
         return straight
     with torch.no_grad():
-        slope = (seen(1) - seen(-1)) / (here + _BENT - max(here - _BENT, 1.0))
+        # Where a bright lamp comes into view, the picture saturates: the slope is that of x / (1 + x).
+        low, high = (light / (1 + light) for light in (seen(-1), seen(1)))
+        slope = (high - low) * (1 + straight) ** 2 / (here + _BENT - max(here - _BENT, 1.0))
     return straight + slope * (ior - ior.detach())
