@@ -263,3 +263,16 @@ def test_glass_lets_light_through(stage, tmp_path, roughness, tint, most):
 def test_the_edge_tint_of_metals_colors_reflections_too(stage, tmp_path, tint):
     _ball("Ball", Base_Color=(0.9, 0.65, 0.3), Metallic=1.0, Roughness=0.25, Specular_Tint=tint)
     assert _compare(stage, tmp_path)[0].mean() < 1.6
+
+
+def test_a_mirror_shows_the_ground_that_the_camera_does_not_see(stage, tmp_path):
+    """A chrome ball on a checker board, most of which lies outside the picture."""
+    _ball("Ball", Base_Color=(0.9, 0.9, 0.9), Metallic=1.0, Roughness=0.0)
+    tree = bpy.data.materials["Floor"].node_tree
+    board = _node(tree, "TexChecker", Scale=0.7, Color1=(0.8, 0.8, 0.8, 1), Color2=(0.05, 0.05, 0.05, 1))
+    place = _node(tree, "TexCoord")
+    tree.links.new(place.outputs["Object"], board.inputs["Vector"])
+    tree.links.new(board.outputs["Color"], tree.nodes["Principled BSDF"].inputs["Base Color"])
+    difference, _, warnings = _compare(stage, tmp_path)
+    assert not warnings
+    assert difference.mean() < 1.9

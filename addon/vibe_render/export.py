@@ -21,6 +21,7 @@ from . import (
     export_view,
     export_world,
     fog,
+    planes,
     roster,
     sane,
     shaders,
@@ -124,6 +125,9 @@ def _materials(survey: Survey) -> dict[str, Exported]:
         if view:
             picture = export_texture.Picture(view.image, "EXTEND", "", view.window)
             found[name][w.channel] = Measured(view.mean, picture)
+            far = _straight_on(survey, w) if w.channel == "base_color" else None
+            if far:
+                found[name]["far"] = Measured(view.mean, far)
         elif w.source is not None and w.channel != "normal":
             found[name][w.channel] = Measured(_mean(survey, w))
     return {name: export_material.export(material, found[name]) for name, material in materials.items()}
@@ -143,6 +147,25 @@ def _over_uvs(
     tiles = export_texture.plain_image(source, outputs) is not None
     inside = uvs.size and -1e-3 <= uvs.min() <= uvs.max() <= 1 + 1e-3
     return export_texture.over_uvs(material, channel, source) if tiles or inside else None
+
+
+def _straight_on(survey: Survey, wanted: view_maps.Wanted) -> export_texture.Picture | None:
+    """The pattern of a flat surface as mirrors may show it, also where the camera does not look."""
+    geometry, eye = survey.geometry, survey.scene.camera.matrix_world.translation
+    chosen = geometry.material == geometry.materials.index(wanted.material.name_full)
+    pivot = np.array(survey.pivot)
+    corners = geometry.vertices[geometry.faces[chosen]].astype(float)
+    plane = planes.plane_of(corners, pivot, float(np.linalg.norm(pivot - np.array(eye))))
+    if plane is None:
+        return None
+    view = view_maps.measure(survey.scene, [wanted], plane).get((wanted.material.name_full, wanted.channel))
+    if view is None:
+        return None
+    left, bottom, right, top = view.window
+    scale, shift = np.array([1 / (right - left), 1 / (top - bottom)]), np.array([left, bottom])
+    mapping = np.array(plane.mapping)
+    mapping[:, 3] -= shift
+    return export_texture.Picture(view.image, "CLIP", "", None, (mapping * scale[:, None]).tolist())
 
 
 def _mean(survey: Survey, wanted: view_maps.Wanted) -> np.ndarray:
@@ -198,7 +221,12 @@ def _write_textures(survey: Survey, materials: Mapping[str, Exported], folder: P
             (folder / "textures").mkdir(exist_ok=True)
             name = f"textures/{len(rows)}_{channel}.npy"
             np.save(folder / name, picture.image.astype(np.float32))
-            pictures[channel] = {"image": name, "extension": picture.extension, "window": picture.window}
+            pictures[channel] = {
+                "image": name,
+                "extension": picture.extension,
+                "window": picture.window,
+                "plane": picture.plane,
+            }
         row["texture"], row["maps"] = pictures.pop("base_color", None), pictures
         rows.append(row)
     return rows

@@ -91,7 +91,8 @@ class Exported:
 
     Attributes:
         row: Its entry in scene.json, but for the role and the pictures.
-        pictures: Inputs that vary, by name: "base_color", "alpha", "normal", or a parameter's.
+        pictures: Inputs that vary, by name: "base_color", "alpha", "normal", or a parameter's; "far" is the
+            base color as mirrors may show it.
         values: Values that bindings cannot know: of other shaders, and means of computed inputs.
         reason: Why those values are locked.
     """
@@ -234,7 +235,7 @@ def _varying(result: Exported, measured: Mapping[str, Measured], inverted: bool,
             notes.append(f"{_COMPUTED[name]} is shown as its average")
         if name == "alpha":
             result.row["alpha"] = float(np.clip(mean.mean(), 0.0, 1.0))
-        elif name not in ("normal", "base_color"):
+        elif name in _COMPUTED and name not in ("normal", "base_color"):
             color = tuple(float(v) for v in mean)
             result.values[name] = color if name in _COLORS else (sum(color) / len(color),)
         if name == "base_color" and not picture:

@@ -39,12 +39,14 @@ class Picture:
         warning: What is only approximate about it, "" if nothing.
         window: For what the camera sees: left, bottom, right and top in parts of its picture. None for a
             texture over UVs.
+        plane: For a flat surface seen straight on: the 2 x 4 matrix that takes world-space points to the image.
     """
 
     image: np.ndarray
     extension: str = "REPEAT"
     warning: str = ""
     window: tuple[float, float, float, float] | None = None
+    plane: list[list[float]] | None = None
 
 
 def uv_mapping(source: bpy.types.NodeSocket | None) -> tuple[str, np.ndarray]:

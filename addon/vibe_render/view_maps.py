@@ -15,13 +15,15 @@ import bpy
 import numpy as np
 
 from . import bake, exr
+from .planes import Plane, straight_on
 from .settings import changed
 
 COLORS = ("base_color", "emission_color", "specular_tint", "normal")
 """Channels of three components; the others have one. Normals are in world space, halved and raised to [0, 1]."""
 
 _LONGEST = 512
-_SAMPLES = 6
+_SAMPLES = 4
+_FAR_SIDE, _FAR_SAMPLES = 384, 2  # what only mirrors show need not be as fine
 _GROWN = 4  # pixels by which a map reaches beyond where its material is seen
 _INDEX, _SQUARE = "Vibe Index", "Vibe Square"
 
@@ -53,16 +55,23 @@ class ViewMap:
     mean: np.ndarray
 
 
-def measure(scene: bpy.types.Scene, wanted: Sequence[Wanted]) -> dict[tuple[str, str], ViewMap]:
+def measure(
+    scene: bpy.types.Scene, wanted: Sequence[Wanted], plane: Plane | None = None
+) -> dict[tuple[str, str], ViewMap]:
     """Renders computed inputs; by material's full name and channel.
 
     What the camera does not see, and materials of linked libraries, are missing from the answer.
+
+    Args:
+        scene: The scene.
+        wanted: The inputs.
+        plane: Seen straight on instead of what the scene's camera sees.
     """
     wanted = [w for w in wanted if _editable(w)]
     if not wanted:
         return {}
     names = list(dict.fromkeys(w.material.name_full for w in wanted))
-    sides = scene.render.resolution_x, scene.render.resolution_y
+    sides = (_FAR_SIDE, _FAR_SIDE) if plane else (scene.render.resolution_x, scene.render.resolution_y)
     scale = min(1.0, _LONGEST / max(sides))
     width, height = (max(16, round(scale * side)) for side in sides)  # Blender refuses fewer
     with ExitStack() as stack:
@@ -74,7 +83,10 @@ def measure(scene: bpy.types.Scene, wanted: Sequence[Wanted]) -> dict[tuple[str,
         twin = stack.enter_context(
             bake.copied_scene(scene, resolution_x=width, resolution_y=height, resolution_percentage=100)
         )
-        passes = _render(twin, sorted({w.channel for w in wanted}))
+        if plane:
+            stack.enter_context(straight_on(twin, plane))
+        channels = sorted({w.channel for w in wanted})
+        passes = _render(twin, channels, _FAR_SAMPLES if plane else _SAMPLES)
     index, square = passes[_INDEX][..., 0], passes[_SQUARE][..., 0]
     alone = np.abs(square - index * index) < 1e-3 * (1 + square)
     found = {}
@@ -104,7 +116,7 @@ def _tree(w: Wanted) -> bpy.types.NodeTree:
     return w.source.id_data if w.source else w.material.node_tree
 
 
-def _render(twin: bpy.types.Scene, channels: Sequence[str]) -> dict[str, np.ndarray]:
+def _render(twin: bpy.types.Scene, channels: Sequence[str], samples: int) -> dict[str, np.ndarray]:
     """All AOVs; lamps, worlds and fog are left out as far as a scene's own settings can."""
     layer, cycles = twin.view_layers[0], twin.cycles
     twin.world = None
@@ -117,7 +129,7 @@ def _render(twin: bpy.types.Scene, channels: Sequence[str]) -> dict[str, np.ndar
         changed(
             cycles,
             device="CPU",
-            samples=_SAMPLES,
+            samples=samples,
             use_denoising=False,
             use_adaptive_sampling=False,
             max_bounces=0,

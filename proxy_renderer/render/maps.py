@@ -17,6 +17,9 @@ from .vectors import dot, length
 if TYPE_CHECKING:
     from .visibility import Geometry, Surface
 
+_LEVELS = 7
+"""Versions of a pattern, each half as fine as the one before."""
+
 
 class Maps:
     """All pictures of a scene's materials.
@@ -46,13 +49,22 @@ class Maps:
         row = self._scene.materials[material]
         texture = row.texture if name == "base_color" else row.maps[name]
         assert texture is not None
-        place = surface.uv if texture.window is None else self._through(texture.window, surface.position)
+        place = self._place(texture, surface)
         if texture.extension == "REPEAT":
             place = place - place.detach().floor()
         padding = "zeros" if texture.extension == "CLIP" else "border"
         image = self._images[material, name]
         grid = (place * 2 - 1).T[None, None]
         return grid_sample(image, grid, padding_mode=padding, align_corners=False)[0, :, 0]
+
+    def _place(self, texture: Texture, surface: Surface) -> Tensor:
+        """Where points lie in an image (2, N), [0, 1] from the lower left."""
+        if texture.window is not None:
+            return self._through(texture.window, surface.position)
+        if texture.plane is not None:
+            rows = surface.position.new_tensor(texture.plane)
+            return rows[:, :3] @ surface.position + rows[:, 3:]
+        return surface.uv
 
     def relief(self, surface: Surface, geometry: Geometry) -> Tensor | None:
         """Base colors (3, N) at points over the means of their textures; None where no material has one.
@@ -64,9 +76,13 @@ class Maps:
             index = (surface.material == material).nonzero()[:, 0]
             if row.texture is None or not len(index):
                 continue
-            if row.texture.window is not None:
+            name = "far" if "far" in row.maps else "base_color"
+            if name == "far":
+                place = self._place(row.maps[name], surface.pick(index))
+                index = index[((place > 0) & (place < 1)).all(0)]
+            elif row.texture.window is not None:
                 index = index[self._seen(row.texture.window, surface.pick(index), geometry)]
-            found = self.at(material, "base_color", surface.pick(index))
+            found = self._footprints(material, name, surface.pick(index))
             mean = self._images[material, "base_color"].mean((2, 3)).view(3, 1).clamp_min(1e-3)
             result = torch.ones_like(surface.position) if result is None else result
             result = result.index_copy(1, index, found / mean)
@@ -88,6 +104,27 @@ class Maps:
         start = surface.position - offset
         open_ = geometry.clear(start, offset / distance, distance * (1 - 1e-3))
         return inside & (open_ > 0)
+
+    def _footprints(self, material: int, name: str, surface: Surface) -> Tensor:
+        """A base color (3, N), averaged over what lies between a point and the next, as far as they are in a row.
+
+        Curved mirrors squeeze much into one pixel; neighbors in a row are neighbors in the picture.
+        """
+        texture = self._scene.materials[material].maps.get(name)
+        image = self._images[material, name]
+        if texture is None or surface.position.shape[1] < 2:
+            return self.at(material, name, surface)
+        place = self._place(texture, surface)
+        step = (place[:, 1:] - place[:, :-1]).abs().amax(0) * image.shape[-1]
+        level = torch.cat((step, step[-1:])).clamp_min(1.0).log2().clamp_max(_LEVELS - 1)
+        grid = (place * 2 - 1).T[None, None]
+        result = torch.zeros_like(surface.position)
+        for number in range(_LEVELS):
+            share = (1 - (level - number).abs()).clamp_min(0.0)
+            found = grid_sample(image, grid, padding_mode="border", align_corners=False)[0, :, 0]
+            result = result + found * share
+            image = interpolate(image, scale_factor=0.5, mode="area") if min(image.shape[2:]) > 1 else image
+        return result
 
     def _through(self, window: tuple[float, float, float, float], points: Tensor) -> Tensor:
         """Where points (3, N) lie in a window (2, N) of the exported camera's picture, [0, 1] from the lower left."""

@@ -37,7 +37,7 @@ _BLURRED = 0.5
 
 _LEAST_ALIKE = 0.1
 """Cosine between a mapped and the true normal below which the map cannot be meant."""
-_GEOMETRIC = ("alpha", "normal")
+_GEOMETRIC = ("alpha", "normal", "far")
 
 
 @dataclass(frozen=True)

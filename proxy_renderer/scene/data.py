@@ -86,11 +86,13 @@ class Texture:
         extension: "REPEAT", "EXTEND" or "CLIP".
         window: For what the exported camera saw: left, bottom, right and top in parts of its picture, to
             which it is a projection. None for a texture over UVs.
+        plane: For a flat surface: the 2 x 4 matrix that takes world-space points (x, y, z, 1) to the image.
     """
 
     image: Array
     extension: str = "REPEAT"
     window: tuple[float, float, float, float] | None = None
+    plane: tuple[tuple[float, ...], ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -101,8 +103,8 @@ class Material:
         alpha: Opacity, or the mean of its map.
         constants: Principled inputs that no vibe changes.
         texture: Its base color, where that is computed; tinted by parameters.
-        maps: Other inputs that are computed: "alpha", "normal" (world space, halved and raised to [0, 1]), and
-            parameters by name.
+        maps: Other inputs that are computed: "alpha", "normal" (world space, halved and raised to [0, 1]), "far"
+            (a flat surface's base color also where the camera does not look), and parameters by name.
     """
 
     name: str

@@ -134,6 +134,7 @@ def _texture(folder: Path, row: dict[str, Any]) -> Texture:
         _picture(folder / row["image"], (1, 3)),
         row.get("extension", "REPEAT"),
         (float(window[0]), float(window[1]), float(window[2]), float(window[3])) if window else None,
+        _tuples(row.get("plane")),
     )
 
 
