@@ -31,6 +31,9 @@ _SUBJECT = (
     "object or collection that the picture is about; can be given several times (default: found by itself)"
 )
 _LOCK = "leave this alone: a group, light/Key, or */roughness; can be given several times"
+_VOCABULARY = (
+    "a .toml with words of your own (default: vocabulary.toml in your configuration folder, if there is one)"
+)
 _ENCODER = "an open_clip model such as ViT-B-32-256/datacomp_s34b_b86k, or a local checkpoint (default: the embedded one)"
 _ANCHOR = "do not let small Cycles pictures correct the prediction meanwhile: quicker, and less exact"
 
@@ -59,10 +62,16 @@ class Help(argparse.HelpFormatter):
         super().__init__(prog, max_help_position=28, width=100)
 
 
-def add_scene(sub: argparse.ArgumentParser) -> None:
+def add_scene(sub: argparse.ArgumentParser, optional: bool = False) -> None:
     """The scene, and what in it is the subject."""
-    sub.add_argument("scene", metavar="SCENE", help="a .blend, or a mesh: .obj .glb .gltf .ply .stl")
+    count: dict[str, str] = {"nargs": "?", "default": ""} if optional else {}
+    sub.add_argument("scene", metavar="SCENE", help="a .blend, or a mesh: .obj .glb .gltf .ply .stl", **count)  # type: ignore[arg-type]
     sub.add_argument("--subject", action="append", default=[], metavar="NAME", help=_SUBJECT)
+
+
+def add_vocabulary(sub: argparse._ActionsContainer) -> None:
+    """The artist's own words."""
+    sub.add_argument("--vocabulary", default="", metavar="FILE", help=_VOCABULARY)
 
 
 def add_vibe_options(sub: argparse.ArgumentParser) -> None:
@@ -73,6 +82,7 @@ def add_vibe_options(sub: argparse.ArgumentParser) -> None:
     reach = sub.add_argument_group("reach")
     reach.add_argument("--groups", action="append", default=[], metavar="A,B", help=_GROUPS)
     reach.add_argument("--lock", action="append", default=[], metavar="PATTERN", help=_LOCK)
+    add_vocabulary(reach)
     engine = sub.add_argument_group("engine")
     engine.add_argument("--encoder", default="", metavar="TAG|PATH", help=_ENCODER)
     engine.add_argument(

@@ -78,6 +78,16 @@ def model(arguments: argparse.Namespace) -> bool:
     return find_endpoint(options) is not None and not arguments.baseline
 
 
+def vocabulary(name: str) -> None:
+    """The artist's own words, if any, can be used; this process and those that it starts will use them."""
+    from .language.user import VARIABLE
+    from .language.vocabulary import default_vocabulary
+
+    if name:
+        os.environ[VARIABLE] = str(file(name, "vocabulary"))
+    default_vocabulary()
+
+
 def numbers(arguments: argparse.Namespace) -> None:
     """Every number within its range."""
     for name, (low, high) in _RANGES.items():

@@ -9,7 +9,15 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from . import __version__, check
-from .arguments import Help, Parser, add_render_options, add_scene, add_vibe_options, vibe_arguments
+from .arguments import (
+    Help,
+    Parser,
+    add_render_options,
+    add_scene,
+    add_vibe_options,
+    add_vocabulary,
+    vibe_arguments,
+)
 from .bench.options import BENCHES
 from .schema import VibeError
 
@@ -78,8 +86,10 @@ def parser() -> argparse.ArgumentParser:
         "scene", metavar="FILE.blend", help="a file that `vibe run` has written; it is changed in place"
     )
 
-    explain = command("explain", _explain, "Say what the words mean to Vibe Render, without a scene.")
+    explain = command("explain", _explain, "Say what the words mean to Vibe Render, and to a scene.")
     explain.add_argument("prompt", metavar="TEXT", help="the look")
+    add_scene(explain, optional=True)
+    add_vocabulary(explain)
     explain.add_argument("--json", action="store_true", help="for programs")
 
     command("doctor", _doctor, "Check what is installed, and say what to fix.")
@@ -120,6 +130,7 @@ def _demo(a: argparse.Namespace) -> int:
 def _vibe(a: argparse.Namespace, what: list[str]) -> int:
     """Checks everything that can be checked without Blender, then starts it."""
     check.prompt(a.prompt)
+    check.vocabulary(a.vocabulary)
     if not check.model(a):
         check.words(a.prompt)
     check.numbers(a)
@@ -157,7 +168,9 @@ def _explain(a: argparse.Namespace) -> int:
     from .explain import account
 
     check.prompt(a.prompt)
-    print(account(a.prompt, a.json))
+    check.vocabulary(a.vocabulary)
+    scene = check.scene(a.scene) if a.scene else None
+    print(account(a.prompt, a.json, scene, _subjects(a)))
     return 0
 
 

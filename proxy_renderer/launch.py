@@ -24,8 +24,13 @@ from .view import View
 _MARK = "VIBE "
 
 
-def launch(arguments: list[str], out: Path) -> int:
+def launch(arguments: list[str], out: Path, view: View | None = None) -> int:
     """Runs batch.py with these arguments to its end and returns the command's exit code.
+
+    Args:
+        arguments: For batch.py.
+        out: What the artist is told to open at the end.
+        view: Shows how it goes; standard output if None.
 
     Ctrl-C is passed on once, and Blender's side then finishes with the best so far; a second one
     ends it at once.
@@ -33,7 +38,8 @@ def launch(arguments: list[str], out: Path) -> int:
     Raises:
         VibeError: What Blender's side reports, or that it died.
     """
-    view = View()
+    told = view is None
+    view = view or View()
     view.stage("starting Blender")
     process = subprocess.Popen(
         [sys.executable, str(_batch()), "--events", *arguments],
@@ -65,7 +71,8 @@ def launch(arguments: list[str], out: Path) -> int:
             f"Blender ended unexpectedly (exit code {code}). It said last: {said.strip()[:200]}",
             "Run `vibe doctor`.",
         )
-    view.end(out)
+    if told:
+        view.end(out)
     return 0
 
 

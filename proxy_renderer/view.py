@@ -7,13 +7,18 @@ import sys
 import time
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import Any, TextIO
 
 
 class View:
-    """Shows events as they come. Use it as a context manager around them."""
+    """Shows events as they come. Use it as a context manager around them.
 
-    def __init__(self) -> None:
+    Args:
+        stream: Where to; standard output if None.
+    """
+
+    def __init__(self, stream: TextIO | None = None) -> None:
+        self._stream = stream or sys.stdout
         self._start = time.monotonic()
         self._round = 0
         self._bar: Any = None
@@ -21,7 +26,8 @@ class View:
         self._result: dict[str, Any] = {}
 
     def __enter__(self) -> View:
-        if sys.stdout.isatty():
+        if self._stream.isatty():
+            from rich.console import Console
             from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
             columns = (
@@ -31,7 +37,7 @@ class View:
                 TextColumn("{task.fields[detail]}"),
                 TimeElapsedColumn(),
             )
-            self._bar = Progress(*columns, transient=True)
+            self._bar = Progress(*columns, transient=True, console=Console(file=self._stream))
             self._task = self._bar.add_task("starting Blender", total=None, detail="")
             self._bar.start()
         return self
@@ -65,7 +71,7 @@ class View:
         if self._bar is not None:
             self._bar.console.print(text, markup=False, highlight=False)
         else:
-            print(text, flush=True)
+            print(text, file=self._stream, flush=True)
 
     def end(self, out: Path) -> None:
         """What came of it, and what to open: the comparison in a folder, or a file."""

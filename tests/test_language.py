@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import random
+from pathlib import Path
 
 import pytest
 
@@ -176,13 +177,36 @@ def test_basic_colors_are_their_own_class():
         ("matte black and soft light", {("matte", "subject"), ("black", "subject"), ("soft light", "light")}),
         ("gold ring on a gold background", {("gold", "subject"), ("gold", "surroundings")}),
         ("teapot made of glass", {("glass", "subject")}),
-        ("light blue walls, dark wooden floor", {("light blue", "surroundings"), ("wood", "surroundings"), ("dark surroundings", "surroundings")}),
+        ("light blue walls, dark wooden floor", {("light blue", "surroundings"), ("wood", "surroundings")}),
     ],
 )  # fmt: skip
 def test_words_describe_what_they_stand_with(prompt, expected):
     vocabulary = default_vocabulary()
     named = {(vocabulary.synonyms.get(entry, entry), kind) for entry, kind in expected}
     assert named <= bound(prompt)
+
+
+PHRASINGS = [
+    line.split(" | ")
+    for line in Path(__file__).with_name("phrasings.txt").read_text("utf-8").splitlines()
+    if not line.startswith("#")
+]
+
+
+@pytest.mark.parametrize(("prompt", "said"), PHRASINGS, ids=[prompt[:40] for prompt, _ in PHRASINGS])
+def test_what_artists_type_is_understood(prompt, said):
+    vocabulary = default_vocabulary()
+    parsed = parse(prompt, SceneWords())
+    found = {(a.entry, a.kind): a for a in parsed.attributes if not a.cause}
+    for wish in said.split("; "):
+        if wish.startswith("-"):
+            assert wish[1:] in parsed.ignored
+            continue
+        entry, kind = wish.rstrip("~!?").split("@")
+        attribute = found.get((vocabulary.synonyms.get(entry, entry), kind))
+        assert attribute, wish
+        assert ("!" in wish and "?" not in wish) <= attribute.negated
+        assert ("~" in wish and "?" not in wish) <= (attribute.strength < 1)
 
 
 def test_swapping_the_words_swaps_the_regions():
@@ -213,6 +237,21 @@ def test_names_in_the_scene_match_several_subjects():
     assert plan_["material/M1/base_color"].reason.startswith("'copper'")
     assert plan_["material/M3/base_color"].reason.startswith("'silver'")
     assert plan_["material/M2/metallic"].reason.startswith("'dark walnut'")
+
+
+def test_dark_and_pale_materials_keep_their_hue():
+    albedo = {}
+    for words in ("dark oak", "oak", "very pale oak"):
+        entry = make_plan(f"{words} box")["material/Body/base_color"]
+        albedo[words] = [(a + b) / 2 for a, b in zip(entry.lower, entry.upper, strict=True)]
+        assert albedo[words][0] > albedo[words][1] > albedo[words][2]
+    assert albedo["dark oak"][0] < 0.6 * albedo["oak"][0] < albedo["oak"][0] < albedo["very pale oak"][0]
+    dark = make_plan("dark copper cup")
+    assert dark["material/Body/metallic"].lower[0] > 0.9
+    assert (
+        dark["material/Body/base_color"].upper[0]
+        < make_plan("copper cup")["material/Body/base_color"].upper[0]
+    )
 
 
 def test_prompts_never_negate():

@@ -15,7 +15,13 @@ from .contract import messages, schema
 
 LONGEST_PROMPT = 1000
 _DEFAULTS = messages.Options()
-_COMMANDS = {"run": ("scene",), "demo": (), "apply": ("preset", "scene"), "revert": ("scene",)}
+_COMMANDS = {
+    "run": ("scene",),
+    "demo": (),
+    "export": ("scene",),
+    "apply": ("preset", "scene"),
+    "revert": ("scene",),
+}
 
 
 class _Parser(argparse.ArgumentParser):
@@ -26,8 +32,8 @@ class _Parser(argparse.ArgumentParser):
 def parse(argv: Sequence[str]) -> argparse.Namespace:
     """Reads the arguments that follow "--".
 
-    What to do is said either by words, as the `vibe` command does (`run SCENE`, `demo`, `apply PRESET
-    SCENE`, `revert FILE`), or by options for the file that Blender has open (`--apply PRESET`,
+    What to do is said either by words, as the `vibe` command does (`run SCENE`, `demo`, `export SCENE`,
+    `apply PRESET SCENE`, `revert FILE`), or by options for the file that Blender has open (`--apply PRESET`,
     `--revert`, `--demo`, `--scene FILE`).
 
     Returns:
@@ -57,7 +63,10 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
 def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog="batch.py", description="Vibe Render inside Blender, without a window.")
     parser.add_argument(
-        "words", nargs="*", metavar="WORD", help="run SCENE | demo | apply PRESET SCENE | revert FILE"
+        "words",
+        nargs="*",
+        metavar="WORD",
+        help="run SCENE | demo | export SCENE | apply PRESET SCENE | revert FILE",
     )
     parser.add_argument("--events", action="store_true", help="print events for the vibe command")
     parser.add_argument("--scene", default="", help="a .blend or a mesh (default: the open file)")

@@ -73,6 +73,14 @@ def _anchor(request: messages.Anchor, job: Job, reporter: Reporter) -> messages.
     return anchoring.answer(found.scene, job.folder, request, found.objects, found.pivot)
 
 
+def export(a: argparse.Namespace, reporter: Reporter) -> None:
+    """Writes what the engine needs to know of a scene into a folder, and leaves the file alone."""
+    scene, choice, _ = _open(a, reporter)
+    reporter.stage("reading the scene")
+    scene_io.open_job(scene, a.out, choice)
+    reporter.result([f"Written: {a.out}"])
+
+
 def apply(a: argparse.Namespace, reporter: Reporter) -> None:
     """Puts a preset on a scene, renders it before and after, and saves it."""
     look = presets.load(Path(a.preset))
@@ -110,6 +118,7 @@ def revert(a: argparse.Namespace, reporter: Reporter) -> None:
 COMMANDS: dict[str, Callable[[argparse.Namespace, Reporter], None]] = {
     "run": vibe,
     "demo": vibe,
+    "export": export,
     "apply": apply,
     "revert": revert,
 }

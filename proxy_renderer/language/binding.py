@@ -11,6 +11,9 @@ from .lexer import Token
 from .types import Attribute, Parsed, Region
 from .vocabulary import Vocabulary
 
+_LESS = 0.7  # how much of the opposite "less" asks for
+_TONED = ("muted", "faded", "dusty", "dull", "smoky", "murky", "stormy", "moody")
+"""Shades that pictures have rather than things."""
 BOUND_SLOTS = ("finish", "material", "color", "setting")
 """Slots whose words wait for the noun that they describe; the others describe the whole picture."""
 
@@ -41,6 +44,11 @@ class Word:
     negated: bool
     barred: bool = False  # an "and" came after it
 
+    @property
+    def less(self) -> bool:
+        """Whether it is to be there in a smaller degree than now: a step towards its opposite."""
+        return self.text.startswith("less ") and not self.negated
+
 
 class Binding:
     """Collects attributes.
@@ -57,6 +65,7 @@ class Binding:
         self.attributes: list[Attribute] = []
         self.ignored: list[str] = []
         self.things: list[Thing] = []
+        self._loose: list[int] = []  # attributes that no noun claimed
 
     def slot(self, entry: str) -> str:
         """The slot of a vocabulary entry."""
@@ -88,6 +97,9 @@ class Binding:
     def bind_rest(self, words: list[Word], last: Thing | None, linked: bool, around: bool) -> None:
         """The end of a clause: what still waits describes the last noun, the surroundings, or the subject."""
         subject = Thing("subject", "subject")
+        if last and last.kind == "nowhere" and linked:
+            self.ignored += [w.text for w in words]
+            return
         colored = any(w.token.color for w in words)
         if around:
             thing = Thing("surroundings", "surroundings", "surroundings")
@@ -98,7 +110,31 @@ class Binding:
             words = [w for w in words if w not in loose]
             self.bind(loose, Thing("whole", region="whole"), final=True)
             thing = subject
+            first = len(self.attributes)
+            words = self.bind(words, subject)
+            self._loose += range(first, len(self.attributes))
         self.bind(self.bind(words, thing), subject, final=True)
+
+    def tint_the_picture(self, several: bool) -> None:
+        """A color that nothing claims, in a prompt that speaks of a mood alone, tints the picture, not the subject.
+
+        Args:
+            several: Whether the scene has several subjects, none of which can be meant.
+        """
+        for i in self._loose:  # "muted greens"
+            attribute = self.attributes[i]
+            if attribute.color and attribute.word.endswith("s") and not attribute.entry.endswith("s"):
+                self.attributes[i] = replace(attribute, region="whole", kind="ambience", thing="tint")
+        loose = [self.attributes[i] for i in self._loose if self.attributes[i].color]
+        rest = [a for a in self.attributes if a not in loose and not a.cause]
+        if any(a.slot in BOUND_SLOTS or a.kind == "subject" for a in rest) or self.things:
+            return
+        airy = any(a.slot in ("mood", "atmosphere") for a in rest)
+        for i in self._loose:
+            attribute = self.attributes[i]
+            toned = bool(set(attribute.entry.split()[:-1]) & set(_TONED))
+            if attribute.color and (airy or toned or several):
+                self.attributes[i] = replace(attribute, region="whole", kind="ambience", thing="tint")
 
     def _bind_word(self, word: Word, thing: Thing) -> bool:
         token = word.token
@@ -131,6 +167,9 @@ class Binding:
     def add(self, word: Word, entry: str, thing: Thing) -> None:
         """Records an attribute; a mood brings those that it stands for."""
         known = entry in self.vocabulary.entries
+        opposite = self.vocabulary.entries[entry].opposite if known and word.less else ""
+        if opposite and self.slot(entry) != "atmosphere":  # less fog is still fog
+            entry, word = opposite, replace(word, strength=_LESS)
         attribute = Attribute(
             word=word.text,
             entry=entry,
@@ -145,6 +184,7 @@ class Binding:
             thing=thing.name,
             cause=self.cause,
             guess=bool(word.token.guess),
+            shades=word.token.shades if known else (),
         )
         self.attributes.append(attribute)
         means = self.vocabulary.entries[entry].means if known else ""

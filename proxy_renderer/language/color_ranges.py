@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from ..schema import Instance, Values
-from .color import chroma, from_hex, luminance, to_lab, to_linear
+from .color import chroma, from_hex, luminance, shade, to_lab, to_linear
 from .meaning import fog_color
 from .sources import Range, Sources
 from .types import Attribute
@@ -15,6 +15,8 @@ _BLACKEST, _WHITEST = 0.006, 0.85  # no real surface reflects less, or more
 _BRIGHTEST = 2.5  # radiance of a backdrop that has a color
 _DARK = 0.02  # radiance below which a backdrop is black
 _BOX = 0.06  # half the width of a color's box, in steps that look even
+OWN_COLOR = ("base_color", "tint")
+"""Parameters that hold a material's color."""
 _NEUTRAL_BOX = 0.02  # the same for white and grey: a little tint makes them another color
 
 
@@ -58,9 +60,17 @@ def _named(effect: Effect, attribute: Attribute, sources: Sources) -> Values:
         return attribute.color or (0.5, 0.5, 0.5)
     if effect.color == "own":
         return sources.own_color
-    return (
+    named = (
         from_hex(effect.color) if effect.color.startswith("#") else default_vocabulary().colors[effect.color]
     )
+    return shaded(named, attribute) if effect.name in OWN_COLOR else named
+
+
+def shaded(srgb: Values, attribute: Attribute) -> Values:
+    """A material's own color as the words shade it: "dark oak"."""
+    for arguments in attribute.shades:
+        srgb = shade(srgb, *arguments)
+    return srgb
 
 
 def _box(linear: Values) -> Range:

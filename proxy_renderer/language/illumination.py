@@ -21,9 +21,10 @@ Value = Callable[[Instance], Values]
 
 
 def watts(instance: Instance, context: PlanContext) -> float:
-    """What `power` (per d^2) or `strength` makes a facing white surface's radiance 1."""
+    """What `power` (per d^2) or `strength` makes a facing white surface's radiance 1, at the light's own exposure."""
     sun = instance.parameter.name == "strength"
-    return _WATTS["SUN" if sun else context.light_types.get(instance.owner, "AREA")]
+    stops = context.light_stops.get(instance.owner, 0.0)
+    return _WATTS["SUN" if sun else context.light_types.get(instance.owner, "AREA")] / 2**stops
 
 
 def white_radiance(instances: dict[str, Instance], context: PlanContext, value: Value) -> float:

@@ -9,11 +9,60 @@ from difflib import get_close_matches
 
 from ..schema import Values
 from .color import shade
+from .nearest import Guess, nearest, table
 from .types import SceneWords
 from .vocabulary import Vocabulary, normalize
 
 _LONGEST = 5  # words in a phrase
 _BREAK = re.compile(r"[.,;:!?()\[\]{}<>|\n\"*#=+]|\s[-–—/]\s|/")
+
+
+_PIPELINE = frozenset(
+    [
+        "low",
+        "high",
+        "hi",
+        "lo",
+        "lod",
+        "lp",
+        "hp",
+        "sm",
+        "sk",
+        "geo",
+        "geom",
+        "mesh",
+        "obj",
+        "object",
+        "grp",
+        "group",
+        "mat",
+        "mtl",
+        "material",
+        "shader",
+        "mid",
+        "final",
+        "copy",
+        "new",
+        "test",
+        "tmp",
+        "proxy",
+        "collision",
+        "col",
+        "export",
+        "inst",
+        "instance",
+        "part",
+        "prim",
+        "poly",
+        "lowpoly",
+        "highpoly",
+        "master",
+        "base",
+        "body",
+        "main",
+    ]
+)
+"""What names say about how a thing was made, not what it is."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +88,9 @@ class Token:
         strength: What it multiplies the next look word with, if it is an intensity.
         lists: Names of the grammar lists that it is in: "negation", "link", ...
         name: The spelling that the vocabulary knows.
-        guess: It is misspelled, and this is the nearest known word.
+        guess: It is misspelled or unknown, and this is the nearest known word.
+        near: What an unknown word may mean; the parser decides whether it stands where a look word can.
+        shades: What shade words before it do to a material's color, see `types.Attribute`.
     """
 
     text: str
@@ -52,6 +103,8 @@ class Token:
     lists: frozenset[str] = field(default_factory=frozenset)
     name: str = ""
     guess: str = ""
+    near: Guess | None = None
+    shades: tuple[tuple[float, float, float, float], ...] = ()
 
     @property
     def known(self) -> bool:
@@ -61,9 +114,10 @@ class Token:
 
 
 def _plain_name(name: str) -> str:
-    """A name as somebody would say it: "WoodTable.001" -> "wood table"."""
-    spaced = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", " ", re.sub(r"\.\d+$", "", name))
-    return normalize(re.sub(r"[^\w\s]|\d+", " ", spaced))
+    """A name as somebody would say it: "WoodTable.001" -> "wood table", "SM_Cup.001_low" -> "cup"."""
+    spaced = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|_", " ", re.sub(r"\.\d+", " ", name))
+    words = normalize(re.sub(r"[^\w\s]|\d+", " ", spaced)).split()
+    return " ".join([w for w in words if w not in _PIPELINE and len(w) > 1] or words)
 
 
 def scene_names(words: SceneWords) -> dict[str, SceneName]:
@@ -117,9 +171,8 @@ class Lexer:
         start = 0
         while start < len(words):
             for count in range(min(_LONGEST, len(words) - start), 0, -1):
-                token = self._shaded(words[start : start + count]) or self._phrase(
-                    " ".join(words[start : start + count])
-                )
+                part = words[start : start + count]
+                token = self._shaded(part) or self._shaded_material(part) or self._phrase(" ".join(part))
                 if token.known or count == 1:
                     tokens.append(token if token.known else self._guess(token))
                     start += count
@@ -156,7 +209,8 @@ class Lexer:
         """A color with shade words before it: "very dark blue", "dusty rose"."""
         v = self.vocabulary
         for split in range(1, len(words)):
-            color = v.colors.get(" ".join(words[split:]))
+            last = " ".join(words[split:])
+            color = v.colors.get(last) or v.colors.get(last.removesuffix("s"))
             leading = words[:split]
             if (
                 color
@@ -165,16 +219,46 @@ class Lexer:
             ):
                 if " ".join(words) in v.colors:
                     return None
-                for position in range(split - 1, -1, -1):
-                    if leading[position] in v.shades:
-                        before = leading[position - 1] if position else ""
-                        color = _shade(color, v.shades[leading[position]], v.intensity.get(before, 1.0))
-                return Token(" ".join(words), color=color)
+                shades = self._shades(leading)
+                for arguments in shades:
+                    color = shade(color, *arguments)
+                both = _lightness_only(leading) and last in v.adjectives
+                name = " ".join([*leading, last if last in v.colors else last.removesuffix("s")])
+                return Token(
+                    " ".join(words), "", color, last if both else "", name=name, shades=shades if both else ()
+                )
         return None
+
+    def _shaded_material(self, words: list[str]) -> Token | None:
+        """A material with its own color, lighter or darker: "dark oak", "very pale wood"."""
+        v = self.vocabulary
+        for split in range(1, len(words)):
+            leading, rest = words[:split], " ".join(words[split:])
+            entry = v.entries.get(v.synonyms.get(rest, ""))
+            fits = leading[-1] in v.shades and all(w in v.shades or v.intensity.get(w) for w in leading)
+            if not (entry and entry.slot == "material" and fits and _lightness_only(leading)):
+                continue
+            colored = any(e.name == "base_color" and e.mode in ("", "color") for e in entry.effects)
+            if colored and " ".join(words) not in v.synonyms:
+                return Token(" ".join(words), entry.name, name=rest, shades=self._shades(leading))
+        return None
+
+    def _shades(self, leading: list[str]) -> tuple[tuple[float, float, float, float], ...]:
+        """Arguments of `color.shade` for shade words, the one next to the color first."""
+        v, found = self.vocabulary, []
+        for position in range(len(leading) - 1, -1, -1):
+            if leading[position] in v.shades:
+                before = leading[position - 1] if position else ""
+                found.append(_shade(v.shades[leading[position]], v.intensity.get(before, 1.0)))
+        return tuple(found)
 
     def _guess(self, token: Token) -> Token:
         """The nearest known word, where it can only be a slip of the keyboard."""
-        if len(token.text) < 4:
+        if same := table().same_sort(token.text, self.names):
+            token.scene, token.guess, token.name = self.names[same], self.names[same].name, same
+            return token
+        token.near = nearest(self.vocabulary).guess(token.text)
+        if len(token.text) < 4 or table().is_english(token.text):
             return token
         for known in get_close_matches(token.text, self.names, 1, 0.86) or get_close_matches(
             token.text, self._spelling, 3, 0.84
@@ -182,12 +266,17 @@ class Lexer:
             if known[0] == token.text[0]:
                 meant = self._phrase(known)
                 meant.text, meant.guess = token.text, known
-                return meant
+                return meant  # a slip of the keyboard is likelier than a rare word
         return token
 
 
-def _shade(color: Values, row: dict[str, float], strength: float) -> Values:
-    """One shade word applied, `strength` times as much as it does alone."""
+def _shade(row: dict[str, float], strength: float) -> tuple[float, float, float, float]:
+    """Arguments of `color.shade` for one shade word, `strength` times as much as it does alone."""
     lightness = max(1 - (1 - row.get("lightness", 1.0)) * strength, 0.05)
     tinted = 1 - (1 - row.get("chroma", 1.0)) * strength
-    return shade(color, lightness, tinted, row.get("towards", 60.0), row.get("warmth", 0.0) * strength)
+    return lightness, tinted, row.get("towards", 60.0), row.get("warmth", 0.0) * strength
+
+
+def _lightness_only(leading: list[str]) -> bool:
+    """Whether shade words say how light a thing is, and nothing that a light or a finish could mean too."""
+    return leading[-1] in ("dark", "darker", "light", "lighter", "pale")

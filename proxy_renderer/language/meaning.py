@@ -23,7 +23,7 @@ def complete(parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[
     """Fills in objects, targets, colors and conflicts of a prompt whose attributes are bound."""
     parsed.attributes = _qualified(parsed.attributes)
     parsed.objects = _objects(parsed.attributes, subject, things)
-    for attribute in sorted(parsed.attributes, key=lambda a: bool(a.cause)):
+    for attribute in sorted(parsed.attributes, key=lambda a: (bool(a.cause), a.slot == "material")):
         for head, value in _heads(attribute, vocabulary).items():
             settled = parsed.targets.setdefault(head, value)
             if head == "fog" and {settled, value} == {"light", "thick"}:
@@ -31,7 +31,8 @@ def complete(parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[
                     value if not attribute.cause and value == "thick" else settled
                 )
                 continue
-            if settled != value and not attribute.cause and not head.endswith("_color"):
+            usual = attribute.slot == "material" and head == "subject_finish"  # matte ceramic
+            if settled != value and not (attribute.cause or usual or head.endswith("_color")):
                 note = f"'{attribute.word}' asks for {value} {_readable(head)}, but {settled} was asked for first."
                 parsed.conflicts.append(note)
     _region_colors(parsed)

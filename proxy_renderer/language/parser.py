@@ -8,12 +8,28 @@ from dataclasses import replace
 from ..schema import VibeError
 from .binding import BOUND_SLOTS, Binding, Thing, Word
 from .clause import ClauseState
+from .english import ONLY_ENGLISH, other_language
 from .lexer import Lexer, Token
 from .meaning import complete
+from .nearest import Guess
 from .types import Parsed, Region, SceneWords
 from .vocabulary import Vocabulary, default_vocabulary
 
 LONGEST_PROMPT = 2000
+_STYLE = (
+    "look",
+    "style",
+    "styled",
+    "mood",
+    "vibe",
+    "feel",
+    "feeling",
+    "aesthetic",
+    "ambience",
+    "tone",
+    "effect",
+    "finish",
+)
 _KIND_OF_SLOT = {"lighting": "light", "atmosphere": "fog", "grade": "tone", "setting": "surroundings"}
 
 
@@ -30,11 +46,19 @@ def parse(prompt: str, scene: SceneWords, vocabulary: Vocabulary | None = None) 
         )
     if len(text) > LONGEST_PROMPT:
         raise VibeError(f"The prompt has {len(text)} characters.", f"Say it in {LONGEST_PROMPT} or less.")
+    foreign = other_language(text)
+    if foreign == "all":
+        raise VibeError(f"The prompt '{text[:60]}' is not in English.", ONLY_ENGLISH)
     reader = _Reader(vocabulary or default_vocabulary(), scene)
     parsed = reader.read(text)
+    if reader.beyond:
+        said = ", ".join(f"'{text}'" for text in dict.fromkeys(reader.beyond))
+        parsed.conflicts.append(f"{said}: no value of a material, light, world, fog or film gives that.")
+    if foreign:
+        parsed.conflicts.append(f"Some of the prompt does not look like English. {ONLY_ENGLISH}")
     if not parsed.attributes:
         raise VibeError(
-            f"Nothing in the prompt '{text[:60]}' names a look.",
+            f"Nothing in the prompt '{text[:60]}' names a look{' in English' if foreign else ''}.",
             "Name colors (teal), materials (glossy, gold), light (warm soft light), fog, grading (noir, vignette) "
             "or a mood (cosy, ominous).",
         )
@@ -52,6 +76,8 @@ class _Reader:
         self.binding = Binding(vocabulary, cause, self._means)
         self.subject = scene.subject
         self.guesses: dict[str, str] = {}
+        self.confidence: dict[str, float] = {}
+        self.beyond: list[str] = []
 
     def read(self, text: str) -> Parsed:
         """Binds every clause; the result lacks what `meaning.complete` adds."""
@@ -60,8 +86,14 @@ class _Reader:
         for tokens in self.lexer.clauses(text):
             previous = self._clause(tokens, previous)
         self.binding.bind_rest(self.carried, None, False, False)
+        if not self.binding.cause:
+            self.binding.tint_the_picture(several=_subjects(self.scene) > 1)
         return Parsed(
-            text, attributes=self.binding.attributes, ignored=self.binding.ignored, guesses=self.guesses
+            text,
+            attributes=self.binding.attributes,
+            ignored=self.binding.ignored,
+            guesses=self.guesses,
+            confidence=self.confidence,
         )
 
     def _means(self, text: str, cause: str) -> Parsed:
@@ -70,14 +102,23 @@ class _Reader:
     def _clause(self, tokens: list[Token], previous: Thing | None) -> Thing | None:
         state = ClauseState(waiting=self.carried)
         self.carried = []
+        skipped = 0
         for index, token in enumerate(tokens):
             rest = tokens[index + 1 :]
+            if index < skipped:
+                continue
+            if token.near and self._may_be_look(token.near, state, rest):
+                token.entry, token.guess, token.name = token.near.entry, token.near.entry, token.near.near
+                self.confidence[token.text] = token.near.confidence
             if token.guess:
                 self.guesses[token.text] = token.guess
             if token.lists & {"action", "undo"}:
-                if not _speaks_of_looks(rest):
-                    self.binding.ignored += [t.text for t in tokens[index:] if "stop" not in t.lists]
-                    break
+                until = next((i for i, t in enumerate(rest) if t.lists & {"action", "undo"}), len(rest))
+                if not _speaks_of_looks(rest[:until]):
+                    skipped = index + 1 + until
+                    left = tokens[index:skipped]
+                    self.binding.ignored += [t.text for t in left if not t.lists & {"stop", "joiner"}]
+                    continue
                 state.negated = "undo" in token.lists
             else:
                 self._step(state, token, rest)
@@ -93,7 +134,11 @@ class _Reader:
     def _step(self, state: ClauseState, token: Token, rest: list[Token]) -> None:
         following = _next_content(rest)
         look = token.entry or token.color
-        if token.scene and (not look or (state.waiting and not following)):
+        if "beyond" in token.lists:
+            self.binding.ignored += [*(w.text for w in state.waiting), token.text]
+            self.beyond.append(token.text)
+            state.waiting, state.prefix = [], []
+        elif token.scene and (not look or (state.waiting and not following)):
             self._scene_name(state, token)
         elif token.strength is not None and self._is_intensity(token, following):
             state.strength *= token.strength
@@ -115,6 +160,15 @@ class _Reader:
             self._unknown(state, token, following)
 
     # ---- what a token is
+
+    def _may_be_look(self, near: Guess, state: ClauseState, rest: list[Token]) -> bool:
+        """Whether an unknown word stands where a look word can: a matter, only where something is made of it."""
+        if not near.noun:
+            return True
+        following = rest[0] if rest else None
+        styled = following is not None and following.text in _STYLE
+        describes = following is not None and bool(following.noun or following.scene or not following.known)
+        return (state.linked and state.last is not None and not state.inside) or styled or describes
 
     def _is_global(self, token: Token) -> bool:
         """Whether it describes the whole picture."""
@@ -152,7 +206,7 @@ class _Reader:
         elif "link" in token.lists and not (token.text == "in" and not state.last and not state.waiting):
             if not state.last:
                 self._flush(state)
-            state.linked, state.inside = True, token.text in ("in", "of")
+            state.linked, state.inside = True, token.text == "in"
         else:
             self._flush(state)
             # "A wall behind a blue vase": of the two, the vase is the subject.
@@ -183,7 +237,11 @@ class _Reader:
             "subject": "subject",
         }
         thing = Thing(kind, token.text, regions.get(kind, "whole"), role=_role(token))
-        if token.entry:
+        absent = self.vocabulary.absent.get(kind, "") if state.negated and not state.waiting else ""
+        if absent and not token.entry:
+            said = " ".join([*(state.prefix or ["no"]), token.text])
+            self.binding.add(Word(token, said, 1.0, False), absent, thing)
+        elif token.entry:
             self.binding.add(state.word(token), token.entry, thing)
         if kind in regions:
             self.binding.things.append(thing)
@@ -212,13 +270,17 @@ class _Reader:
             self.binding.ignored.append(token.text)
         elif state.around or state.inside:
             self._name(state, token.text, "surroundings")
+        elif state.linked and state.last and state.waiting:
+            self._arrive(state, state.last)  # "a slide of a yellow taxi", "a ring of copper wire"
         elif not named:
             self.subject = token.text
             self._name(state, token.text, "subject")
         else:
-            # "A red fish" where no fish is: better no red than a red something else.
+            # "A red fish" where no fish is, "the wheels are chrome": better no red than a red something else.
             self.binding.ignored += [token.text, *(w.text for w in state.waiting if not state.linked)]
             state.waiting = state.waiting if state.linked else []
+            if following is None and not state.linked:
+                state.last = Thing("nowhere", token.text)
 
     def _name(self, state: ClauseState, name: str, region: Region) -> None:
         thing = Thing(region, name, region)
@@ -230,6 +292,10 @@ class _Reader:
         if state.waiting:
             self.binding.bind_rest(state.waiting, state.last, state.linked, state.around)
         state.waiting = []
+
+
+def _subjects(scene: SceneWords) -> int:
+    return sum(region == "subject" for region in scene.objects.values())
 
 
 def _is_adjective(token: Token) -> bool:

@@ -16,6 +16,8 @@ from .types import Attribute, Parsed, Plan, PlanContext, PlanEntry, Prompts
 from .vocabulary import OWNERS, Effect, Vocabulary, default_vocabulary
 
 _NOT = 0.6  # "not glossy" asks for a mild "matte"
+_FINISH = ("roughness", "specular", "coat", "coat_roughness", "sheen")
+_BRIGHT = 72.0  # L* of surroundings in which a dark corner is hard to see
 _SECOND = 6  # how much later a mood's own words come than the prompt's
 
 
@@ -32,9 +34,10 @@ class Demand:
     priority: int
 
     @property
-    def rank(self) -> tuple[bool, bool]:
-        """Words of the prompt before those that a mood stands for; defaults last."""
-        return self.weak, bool(self.attribute.cause)
+    def rank(self) -> tuple[bool, bool, bool]:
+        """Words of the prompt before those that a mood stands for, a finish before a material's usual one; defaults last."""
+        usual = self.attribute.slot == "material" and self.key.rpartition("/")[2] in _FINISH
+        return self.weak, bool(self.attribute.cause), usual
 
 
 def plan(
@@ -67,6 +70,7 @@ class _Planner:
         self.notes = list(parsed.conflicts)
         self.demands: dict[str, list[Demand]] = {}
         self.settled: dict[str, tuple[Range, list[Demand]]] = {}
+        self.beaten: dict[tuple[str, str], dict[str, None]] = {}
         self.kept: dict[str, list[str]] = {}
         self.light: dict[str, float] = {}
 
@@ -81,10 +85,26 @@ class _Planner:
             self._settle([d for a, e in wishes if _stage(e) == stage for d in self._demands(a, e)])
             self._note_world_color()
         entries = {key: self._entry(instance) for key, instance in self.instances.items()}
+        for (loser, winner), lost in self.beaten.items():
+            self.notes.append(
+                f"'{loser}' gives way to '{winner}' on {_listed(list(lost))}: "
+                "they contradict each other, and the first one named counts."
+            )
+        self.notes += self._unmet(wishes)
         for reason, keys in self.kept.items():
-            more = f" and {len(keys) - 3} more" if len(keys) > 3 else ""
-            self.notes.append(f"The words ask for {', '.join(keys[:3])}{more}, but: {reason}.")
+            self.notes.append(f"The words ask for {_listed(keys)}, but: {reason}.")
         return entries
+
+    def _unmet(self, wishes: list[tuple[Attribute, Effect]]) -> list[str]:
+        """Words whose main wish no part of the scene can fulfil: a rim light where there is only one light."""
+        lacking: dict[str, str] = {}
+        for attribute in self.parsed.attributes:
+            strong = [e for a, e in wishes if a == attribute and not e.weak]
+            most = min((e.priority for e in strong), default=0)
+            main = [e for e in strong if e.priority == most]
+            if main and not any(self.owners.of(e, attribute) for e in main):
+                lacking.setdefault(attribute.cause or attribute.word, _lacking(main[0].owner))
+        return [f"'{word}' is not fully possible here: {what}." for word, what in lacking.items()]
 
     def _attributes(self) -> list[Attribute]:
         """With "red and blue lights" shared out: the first color to the key, the next to the others."""
@@ -116,7 +136,7 @@ class _Planner:
 
     def _demands(self, attribute: Attribute, effect: Effect) -> list[Demand]:
         shown = self.vocabulary.entries.get(attribute.entry)
-        strength = attribute.strength
+        strength = self._visible(attribute.strength, effect)
         if attribute.negated and shown and not shown.never and shown.opposite:
             strength = _NOT
         demands = []
@@ -135,6 +155,13 @@ class _Planner:
             demands.append(Demand(instance.key, lower, upper, attribute, reason, effect.weak, priority))
         return demands
 
+    def _visible(self, strength: float, effect: Effect) -> float:
+        """On bright surroundings a slight vignette has to be twice as strong to be seen: highlights swallow it."""
+        context, named = self.sources.context, self.parsed.colors.get("surroundings")
+        shown = named or (context.picture.lab.get("surroundings") if context.picture else None)
+        bright = shown is not None and shown[0] > _BRIGHT
+        return (1 + strength) / 2 if bright and effect.name == "vignette" and strength < 1 else strength
+
     def _settle(self, demands: list[Demand]) -> None:
         """Intersects what the words want; where they contradict each other, the first one has its way."""
         for demand in demands:
@@ -146,11 +173,9 @@ class _Planner:
                 low, high = tuple(map(max, lower, demand.lower)), tuple(map(min, upper, demand.upper))
                 if all(a <= b for a, b in zip(low, high, strict=True)):
                     lower, upper, winners = low, high, [*winners, demand]
-                elif not demand.weak and not demand.attribute.cause and demand.reason != first.reason:
-                    self.notes.append(
-                        f"'{demand.attribute.word}' gives way to '{first.attribute.word}' on {key}: "
-                        "they contradict each other, and the first one named counts."
-                    )
+                elif demand.rank == first.rank == (False, False, False) and demand.reason != first.reason:
+                    pair = demand.attribute.word, first.attribute.word
+                    self.beaten.setdefault(pair, {})[key] = None
             self.settled[key] = (lower, upper), winners
 
     def _note_world_color(self) -> None:
@@ -206,6 +231,17 @@ class _Planner:
         lower, upper = clip(lower, upper, instance)
         reason = "; ".join(dict.fromkeys(d.reason for d in winners))
         return PlanEntry(lower, upper, min(d.priority for d in winners), reason, prior=0.0)
+
+
+def _listed(keys: list[str]) -> str:
+    return ", ".join(keys[:3]) + (f" and {len(keys) - 3} more" if len(keys) > 3 else "")
+
+
+def _lacking(owner: str) -> str:
+    """What a scene has not got, for an effect's owner."""
+    if owner in ("rim", "fill", "others"):
+        return f"the scene has no light that could be the {'second' if owner == 'others' else owner} light; add one"
+    return f"the scene has no {OWNERS[owner]} whose values may change so"
 
 
 def _stage(effect: Effect) -> int:

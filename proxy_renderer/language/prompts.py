@@ -57,10 +57,12 @@ def _words(attribute: Attribute, vocabulary: Vocabulary) -> str:
     if attribute.color or not entry:
         thing = (
             f" {attribute.thing}"
-            if attribute.kind in ("light", "fill", "rim", "shadow", "highlight", "glow")
+            if attribute.kind in ("light", "fill", "rim", "shadow", "highlight", "glow", "ambience")
             else ""
         )
         return attribute.entry + thing
+    if attribute.shades:
+        return attribute.word
     degree = "slightly " if attribute.strength < 0.8 else "very " if attribute.strength > 1.3 else ""
     return degree + entry.phrase
 
@@ -91,7 +93,12 @@ def _negatives(
     negatives = [_caption([a], noun, vocabulary) for a in swapped]
     for attribute in own:
         opposite = _opposite(attribute, vocabulary)
-        if opposite and attribute.slot in ("finish", "material", "color", "setting"):
+        meant = {pair for a in own for pair in _heads(a, vocabulary)}
+        if (
+            opposite
+            and attribute.slot in ("finish", "material", "color", "setting")
+            and not (meant & {*opposite.heads.items()})
+        ):
             negatives.append(f"a {opposite.phrase.partition(',')[0]} {noun}")
     return tuple(dict.fromkeys(negatives))
 
@@ -117,6 +124,11 @@ def _unwanted(attributes: list[Attribute], vocabulary: Vocabulary) -> tuple[str,
             negatives.append(opposite.phrase)
     wanted = {_words(a, vocabulary) for a in attributes if not a.negated}
     return tuple(n for n in dict.fromkeys(negatives) if n not in wanted)
+
+
+def _heads(attribute: Attribute, vocabulary: Vocabulary) -> set[tuple[str, str]]:
+    entry = vocabulary.entries.get(attribute.entry)
+    return {*entry.heads.items()} if entry else set()
 
 
 def _opposite(attribute: Attribute, vocabulary: Vocabulary) -> Entry | None:

@@ -7,7 +7,7 @@ import math
 
 from ..schema import Instance, Values
 from .color import from_lab, luminance, to_lab, to_linear, to_srgb
-from .color_ranges import color_range
+from .color_ranges import OWN_COLOR, color_range, shaded
 from .illumination import watts
 from .sources import Range, Sources
 from .types import Attribute
@@ -20,7 +20,12 @@ _DIRECTIONS = ("azimuth", "elevation", "rotation")
 
 def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Range:
     """The range that an effect asks for, clipped to the instance's hard bounds (never empty)."""
-    if effect.color:
+    if attribute.shades and effect.name in OWN_COLOR and not (effect.color or effect.mode):
+        ends = (
+            to_linear(shaded(to_srgb(_spread(v, instance)), attribute)) for v in (effect.lower, effect.upper)
+        )
+        low, high = ends
+    elif effect.color:
         low, high = color_range(effect, attribute, instance, sources)
     elif effect.name == "azimuth" and effect.mode in ("camera", "sides"):
         low, high = _azimuth(effect, instance, sources.context.camera_azimuth)

@@ -48,6 +48,7 @@ class Attribute:
         thing: What the prompt calls the thing that it describes: "teapot", "wall", "key light".
         cause: The mood or style word that stands for this one; "" when the prompt says it itself.
         guess: Not a known word, but this is the nearest one.
+        shades: How a material's own color is changed ("dark oak"): arguments of `color.shade`, one after the other.
     """
 
     word: str
@@ -63,6 +64,7 @@ class Attribute:
     thing: str = ""
     cause: str = ""
     guess: bool = False
+    shades: tuple[tuple[float, float, float, float], ...] = ()
 
 
 @dataclass
@@ -95,6 +97,7 @@ class Parsed:
         ignored: Words that could not be used, in the order of the text.
         guesses: Unknown word -> vocabulary entry that it was taken for.
         conflicts: Contradictions, and how each was resolved, one sentence each.
+        confidence: Guessed word -> how sure the guess is, in [0, 1].
     """
 
     prompt: str
@@ -105,6 +108,7 @@ class Parsed:
     ignored: list[str] = field(default_factory=list)
     guesses: dict[str, str] = field(default_factory=dict)
     conflicts: list[str] = field(default_factory=list)
+    confidence: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -149,6 +153,7 @@ class PlanContext:
         camera_azimuth: Degrees, as in `schema.orbit`: light directions are relative to it.
         view: View transform: "AgX", "Filmic", "Standard", ...
         light_types: Light -> "POINT", "SPOT", "AREA" or "SUN"; watts mean different things to them.
+        light_stops: Light -> stops that Blender adds to its power (its `exposure`); none where missing.
         world_share: Fraction of the surroundings' pixels that show the world, not a surface; None if unknown.
         material_share: Material -> fraction of its region's pixels; empty if unknown.
         environment_luminance: Mean luminance of a linked environment at strength 1, untinted.
@@ -160,6 +165,7 @@ class PlanContext:
     camera_azimuth: float = 0.0
     view: str = "AgX"
     light_types: dict[str, str] = field(default_factory=dict)
+    light_stops: dict[str, float] = field(default_factory=dict)
     world_share: float | None = None
     material_share: dict[str, float] = field(default_factory=dict)
     environment_luminance: float = 0.5

@@ -11,7 +11,7 @@ from math import exp, log
 from pathlib import Path
 
 from ..schema import Values
-from .color import chroma, shade, to_lab, to_linear
+from .color import chroma, luminance, shade, to_lab, to_linear
 
 # L* on an sRGB display of scene-linear greys, measured on Blender's own OCIO config; the rest as AgX.
 _GREYS = (0.005, 0.01, 0.02, 0.05, 0.1, 0.18, 0.3, 0.5, 0.8, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 10.0)
@@ -56,6 +56,9 @@ _LIGHTNESS = {
     ),
 }
 
+_BLEACHED = 1.6  # exponent that gives pale colors about the saturation that highlights lose
+_PALE = (12.0, 45.0)  # chroma below which a color is pale, and above which it is not
+
 
 def radiance(lightness: float, view: str) -> float:
     """The scene-linear grey that is displayed with L* = `lightness` (clamped to [0.5, 98])."""
@@ -93,7 +96,29 @@ def _tables() -> dict[str, list[Values]]:
 
 
 def scene_color(srgb: Sequence[float], view: str) -> Values:
-    """The scene-linear color that a view shows as `srgb`, or as near as it can; above 1 for light colors."""
+    """The scene-linear color that a view shows as `srgb`, or as near as it can; above 1 for light colors.
+
+    Views that bleach highlights show no pale color exactly: only something garish would come near. Pale colors
+    keep their own hue and saturation instead, at the radiance that has their lightness.
+    """
+    lab = to_lab(srgb)
+    share = min(max((chroma(lab) - _PALE[0]) / (_PALE[1] - _PALE[0]), 0.0), 1.0)
+    if share == 1.0 or view not in _tables():
+        return _inverse(srgb, view)
+    linear = tuple(v**_BLEACHED for v in to_linear(srgb))
+    level = radiance(lab[0], view) / max(luminance(linear), 1e-6)
+    plain = tuple(v * level for v in linear)
+    if share == 0.0:
+        return plain
+    exact = _inverse(srgb, view)
+    return tuple(
+        exp((1 - share) * log(max(p, 1e-5)) + share * log(max(e, 1e-5)))
+        for p, e in zip(plain, exact, strict=True)
+    )
+
+
+def _inverse(srgb: Sequence[float], view: str) -> Values:
+    """The nearest color of the view's table."""
     lab = to_lab(srgb)
     if chroma(lab) < 4:
         return (radiance(lab[0], view),) * 3

@@ -29,7 +29,16 @@ OWNERS = {
 }
 """Who an effect may name -> schema group."""
 RANGE_MODES = ("", "times", "plus", "camera", "sides", "lightness", "aim")
+SLOTS = ("finish", "material", "color", "lighting", "atmosphere", "grade", "mood", "setting")
+_TEXT: tuple[type, str] = (str, 'Write text in quotes: "...".')
+_LIST: tuple[type, str] = (list, 'Write a list of effects: ["film/contrast 1.1..1.3 !2"].')
+_HEADS: tuple[type, str] = (dict, 'Write { fog = "none" }.')
+_ROWS = {
+    "slot": _TEXT, "words": _TEXT, "do": _LIST, "means": _TEXT, "phrase": _TEXT, "opposite": _TEXT, "heads": _HEADS,
+    "never": _LIST, "never_heads": _HEADS,
+}  # fmt: skip
 COLOR_MODES = ("color", "gel", "albedo", "shown", "cast")
+_COLOR = re.compile(r"@|own|#[0-9a-fA-F]{6}")
 _EFFECT = re.compile(
     r"(?P<owner>\w+)/(?P<name>\w+)(?: (?P<mode>[a-z]+))? (?P<args>\S+)(?P<weak> \?)?(?: !(?P<priority>\d+))?"
 )
@@ -95,6 +104,7 @@ class Vocabulary:
         nouns: Phrase -> kind of thing.
         painted: Kind of thing -> what a color word does to it.
         adjectives: Word -> kind of thing (or "otherwise") -> entry name.
+        absent: Kind of thing -> entry that the lack of it means: "no shadows".
     """
 
     entries: dict[str, Entry]
@@ -106,6 +116,7 @@ class Vocabulary:
     nouns: dict[str, str]
     painted: dict[str, tuple[Effect, ...]]
     adjectives: dict[str, dict[str, str]]
+    absent: dict[str, str]
 
 
 def normalize(phrase: str) -> str:
@@ -133,17 +144,30 @@ def parse_effect(text: str) -> Effect:
             f"Vocabulary: '{text}' names no parameter.", "See schema/parameters.py for those that exist."
         )
     if mode in COLOR_MODES:
+        if not _COLOR.fullmatch(match["args"]):
+            raise VibeError(
+                f"Vocabulary: '{text}' has no color.", 'Write "#rrggbb", "@" or "own" at its end.'
+            )
         return replace(effect, color=match["args"])
     lower, dots, upper = match["args"].partition("..")
     if mode not in RANGE_MODES or not dots:
         raise problem
-    low, high = (tuple(float(v) for v in side.split(",")) for side in (lower, upper))
+    try:
+        low, high = (tuple(float(v) for v in side.split(",")) for side in (lower, upper))
+    except ValueError:
+        raise problem from None
     if len(low) != len(high) or any(a > b for a, b in zip(low, high, strict=True)):
         raise VibeError(f"Vocabulary: '{text}' has a lower bound above the upper one.", "Swap them.")
     return replace(effect, lower=low, upper=high)
 
 
-def _entry(name: str, row: dict) -> Entry:
+def read_entry(name: str, row: dict) -> Entry:
+    """One [look.NAME] table.
+
+    Raises:
+        VibeError: A row is missing, unknown, of the wrong type, or holds what the schema does not have.
+    """
+    _check_rows(name, row)
     words = [name, *row.get("words", "").split(",")]
     entry = Entry(
         name,
@@ -159,8 +183,25 @@ def _entry(name: str, row: dict) -> Entry:
     )
     for head, value in (*entry.heads.items(), *entry.never_heads.items()):
         if value not in ATTRIBUTES.get(head, ()):
-            raise VibeError(f"Vocabulary: '{name}' asks for {head} = {value}.", "See language/attributes.py.")
+            known = ", ".join(ATTRIBUTES.get(head, ())) or f"no such thing; there are {', '.join(ATTRIBUTES)}"
+            raise VibeError(f"Vocabulary: '{value}' is no class of {head}.", f"Choose from: {known}.")
     return entry
+
+
+def _check_rows(name: str, row: dict) -> None:
+    for key, value in row.items():
+        if key not in _ROWS:
+            raise VibeError(
+                f"Vocabulary: '{key}' is no row of an entry.", f"Use some of: {', '.join(_ROWS)}."
+            )
+        kind, remedy = _ROWS[key]
+        parts = value if isinstance(value, list) else []
+        if not isinstance(value, kind) or not all(isinstance(v, str) for v in parts):
+            raise VibeError(f"Vocabulary: '{key}' of '{name}' has the wrong type.", remedy)
+    if row.get("slot") not in SLOTS:
+        raise VibeError(f"Vocabulary: '{name}' has no known slot.", f"Add slot = one of: {', '.join(SLOTS)}.")
+    if not (row.get("do") or row.get("means")):
+        raise VibeError(f"Vocabulary: '{name}' does nothing.", 'Give it a row do = [...] or means = "...".')
 
 
 def _read_colors(text: str) -> dict[str, Values]:
@@ -178,7 +219,7 @@ def load(text: str, colors: str) -> Vocabulary:
         rows = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise VibeError(f"The vocabulary cannot be read: {error}.", "Mend that line.") from error
-    entries = {normalize(name): _entry(normalize(name), row) for name, row in rows["look"].items()}
+    entries = {normalize(name): read_entry(normalize(name), row) for name, row in rows["look"].items()}
     grammar = rows["grammar"]
     synonyms: dict[str, str] = {}
     for entry in entries.values():
@@ -209,11 +250,27 @@ def load(text: str, colors: str) -> Vocabulary:
         {normalize(w): kind for kind, words in grammar["nouns"].items() for w in words.split(",")},
         {kind: tuple(map(parse_effect, effects)) for kind, effects in rows["painted"].items()},
         adjectives,
+        grammar.get("absent", {}),
     )
 
 
-@cache
 def default_vocabulary() -> Vocabulary:
+    """The vocabulary that is shipped, with the user's own on top, see `user`."""
+    from .user import user_file
+
+    path = user_file()
+    return _extended(path, path.stat().st_mtime_ns) if path else shipped_vocabulary()
+
+
+@cache
+def _extended(path: Path, changed: int) -> Vocabulary:
+    from .user import extend
+
+    return extend(shipped_vocabulary(), path)
+
+
+@cache
+def shipped_vocabulary() -> Vocabulary:
     """The vocabulary that is shipped."""
     folder = Path(__file__).parent
     text, colors = (folder / name for name in ("vocabulary.toml", "colors.txt"))

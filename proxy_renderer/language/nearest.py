@@ -1,0 +1,221 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Words that the vocabulary does not have fall to the nearest entry, with a confidence: a guess, and said to be one.
+
+words.safetensors holds a small vector for every English word that may speak of a look; `train/words.py` makes it.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .vocabulary import Vocabulary, shipped_vocabulary
+
+if TYPE_CHECKING:
+    import numpy as np
+
+FILE = Path(__file__).with_name("words.safetensors")
+KINDS = ("known", "adjective", "noun")
+"""How a word of the table may speak of a look: by heart, before any noun, or as a matter ("made of tinfoil")."""
+SURE = 0.5
+"""Confidence below which a word is left out rather than guessed."""
+
+_NEAREST, _SHARPNESS = 5, 12.0  # words that vote for their entries, and how much more the nearer ones count
+_ENDINGS = (
+    "like", "ness", "iness", "ing", "ings", "ed", "ly", "ily", "y", "ic", "ical", "ia", "s", "es", "ish", "ment", "ity", "e",
+    "er", "ier", "iest", "en", "ous", "al",
+)  # fmt: skip
+_DENIALS = ("non", "anti", "un")
+_SAME_SORT = 0.45  # cosine of two things that may stand for each other
+_SHORTEST = 4  # letters of a stem
+
+
+@dataclass(frozen=True)
+class Guess:
+    """What a word was taken for.
+
+    Attributes:
+        entry: Name of a vocabulary entry.
+        near: The known word that it is nearest to.
+        confidence: In [0, 1]: how near, and how much the nearest known words agree.
+        noun: Whether it names a matter, so that it describes only what is "made of" it or stands behind it.
+    """
+
+    entry: str
+    near: str
+    confidence: float
+    noun: bool = False
+
+
+@dataclass(frozen=True)
+class Table:
+    """Words that may speak of a look, and others.
+
+    Attributes:
+        index: Word -> row.
+        stems: Stem -> row; words known by heart come first.
+        vectors: (N, D) unit vectors.
+        kinds: (N,) indices into KINDS.
+        common: Frequent English words that say nothing about looks.
+        things: Names of things -> row of `sorts`.
+        sorts: (M, E) unit vectors: things of the same sort are near each other.
+    """
+
+    index: dict[str, int]
+    stems: dict[str, int]
+    vectors: np.ndarray
+    kinds: np.ndarray
+    common: frozenset[str]
+    things: dict[str, int]
+    sorts: np.ndarray
+
+    def is_english(self, word: str) -> bool:
+        """Whether it is a word at all."""
+        return any(w in self.common or w in self.index for w in (word, word.removesuffix("s")))
+
+    def find(self, word: str) -> int | None:
+        """The row of a word, or of one with the same stem: "soaking" is found as "soaked"."""
+        if word in self.index:
+            return self.index[word]
+        short = stem(word)
+        row = self.stems.get(short)
+        # Of words that say something else ("robot"), only derived ones may be meant as known ones ("soaking").
+        taken = row is not None and self.is_english(word) and (word == short or self.kinds[row] > 0)
+        return None if taken else row
+
+    def rows(self, word: str) -> list[int]:
+        """Rows that make up a word: its own, or those of a compound's two parts ("thundercloud")."""
+        row = self.find(word)
+        if row is not None or self.is_english(word) or word.startswith(_DENIALS):
+            return [] if row is None else [row]
+        for cut in sorted(range(3, len(word) - 2), key=lambda c: abs(2 * c - len(word))):
+            parts = word[:cut], word[cut:]
+            found = [r for r in map(self.find, parts) if r is not None]
+            if found and all(map(self.is_english, parts)):
+                return found
+        return []
+
+    def vector(self, phrase: str) -> np.ndarray | None:
+        """Unit vector of a word or phrase; the mean of its words where the phrase as a whole has none."""
+        import numpy as np
+
+        if phrase in self.index:
+            return self.vectors[self.index[phrase]]
+        rows = [row for word in phrase.split() for row in self.rows(word)]
+        if not rows:
+            return None
+        mean = self.vectors[rows].mean(0)
+        return mean / max(float(np.linalg.norm(mean)), 1e-9)
+
+    def same_sort(self, thing: str, names: Iterable[str]) -> str:
+        """The name of the thing that is of the same sort, judged by last words; "" if none is, by far enough."""
+        row = self._thing(thing)
+        if row is None:
+            return ""
+        near = sorted(
+            (
+                (float(self.sorts[row] @ self.sorts[other]), name)
+                for name in names
+                if (other := self._thing(name)) is not None
+            ),
+            reverse=True,
+        )
+        return near[0][1] if near and near[0][0] > _SAME_SORT else ""
+
+    def _thing(self, name: str) -> int | None:
+        last = name.rpartition(" ")[2]
+        return self.things.get(last, self.things.get(last.removesuffix("s")))
+
+
+@cache
+def table() -> Table:
+    """The table that is shipped."""
+    import numpy as np
+
+    data = FILE.read_bytes()
+    start = 8 + int.from_bytes(data[:8], "little")
+    header = json.loads(data[8:start])
+    words, things, common = (
+        header["__metadata__"][name].split("\n") for name in ("words", "things", "common")
+    )
+
+    def tensor(name: str, kind: str) -> np.ndarray:
+        first, last = header[name]["data_offsets"]
+        return np.frombuffer(data, kind, last - first, start + first).reshape(header[name]["shape"])
+
+    def directions(name: str) -> np.ndarray:
+        vectors = tensor(name, "int8").astype(np.float32)
+        return vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-9)
+
+    kinds = tensor("kinds", "uint8")
+    stems: dict[str, int] = {}
+    for i in np.argsort(kinds, kind="stable"):
+        if " " not in words[i]:
+            stems.setdefault(stem(words[i]), int(i))
+    index = {word: i for i, word in enumerate(words)}
+    sorts = {word: i for i, word in enumerate(things)}
+    return Table(index, stems, directions("vectors"), kinds, frozenset(common), sorts, directions("things"))
+
+
+def stem(word: str) -> str:
+    """What is left of a word without its endings: "gloominess" and "gloomy" have the same stem."""
+    shorter = True
+    while shorter:
+        fitting = [
+            word.removesuffix(e) for e in _ENDINGS if word.endswith(e) and len(word) - len(e) >= _SHORTEST
+        ]
+        shorter = bool(fitting)
+        word = min(fitting, key=len) if fitting else word
+    return word.removesuffix("i") if len(word) > _SHORTEST else word
+
+
+class Nearest:
+    """The entries of a vocabulary as places in the table's space."""
+
+    def __init__(self, vocabulary: Vocabulary) -> None:
+        import numpy as np
+
+        self._table = table()
+        known = [(w, e, self._table.vector(w)) for w, e in vocabulary.synonyms.items()]
+        self._known = [(word, entry) for word, entry, vector in known if vector is not None]
+        self._places = np.stack([vector for _, _, vector in known if vector is not None])
+
+    def guess(self, word: str) -> Guess | None:
+        """The entry that a word is nearest to; None for words that say nothing about looks."""
+        vector = self._table.vector(word)
+        if vector is None:
+            return None
+        entry, near, confidence = self.place(vector)
+        if confidence < SURE:
+            return None
+        noun = any(KINDS[self._table.kinds[row]] == "noun" for row in self._table.rows(word))
+        return Guess(entry, near, round(confidence, 2), noun)
+
+    def place(self, vector: np.ndarray) -> tuple[str, str, float]:
+        """Entry, nearest known word and confidence of a unit vector."""
+        import numpy as np
+
+        likeness = self._places @ vector
+        best = np.argsort(-likeness)[:_NEAREST]
+        votes: dict[str, float] = {}
+        for i in best:
+            entry = self._known[i][1]
+            votes[entry] = votes.get(entry, 0.0) + float(np.exp(_SHARPNESS * likeness[i]))
+        entry = max(votes, key=votes.__getitem__)
+        first = next(i for i in best if self._known[i][1] == entry)
+        agreement = votes[entry] / sum(votes.values())
+        return entry, self._known[first][0], float(likeness[first]) * (0.5 + 0.5 * agreement)
+
+
+@cache
+def _shipped() -> Nearest:
+    return Nearest(shipped_vocabulary())
+
+
+def nearest(vocabulary: Vocabulary) -> Nearest:
+    """The nearest-entry search of a vocabulary; the shipped one's is made once."""
+    return _shipped() if vocabulary is shipped_vocabulary() else Nearest(vocabulary)
