@@ -30,11 +30,28 @@ def measure(
         size: Of the pictures.
         failed: Gets the scenes that EEVEE did not render.
     """
-    for old in work.glob("*/eevee.png"):
-        old.unlink()
-    command = [blender, "--python-exit-code", "1", "--python", str(_script()), "--", str(size)]
-    command += [str(work / name / "scene.blend") for name in scenes]
-    print(f"EEVEE renders {len(scenes)} scenes …", flush=True)
+    for number, (name, row) in enumerate(scenes.items(), 1):
+        path = work / name / "eevee.png"
+        path.unlink(missing_ok=True)
+        said = _render(blender, work / name / "scene.blend", size)
+        if not path.is_file():
+            failed[name] = f"EEVEE rendered nothing; Blender said last: {said}"
+            continue
+        picture, reference = (
+            torch.from_numpy(load_picture(p).copy()) for p in (path, work / name / "cycles.png")
+        )
+        found = difference(picture, reference)
+        row |= {"eevee_delta_e": round(found.delta_e, _DIGITS), "eevee_psnr": round(found.psnr, _DIGITS)}
+        print(f"[{number}/{len(scenes)}] {name}: EEVEE {found.delta_e:.2f}", flush=True)
+
+
+def _render(blender: str, scene: Path, size: int) -> str:
+    """Renders one file; a Blender for each, for one that opens a second file may crash on a software display.
+
+    Returns:
+        The last line that Blender printed.
+    """
+    command = [blender, "--python-exit-code", "1", "--python", str(_script()), "--", str(size), str(scene)]
     try:
         done = subprocess.run(
             command, stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace"
@@ -43,19 +60,8 @@ def measure(
         raise VibeError(
             f"{blender} does not start: {error.strerror}.", "Name a Blender with --eevee."
         ) from error
-    said = next(
-        (line for line in reversed((done.stdout + done.stderr).splitlines()) if line.strip()), "nothing"
-    )
-    for name, row in scenes.items():
-        path = work / name / "eevee.png"
-        if not path.is_file():
-            failed[name] = f"EEVEE rendered nothing; Blender said last: {said.strip()[:200]}"
-            continue
-        picture, reference = (
-            torch.from_numpy(load_picture(p).copy()) for p in (path, work / name / "cycles.png")
-        )
-        found = difference(picture, reference)
-        row |= {"eevee_delta_e": round(found.delta_e, _DIGITS), "eevee_psnr": round(found.psnr, _DIGITS)}
+    lines = [line.strip() for line in (done.stdout + done.stderr).splitlines() if line.strip()]
+    return lines[-1][:200] if lines else "nothing"
 
 
 def _script() -> Path:

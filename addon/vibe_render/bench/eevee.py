@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Renders .blend files with EEVEE, ray tracing on, in a Blender that has a window.
+"""Renders a .blend with EEVEE, ray tracing on, in a Blender that has a window.
 
-    blender --python eevee.py -- SIZE FILE.blend ...
+    blender --python eevee.py -- SIZE FILE.blend
 
-Each picture is written beside its file as eevee.png.
+The picture is written beside the file as eevee.png.
 """
 
 from __future__ import annotations
@@ -37,16 +37,7 @@ def render(path: Path, size: int) -> None:
         bpy.ops.render.render(write_still=True)
 
 
-def main() -> None:
-    """Renders all files; one that fails does not keep the others."""
-    size, *files = sys.argv[sys.argv.index("--") + 1 :]
-    for file in files:
-        try:
-            render(Path(file), int(size))
-        except RuntimeError as error:
-            print(f"{file}: {error}", flush=True)
-    bpy.ops.wm.quit_blender()
-
-
 if __name__ == "__main__":
-    main()
+    side, file = sys.argv[sys.argv.index("--") + 1 :]
+    render(Path(file), int(side))
+    bpy.ops.wm.quit_blender()

@@ -81,7 +81,7 @@ def make(recipe: Recipe, a: argparse.Namespace) -> dict[str, Any]:
 
 def _reference(scene: bpy.types.Scene, mark: str, a: argparse.Namespace) -> tuple[Path, bool]:
     """Cycles' picture of the scene, from the cache if it is there."""
-    path = _cached(a, ".png", mark, a.size, a.samples, VERSION)
+    path = _cached(a, ".png", mark, a.size, a.samples, bpy.app.version_string, VERSION)
     if path.is_file():
         return path, True
     rendering.render(scene, path, a.size, a.samples, exact=True)
@@ -96,7 +96,8 @@ def _anchors(job: Job, mark: str, recipe: Recipe, a: argparse.Namespace) -> dict
 
 def _anchor(job: Job, mark: str, values: dict[str, schema.Values], a: argparse.Namespace) -> dict[str, Any]:
     """One small picture and what it was rendered at, from the cache if it is there."""
-    path = _cached(a, ".exr", mark, values, ANCHOR_SIZE, ANCHOR_SAMPLES, ANCHOR_VERSION)
+    settings = ANCHOR_SIZE, ANCHOR_SAMPLES, bpy.app.version_string, ANCHOR_VERSION
+    path = _cached(a, ".exr", mark, values, *settings)
     notes = path.with_suffix(".json")
     if path.is_file() and notes.is_file():
         groups = json.loads(notes.read_text(encoding="utf-8"))
@@ -112,9 +113,9 @@ def _anchor(job: Job, mark: str, values: dict[str, schema.Values], a: argparse.N
 
 
 def _cached(a: argparse.Namespace, suffix: str, *settings: Any) -> Path:
-    """Where a picture that depends on these settings, and on this Blender, is kept."""
+    """Where a picture that depends on these settings is kept."""
     a.cache.mkdir(parents=True, exist_ok=True)
-    text = " ".join(map(str, (*settings, bpy.app.version_string)))
+    text = " ".join(map(str, settings))
     return a.cache / f"{hashlib.sha256(text.encode()).hexdigest()[:32]}{suffix}"
 
 
