@@ -33,7 +33,10 @@ def complete(parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[
                 continue
             usual = attribute.slot == "material" and head == "subject_finish"  # matte ceramic
             if settled != value and not (attribute.cause or usual or head.endswith("_color")):
-                note = f"'{attribute.word}' asks for {value} {_readable(head)}, but {settled} was asked for first."
+                asked, first = (word.replace("none", "no") for word in (value, settled))
+                note = (
+                    f"'{attribute.word}' asks for {asked} {_readable(head)}, but {first} was asked for first."
+                )
                 parsed.conflicts.append(note)
     _region_colors(parsed)
     for region in ("subject", "surroundings"):
@@ -93,6 +96,11 @@ def _heads(attribute: Attribute, vocabulary: Vocabulary) -> dict[str, str]:
         opposite = vocabulary.entries.get(entry.opposite)
         return entry.never_heads or (opposite.heads if opposite else {})
     heads = dict(entry.heads)
+    if attribute.role in ("rim", "fill") or attribute.kind in (
+        "rim",
+        "fill",
+    ):  # the heads speak of the key light
+        heads = {head: value for head, value in heads.items() if not head.startswith("light_")}
     if attribute.region == "surroundings":
         heads = {head: value for head, value in heads.items() if not head.startswith("subject_")}
     if attribute.strength < 0.8:

@@ -192,7 +192,8 @@ class Nearest:
         entry, near, confidence = self.place(vector)
         if confidence < SURE:
             return None
-        noun = any(KINDS[self._table.kinds[row]] == "noun" for row in self._table.rows(word))
+        row = self._table.find(word)
+        noun = row is None or KINDS[self._table.kinds[row]] == "noun"  # compounds name things: "candlestick"
         return Guess(entry, near, round(confidence, 2), noun)
 
     def place(self, vector: np.ndarray) -> tuple[str, str, float]:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 from ..schema import VibeError
@@ -16,6 +17,7 @@ from .types import Parsed, Region, SceneWords
 from .vocabulary import Vocabulary, default_vocabulary
 
 LONGEST_PROMPT = 2000
+_TAG = re.compile(r"</?[a-zA-Z][^<>]{0,200}>")
 _STYLE = (
     "look",
     "style",
@@ -39,7 +41,7 @@ def parse(prompt: str, scene: SceneWords, vocabulary: Vocabulary | None = None) 
     Raises:
         VibeError: The prompt is empty, too long, or holds no look word at all.
     """
-    text = " ".join(prompt.split())
+    text = " ".join(_TAG.sub(" ", prompt).split())
     if not text:
         raise VibeError(
             "The prompt is empty.", "Describe a look, for example: 'glossy teal, white studio background'."
@@ -147,12 +149,15 @@ class _Reader:
             state.negated = True
             state.prefix.append(token.text)
         elif token.lists & {"around", "link", "joiner"} and not token.entry:
-            self._connect(state, token)
-        elif self._is_global(token) and not (token.adjective and self._describes(token, following)):
+            self._connect(state, token, following)
+        elif self._is_global(token) and not (
+            token.adjective and (self._describes(token, following) or self._goes_on(token, state, following))
+        ):
             self._apply(state, token, following)
         elif token.noun and not (token.adjective and following and (following.noun or following.color)):
             self._noun(state, token)
         elif look or token.adjective:
+            state.linked |= bool(token.adjective) and self._goes_on(token, state, following)
             state.waiting.append(state.word(token))
         elif "count" in token.lists:
             self.binding.ignored.append(token.text)
@@ -193,9 +198,18 @@ class _Reader:
         kind = following.noun or ("subject" if following.scene else "")
         return kind in self.vocabulary.adjectives[token.adjective]
 
+    def _goes_on(self, token: Token, state: ClauseState, following: Token | None) -> bool:
+        """Whether an adjective is said of the noun before it: "the background is bright", "the wall less dark"."""
+        return (
+            state.last is not None
+            and state.last.matter
+            and (state.linked or following is None)
+            and state.last.kind in self.vocabulary.adjectives[token.adjective]
+        )
+
     # ---- what it does
 
-    def _connect(self, state: ClauseState, token: Token) -> None:
+    def _connect(self, state: ClauseState, token: Token, following: Token | None) -> None:
         if token.text in ("and", "or", "then", "yet", "also"):
             for word in state.waiting:
                 word.barred = True
@@ -204,7 +218,8 @@ class _Reader:
             self._flush(state)
             state.linked = state.around = state.inside = state.negated = False
         elif "link" in token.lists and not (token.text == "in" and not state.last and not state.waiting):
-            if not state.last:
+            toned = following is not None and following.noun in ("shadow", "highlight", "tone")
+            if not (state.last or toned):  # "blue in the shadows" is a color of theirs
                 self._flush(state)
             state.linked, state.inside = True, token.text == "in"
         else:

@@ -79,7 +79,8 @@ def _caption(attributes: list[Attribute], noun: str, vocabulary: Vocabulary) -> 
         after += [more] if more else []
         if len(before) + len(after) == _MOST:
             break
-    front = " ".join(dict.fromkeys([*before, noun]))
+    words = " ".join(dict.fromkeys([*before, noun])).split()
+    front = " ".join(w for i, w in enumerate(words) if not i or w != words[i - 1])
     article = "an" if front[0] in "aeiou" else "a"
     return ", ".join(dict.fromkeys([f"{article} {front}", *after]))
 
