@@ -125,6 +125,35 @@ def test_revert_brings_the_scene_back(vibed, tmp_path):
     assert "holds no vibe" in said
 
 
+def test_an_export_for_explaining_leaves_the_file_alone(vibed, tmp_path):
+    folder, _ = vibed
+    shot = folder / "shot.blend"
+    original = shot.read_bytes()
+    code, said = batch("export", shot, f"--out={tmp_path / 'job'}")
+    assert code == 0, said
+    assert shot.read_bytes() == original
+    assert (tmp_path / "job" / "scene.json").is_file()
+
+
+def test_explain_reads_a_scene(vibed):
+    command = [
+        sys.executable,
+        "-m",
+        "proxy_renderer.cli",
+        "explain",
+        "the box is dark oak, rim light",
+        "--json",
+    ]
+    shot = vibed[0] / "shot.blend"
+    done = subprocess.run([*command, str(shot)], capture_output=True, encoding="utf-8", timeout=300, cwd=ROOT)
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    assert {o["region"] for o in told["objects"]} <= {"subject", "surroundings"}
+    assert told["objects"][0]["attributes"]["material"] == "dark oak"
+    assert "'dark oak'" in told["plan"]["material/Box/base_color"]["reason"]
+    assert any("rim light" in note for note in told["notes"])
+
+
 def test_a_preset_is_applied(vibed, tmp_path):
     folder, _ = vibed
     code, said = batch(

@@ -26,7 +26,7 @@ DEMO_PROMPT = "Glossy teal on a pale sand background, warm soft light, slight vi
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Runs the command and returns its exit code: 0, or 2 with one clear line for what the user can mend."""
-    arguments = parser().parse_args(argv)
+    arguments = _arguments(argv)
     try:
         return arguments.command(arguments)
     except VibeError as error:
@@ -38,6 +38,17 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         sys.stderr.close()
         return 1
+
+
+def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
+    """The command line; a scene that may be left out is also found behind options, where argparse looks no more."""
+    top = parser()
+    arguments, left = top.parse_known_args(argv)
+    if left and getattr(arguments, "scene", None) == "" and not left[0].startswith("-"):
+        arguments.scene = left.pop(0)
+    if left:
+        top.error(f"unrecognized arguments: {' '.join(left)}")
+    return arguments
 
 
 def parser() -> argparse.ArgumentParser:

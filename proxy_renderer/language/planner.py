@@ -265,5 +265,7 @@ def _reason(attribute: Attribute, phrase: str) -> str:
         return f"'{attribute.cause}' means '{attribute.word}'"
     what = f" on the {attribute.thing}" if attribute.color and attribute.thing else ""
     return f"'{attribute.word}'{what}" + (
-        f" ({phrase})" if phrase and not attribute.negated and phrase != attribute.word else ""
+        f" ({phrase})"
+        if phrase and not (attribute.negated or attribute.shades) and phrase != attribute.word
+        else ""
     )
