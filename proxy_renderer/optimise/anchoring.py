@@ -23,8 +23,9 @@ if TYPE_CHECKING:
     from ..render.proxy import Proxy
 
 SAMPLES = 32
-LONGEST = 20.0
+LONGEST = 30.0
 """Seconds that a picture may take; after a slower one no more are asked for."""
+_HERE = 0.01  # of a component's whole range: so near, the last correction is as good as a new one
 _NEAR = 0.25  # of a component's whole range: so far an old correction is better than none
 _FAILURES = 2  # in a row, after which no more pictures are asked for
 
@@ -117,7 +118,7 @@ class Anchoring:
     records: list[dict[str, Any]] = field(default_factory=list)
     _where: Tensor | None = None
 
-    def renew(self, u: Tensor, number: int, slack: float = 0.0) -> None:
+    def renew(self, u: Tensor, number: int, slack: float = _HERE) -> None:
         """Corrects the proxy at u (N,), unless that has been done within `slack` of every component.
 
         Args:
