@@ -221,8 +221,23 @@ def test_files_of_both_blenders_are_read(tmp_path: Path, apart: bool) -> None:
     np.testing.assert_allclose(found.parts["world"].numpy(), world, atol=1e-6)
     assert torch.isfinite(found.rest).all()
     np.testing.assert_allclose(found.rest[1:].numpy(), 0.25, atol=1e-5)
+    assert found.denoised
+    del layers["Noisy Image"]
+    plain = CyclesPicture.load(write(path, layers, apart), groups, SCENE.film)
+    assert not plain.denoised
+    np.testing.assert_allclose(plain.whole.numpy(), whole, atol=1e-6)
     wide = dataclasses.replace(SCENE.film, working_space="ACEScg")
     assert not torch.allclose(CyclesPicture.load(path, groups, wide).whole, found.whole, atol=1e-3)
+
+
+def test_without_a_denoiser_the_noise_does_not_reach_the_picture(truth: Proxy, proxy: Proxy) -> None:
+    clean = picture_of(truth)
+    noise = 0.3 * torch.randn(clean.whole.shape, generator=torch.Generator().manual_seed(1))
+    whole = (clean.whole * (1 + noise)).clamp_min(0)
+    proxy.anchor({}, dataclasses.replace(clean, whole=whole, denoised=False))
+    inside = render(proxy)
+    error, noisy = (inside - clean.whole).abs().mean(), (whole - clean.whole).abs().mean()
+    assert error < 0.45 * noisy
 
 
 @pytest.mark.parametrize("content", [b"", b"not an EXR at all"])

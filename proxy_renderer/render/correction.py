@@ -75,6 +75,8 @@ class Correction:
         guide = Guide(_names(cache).view(cache.depth.shape))
         known = [owner for owner in picture.parts if owner in parts]
         seen = _flat(picture.whole).to(whole)
+        if not picture.denoised:
+            seen = _calmed(seen, whole, guide)
         ratio = _ratio(seen, whole, guide)
         alone = [parts[owner] for owner in known]
         proxy = torch.stack([*alone, whole - sum(alone, torch.zeros_like(whole))])  # (G, 3, P)
@@ -146,9 +148,20 @@ def _flat(picture: Tensor) -> Tensor:
 
 def _ratio(seen: Tensor, whole: Tensor, guide: Guide) -> Tensor:
     """c (3, P)."""
-    faint = 1e-6 + _FAINT * seen.mean()
+    above, below, faint = _compared(seen, whole, guide)
+    return ((above + faint) / (below + faint)).clamp(1 / _RATIO, _RATIO)
+
+
+def _calmed(seen: Tensor, whole: Tensor, guide: Guide) -> Tensor:
+    """A noisy picture (3, P) with the proxy's detail instead of its noise."""
+    above, below, faint = _compared(seen, whole, guide)
+    return (whole.clamp_min(0.0) + faint) * above / (below + faint)
+
+
+def _compared(seen: Tensor, whole: Tensor, guide: Guide) -> tuple[Tensor, Tensor, Tensor]:
+    """Both pictures (3, P), smoothed, and a faint radiance () below which ratios say nothing."""
     above, below = blur(torch.cat((seen, whole)), guide, _RADIUS, _SIGMA).split(3)
-    return ((above + faint) / (below.clamp_min(0.0) + faint)).clamp(1 / _RATIO, _RATIO)
+    return above, below.clamp_min(0.0), 1e-6 + _FAINT * seen.mean()
 
 
 def _shares(picture: CyclesPicture, known: list[str], proxy: Tensor, guide: Guide) -> Tensor:

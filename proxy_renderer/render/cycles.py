@@ -22,17 +22,19 @@ _ROUNDING = 1e-3
 
 @dataclass(frozen=True)
 class CyclesPicture:
-    """A denoised picture, and whose light it is made of.
+    """A picture, and whose light it is made of.
 
     Attributes:
         whole: (H, W, 3) linear Rec.709, finite, at least 0.
         parts: Owner, "light/NAME" or "world", to the noisy picture (H, W, 3) of its light alone.
         rest: (H, W, 3) noisy, the light that no part holds.
+        denoised: Whether the whole is free of noise.
     """
 
     whole: Tensor
     parts: Mapping[str, Tensor]
     rest: Tensor
+    denoised: bool = True
 
     @property
     def size(self) -> tuple[int, int]:
@@ -52,15 +54,17 @@ class CyclesPicture:
             VibeError: The file cannot be read, or lacks a picture.
         """
         layers = _layers(Path(path))
+        denoised = "Noisy Image" in layers  # some builds of Blender have no denoiser
+        layers.setdefault("Noisy Image", layers.get("Combined", np.empty(0)))
         wanted = {"Combined": "", "Noisy Image": "", **{f"Combined_{g}": o for g, o in groups.items()}}
         if missing := sorted(set(wanted) - set(layers)):
-            raise _unreadable(path, f"it has no layer {missing[0]!r}")
+            raise _unreadable(f"it has no layer {missing[0]!r}")
         pictures = {name: _rec709(layers[name], film) for name in wanted}
         whole, noisy = pictures.pop("Combined"), pictures.pop("Noisy Image")
         parts = {wanted[name]: picture for name, picture in pictures.items()}
         rest = noisy - sum(parts.values(), torch.zeros_like(noisy))
         rest = torch.where(rest > _ROUNDING * noisy, rest, torch.zeros_like(rest))
-        return CyclesPicture(whole, parts, rest)
+        return CyclesPicture(whole, parts, rest, denoised)
 
 
 def _layers(path: Path) -> dict[str, np.ndarray]:
@@ -72,12 +76,12 @@ def _layers(path: Path) -> dict[str, np.ndarray]:
             channels = [pair for part in file.parts for pair in part.channels.items()]
             found = {name.partition(".")[2]: np.array(c.pixels, np.float32) for name, c in channels}
     except (OSError, RuntimeError, ValueError, TypeError) as error:
-        raise _unreadable(path, str(error)) from error
+        raise _unreadable(str(error)) from error
     return {name: p[..., :3] for name, p in found.items() if p.ndim == 3 and p.shape[2] >= 3}
 
 
-def _unreadable(path: Path | str, reason: str) -> VibeError:
-    return VibeError(f"Cycles' picture {Path(path).name} cannot be read: {reason}.", "Try again.")
+def _unreadable(reason: str) -> VibeError:
+    return VibeError(f"Cycles' picture cannot be read: {reason}.", "Try again.")
 
 
 def _rec709(picture: np.ndarray, film: FilmSettings) -> Tensor:

@@ -143,7 +143,8 @@ class Anchored:
     Attributes:
         number: Of the request.
         picture: A multilayer EXR of 32-bit floats in the job folder, scene-linear; "" if there is none. Its layers
-            are "Combined" (denoised), "Noisy Image" (the same, not denoised) and "Combined_…" of every group.
+            are "Combined" (denoised), "Noisy Image" (the same, not denoised; missing in a Blender that has no
+            denoiser, whose "Combined" is noisy) and "Combined_…" of every group.
         groups: Name of a light group to whose light it holds: "light/NAME" or "world".
         seconds: How long it took.
         error: Why there is no picture.
