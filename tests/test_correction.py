@@ -195,6 +195,17 @@ def test_smoothing_and_looking_up_stop_at_outlines() -> None:
     torch.testing.assert_close(found, torch.tensor([[1.0, 5.0, 1.0, 9.0]]))
 
 
+def test_what_belongs_to_a_highlight_stays_with_it() -> None:
+    bright = torch.zeros((8, 8))
+    bright[:, 4:] = 3.0
+    field = torch.where(bright > 0, 5.0, 1.0).flatten()[None]
+    place = torch.tensor([[3.9, 3.9, 3.9], [4.0, 4.0, 4.0]])
+    stops = bright.flatten(), torch.tensor([0.0, 3.0, -9.0])
+    guide = Guide(torch.zeros((8, 8), dtype=torch.int64))
+    found = look_up(field, guide, place, torch.zeros(3, dtype=torch.int64), torch.tensor([9.0]), stops)
+    torch.testing.assert_close(found, torch.tensor([[1.0, 5.0, 9.0]]))
+
+
 def write(path: Path, layers: dict[str, np.ndarray], apart: bool) -> Path:
     """A multilayer EXR as Blender 4 (one part) or 5 (one part per layer) writes it."""
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}

@@ -12,7 +12,7 @@ adds up. Otherwise R has c times the proxy's own gradient. c and the residuals a
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import torch
@@ -26,6 +26,7 @@ from .view_cache import ViewCache
 REST = "rest"
 """Owner of the light that belongs to no light: glowing surfaces, and what cannot be grouped."""
 _RATIO = 4.0
+_DARK = 0.02  # of the mean radiance: darker pixels are equally dark
 _FAINT = 2e-3  # of the mean radiance: ratios between darker pixels say nothing
 _BRIGHTER = 16.0  # a light that has become brighter than this times itself leaves its residual behind
 _LEAST = 0.05  # of the corrected proxy: what residuals must leave of a pixel
@@ -42,6 +43,8 @@ class Correction:
         view: The camera of the anchor.
         guide: What its pixels show.
         colors: Owner to s_g(θ₀), (3,).
+        values: θ₀.
+        stops: (P,) brightness of the proxy's picture at θ₀, in stops.
         fields: (3 (2 + G), P): c, the least share of P that must remain, and the residuals of the owners.
         owners: The G owners, `REST` among them.
     """
@@ -49,6 +52,8 @@ class Correction:
     view: View
     guide: Guide
     colors: Mapping[str, Tensor]
+    values: Mapping[str, Tensor]
+    stops: Tensor
     fields: Tensor
     owners: tuple[str, ...]
     _kept: tuple[tuple[float, ...], Tensor] | None = field(default=None, repr=False)
@@ -59,6 +64,7 @@ class Correction:
         whole: Tensor,
         parts: Mapping[str, Tensor],
         colors: Mapping[str, Tensor],
+        values: Mapping[str, Tensor],
         view: View,
         cache: ViewCache,
     ) -> Correction:
@@ -69,6 +75,7 @@ class Correction:
             whole: (3, P) the proxy's.
             parts: Owner to the proxy's picture (3, P) of its light alone.
             colors: Owner to the color (3,) of its light.
+            values: What the proxy was given.
             view: The camera.
             cache: What it sees.
         """
@@ -84,9 +91,17 @@ class Correction:
         tiny = 1e-6 + _FAINT * seen.mean()
         least = torch.minimum(_LEAST * ratio, seen / whole.clamp_min(tiny))
         fields = torch.cat((ratio, least, residuals.flatten(0, 1)))
-        return Correction(view.detached(), guide, colors, fields, (*known, REST))
+        values = {key: value.detach() for key, value in values.items()}
+        return Correction(view.detached(), guide, colors, values, stops(whole), fields, (*known, REST))
 
-    def apply(self, linear: Tensor, colors: Mapping[str, Tensor], view: View, cache: ViewCache) -> Tensor:
+    def apply(
+        self,
+        linear: Tensor,
+        colors: Mapping[str, Tensor],
+        view: View,
+        cache: ViewCache,
+        before: Callable[[], Tensor],
+    ) -> Tensor:
         """The corrected picture.
 
         Args:
@@ -94,8 +109,9 @@ class Correction:
             colors: Owner to the color (3,) of its light now; gradients pass.
             view: The camera now.
             cache: What it sees.
+            before: Makes the proxy's picture (3, P) of θ₀ from this camera.
         """
-        fields = self._at(view, cache)
+        fields = self._at(view, cache, before)
         ratio, least = fields[:3], fields[3:6]
         corrected = ratio * linear
         for i, owner in enumerate(self.owners):
@@ -111,7 +127,7 @@ class Correction:
         growth = torch.where(off, torch.zeros_like(now), now / torch.where(off, 1.0, before))
         return growth.clamp_max(_BRIGHTER)[:, None]
 
-    def _at(self, view: View, cache: ViewCache) -> Tensor:
+    def _at(self, view: View, cache: ViewCache, before: Callable[[], Tensor]) -> Tensor:
         """The fields for a view's pixels: as they are, or looked up where the pixels' centers were seen."""
         signature = view.signature()
         if signature == self.view.signature():
@@ -121,9 +137,16 @@ class Correction:
                 neutral = torch.zeros(len(self.fields), device=self.fields.device)
                 neutral[:3] = 1.0
                 place = self.view.project(_centers(view.detached(), cache))
-                found = look_up(self.fields, self.guide, place, _names(cache), neutral)
+                bright = None if view.moving else (self.stops, stops(before()))
+                found = look_up(self.fields, self.guide, place, _names(cache), neutral, bright)
             self._kept = signature, found
         return self._kept[1]
+
+
+def stops(picture: Tensor) -> Tensor:
+    """Brightness (P,) of a linear picture (3, P) on a logarithmic scale; what is nearly black is equally so."""
+    brightness = picture.clamp_min(0.0).mean(0)
+    return torch.log2(brightness + 1e-6 + _DARK * brightness.mean())
 
 
 def _names(cache: ViewCache) -> Tensor:

@@ -13,6 +13,8 @@ from torch import Tensor
 from torch.nn.functional import max_pool2d
 
 _REACH = 2.0  # pixels of the picture that is looked up in
+_ALIKE = 0.5  # stops
+_LEAST = 1e-3  # weight of all pixels together, of which one at the place itself has 4
 _OUTLINE = 0.2  # weight of pixels beside an outline, which show two things
 
 
@@ -60,7 +62,14 @@ def _overlap(shift: int, size: int) -> tuple[slice, slice]:
     return slice(max(0, -shift), size - max(0, shift)), slice(max(0, shift), size - max(0, -shift))
 
 
-def look_up(fields: Tensor, guide: Guide, place: Tensor, names: Tensor, neutral: Tensor) -> Tensor:
+def look_up(
+    fields: Tensor,
+    guide: Guide,
+    place: Tensor,
+    names: Tensor,
+    neutral: Tensor,
+    stops: tuple[Tensor, Tensor] | None = None,
+) -> Tensor:
     """Averages around picture positions, over pixels that show what is asked for.
 
     Args:
@@ -69,6 +78,8 @@ def look_up(fields: Tensor, guide: Guide, place: Tensor, names: Tensor, neutral:
         place: (2, N) positions in pixels, x and y; centers are at .5.
         names: (N,) what is to be seen there.
         neutral: (C,) for where nothing near shows it.
+        stops: (P,) brightness of the pixels and (N,) of what is asked for, in stops: only pixels about as bright
+            count, so that what belongs to a highlight stays with it. None to average over all.
 
     Returns:
         (C, N).
@@ -86,7 +97,9 @@ def look_up(fields: Tensor, guide: Guide, place: Tensor, names: Tensor, neutral:
         index = x.clamp(0, width - 1) + width * y.clamp(0, height - 1)
         near = ((_REACH - (p + 0.5 - at).abs()).clamp_min(0.0) for p, at in zip((x, y), place, strict=True))
         weight = next(near) * next(near) * inner[index] * (inside & (flat[index] == names))
+        if stops is not None:
+            weight = weight * torch.exp(-(((stops[0][index] - stops[1]) / _ALIKE) ** 2))
         total += weight * fields[:, index]
         weights += weight
-    known = weights > 1e-6
+    known = weights > _LEAST
     return torch.where(known, total / torch.where(known, weights, 1.0), neutral[:, None])

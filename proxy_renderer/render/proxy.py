@@ -94,7 +94,9 @@ class Proxy:
         frame, settings = self._frame(values)
         picture, mask = self._expose(frame)
         if self.correction is not None:
-            corrected = self.correction.apply(picture[:3], frame.owners, frame.view, frame.cache)
+            corrected = self.correction.apply(
+                picture[:3], frame.owners, frame.view, frame.cache, lambda: self._before(values)
+            )
             picture = torch.cat((corrected, picture[3:]))
         channels = picture.view(-1, *self.size[::-1])
         linear, alpha = channels[:3].permute(1, 2, 0), channels[3] if len(channels) > 3 else None
@@ -122,8 +124,15 @@ class Proxy:
             whole, colors = self._expose(frame)[0][:3], frame.owners
             glow = self._expose(frame.only(""))[0][:3]
             parts = {owner: self._expose(frame.only(owner))[0][:3] - glow for owner in colors}
-            self.correction = Correction.of(picture, whole, parts, colors, frame.view, frame.cache)
+            self.correction = Correction.of(picture, whole, parts, colors, values, frame.view, frame.cache)
         return self.correction
+
+    def _before(self, values: Mapping[str, Tensor]) -> Tensor:
+        """The picture (3, P) of the anchor's values from the camera of these."""
+        assert self.correction is not None
+        lit = {k: v for k, v in self.correction.values.items() if not k.startswith("camera/")}
+        camera = {k: v.detach() for k, v in values.items() if k.startswith("camera/")}
+        return self._expose(self._frame({**lit, **camera})[0])[0][:3]
 
     def _frame(self, values: Mapping[str, Tensor]) -> tuple[Frame, Settings]:
         """All that a render at these values is made of."""
