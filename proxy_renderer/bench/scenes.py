@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import importlib.util
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -45,6 +46,39 @@ def balls(materials: int, lamps: int, subdivisions: int = 4) -> SceneData:
         mesh=_mesh(count, materials > 1, subdivisions),
         instances={i.key: i for i in _instances(names, lamps)},
     )
+
+
+def outdoors(materials: int, lamps: int, density: float = 0.04) -> SceneData:
+    """The same under a picture of the sky with a sun in it, in fog.
+
+    Args:
+        materials, lamps: As for `balls`.
+        density: Extinction of the fog, 1/m.
+    """
+    scene = balls(materials, lamps)
+    values = {"world/strength": 1.0, "world/rotation": 0.0, "world/tint": 1.0, "volume/density": density}
+    kept = {key: i for key, i in scene.instances.items() if key not in values and key != "world/color"}
+    changed = (Instance(p, "", (values[p.family],) * p.components) for p in PARAMETERS if p.family in values)
+    return replace(
+        scene,
+        world=World("environment", sky_picture()),
+        volume=Volume("box", (0.0, 0.0, 3.0), (9.0, 9.0, 4.0), 0.0),
+        instances={**kept, **{i.key: i for i in changed}},
+    )
+
+
+def sky_picture(height: int = 256) -> np.ndarray:
+    """(height, 2 * height, 3) radiance of a blue sky over dark ground, with a sun; bottom row first."""
+    elevation = (np.arange(height) + 0.5) / height * math.pi - math.pi / 2
+    azimuth = (np.arange(2 * height) + 0.5) / height * math.pi - math.pi
+    up = np.sin(elevation)[:, None, None]
+    sky = np.array([0.25, 0.4, 0.8]) * up + np.array([0.8, 0.8, 0.7]) * (1 - up)
+    picture = np.where(up > 0, sky, [0.12, 0.1, 0.08]) * np.ones((1, 2 * height, 1))
+    to_sun = np.sin(0.7) * np.sin(elevation)[:, None] + np.cos(0.7) * np.outer(
+        np.cos(elevation), np.cos(azimuth)
+    )
+    picture += 400.0 * (to_sun > math.cos(math.radians(2.0)))[..., None]
+    return picture.astype(np.float32)
 
 
 def blender_colors() -> str:

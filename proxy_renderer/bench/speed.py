@@ -17,7 +17,7 @@ import torch
 from ..render.proxy import Proxy
 from ..scene import SceneData
 from . import versus
-from .scenes import balls
+from .scenes import balls, outdoors
 
 try:
     import resource
@@ -28,9 +28,14 @@ _SIZE = 512
 _STEPS = 8
 _SIDES = (256, 512, 1024)
 _TRIANGLES = (3, 7)  # subdivisions: a ball of 1,280 and one of 327,680 triangles
-_COMMON = ("light/Lamp 0/power", "light/Lamp 0/color", "world/color", "film/exposure", "film/contrast")
-_ONE = [*(f"material/Ball 0/{name}" for name in ("base_color", "roughness", "metallic")), *_COMMON]
-_MANY = [*(f"material/Ball {i}/base_color" for i in range(3)), *_COMMON]
+_COMMON = ("light/Lamp 0/power", "light/Lamp 0/color", "film/exposure", "film/contrast")
+_ONE = [
+    *(f"material/Ball 0/{name}" for name in ("base_color", "roughness", "metallic")),
+    *_COMMON,
+    "world/color",
+]
+_COLORS = [f"material/Ball {i}/base_color" for i in range(3)]
+_MANY, _FOGGY = [*_COLORS, *_COMMON, "world/color"], [*_COLORS, *_COMMON, "world/tint"]
 
 
 def run(out: Path, mitsuba: bool = False) -> dict[str, Any]:
@@ -43,18 +48,21 @@ def run(out: Path, mitsuba: bool = False) -> dict[str, Any]:
     Returns:
         Milliseconds, and `memory_mb` by the side of the picture. `step_ms_512` is a step with eight parameters learned, as many as a round of a vibe
         chooses, of one material, one light, the world and the film; `..._eight_materials` the same of eight
-        materials and four lights; `..._everything` learns all that does not move, at once; then steps
+        materials and four lights; `..._fog` these under a picture of the sky with a sun, in fog, and
+        `..._fog_density` with the fog learned too; `..._everything` learns all that does not move, at once; then steps
         with a light or the camera moving before each, and steps for few and for many triangles.
     """
     if mitsuba:
         versus.require()
-    one, many = balls(1, 1), balls(8, 4)
+    one, many, foggy = balls(1, 1), balls(8, 4), outdoors(8, 4)
     still = [key for key in one.instances if _still(key)]
     results: dict[str, Any] = {
         "threads": torch.get_num_threads(),
         "memory_mb": _memory(one),  # first: what later steps take would hide it
         "step_ms_512": _step(one, _ONE),
         "step_ms_512_eight_materials": _step(many, _MANY),
+        "step_ms_512_eight_materials_fog": _step(foggy, _FOGGY),
+        "step_ms_512_eight_materials_fog_density": _step(foggy, [*_FOGGY, "volume/density"]),
         "step_ms_512_everything": _step(one, still),
         "step_ms_512_eight_materials_everything": _step(many, [key for key in many.instances if _still(key)]),
         "step_ms_512_moving_light": _step(one, ["light/Lamp 0/azimuth", "light/Lamp 0/elevation"], 0.3),
