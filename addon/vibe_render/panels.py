@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from itertools import groupby
 from typing import Any, ClassVar
@@ -125,9 +126,10 @@ class VIBE_PT_result(_IdleTab):
 
 
 def _draw_agreement(layout: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
-    """How near the prediction is to what Cycles renders; 1 is about the least difference that people see."""
+    """How near the prediction came to the last small picture of Cycles; 1 is about the least that people see."""
     if session.agreement is not None:
-        layout.label(text=f"Cycles differs from it by {session.agreement:.1f} ΔE", icon="CHECKMARK")
+        tenths = max(math.ceil(session.agreement * 10.0), 1)
+        layout.label(text=f"Small Cycles picture: within {tenths / 10.0:.1f} ΔE", icon="CHECKMARK")
     for note in session.notes[:2]:
         _paragraph(layout, context, note)
 
