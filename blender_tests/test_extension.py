@@ -40,7 +40,7 @@ def built(tmp_path_factory):
 def test_zip_holds_the_schema_and_no_engine(built):
     names = zipfile.ZipFile(built).namelist()
     assert {"blender_manifest.toml", "__init__.py", "schema/parameters.py", "engine.txt"} <= set(names)
-    assert not [n for n in names if "__pycache__" in n or "worker" in n or "test" in n]
+    assert not [n for n in names if "__pycache__" in n or "worker" in n or "test" in n or "bench" in n]
 
 
 def test_works_alone(built, tmp_path):

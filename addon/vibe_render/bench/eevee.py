@@ -15,7 +15,7 @@ import bpy
 
 if not __package__:
     here = Path(__file__).resolve()
-    sys.path[:0] = [str(here.parents[2]), str(here.parents[3])]
+    sys.path += [str(here.parents[2]), str(here.parents[3])]  # last: Blender has packages of its own
 
 from vibe_render import compat
 from vibe_render.settings import changed
