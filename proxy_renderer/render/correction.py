@@ -21,7 +21,9 @@ from torch import Tensor
 from .camera import View
 from .cycles import CyclesPicture
 from .joint import Guide, blur, look_up
+from .samples import Samples
 from .view_cache import ViewCache
+from .visibility import Geometry, Hits
 
 REST = "rest"
 """Owner of the light that belongs to no light: glowing surfaces, and what cannot be grouped."""
@@ -44,6 +46,7 @@ class Correction:
         guide: What its pixels show.
         colors: Owner to s_g(θ₀), (3,).
         values: θ₀.
+        dark: Radiance below which all is equally dark.
         stops: (P,) brightness of the proxy's picture at θ₀, in stops.
         fields: (3 (2 + G), P): c, the least share of P that must remain, and the residuals of the owners.
         owners: The G owners, `REST` among them.
@@ -53,6 +56,7 @@ class Correction:
     guide: Guide
     colors: Mapping[str, Tensor]
     values: Mapping[str, Tensor]
+    dark: float
     stops: Tensor
     fields: Tensor
     owners: tuple[str, ...]
@@ -79,7 +83,7 @@ class Correction:
             view: The camera.
             cache: What it sees.
         """
-        guide = Guide(_names(cache).view(cache.depth.shape))
+        guide = Guide(_names(cache.samples.center_hits, cache.geometry).view(cache.depth.shape))
         known = [owner for owner in picture.parts if owner in parts]
         seen = _flat(picture.whole).to(whole)
         if not picture.denoised:
@@ -92,26 +96,47 @@ class Correction:
         least = torch.minimum(_LEAST * ratio, seen / whole.clamp_min(tiny))
         fields = torch.cat((ratio, least, residuals.flatten(0, 1)))
         values = {key: value.detach() for key, value in values.items()}
-        return Correction(view.detached(), guide, colors, values, stops(whole), fields, (*known, REST))
+        dark = 1e-6 + _DARK * float(whole.mean())
+        kept = view.detached(), guide, colors, values, dark, _stops(whole, dark)
+        return Correction(*kept, fields, (*known, REST))
 
-    def apply(
+    def fits(self, view: View) -> bool:
+        """Whether a view's pixels are those of the anchor."""
+        return view.signature() == self.view.signature()
+
+    def pixels(self, linear: Tensor, colors: Mapping[str, Tensor]) -> Tensor:
+        """Corrected pixels of a view that fits.
+
+        Args:
+            linear: (3, P) the proxy's; gradients pass.
+            colors: Owner to the color (3,) of its light now; gradients pass.
+        """
+        return self._apply(linear, colors, self.fields)
+
+    def samples(
         self,
-        linear: Tensor,
+        radiance: Tensor,
         colors: Mapping[str, Tensor],
         view: View,
         cache: ViewCache,
         before: Callable[[], Tensor],
     ) -> Tensor:
-        """The corrected picture.
+        """Corrected samples of another view: sample by sample, so that outlines stay smooth.
 
         Args:
-            linear: (3, P) the proxy's; gradients pass.
-            colors: Owner to the color (3,) of its light now; gradients pass.
+            radiance: (3, N) the proxy's; gradients pass.
+            colors: As for `pixels`.
             view: The camera now.
             cache: What it sees.
-            before: Makes the proxy's picture (3, P) of θ₀ from this camera.
+            before: Makes the proxy's samples (3, N) of θ₀ for this camera.
         """
-        fields = self._at(view, cache, before)
+        signature = view.signature()
+        if self._kept is None or self._kept[0] != signature:
+            with torch.no_grad():
+                self._kept = signature, self._look_up(cache.samples, cache.geometry, view, before)
+        return self._apply(radiance, colors, self._kept[1])
+
+    def _apply(self, linear: Tensor, colors: Mapping[str, Tensor], fields: Tensor) -> Tensor:
         ratio, least = fields[:3], fields[3:6]
         corrected = ratio * linear
         for i, owner in enumerate(self.owners):
@@ -127,41 +152,27 @@ class Correction:
         growth = torch.where(off, torch.zeros_like(now), now / torch.where(off, 1.0, before))
         return growth.clamp_max(_BRIGHTER)[:, None]
 
-    def _at(self, view: View, cache: ViewCache, before: Callable[[], Tensor]) -> Tensor:
-        """The fields for a view's pixels: as they are, or looked up where the pixels' centers were seen."""
-        signature = view.signature()
-        if signature == self.view.signature():
-            return self.fields
-        if self._kept is None or self._kept[0] != signature:
-            with torch.no_grad():
-                neutral = torch.zeros(len(self.fields), device=self.fields.device)
-                neutral[:3] = 1.0
-                place = self.view.project(_centers(view.detached(), cache))
-                bright = None if view.moving else (self.stops, stops(before()))
-                found = look_up(self.fields, self.guide, place, _names(cache), neutral, bright)
-            self._kept = signature, found
-        return self._kept[1]
+    def _look_up(
+        self, samples: Samples, geometry: Geometry, view: View, before: Callable[[], Tensor]
+    ) -> Tensor:
+        """The fields where the anchor saw what samples meet; neutral ones where it did not."""
+        neutral = torch.zeros(len(self.fields), device=self.fields.device)
+        neutral[:3] = 1.0
+        reach = samples.hits.distance.clamp_max(_FAR * geometry.size)
+        place = self.view.project(samples.origin + samples.toward * reach)
+        bright = None if view.moving else (self.stops, _stops(before(), self.dark))
+        return look_up(self.fields, self.guide, place, _names(samples.hits, geometry), neutral, bright)
 
 
-def stops(picture: Tensor) -> Tensor:
-    """Brightness (P,) of a linear picture (3, P) on a logarithmic scale; what is nearly black is equally so."""
-    brightness = picture.clamp_min(0.0).mean(0)
-    return torch.log2(brightness + 1e-6 + _DARK * brightness.mean())
+def _stops(linear: Tensor, dark: float) -> Tensor:
+    """Brightness (N,) of linear colors (3, N) on a logarithmic scale."""
+    return torch.log2(linear.clamp_min(0.0).mean(0) + dark)
 
 
-def _names(cache: ViewCache) -> Tensor:
-    """(P,) what the rays through the pixels' centers meet: a number for object and material, -1 for nothing."""
-    hits, geometry = cache.samples.center_hits, cache.geometry
+def _names(hits: Hits, geometry: Geometry) -> Tensor:
+    """(N,) what rays meet: a number for object and material, -1 for nothing."""
     index = hits.triangle.clamp_min(0)
     return torch.where(hits.hit, geometry.object[index] * 4096 + geometry.material[index], -1)
-
-
-def _centers(view: View, cache: ViewCache) -> Tensor:
-    """Points (3, P) that the rays through the pixels' centers meet; very far ones where they meet nothing."""
-    width, height = view.size
-    y, x = torch.meshgrid(torch.arange(height), torch.arange(width), indexing="ij")
-    origin, toward = view.rays(torch.stack((x.flatten(), y.flatten())).to(view.position) + 0.5)
-    return origin + toward * cache.depth.flatten().clamp_max(_FAR * cache.geometry.size)
 
 
 def _flat(picture: Tensor) -> Tensor:

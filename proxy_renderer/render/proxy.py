@@ -92,12 +92,15 @@ class Proxy:
                 differentiable in every one of them.
         """
         frame, settings = self._frame(values)
-        picture, mask = self._expose(frame)
-        if self.correction is not None:
-            corrected = self.correction.apply(
-                picture[:3], frame.owners, frame.view, frame.cache, lambda: self._before(values)
-            )
-            picture = torch.cat((corrected, picture[3:]))
+        radiance = self._light(frame)
+        fits = self.correction is not None and self.correction.fits(frame.view)
+        if self.correction and not fits:
+            known = frame.owners, frame.view, frame.cache
+            corrected = self.correction.samples(radiance[:3], *known, lambda: self._before(values))
+            radiance = torch.cat((corrected, radiance[3:]))
+        picture, mask = _resolve(frame, radiance)
+        if self.correction and fits:
+            picture = torch.cat((self.correction.pixels(picture[:3], frame.owners), picture[3:]))
         channels = picture.view(-1, *self.size[::-1])
         linear, alpha = channels[:3].permute(1, 2, 0), channels[3] if len(channels) > 3 else None
         film = {key: settings.color(key) for key in _FILM_KEYS if settings.has(key)}
@@ -121,18 +124,18 @@ class Proxy:
             )
         with torch.no_grad():
             frame, _ = self._frame(values)
-            whole, colors = self._expose(frame)[0][:3], frame.owners
-            glow = self._expose(frame.only(""))[0][:3]
-            parts = {owner: self._expose(frame.only(owner))[0][:3] - glow for owner in colors}
+            whole, colors = self._picture(frame), frame.owners
+            glow = self._picture(frame.only(""))
+            parts = {owner: self._picture(frame.only(owner)) - glow for owner in colors}
             self.correction = Correction.of(picture, whole, parts, colors, values, frame.view, frame.cache)
         return self.correction
 
     def _before(self, values: Mapping[str, Tensor]) -> Tensor:
-        """The picture (3, P) of the anchor's values from the camera of these."""
+        """The samples (3, N) of the anchor's values for the camera of these."""
         assert self.correction is not None
         lit = {k: v for k, v in self.correction.values.items() if not k.startswith("camera/")}
         camera = {k: v.detach() for k, v in values.items() if k.startswith("camera/")}
-        return self._expose(self._frame({**lit, **camera})[0])[0][:3]
+        return self._light(self._frame({**lit, **camera})[0])[:3]
 
     def _frame(self, values: Mapping[str, Tensor]) -> tuple[Frame, Settings]:
         """All that a render at these values is made of."""
@@ -160,17 +163,14 @@ class Proxy:
         )
         return frame, settings
 
-    def _expose(self, frame: Frame) -> tuple[Tensor, Tensor]:
-        """The proxy's own linear picture (3 or, with alpha, 4, P), and the mask (H, W)."""
-        view, cache = frame.view, frame.cache
-        radiance = self._radiance(frame, view)
-        if frame.fog.active:
-            radiance = self._through_fog(frame, view, radiance)
-        picture, mask = cache.samples.resolve(radiance), cache.mask
-        if view.moving:
-            term = cache.outlines().term(view, torch.cat((radiance, cache.inside)), picture.shape[1])
-            picture, mask = picture + term[:-1], mask + term[-1].view(mask.shape)
-        return picture, mask
+    def _picture(self, frame: Frame) -> Tensor:
+        """The proxy's own linear picture (3, P)."""
+        return _resolve(frame, self._light(frame))[0][:3]
+
+    def _light(self, frame: Frame) -> Tensor:
+        """Radiance of all samples as the camera gets it: (3 or, with a transparent film, 4, N)."""
+        radiance = self._radiance(frame, frame.view)
+        return self._through_fog(frame, frame.view, radiance) if frame.fog.active else radiance
 
     def _radiance(self, frame: Frame, view: View) -> Tensor:
         """Radiance (3, N + B) of all samples: surfaces in the order of their materials, then background.
@@ -293,6 +293,16 @@ def _glassy(paint: Paint) -> Tensor:
     solid = paint.transmission * (1 - paint.metallic)
     through = solid * (1 - albedo.f0_of(paint.ior)) * luma(paint.base.clamp(0, 1)).sqrt()
     return (through.detach() * _GLASS_STEPS).round().reshape(()) / _GLASS_STEPS
+
+
+def _resolve(frame: Frame, radiance: Tensor) -> tuple[Tensor, Tensor]:
+    """Linear picture (3 or, with alpha, 4, P) and mask (H, W) from the radiance of all samples."""
+    view, cache = frame.view, frame.cache
+    picture, mask = cache.samples.resolve(radiance), cache.mask
+    if view.moving:
+        term = cache.outlines().term(view, torch.cat((radiance, cache.inside)), picture.shape[1])
+        picture, mask = picture + term[:-1], mask + term[-1].view(mask.shape)
+    return picture, mask
 
 
 def _table(frame: Frame) -> Table:
