@@ -13,7 +13,7 @@ from .vectors import dot
 from .visibility import Geometry, Hits, Surface
 
 EDGE_SAMPLES = 5
-_FILTER_WIDTH = 1.5  # pixels, Cycles' default Blackman-Harris
+_FILTER_WIDTH = 3.0  # pixels: twice what Blender says (1.5 by default), for Cycles takes it for a radius
 
 
 @dataclass(frozen=True)
