@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,28 +18,51 @@ _ANCHORS_ACROSS = 96
 
 
 class Spread:
-    """A fixed sparse matrix (N, A), applied to (A, C), with its transpose ready for gradients."""
+    """A fixed sparse matrix (N, A), applied to (A, C).
+
+    Args:
+        rows: (R,) the rows that are not empty, in order.
+        columns: (R, K) where they have entries; one that is named twice counts twice.
+        weights: (R, K) the entries.
+        shape: N, A.
+    """
 
     def __init__(self, rows: Tensor, columns: Tensor, weights: Tensor, shape: tuple[int, int]) -> None:
-        with warnings.catch_warnings(), torch.sparse.check_sparse_tensor_invariants(False):
-            warnings.filterwarnings("ignore", "Sparse (CSR|invariant)")  # "in beta", says torch
-            matrix = torch.sparse_coo_tensor(torch.stack((rows, columns)), weights, shape).coalesce()
-            self.forward = matrix.to_sparse_csr()
-            self.backward = matrix.t().coalesce().to_sparse_csr()
+        self._rows, self._columns, self._weights, self._shape = rows, columns.int(), weights, shape
+        counts = torch.zeros(shape[0], dtype=torch.int64, device=rows.device)
+        counts[rows] = columns.shape[1]
+        self.forward = _csr(counts, self._columns.flatten(), weights.flatten(), shape)
 
     def __call__(self, values: Tensor) -> Tensor:
-        return _SparseProduct.apply(values, self.forward, self.backward)
+        return _SparseProduct.apply(values, self)
+
+    @functools.cached_property
+    def backward(self) -> Tensor:
+        """The transpose (A, N), which only gradients need."""
+        rows, columns = self._shape
+        sorted_columns, order = torch.sort(self._columns.flatten(), stable=True)
+        counts = torch.bincount(sorted_columns, minlength=columns)
+        owner = self._rows.int()[order // self._columns.shape[1]]
+        return _csr(counts, owner, self._weights.flatten()[order], (columns, rows))
+
+
+def _csr(counts: Tensor, columns: Tensor, weights: Tensor, shape: tuple[int, int]) -> Tensor:
+    """The sparse matrix whose rows have so many entries (N,), one row after the other."""
+    starts = torch.cat((counts.new_zeros(1), counts.cumsum(0))).int()
+    with warnings.catch_warnings(), torch.sparse.check_sparse_tensor_invariants(False):
+        warnings.filterwarnings("ignore", "Sparse (CSR|invariant)")  # "in beta", says torch
+        return torch.sparse_csr_tensor(starts, columns, weights, shape)
 
 
 class _SparseProduct(torch.autograd.Function):
     @staticmethod
-    def forward(ctx, values, matrix, transposed):
-        ctx.transposed = transposed
-        return matrix @ values
+    def forward(ctx, values, spread):
+        ctx.spread = spread
+        return spread.forward @ values
 
     @staticmethod
     def backward(ctx, gradient):
-        return ctx.transposed @ gradient.contiguous(), None, None
+        return ctx.spread.backward @ gradient.contiguous(), None
 
 
 class Anchors:
@@ -78,19 +102,22 @@ class Anchors:
         self.smooth_glossy = _spread(self._anchors, self._anchors, self._lists, near, nearest=9, width=1.6)
         self.spread = _spread(self._anchors, points, self._lists, (0, 1), nearest=4, width=1.0)
 
-    def spread_to(self, surface: Surface, place: Tensor, distance: Tensor) -> Spread:
+    def spread_to(
+        self, surface: Surface, place: Tensor, distance: Tensor, chosen: Tensor | None = None
+    ) -> Spread:
         """Carries from anchors to other points: what the picture shows of them, or of things near by.
 
         Args:
             surface: N points.
             place: (2, N) picture positions in pixels, which may lie outside.
             distance: (N,) from the camera.
+            chosen: (N,) bool: the points that get light; None for all.
         """
         rows, columns = self._lists.shape[:2]
         limit = place.new_tensor([[columns], [rows]]) - 0.5
         inside = torch.minimum((place / self._stride).clamp_min(0.5), limit)
         points = _Places(inside, surface, distance * (2.0 / max(columns, rows)))
-        return _spread(self._anchors, points, self._lists, (0, 1), nearest=4, width=1.0)
+        return _spread(self._anchors, points, self._lists, (0, 1), nearest=4, width=1.0, chosen=chosen)
 
 
 @dataclass(frozen=True)
@@ -117,7 +144,13 @@ def _cell_lists(cell: Tensor, columns: int, rows: int, most: int) -> Tensor:
 
 
 def _spread(
-    anchors: _Places, points: _Places, lists: Tensor, window: Sequence[int], nearest: int, width: float
+    anchors: _Places,
+    points: _Places,
+    lists: Tensor,
+    window: Sequence[int],
+    nearest: int,
+    width: float,
+    chosen: Tensor | None = None,
 ) -> Spread:
     """Weights to points from the anchors around them that fit their normal, plane and place best.
 
@@ -126,29 +159,61 @@ def _spread(
         lists: The anchors of every cell.
         window: Cells to look at along both axes: offsets from a point's own, or from the upper left of the
             four whose middles surround it where the window has an even length.
-        nearest: How many of the anchors to keep.
+        nearest: How many of the anchors to keep, at most as many as the window has cells.
         width: Distance in cells at which an anchor's weight has faded.
+        chosen: (N,) bool: points that get light; None for all.
     """
-    rows, columns = lists.shape[:2]
-    shift = 0.0 if len(window) % 2 else 0.5
-    x, y = (points.place - shift).floor().long()
-    near = [
-        lists[(y + dy).clamp(0, rows - 1), (x + dx).clamp(0, columns - 1)] for dy in window for dx in window
-    ]
-    candidates = torch.cat(near, 1)
+    count, device = points.place.shape[1], lists.device
+    shape = count, anchors.place.shape[1]
+    rows = torch.arange(count, device=device) if chosen is None else chosen.nonzero()[:, 0]
+    points = points if chosen is None else points.pick(rows)
+    near = _window(points.place, window, *lists.shape[:2])
+    held = (lists >= 0).sum(2).flatten()
+    most = torch.zeros_like(rows)
+    for cells in near:
+        most = torch.maximum(most, held.index_select(0, cells))
+    best = torch.zeros((len(rows), nearest), dtype=torch.int64, device=device)
+    weight = torch.zeros(best.shape, device=device)
+    # Where no cell around holds more than one anchor, as almost everywhere, there is little to choose from.
+    for n in range(1, lists.shape[2] + 1):
+        group = (most == n).nonzero()[:, 0]
+        if len(group):
+            cells = near[:, group].flatten()
+            found = [lists[:, :, i].flatten().index_select(0, cells).view(len(near), -1) for i in range(n)]
+            index, fit = _best(anchors, points.pick(group), torch.cat(found), nearest, width)
+            best[group], weight[group] = index, fit
+    return Spread(rows, best, weight / weight.sum(1, keepdim=True).clamp_min(1e-20), shape)
+
+
+def _window(place: Tensor, window: Sequence[int], rows: int, columns: int) -> Tensor:
+    """(W, N) cells around places (2, N)."""
+    x, y = (place - (0.0 if len(window) % 2 else 0.5)).floor().long()
+    across = [(x + step).clamp(0, columns - 1) for step in window]
+    down = [(y + step).clamp(0, rows - 1) * columns for step in window]
+    return torch.stack([row + column for row in down for column in across])
+
+
+def _best(
+    anchors: _Places, points: _Places, candidates: Tensor, nearest: int, width: float
+) -> tuple[Tensor, Tensor]:
+    """(N, nearest) the anchors that fit best of the candidates (C, N), -1 for none, and their weights."""
     index = candidates.clamp_min(0)
+
+    def of(values: Tensor) -> Tensor:
+        return values.index_select(0, index.flatten()).view(index.shape)
+
     plane = torch.zeros(index.shape, device=index.device)
     alike = torch.zeros_like(plane)
     for axis in range(3):
-        normal = points.surface.normal[axis, :, None]
-        plane += (anchors.surface.position[axis, index] - points.surface.position[axis, :, None]) * normal
-        alike += anchors.surface.normal[axis, index] * normal
-    apart = (anchors.place[:, index] - points.place[..., None]) / width
-    fit = (-((plane / points.pitch[:, None]) ** 2)).exp() * alike.clamp_min(0.0) ** 8
-    weight = (fit + 1e-6) * (1.0 - apart.abs()).clamp_min(0.02 / width).prod(0)
-    weight = torch.where(candidates >= 0, weight, 0.0)
-    weight, best = weight.topk(min(nearest, weight.shape[1]), 1)
-    weight = weight / weight.sum(1, keepdim=True).clamp_min(1e-20)
-    to = torch.arange(len(index), device=index.device)[:, None].expand_as(best)
-    shape = len(index), anchors.place.shape[1]
-    return Spread(to.flatten(), index.gather(1, best).flatten(), weight.flatten(), shape)
+        normal = points.surface.normal[axis]
+        plane += (of(anchors.surface.position[axis]) - points.surface.position[axis]) * normal
+        alike += of(anchors.surface.normal[axis]) * normal
+    weight = (-((plane / points.pitch) ** 2)).exp() * alike.clamp_min(0.0) ** 8 + 1e-6
+    for axis in range(2):
+        apart = (of(anchors.place[axis]) - points.place[axis]).abs() / width
+        weight *= (1.0 - apart).clamp_min(0.02 / width)
+    weight = torch.where(candidates >= 0, weight, 0.0).T
+    if weight.shape[1] == nearest:
+        return index.T, weight
+    weight, best = weight.contiguous().topk(nearest, 1)
+    return index.T.gather(1, best), weight

@@ -116,57 +116,62 @@ class Far:
         # Rows: every lamp and both halves of the world at the hits; the same where one more ray from there ends.
         self.arriving = torch.zeros((2 * (lamps + 2), len(self.hit)), device=self.hit.device)
         self._clear = torch.zeros_like(self.arriving)
-        around = torch.arange(len(self.hit), device=self.hit.device) if deep else self.shiny.nonzero()[:, 0]
-        self._around = around
+        self._lit = (self.hit > self.mirroring).nonzero()[:, 0]  # mirrors do not scatter what lights them
+        self._first = self.surface.pick(self._lit)
+        self._around = around = (hits.hit if deep else self.shiny).nonzero()[:, 0]
         # Without it, the light that lies about counts where a metal is rough, and what it mirrors otherwise.
         self._share = torch.ones_like(self.hit) if deep else self.mirroring
-        self.beyond = self._look_around(toward[:, around]) if len(around) else None
+        self._second = self._look_around(toward[:, around], deep) if len(around) else None
         self.harmonics = (harmonics(toward) * (1 - self.hit)).view(9, -1, count).mean(2)
 
-    def _look_around(self, arrived: Tensor) -> Surface:
+    def _look_around(self, arrived: Tensor, deep: bool) -> tuple[Tensor, Surface]:
         """Sends one ray from hits: to the world, or to the surface of a second bounce.
 
         Metals send it where they mirror, others anywhere above them, distributed like a cosine.
 
         Args:
             arrived: (3, H) directions of the rays that have met the hits `self._around`.
+            deep: As for the class.
+
+        Returns:
+            The rays that meet a second surface, and that.
         """
         generator = torch.Generator().manual_seed(7)
         start, mirroring = self.surface.pick(self._around), self.mirroring[self._around]
         shiny = mirroring > 0
-        uv = torch.rand((2, len(self._around)), generator=generator).to(self.hit.device)
+        count = len(self.hit if deep else self._around)
+        uv = torch.rand((2, count), generator=generator).to(self.hit.device)
+        uv = uv[:, self._around] if deep else uv
         anywhere = cosine_directions(start.normal, uv)
         toward = torch.lerp(anywhere, reflect(arrived, start.normal), mirroring)
         toward = above(unit(toward), start.facet)
         hits = self.geometry.first_hits(self.geometry.lifted(start), toward)
-        self._found = hits.hit.to(torch.float32)
+        found = hits.hit.to(torch.float32)
         beyond = self.geometry.surface(hits, toward)
-        met = self.hit[self._around]
-        leaving = float(((1 - self._found) * met).sum() / met.sum().clamp_min(1.0))
+        leaving = float((1 - found).mean())
         facing = torch.where(shiny, torch.where(toward[2] > 0, 1.0, -1.0), start.normal[2])
         for row, up, seen in (
-            (self.lamps, (1 + facing) / 2, (1 - self._found) * self._share[self._around]),
-            (2 * self.lamps + 2, (1 + beyond.normal[2]) / 2, self._found * min(leaving, _WORLD_AT_SECOND)),
+            (self.lamps, (1 + facing) / 2, (1 - found) * self._share[self._around]),
+            (2 * self.lamps + 2, (1 + beyond.normal[2]) / 2, found * min(leaving, _WORLD_AT_SECOND)),
         ):
             self.arriving[row, self._around] = up * seen
             self.arriving[row + 1, self._around] = (1 - up) * seen
-        return beyond
+        again = hits.hit.nonzero()[:, 0]
+        return self._around[again], beyond.pick(again)
 
     def light(self, index: int, lamp: Lamp) -> None:
-        """Traces shadow rays to one lamp. Mirrors do not scatter it: they show what it lights."""
+        """Traces shadow rays to one lamp."""
         for row, rays, surface, share in self._bounces(index):
             met = arrival(lamp, surface.position, surface.normal)
             clear = _clear(self.geometry, lamp, met, surface) * share
             self._clear[row, rays], self.arriving[row, rays] = clear, met.irradiance * clear
 
-    def _bounces(self, index: int) -> list[tuple[int, Tensor | slice, Surface, Tensor]]:
+    def _bounces(self, index: int) -> list[tuple[int, Tensor, Surface, Tensor]]:
         """A lamp's rows of `arriving`: row, rays, the surface that it lights, and the share that rays take of it."""
-        bounces: list[tuple[int, Tensor | slice, Surface, Tensor]] = [
-            (index, slice(None), self.surface, 1 - self.mirroring)
-        ]
-        if self.beyond is not None:
-            taken = self._found * self._share[self._around]
-            bounces.append((self.lamps + 2 + index, self._around, self.beyond, taken))
+        bounces = [(index, self._lit, self._first, 1 - self.mirroring[self._lit])]
+        if self._second is not None:
+            rays, surface = self._second
+            bounces.append((self.lamps + 2 + index, rays, surface, self._share[rays]))
         return bounces
 
     def moved(self, index: int, lamp: Lamp, table: Table) -> Tensor:
@@ -176,13 +181,15 @@ class Far:
         """
         rows = table.radiances[: self.materials * len(self.arriving)].detach()
         rows = torch.cat((rows.view(self.materials, -1, 3), rows.new_zeros((1, len(self.arriving), 3))))
-        total = torch.zeros((len(self.owner), 3), device=rows.device)
+        total = torch.zeros((len(self.owner) // self.count, 3), device=rows.device)
         for row, rays, surface, _ in self._bounces(index):
-            irradiance = arrival(lamp, surface.position, surface.normal).irradiance
-            light = (irradiance - irradiance.detach()) * self._clear[row, rays]
-            seen = rows[self.owner[rays], row] * light[:, None]
-            total = total + seen if isinstance(rays, slice) else total.index_add(0, rays, seen)
-        return total.view(-1, self.count, 3).mean(1)
+            clear = self._clear[row, rays]
+            lit = clear.nonzero()[:, 0]
+            rays, clear = rays[lit], clear[lit]
+            irradiance = arrival(lamp, surface.position[:, lit], surface.normal[:, lit]).irradiance
+            light = (irradiance - irradiance.detach()) * clear
+            total = total.index_add(0, rays // self.count, rows[self.owner[rays], row] * light[:, None])
+        return total / self.count
 
     def image(self, table: Table, ambient: Tensor) -> Tensor:
         """Radiance (3, A) of the hits of single rays; 0 where they leave the scene.

@@ -81,7 +81,7 @@ class Indirect:
         self.glossy = _far(*shape, origin, glossy, _GLOSSY_RAYS)
         mirrored = above(reflect(samples.toward[:, : samples.surfaces], surface.normal), surface.facet)
         self.mirror = Far(geometry, geometry.lifted(surface), mirrored, 1, metals, lamps, maps)
-        self._mirror_ambient = self.spread_to(self.mirror.surface)
+        self._mirror_ambient = self.spread_to(self.mirror)
         self._surface = surface
         self._mirrored = mirrored
         self._open_glossy = anchors.spread(self.glossy.open[:, None])[:, 0]
@@ -95,10 +95,13 @@ class Indirect:
             far.light(index, lamp)
         self._weights = None
 
-    def spread_to(self, surface: Surface) -> Spread:
-        """Carries irradiance from the anchors to points that the picture shows, or nearly."""
+    def spread_to(self, far: Far) -> Spread:
+        """Carries irradiance from the anchors to what rays meet, if the picture shows it, or nearly."""
+        surface = far.surface
         distance = length(surface.position - self._view.position[:, None])
-        return self._anchors.spread_to(surface, self._view.project(surface.position), distance)
+        return self._anchors.spread_to(
+            surface, self._view.project(surface.position), distance, far.hit.bool()
+        )
 
     def gather(self, table: Table) -> Gathered:
         """Weighs all rays."""

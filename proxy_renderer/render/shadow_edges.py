@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import torch
 from torch import Tensor
+from torch.nn.functional import max_pool2d
 
 from .camera import View
 from .lights import Lamp, arrival, outline
@@ -21,6 +22,9 @@ from .samples import Samples
 from .vectors import dot
 from .visibility import Geometry, Surface
 
+_PENUMBRA = 2
+"""Pixels around one within which its shadow's share varies if a hard shadow may end there."""
+_LEAST_SHARE = 1e-3
 _GRAZING = 0.1
 """Least cosine between light and surface: at less, shadows would race over the surface."""
 
@@ -44,9 +48,17 @@ class ShadowEdges:
     blocker: Tensor
 
     @staticmethod
-    def of(geometry: Geometry, samples: Samples, view: View, lamp: Lamp) -> ShadowEdges:
-        """Traces shadows of a lamp at all pixels of a view, both detached."""
-        seen = samples.center_hits.hit.nonzero()[:, 0]
+    def of(geometry: Geometry, samples: Samples, view: View, lamp: Lamp, visible: Tensor) -> ShadowEdges:
+        """Traces shadows of a lamp, detached, where a view, detached, shows its penumbra.
+
+        Args:
+            geometry: The triangles.
+            samples: What the view sees.
+            view: The camera.
+            lamp: The lamp.
+            visible: (N,) share of it that the samples see.
+        """
+        seen = (samples.center_hits.hit & _penumbra(samples, visible)).nonzero()[:, 0]
         surface = _centers(geometry, samples, view, seen)
         met = arrival(lamp, surface.position, surface.normal)
         lit = (dot(surface.facet, met.toward) > 0) & (met.irradiance > 0)
@@ -98,6 +110,17 @@ def _spots(lamp: Lamp) -> Tensor:
         return torch.tensor([[0.5, 0.5, 0.5, 0.5], [0.125, 0.375, 0.625, 0.875]])
     low, high = 0.5 - 12**-0.5, 0.5 + 12**-0.5
     return torch.tensor([[low, low, high, high], [low, high, low, high]])
+
+
+def _penumbra(samples: Samples, visible: Tensor) -> Tensor:
+    """(P,) bool: pixels near which a lamp is seen (N,) here and not there."""
+    width, height = samples.size
+    pixel = samples.pixel[: samples.surfaces]
+    signed = torch.stack((visible, -visible))
+    most = torch.full((2, width * height), -2.0, device=visible.device)  # below all: such pixels do not count
+    most = most.scatter_reduce(1, pixel.expand_as(signed), signed, "amax").view(1, 2, height, width)
+    near = max_pool2d(most, 2 * _PENUMBRA + 1, 1, _PENUMBRA).flatten(2)[0]
+    return (near[0] > _LEAST_SHARE) & (near[1] > _LEAST_SHARE - 1)
 
 
 def _centers(geometry: Geometry, samples: Samples, view: View, seen: Tensor) -> Surface:

@@ -19,14 +19,14 @@ _SHARP = 1e-3
 
 
 def shadow(
-    geometry: Geometry, samples: Samples, surface: Surface, lamp: Lamp, arriving: Arrival, moving: bool
+    geometry: Geometry, smoothing: Smoothing, surface: Surface, lamp: Lamp, arriving: Arrival, moving: bool
 ) -> Tensor:
     """Share (N,) of a lamp that every surface sample sees.
 
     Args:
         geometry: The triangles.
-        samples: The samples of the view.
-        surface: Their surface.
+        smoothing: Of the view.
+        surface: The surface at its samples.
         lamp: The lamp, detached.
         arriving: What it sends, unshadowed.
         moving: Whether the lamp is being moved by a gradient loop: fewer rays then, more smoothing.
@@ -48,40 +48,74 @@ def shadow(
         toward, distance = outline(lamp, *part, spots[:, :, k])
         total += geometry.clear(origin, toward, distance * (1 - 1e-4))
     seen[index] = total / rays
-    return _smoothed(samples, surface, seen, radius=1 if rays == 1 else 2)
+    return smoothing(seen, radius=1 if rays == 1 else 2)
 
 
-def _smoothed(samples: Samples, surface: Surface, seen: Tensor, radius: int) -> Tensor:
-    """A cross-bilateral box filter over the picture: neighbors on the same smooth surface share rays."""
-    width, height = samples.size
-    first, n = samples.first, samples.surfaces
-    grid = torch.zeros((5, width * height), device=seen.device)
-    inside = first < n
-    chosen = first[inside]
-    fields = torch.cat((surface.normal, samples.hits.distance[None, :n], seen[None]))
-    grid[:, inside] = fields[:, chosen]
-    grid = grid.view(5, height, width)
-    normal, depth, value = grid[:3], grid[3], grid[4]
-    total, weight = value.clone(), torch.ones_like(value)
-    for dy in range(-radius, radius + 1):
-        for dx in range(-radius, radius + 1):
-            if dx or dy:
-                _add_neighbor(normal, depth, value, total, weight, dy, dx)
-    flat = (total / weight).flatten()
-    smooth = seen.clone()
-    plain = chosen[samples.weight[chosen] > 0.999]
-    smooth[plain] = flat[samples.pixel[plain]]
-    return smooth
+class Smoothing:
+    """A cross-bilateral box filter over the picture: neighbors on the same smooth surface share rays.
+
+    Which they are depends on the view only, and is kept for every shadow that is traced in it.
+
+    Args:
+        samples: The samples of the view.
+        surface: Their surface.
+    """
+
+    def __init__(self, samples: Samples, surface: Surface) -> None:
+        width, height = samples.size
+        first, n = samples.first, samples.surfaces
+        self._size, self._inside = (height, width), first < n
+        self._chosen = chosen = first[self._inside]
+        self._plain = chosen[samples.weight[chosen] > 0.999]
+        self._plain_pixel = samples.pixel[self._plain]
+        fields = torch.cat((surface.normal, samples.hits.distance[None, :n]))
+        grid = torch.zeros((4, width * height), device=fields.device)
+        grid[:, self._inside] = fields[:, chosen]
+        self._grid = grid.view(4, height, width)
+        self._same: dict[tuple[int, int], Tensor] = {}
+        self._weight: dict[int, Tensor] = {}
+
+    def __call__(self, seen: Tensor, radius: int) -> Tensor:
+        """The shares (N,) averaged over so many pixels to each side; samples of edges stay as they are."""
+        value = torch.zeros(self._inside.shape, device=seen.device)
+        value[self._inside] = seen[self._chosen]
+        value = value.view(self._size)
+        total = value.clone()
+        for step in _steps(radius):
+            to, of = self._shifted(*step)
+            total[to] += value[of] * self._alike(*step)
+        if radius not in self._weight:
+            self._weight[radius] = self._count(radius)
+        smooth = seen.clone()
+        smooth[self._plain] = (total / self._weight[radius]).flatten()[self._plain_pixel]
+        return smooth
+
+    def _count(self, radius: int) -> Tensor:
+        """How many pixels (H, W) are averaged."""
+        weight = torch.ones(self._size, device=self._grid.device)
+        for step in _steps(radius):
+            weight[self._shifted(*step)[0]] += self._alike(*step)
+        return weight
+
+    def _alike(self, dy: int, dx: int) -> Tensor:
+        """(h, w) bool: pixels, those at the border aside, whose neighbor shares rays with them."""
+        if (dy, dx) not in self._same:
+            to, of = self._shifted(dy, dx)
+            normal, depth = self._grid[:3], self._grid[3]
+            alike = dot(normal[:, to[0], to[1]], normal[:, of[0], of[1]]) > 0.95
+            most = 8.0 * math.hypot(dx, dy) / max(self._size)
+            self._same[dy, dx] = alike & ((depth[to] - depth[of]).abs() < depth[to] * most)
+        return self._same[dy, dx]
+
+    def _shifted(self, dy: int, dx: int) -> tuple[tuple[slice, slice], tuple[slice, slice]]:
+        """The pixels that have a neighbor at an offset, and these neighbors."""
+        height, width = self._size
+        to = slice(max(0, -dy), min(height, height - dy)), slice(max(0, -dx), min(width, width - dx))
+        of = slice(max(0, dy), min(height, height + dy)), slice(max(0, dx), min(width, width + dx))
+        return to, of
 
 
-def _add_neighbor(
-    normal: Tensor, depth: Tensor, value: Tensor, total: Tensor, weight: Tensor, dy: int, dx: int
-) -> None:
-    height, width = value.shape
-    to = slice(max(0, -dy), min(height, height - dy)), slice(max(0, -dx), min(width, width - dx))
-    of = slice(max(0, dy), min(height, height + dy)), slice(max(0, dx), min(width, width + dx))
-    alike = dot(normal[:, to[0], to[1]], normal[:, of[0], of[1]]) > 0.95
-    near = (depth[to] - depth[of]).abs() < depth[to] * (8.0 * math.hypot(dx, dy) / max(width, height))
-    same = (alike & near).to(value.dtype)
-    total[to] += value[of] * same
-    weight[to] += same
+def _steps(radius: int) -> list[tuple[int, int]]:
+    """Offsets to the neighbors in a square."""
+    side = range(-radius, radius + 1)
+    return [(dy, dx) for dy in side for dx in side if dx or dy]

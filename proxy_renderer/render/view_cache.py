@@ -18,14 +18,14 @@ from .far import Far
 from .fog import Fog
 from .highlight import Highlight, highlight
 from .indirect import Indirect
-from .lights import Lamp, arrival
+from .lights import Arrival, Lamp, arrival
 from .maps import Maps
 from .murk import MurkRays
 from .refraction import through
 from .samples import take
 from .settings import wanted
 from .shadow_edges import ShadowEdges
-from .shadows import shadow
+from .shadows import Smoothing, shadow
 from .silhouette import Silhouettes
 from .vectors import dot, unit
 from .visibility import Geometry, Surface, facing
@@ -95,10 +95,9 @@ class Beam:
         return Beam(self.irradiance * passing, self.highlight.times(passing), self.toward, self.distance)
 
     @staticmethod
-    def of(lamp: Lamp, sight: Sight, visible: Tensor) -> Beam:
-        """From the share (N,) of the lamp that is seen."""
+    def of(lamp: Lamp, sight: Sight, met: Arrival, visible: Tensor) -> Beam:
+        """From what arrives unshadowed, and the share (N,) of the lamp that is seen."""
         point, normal = sight.surface.position, sight.surface.normal
-        met = arrival(lamp, point, normal)
         shine = highlight(lamp, met, point, normal, sight.toward_eye)
         return Beam(met.irradiance * visible, shine.times(visible), met.toward, met.distance)
 
@@ -146,6 +145,7 @@ class ViewCache:
             self._maps = Maps(scene, geometry.device, view.size)
             surface = geometry.surface(self._hits, toward[:, : samples.surfaces])
             self._sight = Sight.of(self._bumped(surface, toward), toward)
+            self._smoothing = Smoothing(samples, self._sight.surface)
             generator = torch.Generator().manual_seed(seed)
             shape = metals, lamps, self._maps, generator
             self.indirect = Indirect(geometry, samples, self._sight.surface, view.detached(), *shape)
@@ -208,22 +208,26 @@ class ViewCache:
         """A lamp's beam; its shadows are traced again when it has moved."""
         signature = lamp.signature()
         kept = self._beams.get(index)
+        moving = lamp.moving or sight.moving
+        if not moving and kept is not None and kept.signature == signature and kept.beam is not None:
+            return kept.beam
+        met = arrival(lamp, sight.surface.position, sight.surface.normal)
         if kept is None or kept.signature != signature:
             with torch.no_grad():
-                kept = self._beams[index] = self._trace(lamp, signature)
+                kept = self._beams[index] = self._trace(lamp, signature, None if sight.moving else met)
             self._bounce(index, lamp)
-        if lamp.moving or sight.moving:
-            return Beam.of(lamp, sight, kept.visible + self._moving_shadow(kept, lamp, view))
-        if kept.beam is None:
-            with torch.no_grad():
-                kept.beam = Beam.of(lamp, self._sight, kept.visible)
+        if moving:
+            return Beam.of(lamp, sight, met, kept.visible + self._moving_shadow(kept, lamp, view))
+        with torch.no_grad():
+            kept.beam = Beam.of(lamp, self._sight, met, kept.visible)
         return kept.beam
 
-    def _trace(self, lamp: Lamp, signature: tuple[float, ...]) -> _Shadowed:
+    def _trace(self, lamp: Lamp, signature: tuple[float, ...], met: Arrival | None) -> _Shadowed:
+        """Traces a lamp's shadows; what arrives at the samples is computed if it is not known."""
         surface = self._sight.surface
         still = lamp.detached()
-        met = arrival(still, surface.position, surface.normal)
-        visible = shadow(self.geometry, self.samples, surface, still, met, lamp.moving)
+        met = met or arrival(still, surface.position, surface.normal)
+        visible = shadow(self.geometry, self._smoothing, surface, still, met, lamp.moving)
         return _Shadowed(signature, visible)
 
     def _moving_shadow(self, kept: _Shadowed, lamp: Lamp, view: View) -> Tensor:
@@ -232,7 +236,8 @@ class ViewCache:
             return torch.zeros_like(kept.visible)
         if kept.edges is None:
             with torch.no_grad():
-                kept.edges = ShadowEdges.of(self.geometry, self.samples, view.detached(), lamp.detached())
+                still = view.detached(), lamp.detached()
+                kept.edges = ShadowEdges.of(self.geometry, self.samples, *still, kept.visible)
         term = kept.edges.term(view, lamp, self.depth.numel())
         return torch.where(self._on_center, term[self.samples.pixel[: self.samples.surfaces]], 0.0)
 
@@ -264,7 +269,7 @@ class ViewCache:
                 toward = self.samples.toward[:, part]
                 shape = ior, self.metals, self._lamps, self._maps
                 far, onward = through(self.geometry, self._sight.surface.pick(part), toward, *shape)
-            kept = ior, None, Behind(far, onward, self.indirect.spread_to(far.surface))
+            kept = ior, None, Behind(far, onward, self.indirect.spread_to(far))
         if kept[1] != place:
             with torch.no_grad():
                 for i, lamp in enumerate(lamps):
