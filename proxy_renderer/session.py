@@ -90,7 +90,7 @@ class Session:
     def _predict(self, scene: SceneData, outcome: pipeline.Outcome, device: str) -> None:
         """Draws the values found at full size, and what would have been predicted without the last anchor."""
         size = context.picture_size(scene.resolution, self.options.size)
-        proxy = Proxy(scene, size, device, self.options.seed)
+        proxy = Proxy(scene, size, device, self.options.seed, fine=True)
         anchoring = outcome.anchoring
         last = anchoring.proxy.correction
         corrections = {PREDICTION: last}

@@ -32,7 +32,8 @@ def cache(scene):
 def view_cache(scene):
     geometry = Geometry(scene, torch.device("cpu"))
     metals = torch.zeros(len(scene.materials))
-    return ViewCache(scene, geometry, view_of(scene, settings(scene), SIZE), metals, len(scene.lights), 0)
+    view = view_of(scene, settings(scene), SIZE)
+    return ViewCache(scene, geometry, view, metals, metals > 0, len(scene.lights), 0)
 
 
 def settings(scene, **volume):

@@ -90,6 +90,21 @@ def test_a_mirror_ball_reflects_what_it_sees() -> None:
             assert ball.mean().item() == pytest.approx(1.0, abs=0.06), (roughness, metallic)
 
 
+def test_mirror_images_are_antialiased() -> None:
+    """A mirror ball at the size of a prediction, against the same with sixteen times as many pixels."""
+    scene = balls(3, 2, 4)
+    values = {
+        "material/Ball 0/metallic": torch.tensor([1.0]),
+        "material/Ball 0/roughness": torch.tensor([0.0]),
+    }
+    with torch.no_grad():
+        large = Proxy(scene, (256, 256)).render(values).linear.permute(2, 0, 1)[None]
+        truth = torch.nn.functional.avg_pool2d(large, 4)[0].permute(1, 2, 0)
+        coarse, fine = (Proxy(scene, (64, 64), fine=f).render(values).linear for f in (False, True))
+    errors = [float((picture - truth).abs().mean()) for picture in (coarse, fine)]
+    assert errors[1] < 0.8 * errors[0], errors
+
+
 def test_mask_and_depth() -> None:
     picture = Proxy(balls(2, 1, 4), (64, 64)).render({})
     assert set(np.unique(picture.mask[28:32, 30:34].numpy())) == {1.0}

@@ -100,7 +100,7 @@ def measure(event: dict[str, Any], folder: Path) -> dict[str, Any]:
     height, width, _ = reference.shape
     scene = load_scene(event["job"])
     start = time.monotonic()
-    proxy = Proxy(scene, (width, height))
+    proxy = Proxy(scene, (width, height), fine=True)
     with torch.no_grad():
         picture = proxy.render({}).display
     seconds = time.monotonic() - start

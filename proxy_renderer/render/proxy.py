@@ -36,6 +36,9 @@ from .volume import DIRECTIONS, Volume
 _FILM_KEYS = tuple(key for key, p in FAMILIES.items() if p.group == "film")
 _BENT = 0.02
 """Difference of IOR over which refracted pictures are compared."""
+_SMOOTH = 0.25
+"""Roughness below which reflections are sharp."""
+_LEAST_COAT = 0.05
 _KNOTS = (0.0, GLOSSY, 1.0)
 
 
@@ -69,13 +72,17 @@ class Proxy:
         size: Width and height in pixels.
         device: Where to compute; rays are traced on the CPU.
         seed: For the jitter of shadow and bounce rays.
+        fine: Whether reflections in smooth surfaces are antialiased, by the values that a camera is first
+            rendered with. For pictures to look at; loops do without.
 
     Attributes:
         correction: What a picture of Cycles has taught; None for the proxy as it is. See `anchor`.
     """
 
-    def __init__(self, scene: SceneData, size: tuple[int, int], device: str = "cpu", seed: int = 0) -> None:
-        self.scene, self.size, self.seed = scene, size, seed
+    def __init__(
+        self, scene: SceneData, size: tuple[int, int], device: str = "cpu", seed: int = 0, fine: bool = False
+    ) -> None:
+        self.scene, self.size, self.seed, self.fine = scene, size, seed, fine
         self.device = torch.device(device)
         self.geometry = Geometry(scene, self.device)
         self.environment = Environment(scene, self.device)
@@ -148,7 +155,8 @@ class Proxy:
         lamps = len(self.scene.lights) + len(self.environment.suns)
         kept = self._cache
         if kept is None or kept.signature != view.signature() or not torch.equal(kept.metals, metals):
-            self._cache = ViewCache(self.scene, self.geometry, view, metals, lamps, self.seed)
+            smooth = torch.stack([_smooth(p) & self.fine for p in paints])
+            self._cache = ViewCache(self.scene, self.geometry, view, metals, smooth, lamps, self.seed)
         cache = self._cache
         sky = sky_of(self.environment, settings)
         assert cache is not None
@@ -282,6 +290,13 @@ def _mirroring(paint: Paint) -> Tensor:
     """How much like a mirror () a material is where other surfaces show it, in coarse steps; 0 if it is no metal."""
     smooth = (1 - paint.roughness.detach()) * (paint.metallic.detach() > 0.5)
     return (smooth * 4).ceil() / 4
+
+
+def _smooth(paint: Paint) -> Tensor:
+    """Whether () a material shows reflections sharp enough for several samples in every pixel."""
+    shines = (paint.metallic > 0) | (paint.specular > 0) | (paint.transmission > 0)
+    coated = (paint.coat > _LEAST_COAT) & (paint.coat_roughness < _SMOOTH)
+    return (coated | (shines & (paint.roughness < _SMOOTH))).reshape(())
 
 
 def _glassy(paint: Paint) -> Tensor:

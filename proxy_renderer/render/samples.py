@@ -72,10 +72,16 @@ class _Resolve(torch.autograd.Function):
         return gradient.index_select(1, pixel) * weight, None, None, None, None
 
 
-def take(geometry: Geometry, view: View) -> Samples:
+def take(geometry: Geometry, view: View, smooth: Tensor) -> Samples:
     """Finds what the view sees: one sample in the middle of plain pixels, several where edges pass.
 
+    Smooth surfaces show pictures of others, whose edges may pass anywhere: they get several as well.
     Where surfaces are transparent, a ray makes a sample of each, weighted by what it adds.
+
+    Args:
+        geometry: The triangles.
+        view: The camera.
+        smooth: (M,) bool: materials that show sharp reflections.
     """
     width, height = view.size
     y, x = torch.meshgrid(torch.arange(height), torch.arange(width), indexing="ij")
@@ -86,6 +92,7 @@ def take(geometry: Geometry, view: View) -> Samples:
     edge = _edges(geometry, center_hits, toward, width, height)
     if geometry.opacity is not None:
         edge |= _edges(geometry, layers.nearest(len(origin[0])), toward, width, height)
+    edge |= smooth[geometry.material[center_hits.triangle.clamp_min(0)]] & center_hits.hit
     busy = edge.nonzero()[:, 0]
     jitter = _filter_points(geometry.device)
     places = (centers[:, busy, None] + jitter[:, None, :]).flatten(1)

@@ -129,17 +129,25 @@ class ViewCache:
         geometry: Its triangles.
         view: The camera.
         metals: (M,) how much like a mirror each material is where others see it; 0 for what is no metal.
+        smooth: (M,) bool: materials of which every pixel gets several samples.
         lamps: How many the scene has, the suns of its world included.
         seed: For jitter.
     """
 
     def __init__(
-        self, scene: SceneData, geometry: Geometry, view: View, metals: Tensor, lamps: int, seed: int
+        self,
+        scene: SceneData,
+        geometry: Geometry,
+        view: View,
+        metals: Tensor,
+        smooth: Tensor,
+        lamps: int,
+        seed: int,
     ) -> None:
         self.scene, self.geometry, self.metals, self._lamps = scene, geometry, metals, lamps
         self.signature = view.signature()
         with torch.no_grad():
-            self.samples = samples = take(geometry, view.detached())
+            self.samples = samples = take(geometry, view.detached(), smooth)
             self._hits = samples.hits.pick(slice(0, samples.surfaces))
             toward = samples.toward
             self._maps = Maps(scene, geometry.device, view.size)
