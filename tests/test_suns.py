@@ -74,7 +74,7 @@ def test_a_sun_turns_with_the_picture(degrees):
     assert lamp.axes[:, 2].detach() @ brightest > math.cos(math.radians(1.5))
     up = torch.tensor([[1.0], [0.0], [0.0]])
     lit = arrival(lamp, torch.zeros(3, 1), up).irradiance
-    if float(lit) > 0:
+    if lit.item() > 0:
         (gradient,) = torch.autograd.grad(lit.sum(), turn)
         angle = math.radians(40.0 - degrees)
         assert gradient.item() == pytest.approx(math.cos(math.radians(35.0)) * math.sin(angle), abs=0.03)
