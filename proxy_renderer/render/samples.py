@@ -13,6 +13,8 @@ from .vectors import dot
 from .visibility import Geometry, Hits, Surface
 
 EDGE_SAMPLES = 5
+_NEIGHBOR = 0.084
+"""What a pixel of one sample takes from each neighbor along an axis: the filter's variance of 0.17 square pixels."""
 _FILTER_WIDTH = 3.0  # pixels: twice what Blender says (1.5 by default), for Cycles takes it for a radius
 
 
@@ -31,6 +33,7 @@ class Samples:
         surfaces: How many samples meet a surface; the others see the background.
         first: (P,) a sample of every pixel.
         others: (E,) the samples that are no pixel's `first`.
+        plain: (P,) whether a pixel has samples in its middle only.
         owner: (P,) object that the ray through a pixel's center meets, -1 for none.
         center_hits: Hits of the rays through the pixels' centers (P,).
         origin, toward: (3, N) rays, directions of unit length.
@@ -46,6 +49,7 @@ class Samples:
     surfaces: int
     first: Tensor
     others: Tensor
+    plain: Tensor
     owner: Tensor
     center_hits: Hits
     origin: Tensor
@@ -53,23 +57,41 @@ class Samples:
 
     def resolve(self, values: Tensor) -> Tensor:
         """Filters samples (C, N) into pixels (C, P)."""
-        return _Resolve.apply(values, self.pixel, self.weight, self.first, self.others)
+        return _Resolve.apply(values, self)
 
 
 class _Resolve(torch.autograd.Function):
-    """A weighted sum per pixel whose backward is a gather, not a scatter."""
+    """A weighted sum per pixel whose backward is a gather, not a scatter.
+
+    Where one sample stands for a pixel, its neighbors stand for what the filter meets around it.
+    """
 
     @staticmethod
-    def forward(ctx, values, pixel, weight, first, others):
-        ctx.save_for_backward(pixel, weight)
-        weighted = values * weight
-        picture = weighted.index_select(1, first)
-        return picture.index_add_(1, pixel[others], weighted.index_select(1, others))
+    def forward(ctx, values, samples):
+        ctx.samples = samples
+        weighted = values * samples.weight
+        picture = weighted.index_select(1, samples.first)
+        picture.index_add_(1, samples.pixel[samples.others], weighted.index_select(1, samples.others))
+        return torch.where(samples.plain, _diffuse(picture, samples.size), picture)
 
     @staticmethod
     def backward(ctx, gradient):
-        pixel, weight = ctx.saved_tensors
-        return gradient.index_select(1, pixel) * weight, None, None, None, None
+        samples = ctx.samples
+        softened = torch.where(samples.plain, gradient, 0.0)
+        gradient = gradient - softened + _diffuse(softened, samples.size)
+        return gradient.index_select(1, samples.pixel) * samples.weight, None
+
+
+def _diffuse(picture: Tensor, size: tuple[int, int]) -> Tensor:
+    """Exchanges a share of every pixel (C, P) with its neighbors; its own transpose."""
+    spread = picture.view(-1, size[1], size[0]).clone()
+    for axis in (1, 2):
+        n = spread.shape[axis] - 1
+        flow = spread.narrow(axis, 1, n) - spread.narrow(axis, 0, n)
+        flow *= _NEIGHBOR
+        spread.narrow(axis, 0, n).add_(flow)
+        spread.narrow(axis, 1, n).sub_(flow)
+    return spread.view(picture.shape)
 
 
 def take(geometry: Geometry, view: View, smooth: Tensor) -> Samples:
@@ -111,6 +133,7 @@ def take(geometry: Geometry, view: View, smooth: Tensor) -> Samples:
         layer=torch.cat((few.number, more.number)),
         hits=Hits(*(torch.cat(pair) for pair in parts)),
         center_hits=center_hits,
+        plain=~edge,
         rays=(
             torch.cat((origin[:, few.ray], more_origin[:, more.ray]), 1),
             torch.cat((toward[:, few.ray], more_toward[:, more.ray]), 1),
@@ -197,6 +220,7 @@ def _sorted(
     layer: Tensor,
     hits: Hits,
     center_hits: Hits,
+    plain: Tensor,
     rays: tuple[Tensor, Tensor],
 ) -> Samples:
     materials = int(geometry.material.max()) + 1
@@ -223,6 +247,7 @@ def _sorted(
         surfaces=start,
         first=first,
         others=others,
+        plain=plain,
         owner=torch.where(center_hits.hit, geometry.object[center_hits.triangle.clamp_min(0)], -1),
         center_hits=center_hits,
         origin=rays[0][:, order],
