@@ -17,6 +17,7 @@ from ..schema import VibeError
 SIZE = 65
 BRIGHTEST = 2.0**6
 _TOE = 2.0**-8  # below this, samples are about evenly spaced in linear light; above it, in stops
+_PARTS = 16
 _STOPS = math.log2(1 + BRIGHTEST / _TOE)
 
 
@@ -45,9 +46,20 @@ class ViewTransform:
     def __call__(self, linear: Tensor) -> Tensor:
         """Display values (..., 3), unclamped, of linear light (..., 3); differentiable in `linear`."""
         stops = torch.log2(linear.clamp(0, BRIGHTEST) * (1 / _TOE) + 1)
-        position = (stops * (2 / _STOPS) - 1).reshape(1, -1, 1, 1, 3)
-        found = functional.grid_sample(self._lut, position, padding_mode="border", align_corners=True)
-        return found.reshape(3, -1).T.reshape(linear.shape)
+        position = (stops * (2 / _STOPS) - 1).reshape(-1, 3)
+        found = look_up(self._lut, position)
+        return found.T.reshape(linear.shape)
+
+
+def look_up(table: Tensor, place: Tensor) -> Tensor:
+    """Trilinear values (C, N) of a table (1, C, D, H, W) at places (N, 3) in [-1, 1], the last axis first.
+
+    As a batch: torch's CPU kernel uses a core for each of its members.
+    """
+    parts = functional.pad(place, (0, 0, 0, -len(place) % _PARTS)).view(_PARTS, -1, 1, 1, 3)
+    tables = table.expand(_PARTS, -1, -1, -1, -1)
+    found = functional.grid_sample(tables, parts, padding_mode="border", align_corners=True)
+    return found.transpose(0, 1).reshape(table.shape[1], -1)[:, : len(place)]
 
 
 @functools.lru_cache(maxsize=8)

@@ -22,6 +22,7 @@ from .camera import View
 from .fog import Fog
 from .lights import Lamp, _spot_cone, _spread
 from .vectors import length
+from .view import look_up
 
 SEGMENTS = 16
 COARSE = 8  # pixels of the picture per ray of the coarse one
@@ -83,8 +84,8 @@ class Haze:
             (place[i] * (n / self._size[i]) - 0.5) * (2 / max(n - 1, 1)) - 1
             for i, n in enumerate((columns, rows))
         ]
-        at = torch.stack((*cells, cut * (2 / segments) - 1), -1).view(1, 1, 1, -1, 3)
-        found = functional.grid_sample(self._sums, at, padding_mode="border", align_corners=True).view(4, -1)
+        at = torch.stack((*cells, cut * (2 / segments) - 1), -1)
+        found = look_up(self._sums, at)
         return found[:3], torch.exp(-found[3])
 
 
