@@ -119,7 +119,8 @@ def _penumbra(samples: Samples, visible: Tensor) -> Tensor:
     signed = torch.stack((visible, -visible))
     most = torch.full((2, width * height), -2.0, device=visible.device)  # below all: such pixels do not count
     most = most.scatter_reduce(1, pixel.expand_as(signed), signed, "amax").view(1, 2, height, width)
-    near = max_pool2d(most, 2 * _PENUMBRA + 1, 1, _PENUMBRA).flatten(2)[0]
+    across = max_pool2d(most, (1, 2 * _PENUMBRA + 1), 1, (0, _PENUMBRA))
+    near = max_pool2d(across, (2 * _PENUMBRA + 1, 1), 1, (_PENUMBRA, 0)).flatten(2)[0]
     return (near[0] > _LEAST_SHARE) & (near[1] > _LEAST_SHARE - 1)
 
 

@@ -12,7 +12,31 @@ from torch import Tensor
 
 def dot(a: Tensor, b: Tensor) -> Tensor:
     """Scalar products (N,) of vectors (3, N) or (3, 1)."""
+    if torch.is_grad_enabled() and (a.requires_grad or b.requires_grad):
+        return _Dot.apply(a, b)
+    return _dot(a, b)
+
+
+def _dot(a: Tensor, b: Tensor) -> Tensor:
     return torch.addcmul(torch.addcmul(a[0] * b[0], a[1], b[1]), a[2], b[2])
+
+
+class _Dot(torch.autograd.Function):
+    """Autograd would make a vector of zeros for every component that is taken."""
+
+    @staticmethod
+    def forward(ctx, a, b):
+        ctx.save_for_backward(a, b)
+        return _dot(a, b)
+
+    @staticmethod
+    def backward(ctx, gradient):
+        a, b = ctx.saved_tensors
+        of_a, of_b = ctx.needs_input_grad
+        return (
+            (gradient * b).sum_to_size(a.shape) if of_a else None,
+            (gradient * a).sum_to_size(b.shape) if of_b else None,
+        )
 
 
 def length(a: Tensor, least: float = 1e-6) -> Tensor:
@@ -27,9 +51,8 @@ def unit(a: Tensor, least: float = 1e-6) -> Tensor:
 
 def cross(a: Tensor, b: Tensor) -> Tensor:
     """Vector products (3, N) of vectors (3, N)."""
-    x = a[1] * b[2] - a[2] * b[1]
-    y = a[2] * b[0] - a[0] * b[2]
-    return torch.stack((x, y, a[0] * b[1] - a[1] * b[0]))
+    (ax, ay, az), (bx, by, bz) = a.unbind(0), b.unbind(0)
+    return torch.stack((ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx))
 
 
 def damped(value: Tensor, share: Tensor) -> Tensor:
