@@ -7,11 +7,13 @@ Vectors are planar, (3, …), as in all shading code.
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
+
 import torch
 from torch import Tensor
 
 from ..scene import SceneData
-from .settings import Settings
+from .settings import Settings, wanted
 
 _EVERYWHERE = 1.0e3
 """Diameter of an infinite fog in sizes of the box: farther away it counts no more."""
@@ -43,6 +45,13 @@ class Fog:
     def active(self) -> bool:
         """False when there is no fog and nothing learns its density: then it costs nothing to leave it out."""
         return self.density.requires_grad or bool(self.density > 0)
+
+    @property
+    def shape(self) -> tuple[float, ...] | None:
+        """Numbers that change when the thickness of a way does; None while they are learned."""
+        if not self._thins:
+            return ()
+        return None if wanted(self._falloff, self._top) else (float(self._falloff), float(self._top))
 
     def reach(self, origin: Tensor) -> float:
         """Distance from `origin` (3,) beyond which there is no fog that counts, meters."""
@@ -100,3 +109,23 @@ class Fog:
         safe = torch.where(thin, 1.0, x)
         share = torch.where(thin, 1 - x / 2, -torch.expm1(-safe) / safe)
         return torch.where(height > 0, height * share, height)
+
+
+@dataclass(frozen=True)
+class Ways:
+    """Ways of light through one scene's fog, as `Fog.transmittance` takes them; they are measured once if they stay."""
+
+    start: Tensor
+    toward: Tensor
+    distance: Tensor
+    _measured: dict[tuple[float, ...], Tensor] = field(default_factory=dict, repr=False, compare=False)
+
+    def transmittance(self, fog: Fog) -> Tensor:
+        """Share of light (…) that gets through."""
+        shape = fog.shape
+        if shape is None or wanted(self.start, self.toward, self.distance):
+            return fog.transmittance(self.start, self.toward, self.distance)
+        if shape not in self._measured:
+            self._measured.clear()
+            self._measured[shape] = fog.thickness(self.start, self.toward, self.distance)
+        return torch.exp(-fog.density * self._measured[shape])

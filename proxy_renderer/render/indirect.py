@@ -18,7 +18,7 @@ from .anchors import Anchors, Spread
 from .camera import View
 from .directions import above, cosine_directions, reflect
 from .far import Far, Table
-from .fog import Fog
+from .fog import Fog, Ways
 from .lights import Lamp, tangents
 from .maps import Maps
 from .murk import Murk
@@ -82,8 +82,7 @@ class Indirect:
         mirrored = above(reflect(samples.toward[:, : samples.surfaces], surface.normal), surface.facet)
         self.mirror = Far(geometry, geometry.lifted(surface), mirrored, 1, metals, lamps, maps)
         self._mirror_ambient = self.spread_to(self.mirror)
-        self._surface = surface
-        self._mirrored = mirrored
+        self._ways = Ways(surface.position, mirrored, self.mirror.distance)
         self._open_glossy = anchors.spread(self.glossy.open[:, None])[:, 0]
         self._weights: tuple[Tensor, Tensor] | None = None
         self._shape = len(metals), 2 * (lamps + 2)
@@ -122,7 +121,7 @@ class Indirect:
         glossy = glossy + murk.haze * (1 - through)
         opening = self.glossy.open[:, None] * through
         full = self._anchors.spread(torch.cat((low, glossy, murk.haze, opening), 1)).T
-        passing = fog.transmittance(self._surface.position, self._mirrored, self.mirror.distance)
+        passing = self._ways.transmittance(fog)
         image = self.mirror.image(table.dimmed(murk.legs.mean(0)), self._mirror_ambient(low).T)
         mirror = image * passing + full[6:9] * (1 - passing)
         return Gathered(full[:3], full[3:6], mirror, full[9], self.mirror.open * passing, low)

@@ -188,7 +188,7 @@ class Proxy:
         cache, sight, sky = frame.cache, frame.sight, frame.sky
         beams = [cache.beam(i, lamp, sight, view) for i, lamp in enumerate(frame.lamps)]
         if frame.fog.active:
-            beams = [beam.through(frame.fog, sight) for beam in beams]
+            beams = [beam.through(frame.fog) for beam in beams]
         table = _table(frame)
         gathered = cache.indirect.following(self._gather(frame, table), table, frame.lamps)
         irradiance = gathered.irradiance

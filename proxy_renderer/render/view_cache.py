@@ -15,7 +15,7 @@ from .camera import View
 from .directions import above, reflect
 from .environment import Sky
 from .far import Far
-from .fog import Fog
+from .fog import Fog, Ways
 from .highlight import Highlight, highlight
 from .indirect import Indirect
 from .lights import Arrival, Lamp, arrival
@@ -75,12 +75,11 @@ class Sight:
 
 @dataclass(frozen=True)
 class Beam:
-    """A lamp's shadowed irradiance (N,) and highlight at all samples, per unit of its color, and its place."""
+    """A lamp's shadowed irradiance (N,) and highlight at all samples, per unit of its color, and its ways to them."""
 
     irradiance: Tensor
     highlight: Highlight
-    toward: Tensor
-    distance: Tensor
+    ways: Ways
     _parts: dict[int, Highlight] = field(default_factory=dict, repr=False, compare=False)
 
     def part(self, samples: slice) -> Highlight:
@@ -89,17 +88,18 @@ class Beam:
             self._parts[samples.start] = self.highlight.pick(samples)
         return self._parts[samples.start]
 
-    def through(self, fog: Fog, sight: Sight) -> Beam:
+    def through(self, fog: Fog) -> Beam:
         """The beam after the fog between lamp and samples."""
-        passing = fog.transmittance(sight.surface.position, self.toward, self.distance)
-        return Beam(self.irradiance * passing, self.highlight.times(passing), self.toward, self.distance)
+        passing = self.ways.transmittance(fog)
+        return Beam(self.irradiance * passing, self.highlight.times(passing), self.ways)
 
     @staticmethod
     def of(lamp: Lamp, sight: Sight, met: Arrival, visible: Tensor) -> Beam:
         """From what arrives unshadowed, and the share (N,) of the lamp that is seen."""
         point, normal = sight.surface.position, sight.surface.normal
         shine = highlight(lamp, met, point, normal, sight.toward_eye)
-        return Beam(met.irradiance * visible, shine.times(visible), met.toward, met.distance)
+        ways = Ways(point, met.toward, met.distance)
+        return Beam(met.irradiance * visible, shine.times(visible), ways)
 
 
 @dataclass
