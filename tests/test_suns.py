@@ -78,3 +78,11 @@ def test_a_sun_turns_with_the_picture(degrees):
         (gradient,) = torch.autograd.grad(lit.sum(), turn)
         angle = math.radians(40.0 - degrees)
         assert gradient.item() == pytest.approx(math.cos(math.radians(35.0)) * math.sin(angle), abs=0.03)
+
+
+@pytest.mark.parametrize("height", [1, 2, 4, 16, 64])
+def test_an_even_sky_has_no_sun(height: int) -> None:
+    picture = torch.tensor([1.0, 0.0, 1.0])[None, :, None, None].expand(1, 3, height, 2 * height)
+    rest, suns = without_suns(picture)
+    assert not suns
+    assert torch.equal(rest, picture)

@@ -87,7 +87,8 @@ def _extent(
         radius = math.cos(math.radians(degrees))
         cosine = peak @ toward
         ring = (cosine < radius) & (cosine > math.cos(math.radians(1.3 * degrees + 1.0)))
-        level = small[:, ring].median(1).values if bool(ring.any()) else torch.zeros_like(peak)
+        # Where texels are too large for a ring, nothing stands out from its surroundings.
+        level = small[:, ring].median(1).values if bool(ring.any()) else small.max(1).values
         light = weights @ _excess(small, toward, peak, radius, level) @ solid
         found.append((float(light), radius, level))
     most = max(light for light, _, _ in found)
