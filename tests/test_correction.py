@@ -171,6 +171,20 @@ def test_a_larger_picture_has_no_halos(truth: Proxy, proxy: Proxy) -> None:
     assert after[same].quantile(0.99) < 0.02
 
 
+@pytest.mark.parametrize("values", [{"roughness": 0.02}, {"metallic": 1.0, "roughness": 0.02}], ids=str)
+def test_a_larger_picture_may_take_other_samples_than_the_anchors_values_would(
+    truth: Proxy, proxy: Proxy, values: dict[str, float]
+) -> None:
+    """Smooth surfaces are sampled more finely, and metals are traced as mirrors."""
+    larger = Proxy(SCENE, (96, 96), fine=True)
+    larger.correction = proxy.anchor({}, picture_of(truth))
+    first = render(larger)
+    changed = render(larger, **{f"material/Ball 1/{name}": value for name, value in values.items()})
+    assert torch.isfinite(changed).all()
+    assert (changed - first).abs().max() > 0.01
+    torch.testing.assert_close(render(larger), first, atol=1e-5, rtol=1e-4)
+
+
 def test_a_camera_that_moves_takes_the_correction_along(truth: Proxy, proxy: Proxy) -> None:
     moved = {"camera/azimuth": 8.0, "camera/distance": 7.0}
     wanted = render(truth, **moved)

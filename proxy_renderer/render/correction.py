@@ -60,7 +60,7 @@ class Correction:
     stops: Tensor
     fields: Tensor
     owners: tuple[str, ...]
-    _kept: tuple[tuple[float, ...], Tensor] | None = field(default=None, repr=False)
+    _kept: tuple[ViewCache, Tensor] | None = field(default=None, repr=False)
 
     @staticmethod
     def of(
@@ -130,10 +130,9 @@ class Correction:
             cache: What it sees.
             before: Makes the proxy's samples (3, N) of θ₀ for this camera.
         """
-        signature = view.signature()
-        if self._kept is None or self._kept[0] != signature:
+        if self._kept is None or self._kept[0] is not cache:
             with torch.no_grad():
-                self._kept = signature, self._look_up(cache.samples, cache.geometry, view, before)
+                self._kept = cache, self._look_up(cache.samples, cache.geometry, view, before)
         return self._apply(radiance, colors, self._kept[1])
 
     def _apply(self, linear: Tensor, colors: Mapping[str, Tensor], fields: Tensor) -> Tensor:

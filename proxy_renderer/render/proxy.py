@@ -103,7 +103,9 @@ class Proxy:
         fits = self.correction is not None and self.correction.fits(frame.view)
         if self.correction and not fits:
             known = frame.owners, frame.view, frame.cache
-            corrected = self.correction.samples(radiance[:3], *known, lambda: self._before(values))
+            corrected = self.correction.samples(
+                radiance[:3], *known, lambda: self._before(values, frame.cache)
+            )
             radiance = torch.cat((corrected, radiance[3:]))
         picture, mask = _resolve(frame, radiance)
         if self.correction and fits:
@@ -137,29 +139,20 @@ class Proxy:
             self.correction = Correction.of(picture, whole, parts, colors, values, frame.view, frame.cache)
         return self.correction
 
-    def _before(self, values: Mapping[str, Tensor]) -> Tensor:
-        """The samples (3, N) of the anchor's values for the camera of these."""
+    def _before(self, values: Mapping[str, Tensor], cache: ViewCache) -> Tensor:
+        """The anchor's values at the samples (3, N) that the camera of these values takes."""
         assert self.correction is not None
         lit = {k: v for k, v in self.correction.values.items() if not k.startswith("camera/")}
         camera = {k: v.detach() for k, v in values.items() if k.startswith("camera/")}
-        return self._light(self._frame({**lit, **camera})[0])[:3]
+        return self._light(self._frame({**lit, **camera}, cache)[0])[:3]
 
-    def _frame(self, values: Mapping[str, Tensor]) -> tuple[Frame, Settings]:
-        """All that a render at these values is made of."""
+    def _frame(self, values: Mapping[str, Tensor], cache: ViewCache | None = None) -> tuple[Frame, Settings]:
+        """All that a render at these values is made of; with the samples of another render, if given."""
         settings = Settings(self.scene, values, self.device)
         view = view_of(self.scene, settings, self.size)
         paints = [paint_of(m, settings) for m in self.scene.materials]
-        metals = torch.stack([_mirroring(p) for p in paints])
-        if self.geometry.let_through(torch.stack([_glassy(p) for p in paints])):
-            self._cache, self.volume = None, Volume(self.geometry.clear)
-        lamps = len(self.scene.lights) + len(self.environment.suns)
-        kept = self._cache
-        if kept is None or kept.signature != view.signature() or not torch.equal(kept.metals, metals):
-            smooth = torch.stack([_smooth(p) & self.fine for p in paints])
-            self._cache = ViewCache(self.scene, self.geometry, view, metals, smooth, lamps, self.seed)
-        cache = self._cache
+        cache = cache or self._cache_of(view, paints)
         sky = sky_of(self.environment, settings)
-        assert cache is not None
         frame = Frame(
             view=view,
             cache=cache,
@@ -170,6 +163,18 @@ class Proxy:
             fog=Fog(self.scene, settings),
         )
         return frame, settings
+
+    def _cache_of(self, view: View, paints: list[Paint]) -> ViewCache:
+        """What is traced for a view; anew if it, a mirror or a glass has changed."""
+        metals = torch.stack([_mirroring(p) for p in paints])
+        if self.geometry.let_through(torch.stack([_glassy(p) for p in paints])):
+            self._cache, self.volume = None, Volume(self.geometry.clear)
+        lamps = len(self.scene.lights) + len(self.environment.suns)
+        kept = self._cache
+        if kept is None or kept.signature != view.signature() or not torch.equal(kept.metals, metals):
+            smooth = torch.stack([_smooth(p) & self.fine for p in paints])
+            kept = self._cache = ViewCache(self.scene, self.geometry, view, metals, smooth, lamps, self.seed)
+        return kept
 
     def _picture(self, frame: Frame) -> Tensor:
         """The proxy's own linear picture (3, P)."""
