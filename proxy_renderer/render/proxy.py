@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import torch
@@ -39,7 +39,6 @@ _BENT = 0.02
 _SMOOTH = 0.25
 """Roughness below which reflections are sharp."""
 _LEAST_COAT = 0.05
-_KNOTS = (0.0, GLOSSY, 1.0)
 
 
 @dataclass(frozen=True)
@@ -200,13 +199,9 @@ class Proxy:
         around = irradiance / math.pi
         if beams:
             irradiance = irradiance + frame.colors.T @ torch.stack([beam.irradiance for beam in beams])
-        sharp, blurred, behind = cache.worlds(sky, sight)
+        *levels, behind = cache.worlds(sky, sight)
         tint = sky.color[:, None]
-        images = (
-            gathered.mirror + tint * (sharp * gathered.open_mirror),
-            gathered.glossy + tint * (blurred * gathered.open_glossy),
-            around,
-        )
+        knots, images = _images(gathered, [level * tint for level in levels], around)
         # One split backs up as one concatenation; a slice for every material would as a picture of zeros each.
         sizes = [stop - start for _, start, stop in cache.samples.slices]
         shares = zip(*(field.split(sizes, 1) for field in (irradiance, *images)), strict=True)
@@ -218,7 +213,7 @@ class Proxy:
                 lamps=frame.colors,
                 highlights=[beam.part(part) for beam in beams],
                 view=sight.basis[:, part],
-                reflected=Reflected(_KNOTS, seen),
+                reflected=Reflected(knots, seen),
                 behind=_behind(frame, table, gathered, material, part) if used(paint.transmission) else None,
             )
             varying = dict(cache.inputs(material, part, sight))
@@ -323,6 +318,27 @@ def _resolve(frame: Frame, radiance: Tensor) -> tuple[Tensor, Tensor]:
         term = cache.outlines().term(view, torch.cat((radiance, cache.inside)), picture.shape[1])
         picture, mask = picture + term[:-1], mask + term[-1].view(mask.shape)
     return picture, mask
+
+
+def _images(
+    gathered: Gathered, worlds: Sequence[Tensor], around: Tensor
+) -> tuple[tuple[float, ...], list[Tensor]]:
+    """What surfaces of increasing roughness reflect: the roughnesses, and for each the radiance (3, N).
+
+    Args:
+        gathered: The light of surfaces.
+        worlds: The world (3, N) in the mirror direction: sharp, a little blurred if it is a picture, and blurred.
+        around: (3, N) what the roughest surface reflects.
+    """
+    sharp, blurred = worlds[0], worlds[-1]
+    first = gathered.mirror + sharp * gathered.open_mirror
+    last = gathered.glossy + blurred * gathered.open_glossy
+    if len(worlds) == 2:
+        return (0.0, GLOSSY, 1.0), [first, last, around]
+    # Between the two, surfaces are half of either; the world has a level of its own.
+    opening = (gathered.open_mirror + gathered.open_glossy) / 2
+    between = (gathered.mirror + gathered.glossy) / 2 + worlds[1] * opening
+    return (0.0, GLOSSY / 2, GLOSSY, 1.0), [first, between, last, around]
 
 
 def _table(frame: Frame) -> Table:

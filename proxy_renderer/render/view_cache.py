@@ -34,6 +34,8 @@ _SMALL_STEP = 0.02
 """Part of a lamp's distance by which a gradient loop may move it before bounced light is traced again."""
 _BLURRED = 0.5
 """Level of the world's picture that glossy reflections see."""
+_SATIN = 0.15
+"""Level that reflections half as rough as those see."""
 
 _LEAST_ALIKE = 0.1
 """Cosine between a mapped and the true normal below which the map cannot be meant."""
@@ -170,7 +172,7 @@ class ViewCache:
         self._murk: MurkRays | None = None
         self._view = view.detached()
         self._through: dict[tuple[int, int], tuple[float, object, Behind]] = {}
-        self._worlds: tuple[object, tuple[Tensor, Tensor, Tensor]] | None = None
+        self._worlds: tuple[object, tuple[Tensor, ...]] | None = None
 
     def sight(self, view: View) -> Sight:
         """The samples as the view sees them; re-evaluated with gradients when it asks for them."""
@@ -302,8 +304,11 @@ class ViewCache:
                 self._outlines = Silhouettes.of(self.samples, self._sight.surface)
         return self._outlines
 
-    def worlds(self, sky: Sky, sight: Sight) -> tuple[Tensor, Tensor, Tensor]:
-        """Uncolored world in the mirror directions, sharp and blurred (3, N), and behind all (3, B)."""
+    def worlds(self, sky: Sky, sight: Sight) -> tuple[Tensor, ...]:
+        """Uncolored world in the mirror directions, sharp to blurred (3, N), and behind all (3, B).
+
+        A picture has a third level between the two.
+        """
         if wanted(sky.turn) or (sight.moving and not sky.plain):
             return _worlds(sky, sight)
         if self._worlds is None or self._worlds[0] != sky.signature():
@@ -323,9 +328,9 @@ class ViewCache:
         return self.samples.center_hits.distance.view(height, width)
 
 
-def _worlds(sky: Sky, sight: Sight) -> tuple[Tensor, Tensor, Tensor]:
-    sharp, blurred = sky.levels(sight.mirrored, (0.0, _BLURRED))
-    return sharp, blurred, sky.seen(sight.beyond)
+def _worlds(sky: Sky, sight: Sight) -> tuple[Tensor, ...]:
+    levels = (0.0, _BLURRED) if sky.plain else (0.0, _SATIN, _BLURRED)
+    return *sky.levels(sight.mirrored, levels), sky.seen(sight.beyond)
 
 
 def _mean(material: Material, device: torch.device) -> Tensor:
