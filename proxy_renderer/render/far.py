@@ -228,7 +228,8 @@ def _clear(geometry: Geometry, lamp: Lamp, met: Arrival, surface: Surface) -> Te
     if not lamp.light.shadow:
         return torch.ones_like(met.irradiance)
     facing = dot(surface.facet, met.toward) > 0
-    return geometry.clear(geometry.lifted(surface), met.toward, met.distance * 0.999) * facing
+    blockers = lamp.glow.blockers if lamp.glow else geometry
+    return blockers.clear(geometry.lifted(surface), met.toward, met.distance * 0.999) * facing
 
 
 class _Image(torch.autograd.Function):

@@ -65,6 +65,7 @@ class Indirect:
         view: View,
         metals: Tensor,
         lamps: int,
+        glowing: Sequence[int],
         maps: Maps,
         generator: torch.Generator,
     ) -> None:
@@ -87,6 +88,7 @@ class Indirect:
         self._weights: tuple[Tensor, Tensor] | None = None
         self._shape = len(metals), 2 * (lamps + 2)
         self._skies = len(metals) * (2 * lamps + 5)
+        self._glowing = [len(metals) * 2 * (lamps + 2) + m for m in glowing]
 
     def light(self, index: int, lamp: Lamp) -> None:
         """Takes up that a lamp has moved."""
@@ -150,7 +152,9 @@ class Indirect:
 
     def _weighed(self) -> tuple[Tensor, Tensor]:
         if self._weights is None:
-            low = self._anchors.smooth(self.diffuse.weights()) * math.pi
+            wide = self.diffuse.weights()
+            wide[:, self._glowing] = 0.0  # their lamps count
+            low = self._anchors.smooth(wide) * math.pi
             glossy = self._anchors.smooth_glossy(self.glossy.weights())
             self._weights = low, glossy[:, : self._skies]
         return self._weights

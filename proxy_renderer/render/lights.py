@@ -18,12 +18,33 @@ from . import color
 from .camera import direction, frame
 from .settings import Settings, wanted
 from .vectors import cross, dot, length, unit, within
+from .visibility import Geometry
 
 _POINT_RADIUS = 1e-3
 """Least angular radius (radians) of a lamp: a true point would have no highlight in a mirror."""
 _SOFT_RIM = 0.01
 """Radius of a spot, seen from a point, above which the rim of its cone is averaged over the lamp."""
 _RIM_POINTS = 9
+
+
+@dataclass(frozen=True)
+class Glow:
+    """How a glowing surface differs from a point that shines to all sides alike.
+
+    Attributes:
+        form: (3, 3) symmetric: the root of w.form.w is how brightly it shines to the unit vector w and to -w.
+        lean: (3,) what it shines more to w than to -w, as a factor of w.
+        blockers: The scene without it.
+    """
+
+    form: Tensor
+    lean: Tensor
+    blockers: Geometry
+
+    def toward(self, way: Tensor) -> Tensor:
+        """Intensity (N,) to unit vectors (3, N), 1 on average."""
+        even = dot(way, self.form @ way).clamp_min(1e-12).sqrt()
+        return (even + self.lean @ way).clamp_min(0.0)
 
 
 @dataclass(frozen=True)
@@ -37,6 +58,7 @@ class Lamp:
         axes: (3, 3) columns x, y, z of the lamp; it shines along -z.
         size: () radius of a point or spot, width of an area light, angle of a sun in radians.
         of_world: Whether it is a bright part of the world's picture.
+        glow: What it is as a part of a glowing surface, whose images reflections show; None for a lamp.
     """
 
     light: Light
@@ -45,10 +67,13 @@ class Lamp:
     axes: Tensor
     size: Tensor
     of_world: bool = False
+    glow: Glow | None = None
 
     @property
     def owner(self) -> str:
-        """Whose parameters its color depends on: "light/NAME" or "world"."""
+        """Whose parameters its color depends on: "light/NAME" or "world"; "" for what surfaces emit."""
+        if self.glow:
+            return ""
         return "world" if self.of_world else f"light/{self.light.name}"
 
     @property
@@ -170,8 +195,12 @@ def _point(lamp: Lamp, normals: Tensor, toward: Tensor, distance: Tensor, square
         frontal = frontal * (4 * math.pi * lamp.size * lamp.size)
     if lamp.light.type == "SPOT":
         frontal = frontal * _spot_cone(lamp, toward, lamp.size / distance)
-    cosine = dot(normals, toward).clamp_min(0.0)
+    cosine = dot(normals, toward)
     radius2 = lamp.size * lamp.size
+    if lamp.glow:
+        frontal = frontal * lamp.glow.toward(-toward)
+        cosine = _clipped_sphere(cosine, (radius2 / squared).clamp_max(1.0))
+    cosine = cosine.clamp_min(0.0)
     solid = (math.pi * radius2 / squared).clamp(math.pi * _POINT_RADIUS**2, 2 * math.pi)
     return Arrival(toward, distance, frontal * cosine, frontal, solid)
 

@@ -18,6 +18,7 @@ from .camera import View, view_of
 from .color import luma
 from .correction import Correction
 from .cycles import CyclesPicture
+from .emitters import Emitters
 from .environment import Environment, Sky, sky_of
 from .far import Table
 from .film import Film
@@ -29,7 +30,7 @@ from .paint import Paint, paint_of, used
 from .principled import shade
 from .settings import Settings, wanted
 from .vectors import within
-from .view_cache import Sight, ViewCache
+from .view_cache import Beam, Sight, ViewCache
 from .visibility import Geometry
 from .volume import DIRECTIONS, Volume
 
@@ -87,6 +88,7 @@ class Proxy:
         self.environment = Environment(scene, self.device)
         self.film = Film(scene.film, size, device)
         self.volume = Volume(self.geometry.clear)
+        self.emitters = Emitters(self.geometry, self._near)
         self.correction: Correction | None = None
         self._cache: ViewCache | None = None
 
@@ -152,11 +154,12 @@ class Proxy:
         paints = [paint_of(m, settings) for m in self.scene.materials]
         cache = cache or self._cache_of(view, paints)
         sky = sky_of(self.environment, settings)
+        lamps = [*lamps_of(self.scene, settings), *sky.lamps, *self.emitters.lamps(paints)]
         frame = Frame(
             view=view,
             cache=cache,
             sight=cache.sight(view),
-            lamps=[*lamps_of(self.scene, settings), *sky.lamps],
+            lamps=lamps,
             sky=sky,
             paints=paints,
             fog=Fog(self.scene, settings),
@@ -164,15 +167,19 @@ class Proxy:
         return frame, settings
 
     def _cache_of(self, view: View, paints: list[Paint]) -> ViewCache:
-        """What is traced for a view; anew if it, a mirror or a glass has changed."""
+        """What is traced for a view; anew if it, a mirror or a glass has changed, or something begun to glow."""
         metals = torch.stack([_mirroring(p) for p in paints])
         if self.geometry.let_through(torch.stack([_glassy(p) for p in paints])):
             self._cache, self.volume = None, Volume(self.geometry.clear)
-        lamps = len(self.scene.lights) + len(self.environment.suns)
+            self.emitters = Emitters(self.geometry, self._near)
+        if self.emitters.notice(paints):
+            self._cache = None
+        lamps = len(self.scene.lights) + len(self.environment.suns) + len(self.emitters.lamps(paints))
         kept = self._cache
         if kept is None or kept.signature != view.signature() or not torch.equal(kept.metals, metals):
             smooth = torch.stack([_smooth(p) & self.fine for p in paints])
-            kept = self._cache = ViewCache(self.scene, self.geometry, view, metals, smooth, lamps, self.seed)
+            shape = metals, smooth, lamps, self.emitters.materials
+            kept = self._cache = ViewCache(self.scene, self.geometry, view, *shape, self.seed)
         return kept
 
     def _picture(self, frame: Frame) -> Tensor:
@@ -196,9 +203,13 @@ class Proxy:
         table = _table(frame)
         gathered = cache.indirect.following(self._gather(frame, table), table, frame.lamps)
         irradiance = gathered.irradiance
+        bare = sum(1 for lamp in frame.lamps if lamp.glow is None)
+        if beams[bare:]:
+            irradiance = irradiance + frame.colors[bare:].T @ _irradiances(beams[bare:])
         around = irradiance / math.pi
+        beams = beams[:bare]
         if beams:
-            irradiance = irradiance + frame.colors.T @ torch.stack([beam.irradiance for beam in beams])
+            irradiance = irradiance + frame.colors[:bare].T @ _irradiances(beams)
         *levels, behind = cache.worlds(sky, sight)
         tint = sky.color[:, None]
         knots, images = _images(gathered, [level * tint for level in levels], around)
@@ -210,7 +221,7 @@ class Proxy:
             part, paint = slice(start, stop), frame.paints[material]
             incoming = Light(
                 irradiance=lit,
-                lamps=frame.colors,
+                lamps=frame.colors[:bare],
                 highlights=[beam.part(part) for beam in beams],
                 view=sight.basis[:, part],
                 reflected=Reflected(knots, seen),
@@ -270,16 +281,20 @@ class Frame:
     @property
     def owners(self) -> dict[str, Tensor]:
         """Owner, "light/NAME" or "world", to the color (3,) of its light."""
-        return {**{lamp.owner: lamp.color for lamp in self.lamps}, "world": self.sky.color}
+        return {**{lamp.owner: lamp.color for lamp in self.lamps if not lamp.glow}, "world": self.sky.color}
 
     def only(self, owner: str) -> Frame:
         """The same with the light of one owner, "" for none, besides what surfaces emit."""
         dark = torch.zeros_like(self.sky.color)
         return replace(
             self,
-            lamps=[lamp if owner == lamp.owner else replace(lamp, color=dark) for lamp in self.lamps],
+            lamps=[lamp if lamp.owner in (owner, "") else replace(lamp, color=dark) for lamp in self.lamps],
             sky=self.sky if owner == "world" else replace(self.sky, color=dark),
         )
+
+
+def _irradiances(beams: list[Beam]) -> Tensor:
+    return torch.stack([beam.irradiance for beam in beams])
 
 
 _GLASS_STEPS = 8

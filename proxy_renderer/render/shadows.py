@@ -41,12 +41,13 @@ def shadow(
     seen, lit = (facing & ~reached).to(torch.float32), facing & reached
     index = lit.nonzero()[:, 0]
     origin = geometry.lifted(surface)[:, index]
+    blockers = lamp.glow.blockers if lamp.glow else geometry
     spots = sphere_points(rays, count, torch.Generator().manual_seed(11)).to(seen.device)[:, index]
     part = arriving.toward[:, index], arriving.distance[index], arriving.solid_angle[index]
     total = torch.zeros(len(index), device=seen.device)
     for k in range(rays):
         toward, distance = outline(lamp, *part, spots[:, :, k])
-        total += geometry.clear(origin, toward, distance * (1 - 1e-4))
+        total += blockers.clear(origin, toward, distance * (1 - 1e-4))
     seen[index] = total / rays
     return smoothing(seen, radius=1 if rays == 1 else 2)
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import torch
@@ -77,15 +78,19 @@ class Sight:
 
 @dataclass(frozen=True)
 class Beam:
-    """A lamp's shadowed irradiance (N,) and highlight at all samples, per unit of its color, and its ways to them."""
+    """A lamp's shadowed irradiance (N,) and highlight at all samples, per unit of its color, and its ways to them.
+
+    Glowing surfaces have no highlight: reflections show them.
+    """
 
     irradiance: Tensor
-    highlight: Highlight
+    highlight: Highlight | None
     ways: Ways
     _parts: dict[int, Highlight] = field(default_factory=dict, repr=False, compare=False)
 
     def part(self, samples: slice) -> Highlight:
         """The highlight at the samples of one material; the same object every time, for what it keeps."""
+        assert self.highlight
         if samples.start not in self._parts:
             self._parts[samples.start] = self.highlight.pick(samples)
         return self._parts[samples.start]
@@ -93,15 +98,18 @@ class Beam:
     def through(self, fog: Fog) -> Beam:
         """The beam after the fog between lamp and samples."""
         passing = self.ways.transmittance(fog)
-        return Beam(self.irradiance * passing, self.highlight.times(passing), self.ways)
+        shine = self.highlight and self.highlight.times(passing)
+        return Beam(self.irradiance * passing, shine, self.ways)
 
     @staticmethod
     def of(lamp: Lamp, sight: Sight, met: Arrival, visible: Tensor) -> Beam:
         """From what arrives unshadowed, and the share (N,) of the lamp that is seen."""
         point, normal = sight.surface.position, sight.surface.normal
-        shine = highlight(lamp, met, point, normal, sight.toward_eye)
+        shine = None
+        if not lamp.glow:
+            shine = highlight(lamp, met, point, normal, sight.toward_eye).times(visible)
         ways = Ways(point, met.toward, met.distance)
-        return Beam(met.irradiance * visible, shine.times(visible), ways)
+        return Beam(met.irradiance * visible, shine, ways)
 
 
 @dataclass
@@ -132,7 +140,8 @@ class ViewCache:
         view: The camera.
         metals: (M,) how much like a mirror each material is where others see it; 0 for what is no metal.
         smooth: (M,) bool: materials of which every pixel gets several samples.
-        lamps: How many the scene has, the suns of its world included.
+        lamps: How many the scene has, the suns of its world and glowing surfaces included.
+        glowing: Indices of materials whose light comes from lamps.
         seed: For jitter.
     """
 
@@ -144,6 +153,7 @@ class ViewCache:
         metals: Tensor,
         smooth: Tensor,
         lamps: int,
+        glowing: Sequence[int],
         seed: int,
     ) -> None:
         self.scene, self.geometry, self.metals, self._lamps = scene, geometry, metals, lamps
@@ -157,7 +167,7 @@ class ViewCache:
             self._sight = Sight.of(self._bumped(surface, toward), toward)
             self._smoothing = Smoothing(samples, self._sight.surface)
             generator = torch.Generator().manual_seed(seed)
-            shape = metals, lamps, self._maps, generator
+            shape = metals, lamps, glowing, self._maps, generator
             self.indirect = Indirect(geometry, samples, self._sight.surface, view.detached(), *shape)
             self.mean_texture = [_mean(m, geometry.device) for m in scene.materials]
             self.inside, self.depth = self._inside(), self._depth()
@@ -242,7 +252,7 @@ class ViewCache:
 
     def _moving_shadow(self, kept: _Shadowed, lamp: Lamp, view: View) -> Tensor:
         """Zeros (N,) with the gradient of a lamp's shadows, which move with lamp and camera."""
-        if not lamp.light.shadow:
+        if not lamp.light.shadow or lamp.glow:
             return torch.zeros_like(kept.visible)
         if kept.edges is None:
             with torch.no_grad():

@@ -90,6 +90,13 @@ class Geometry:
             self._part()
         return news
 
+    def hide(self, triangles: Tensor) -> None:
+        """Takes triangles (n,) out of the way of rays; all others keep their numbers."""
+        self._triangles = self._triangles.copy()
+        self._triangles[triangles.cpu().numpy()] = 1e30
+        self._embree = _embree(self._triangles)
+        self._part()
+
     def _part(self) -> None:
         """Parts the triangles into those that block light and those that may let some through."""
         clear = self.glass > 0 if self.opacity is None else self.opacity.clear | (self.glass > 0)

@@ -147,7 +147,8 @@ class Volume:
             strength = _intensity(lamp, to_lamp) * mean_inverse_square
         if lamp.light.shadow:
             signature = rays.signature, lamp.signature()
-            strength = strength * self._shadow(lamp.light.name, signature, points, to_lamp, distance)
+            clear = lamp.glow.blockers.clear if self._clear and lamp.glow else self._clear
+            strength = strength * self._shadow(lamp.light.name, signature, points, to_lamp, distance, clear)
         strength = strength * fog.transmittance(points, to_lamp, distance)
         strength = strength * phase((to_lamp * rays.toward[:, None]).sum(0), fog.anisotropy)
         return strength.unflatten(0, (len(rays.cuts) - 1, -1)).mean(1) * lamp.color.view(3, 1, 1, 1)
@@ -159,22 +160,30 @@ class Volume:
         everywhere = directions.expand(-1, -1, *points.shape[2:])
         far = torch.full_like(everywhere[0], math.inf)
         reaching = fog.transmittance(points, directions, far)
-        reaching = reaching * self._shadow("", rays.signature, points.expand_as(everywhere), everywhere, far)
+        reaching = reaching * self._shadow(
+            "", rays.signature, points.expand_as(everywhere), everywhere, far, self._clear
+        )
         lobe = phase((directions[:, :, 0] * rays.toward[:, None]).sum(0), fog.anisotropy)
         lobe = lobe * WEIGHTS.to(points).view(-1, 1, 1)
         lobe = lobe / lobe.sum(0)  # a few directions miss a narrow lobe: keep its energy
         return torch.einsum("cd,dsxy->csxy", world.expand(3, len(WEIGHTS)), reaching * lobe[:, None])
 
     def _shadow(
-        self, name: str, signature: Hashable, points: Tensor, toward: Tensor, distance: Tensor
+        self,
+        name: str,
+        signature: Hashable,
+        points: Tensor,
+        toward: Tensor,
+        distance: Tensor,
+        clear: Clear | None,
     ) -> Tensor:
         """1 where the way is clear, 0 where it is not, shaped like `distance`; traced when the signature changes."""
-        if self._clear is None:
+        if clear is None:
             return torch.ones_like(distance)
         kept = self._kept.get(name)
         if kept is None or kept[0] != signature:
             ways = points.detach().flatten(1), toward.detach().flatten(1), distance.detach().flatten()
-            kept = self._kept[name] = (signature, self._clear(*ways).view(distance.shape))
+            kept = self._kept[name] = (signature, clear(*ways).view(distance.shape))
         return kept[1]
 
 
@@ -248,6 +257,8 @@ def _intensity(lamp: Lamp, to_lamp: Tensor) -> Tensor:
         )
         if lamp.light.type == "SPOT":
             strength = strength * _spot_cone(lamp, flat)
+        if lamp.glow:
+            strength = strength * lamp.glow.toward(-flat)
     return strength.view(to_lamp.shape[1:])
 
 
