@@ -24,46 +24,57 @@ from .export import Job
 from .model_notes import model_lines
 from .outputs import Outputs
 from .subject import Choice
+from .survey import Survey
 
 _SHOWN = 8
 
 
 def vibe(a: argparse.Namespace, reporter: Reporter) -> None:
     """Opens or builds the scene, has the engine look for the look, renders it and saves everything."""
-    laps = _Laps()
     engine = Engine(a.engine)
     engine.start()  # first of all: it loads while the scene does
     talk = Conversation(engine, reporter.engine)
     on_interrupt(talk.stop)
     try:
-        with tempfile.TemporaryDirectory(prefix="vibe-") as folder, Outputs(a.out) as out:
-            scene, choice, bare = _open(a, reporter)
-            laps.lap("open")
-            reporter.stage("reading the scene")
-            job = scene_io.open_job(scene, Path(folder), choice)
-            laps.lap("export")
-            options = engine_options(a, free_camera=bare, online=preferences.online())
-            talk.ask(messages.Vibe(schema.schema_hash(), folder, a.prompt, asdict(options)))
-            rendering.render(scene, out.path("before.png"), a.size, a.samples, a.seed)
-            laps.lap("render before")
-            found = talk.wait(messages.Result, lambda request: _anchor(request, job, reporter))
-            laps.lap("wait for the engine")
-            skipped = bindings.write(scene, found.values, job.survey.objects, job.survey.pivot)
-            reporter.stage("rendering with Cycles")
-            _render_after(scene, job, a, out)
-            laps.lap("render after")
-            pictures = (out.path(name) for name in ("before.png", "after.png", "compare.png"))
-            talk.ask(messages.Finish(*map(str, pictures)))
-            _save_blend(out.path("vibed.blend"))
-            measured = talk.wait(messages.Finished)
-            laps.lap("save and measure")
-            out.write_text("preset.json", presets.extract(a.prompt, job, found.values).dumps())
-            out.write_json("report.json", _report(a, job, found, measured, skipped, laps))
-        reporter.result(_summary(job, found, measured, skipped), found.stopped)
+        carry_out(a, reporter, talk)
     except BaseException:
         engine.stop(patience=0.1)  # it may be in the middle of something
         raise
     engine.stop()
+
+
+def carry_out(a: argparse.Namespace, reporter: Reporter, talk: Conversation) -> Survey:
+    """One vibe with an engine that runs already, and goes on running: many can follow one another.
+
+    Returns:
+        The scene as it was looked at; it has its new values now.
+    """
+    laps = _Laps()
+    with tempfile.TemporaryDirectory(prefix="vibe-") as folder, Outputs(a.out) as out:
+        scene, choice, bare = _open(a, reporter)
+        laps.lap("open")
+        reporter.stage("reading the scene")
+        job = scene_io.open_job(scene, Path(folder), choice)
+        laps.lap("export")
+        options = engine_options(a, free_camera=bare, online=preferences.online())
+        talk.ask(messages.Vibe(schema.schema_hash(), folder, a.prompt, asdict(options)))
+        rendering.render(scene, out.path("before.png"), a.size, a.samples, a.seed)
+        laps.lap("render before")
+        found = talk.wait(messages.Result, lambda request: _anchor(request, job, reporter))
+        laps.lap("wait for the engine")
+        skipped = bindings.write(scene, found.values, job.survey.objects, job.survey.pivot)
+        reporter.stage("rendering with Cycles")
+        _render_after(scene, job, a, out)
+        laps.lap("render after")
+        pictures = (out.path(name) for name in ("before.png", "after.png", "compare.png"))
+        talk.ask(messages.Finish(*map(str, pictures)))
+        _save_blend(out.path("vibed.blend"))
+        measured = talk.wait(messages.Finished)
+        laps.lap("save and measure")
+        out.write_text("preset.json", presets.extract(a.prompt, job, found.values).dumps())
+        out.write_json("report.json", _report(a, job, found, measured, skipped, laps))
+    reporter.result(_summary(job, found, measured, skipped), found.stopped)
+    return job.survey
 
 
 def _anchor(request: messages.Anchor, job: Job, reporter: Reporter) -> messages.Anchored:
