@@ -6,7 +6,7 @@ from __future__ import annotations
 import argparse
 from typing import NoReturn
 
-from .schema import GROUPS
+from .schema import BUDGETS, GROUPS, budgets
 from .schema.messages import Options
 
 _DEFAULTS = Options()
@@ -14,16 +14,16 @@ _OPTIONAL = ("encoder", "baseline", "vlm_model", "vlm_url")
 _BUDGET = {
     "rounds": "times that the plan is made",
     "steps": "gradient steps in each round",
+    "starts": "points that a coarse first pass tries",
+    "variants": "different looks to find for the same words, as pictures to choose from",
     "top_k": "parameters that a round may optimise",
     "seed": "the same seed gives the same look",
 }
-_RENDER = {
-    "size": (
-        _DEFAULTS.size,
-        "longer side of the pictures in pixels; the loop itself works with smaller ones",
-    ),
-    "samples": (128, "Cycles samples of the pictures"),
-}
+_EFFORT = "; ".join(
+    f"{name}: {b.rounds} rounds of {b.steps} steps, {b.summary}" for name, b in BUDGETS.items()
+)
+
+_SIZE = "longer side of the pictures in pixels; the loop itself works with smaller ones"
 _GROUPS = (
     f"only these may change: {', '.join(GROUPS)} (default: all but the camera, which a bare mesh leaves free)"
 )
@@ -77,8 +77,11 @@ def add_vocabulary(sub: argparse._ActionsContainer) -> None:
 def add_vibe_options(sub: argparse.ArgumentParser) -> None:
     """Budget, reach, engine and render."""
     budget = sub.add_argument_group("budget")
+    budget.add_argument(
+        "--budget", choices=BUDGETS, default="standard", help=f"{_EFFORT} (default: standard)"
+    )
     for name, text in _BUDGET.items():
-        _add_number(budget, name, getattr(_DEFAULTS, name), text)
+        _add_number(budget, name, _default(name), text)
     reach = sub.add_argument_group("reach")
     reach.add_argument("--groups", action="append", default=[], metavar="A,B", help=_GROUPS)
     reach.add_argument("--lock", action="append", default=[], metavar="PATTERN", help=_LOCK)
@@ -97,25 +100,31 @@ def add_vibe_options(sub: argparse.ArgumentParser) -> None:
         default="",
         help="the paper's baseline instead: one similarity, all parameters",
     )
-    add_render_options(sub)
+    add_render_options(sub, _default("size"))
 
 
-def add_render_options(sub: argparse.ArgumentParser) -> None:
-    """Size and samples of what Cycles renders."""
+def add_render_options(sub: argparse.ArgumentParser, size: int | None = _DEFAULTS.size) -> None:
+    """Size (None for the budget's) and samples of what Cycles renders."""
     render = sub.add_argument_group("render")
-    for name, (default, text) in _RENDER.items():
-        _add_number(render, name, default, text)
+    _add_number(render, "size", size, _SIZE)
+    _add_number(render, "samples", 128, "Cycles samples of the pictures")
 
 
 def vibe_arguments(a: argparse.Namespace, groups: list[str]) -> list[str]:
     """The same options again, for the command line of Blender's side."""
-    names = (*_BUDGET, *_RENDER, "device", *(n for n in _OPTIONAL if getattr(a, n)))
+    names = (*_BUDGET, "size", "samples", "device", *(n for n in _OPTIONAL if getattr(a, n)))
     options = [f"--{name.replace('_', '-')}={getattr(a, name)}" for name in names]
     options += [f"--groups={','.join(groups)}"] if groups else []
     options += [] if a.anchor else ["--no-anchor"]
     return options + [f"--lock={pattern}" for pattern in a.lock]
 
 
-def _add_number(group: argparse._ArgumentGroup, name: str, default: int, text: str) -> None:
+def _default(name: str) -> int | None:
+    """None for what the budget decides."""
+    return None if name in budgets.NUMBERS else getattr(_DEFAULTS, name)
+
+
+def _add_number(group: argparse._ArgumentGroup, name: str, default: int | None, text: str) -> None:
     option = f"--{name.replace('_', '-')}"
-    group.add_argument(option, type=int, default=default, metavar="N", help=f"{text} (default: {default})")
+    said = "the budget's" if default is None else default
+    group.add_argument(option, type=int, default=default, metavar="N", help=f"{text} (default: {said})")

@@ -10,7 +10,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from .schema import GROUPS, VibeError
+from .schema import GROUPS, VibeError, budgets
 
 STAGES = ("none", "floor", "cyclorama")
 SCENES = (".blend", ".obj", ".glb", ".gltf", ".ply", ".stl")
@@ -18,6 +18,8 @@ LONGEST_PROMPT = 1000
 _RANGES = {
     "rounds": (1, 1000),
     "steps": (1, 10000),
+    "starts": (1, 1000),
+    "variants": (1, 12),
     "top_k": (1, 10000),
     "seed": (0, 2**31 - 1),
     "size": (32, 8192),
@@ -89,7 +91,9 @@ def vocabulary(name: str) -> None:
 
 
 def numbers(arguments: argparse.Namespace) -> None:
-    """Every number within its range."""
+    """Every number within its range; those that the budget decides are filled in."""
+    if hasattr(arguments, "budget"):
+        budgets.fill(arguments)
     for name, (low, high) in _RANGES.items():
         value = getattr(arguments, name, low)
         if not low <= value <= high:

@@ -9,6 +9,10 @@ from pathlib import Path
 
 import pytest
 
+from proxy_renderer import check
+from proxy_renderer.cli import parser
+from proxy_renderer.schema import BUDGETS
+
 ROOT = Path(__file__).parents[1]
 MESH = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n"
 
@@ -84,6 +88,15 @@ def test_prompts_that_cannot_be_one(mesh, prompt, word):
 def test_options_that_mean_nothing(mesh, more, words):
     assert_refused(run(mesh, *more), *words)
     assert not (mesh.parent / "out").exists()
+
+
+def test_a_budget_decides_what_no_option_does():
+    parsed = parser().parse_args(
+        ["run", "a.blend", "--prompt", "p", "--out", "o", "--steps", "7", "--budget", "quick"]
+    )
+    check.numbers(parsed)
+    quick = BUDGETS["quick"]
+    assert (parsed.rounds, parsed.steps, parsed.size) == (quick.rounds, 7, quick.size)
 
 
 def test_an_output_folder_that_cannot_be_made(mesh):

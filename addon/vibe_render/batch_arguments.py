@@ -43,6 +43,7 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
         VibeError: For every mistake in them.
     """
     a = _parser().parse_args(list(argv))
+    schema.budgets.fill(a)
     a.command = "revert" if a.revert else "apply" if a.preset else "demo" if a.demo else "run"
     if a.words:
         a.command = a.words[0]
@@ -81,8 +82,10 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--subject", action="append", default=[], metavar="NAME", help="object or collection")
     parser.add_argument("--samples", type=int, default=128, help="Cycles samples of the pictures")
     parser.add_argument("--engine", default="", metavar="PYTHON", help="Python that has the engine")
-    for name in ("rounds", "steps", "size", "top_k", "seed"):
-        parser.add_argument(f"--{name.replace('_', '-')}", type=int, default=getattr(_DEFAULTS, name))
+    parser.add_argument("--budget", choices=schema.BUDGETS, default="standard", help="how long to look")
+    for name in (*schema.budgets.NUMBERS, "variants", "top_k", "seed"):
+        default = None if name in schema.budgets.NUMBERS else getattr(_DEFAULTS, name)
+        parser.add_argument(f"--{name.replace('_', '-')}", type=int, default=default)
     for name in ("encoder", "device", "baseline", "vlm_model", "vlm_url"):
         parser.add_argument(f"--{name.replace('_', '-')}", default=getattr(_DEFAULTS, name))
     parser.add_argument(
@@ -102,9 +105,8 @@ def engine_options(a: argparse.Namespace, free_camera: bool, online: bool) -> me
         online: Whether other computers may be reached.
     """
     names = (
-        "rounds",
-        "steps",
-        "size",
+        *schema.budgets.NUMBERS,
+        "variants",
         "top_k",
         "seed",
         "encoder",

@@ -19,11 +19,6 @@ from .contract import messages, schema
 
 MAX_PROMPT = 2000  # characters that the field takes
 
-BUDGETS: dict[str, tuple[int, int, int]] = {  # rounds, steps in each, longer side of the picture
-    "QUICK": (3, 30, 256),
-    "STANDARD": (6, 40, 512),
-    "THOROUGH": (10, 60, 512),
-}
 _LEFT_ALONE = ("camera",)  # unless asked: the artist framed the shot
 
 
@@ -85,9 +80,10 @@ class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
         name="Effort",
         description="How long to look for the look",
         items=(
-            ("QUICK", "Quick", "A first idea: {} rounds of {} steps".format(*BUDGETS["QUICK"])),
-            ("STANDARD", "Standard", "{} rounds of {} steps".format(*BUDGETS["STANDARD"])),
-            ("THOROUGH", "Thorough", "{} rounds of {} steps".format(*BUDGETS["THOROUGH"])),
+            *(
+                (name.upper(), name.capitalize(), f"{b.rounds} rounds of {b.steps} steps: {b.summary}")
+                for name, b in schema.BUDGETS.items()
+            ),
             ("CUSTOM", "Custom", "Your own numbers"),
         ),
         default="STANDARD",
@@ -134,11 +130,10 @@ class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
     def engine_options(self, context: bpy.types.Context) -> messages.Options:
         """What the engine is asked to do."""
         chosen = preferences.get(context)
-        rounds, steps, size = BUDGETS.get(self.budget, (self.rounds, self.steps, self.size))
+        own = schema.Budget(self.rounds, self.steps, self.size, 1, "")
+        budget = schema.BUDGETS.get(self.budget.lower(), own)
         return messages.Options(
-            rounds=rounds,
-            steps=steps,
-            size=size,
+            **{name: getattr(budget, name) for name in schema.budgets.NUMBERS},
             top_k=self.top_k,
             seed=self.seed,
             anchor=self.anchor,

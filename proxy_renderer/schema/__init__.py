@@ -2,22 +2,26 @@
 """The contract between Blender and the engine. Standard library and relative imports only:
 building the extension copies this folder into it."""
 
-from . import orbit
+from . import budgets, orbit
+from .budgets import BUDGETS, Budget
 from .errors import VibeError
 from .parameters import FAMILIES, GROUPS, PARAMETERS, REFERENCES, VERSION, schema_hash
 from .spec import Instance, Parameter, Scale, Values, matches, split_key
 
 __all__ = [
+    "BUDGETS",
     "FAMILIES",
     "GROUPS",
     "PARAMETERS",
     "REFERENCES",
     "VERSION",
+    "Budget",
     "Instance",
     "Parameter",
     "Scale",
     "Values",
     "VibeError",
+    "budgets",
     "matches",
     "orbit",
     "schema_hash",

@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any, BinaryIO, ClassVar, get_args
 
+from .budgets import STANDARD
 from .errors import VibeError
 from .parameters import schema_hash
 
@@ -38,11 +39,13 @@ class Options:
         vlm_url: Base URL of its OpenAI-compatible endpoint; "" for the environment's.
         online: Whether other computers may be reached; a model on this one always may.
         anchor: Whether Cycles renders small pictures meanwhile, which correct the proxy.
+        starts: Points that a coarse first pass tries; 1 for the artist's scene alone. Variants raise it.
+        variants: How many different looks to find for the same words.
     """
 
-    rounds: int = 6
-    steps: int = 40
-    size: int = 512
+    rounds: int = STANDARD.rounds
+    steps: int = STANDARD.steps
+    size: int = STANDARD.size
     top_k: int = 8
     seed: int = 0
     groups: tuple[str, ...] = ()
@@ -55,6 +58,8 @@ class Options:
     vlm_url: str = ""
     online: bool = True
     anchor: bool = True
+    starts: int = STANDARD.starts
+    variants: int = 1
 
     @classmethod
     def from_dict(cls, raw: dict[str, Any]) -> Options:
@@ -159,6 +164,21 @@ class Anchored:
 
 
 @dataclass(frozen=True)
+class Variant:
+    """One of several looks for the same words.
+
+    Attributes:
+        values: As those of `Result`.
+        picture: Its prediction at the loop's size, a file name in the job folder.
+        score: Its loss; smaller is better.
+    """
+
+    values: dict[str, list[float]]
+    picture: str
+    score: float
+
+
+@dataclass(frozen=True)
 class Result:
     """Engine → Blender: the values found.
 
@@ -167,6 +187,7 @@ class Result:
         report: The fields of report.json that the engine knows.
         prediction: The proxy's picture of the values, a file name in the job folder.
         stopped: Whether a stop message ended the loop early.
+        variants: If several were asked for: those found, the best first, whose values are `values`.
     """
 
     type: ClassVar[str] = "result"
@@ -174,6 +195,12 @@ class Result:
     report: dict[str, Any]
     prediction: str
     stopped: bool = False
+    variants: list[Variant] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        """Variants that come over the wire are plain objects."""
+        plain = [v if isinstance(v, Variant) else Variant(**v) for v in self.variants]
+        object.__setattr__(self, "variants", plain)
 
 
 @dataclass(frozen=True)

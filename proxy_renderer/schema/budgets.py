@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How long a vibe may take, by name: the command line and the panel offer these."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Budget:
+    """How much work a vibe is.
+
+    Attributes:
+        rounds: Outer rounds of Algorithm 1.
+        steps: Most gradient steps in each.
+        size: Longer side of the pictures, pixels.
+        starts: Points that a coarse first pass tries; 1 for the artist's scene alone.
+        summary: For whom it is, in words.
+    """
+
+    rounds: int
+    steps: int
+    size: int
+    starts: int
+    summary: str
+
+
+BUDGETS = {
+    "quick": Budget(3, 30, 256, 1, "a first idea"),
+    "standard": Budget(6, 40, 512, 1, "the usual"),
+    "thorough": Budget(10, 60, 512, 6, "several starts, and time to refine"),
+}
+STANDARD = BUDGETS["standard"]
+NUMBERS = ("rounds", "steps", "size", "starts")
+"""What a budget decides, where nothing else does."""
+
+
+def fill(options: Any) -> None:
+    """Gives options, which name their `budget`, its numbers for those that are None."""
+    for name in NUMBERS:
+        if getattr(options, name) is None:
+            setattr(options, name, getattr(BUDGETS[options.budget], name))
