@@ -2,14 +2,11 @@
 """`vibe bench fidelity` through the real command: scenes built by Blender, Cycles' references, the proxy."""
 
 import json
-import os
 import random
-import subprocess
-import sys
-from pathlib import Path
 
 import bpy
 import pytest
+from benches import bench
 from PIL import Image
 from vibe_render.bench.build import WORLDS, build
 from vibe_render.bench.catalog import CATALOG
@@ -20,20 +17,13 @@ from vibe_render.bench.shapes import SHAPES
 
 from proxy_renderer.schema import FAMILIES, Instance
 
-ROOT = Path(__file__).parents[1]
+SMALL = "--size=48", "--samples=32"
 BY_NAME = {recipe.name: recipe for recipe in CATALOG}
-
-
-def bench(out, cache, *more):
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "addon")])}
-    command = [sys.executable, "-m", "proxy_renderer.cli", "bench", "fidelity", "--size=48", "--samples=32"]
-    command += [f"--out={out}", f"--cache={cache}", *more]
-    return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300)
 
 
 def test_the_command_measures_caches_and_survives_a_broken_scene(tmp_path):
     out, cache = tmp_path / "out", tmp_path / "cache"
-    first = bench(out, cache, "--only=[cg]l[ao][yb]*")
+    first = bench("fidelity", out, cache, *SMALL, "--only=[cg]l[ao][yb]*")
     assert first.returncode == 0, first.stdout + first.stderr
     found = json.loads((out / "results.json").read_text())
     assert sorted(found["scenes"]) == ["clay_head", "globe"]
@@ -55,7 +45,7 @@ def test_the_command_measures_caches_and_survives_a_broken_scene(tmp_path):
     broken = cache / found["scenes"]["clay_head"]["reference"]
     broken.unlink()
     broken.mkdir()
-    second = bench(out, cache, "--only=[cg]l[ao][yb]*")
+    second = bench("fidelity", out, cache, *SMALL, "--only=[cg]l[ao][yb]*")
     assert second.returncode == 1, second.stdout + second.stderr
     assert "clay_head: FAILED" in second.stdout
     again = json.loads((out / "results.json").read_text())
@@ -65,7 +55,7 @@ def test_the_command_measures_caches_and_survives_a_broken_scene(tmp_path):
 
 
 def test_a_name_that_no_scene_has(tmp_path):
-    done = bench(tmp_path, tmp_path / "cache", "--only=unicorn")
+    done = bench("fidelity", tmp_path, tmp_path / "cache", "--only=unicorn")
     assert done.returncode == 2
     assert "unicorn" in done.stderr
     assert "clay_head" in done.stderr

@@ -2,30 +2,20 @@
 """`vibe bench gradients` through the real command, and what its steps promise."""
 
 import json
-import os
-import subprocess
-import sys
 from fnmatch import fnmatchcase
-from pathlib import Path
 
 import pytest
+from benches import bench
 from vibe_render.bench.steps import CASES, ends
 
 from proxy_renderer.schema import FAMILIES, PARAMETERS, Instance
 
-ROOT = Path(__file__).parents[1]
-
-
-def bench(out, cache, only):
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "addon")])}
-    command = [sys.executable, "-m", "proxy_renderer.cli", "bench", "gradients", "--size=32", "--samples=8"]
-    command += [f"--out={out}", f"--cache={cache}", f"--only={only}"]
-    return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300)
+SUN = "--only=sun", "--size=32", "--samples=8"
 
 
 def test_the_command_compares_with_cycles_and_keeps_its_pictures(tmp_path):
     out, cache = tmp_path / "out", tmp_path / "cache"
-    done = bench(out, cache, "sun")
+    done = bench("gradients", out, cache, *SUN)
     assert done.returncode == 0, done.stdout + done.stderr
     found = json.loads((out / "results.json").read_text())
     assert set(found["parameters"]) == {f"light/{n}" for n in ("strength", "azimuth", "elevation", "angle")}
@@ -38,7 +28,7 @@ def test_the_command_compares_with_cycles_and_keeps_its_pictures(tmp_path):
     # One picture cannot be written: the scene fails, and nothing that is there is rendered again.
     pictures[0].unlink()
     pictures[0].mkdir()
-    again = bench(out, cache, "sun")
+    again = bench("gradients", out, cache, *SUN)
     assert again.returncode == 1, again.stdout + again.stderr
     assert list(json.loads((out / "results.json").read_text())["failed"]) == ["sun"]
     assert [p.stat().st_mtime_ns for p in pictures[1:]] == written[1:]

@@ -14,7 +14,7 @@ import signal
 import subprocess
 import sys
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -41,16 +41,7 @@ def launch(arguments: list[str], out: Path, view: View | None = None) -> int:
     told = view is None
     view = view or View()
     view.stage("starting Blender")
-    process = subprocess.Popen(
-        [sys.executable, str(_batch()), "--events", *arguments],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        stdin=subprocess.DEVNULL,
-        encoding="utf-8",
-        errors="replace",
-        env=environment(),
-        **_own_group(),
-    )
+    process = start([str(_batch()), "--events", *arguments], **_own_group())
     presses = _forward_interrupts(process, view)
     tail: deque[str] = deque(maxlen=40)
     failure: VibeError | None = None
@@ -74,6 +65,24 @@ def launch(arguments: list[str], out: Path, view: View | None = None) -> int:
     if told:
         view.end(out)
     return 0
+
+
+def start(arguments: Sequence[str], **options: Any) -> subprocess.Popen[str]:
+    """Python with these arguments, as a Blender in a process of its own whose `events` can be read.
+
+    Args:
+        options: More options of `subprocess.Popen`.
+    """
+    return subprocess.Popen(
+        [sys.executable, *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        stdin=subprocess.DEVNULL,
+        encoding="utf-8",
+        errors="replace",
+        env=environment(),
+        **options,
+    )
 
 
 def events(process: subprocess.Popen[str], tail: deque[str]) -> Iterator[dict[str, Any]]:

@@ -3,13 +3,11 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from collections import deque
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from ..launch import environment, events
+from ..launch import events, start
 from ..schema import VibeError
 
 
@@ -57,15 +55,7 @@ def scenes(pattern: str, options: Sequence[str], bench: str = "fidelity") -> Ite
 
 def _process(bench: str, arguments: Sequence[str], tail: deque[str]) -> Iterator[dict[str, Any]]:
     """The events of one process; what else it prints goes to the tail. It ends with this generator."""
-    process = subprocess.Popen(
-        [sys.executable, "-m", f"vibe_render.bench.{bench}", *arguments],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        stdin=subprocess.DEVNULL,
-        encoding="utf-8",
-        errors="replace",
-        env=environment(),
-    )
+    process = start(["-m", f"vibe_render.bench.{bench}", *arguments])
     try:
         yield from events(process, tail)
         process.wait()

@@ -14,19 +14,10 @@ def _speed(sub: argparse.ArgumentParser) -> None:
 
 
 def _fidelity(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("--size", type=int, default=256, metavar="N", help="side of the pictures (default: 256)")
-    sub.add_argument("--samples", type=int, default=512, metavar="N", help="of the references (default: 512)")
+    _pictures(sub, size=256, samples=512)
     sub.add_argument("--quick", action="store_true", help="128 pixels and 128 samples, for a first look")
-    sub.add_argument("--only", default="*", metavar="GLOB", help='only scenes with such names: "*fog*"')
     sub.add_argument(
         "--seed", type=int, default=0, metavar="N", help="another set of the same kind (default: 0)"
-    )
-    sub.add_argument(
-        "--cache",
-        dest="cache_folder",
-        default="",
-        metavar="DIR",
-        help="where references are kept (default: the folder in VIBE_CACHE, or your cache)",
     )
     sub.add_argument(
         "--eevee",
@@ -38,15 +29,24 @@ def _fidelity(sub: argparse.ArgumentParser) -> None:
 
 
 def _gradients(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("--size", type=int, default=96, metavar="N", help="side of the pictures (default: 96)")
-    sub.add_argument("--samples", type=int, default=128, metavar="N", help="of Cycles (default: 128)")
-    sub.add_argument("--only", default="*", metavar="GLOB", help="only scenes with such names")
+    _pictures(sub, size=96, samples=128)
+
+
+def _pictures(sub: argparse.ArgumentParser, size: int, samples: int) -> None:
+    """What every measurement against Cycles asks."""
+    sub.add_argument(
+        "--size", type=int, default=size, metavar="N", help=f"side of the pictures (default: {size})"
+    )
+    sub.add_argument(
+        "--samples", type=int, default=samples, metavar="N", help=f"of Cycles' pictures (default: {samples})"
+    )
+    sub.add_argument("--only", default="*", metavar="GLOB", help='only scenes with such names: "*fog*"')
     sub.add_argument(
         "--cache",
         dest="cache_folder",
         default="",
         metavar="DIR",
-        help="where pictures are kept (default: the folder in VIBE_CACHE, or your cache)",
+        help="where Cycles' pictures are kept (default: the folder in VIBE_CACHE, or your cache)",
     )
 
 

@@ -1,18 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender's side of `vibe bench gradients`: scenes, and what Cycles makes of a step of each of their parameters.
 
-    python -m vibe_render.bench.gradients --work DIR --cache DIR --size 96 --samples 128 [--only GLOB] ...
-
-It prints lines `VIBE {json}`: "names", then "begin" before each scene, and "scene" or "failed" after it.
+python -m vibe_render.bench.gradients --work DIR --cache DIR --size 96 --samples 128 [--only GLOB] ...
 """
 
 from __future__ import annotations
 
 import argparse
-import hashlib
-import os
-import sys
-import traceback
 from fnmatch import fnmatchcase
 from typing import Any
 
@@ -22,32 +16,13 @@ from .. import bindings, rendering, scene_io
 from ..contract import schema
 from ..export import Job
 from ..subject import Choice
+from . import side
 from .build import build
-from .fidelity import arguments, say
 from .fingerprint import fingerprint
 from .steps import CASES, Case, ends
 
 VERSION = 1
 """Raised when the way pictures are rendered changes."""
-
-
-def main() -> int:
-    """Makes the scenes one after another; what goes wrong with one is told and the next one comes."""
-    a = arguments()
-    chosen = {case.recipe.name: case for case in CASES if fnmatchcase(case.recipe.name, a.only)}
-    if not chosen:
-        names = ", ".join(case.recipe.name for case in CASES)
-        say("error", message=f"No scene has a name like {a.only!r}.", remedy=f"There are: {names}.")
-        return 2
-    say("names", names=list(chosen))
-    for name in (n for n in chosen if n not in a.skip.split(",")):
-        say("begin", name=name)
-        try:
-            say("scene", name=name, **make(chosen[name], a))
-        except Exception as error:
-            traceback.print_exc()
-            say("failed", name=name, message=f"{type(error).__name__}: {error}")
-    return 0
 
 
 def make(case: Case, a: argparse.Namespace) -> dict[str, Any]:
@@ -70,10 +45,8 @@ def _step(
     low, middle, high, du = ends(instance)
     found: dict[str, Any] = {"key": key, "family": instance.parameter.family, "middle": middle, "du": du}
     for name, value in (("low", low), ("high", high)):
-        text = f"{base} {key} {[f'{v:.6g}' for v in value]}"
-        path = a.cache / f"{hashlib.sha256(text.encode()).hexdigest()[:32]}.png"
+        path = side.cached(a, ".png", base, key, [f"{v:.6g}" for v in value])
         if not path.is_file():
-            a.cache.mkdir(parents=True, exist_ok=True)
             _write(scene, job, key, value)
             rendering.render(scene, path, a.size, a.samples, exact=True)
             _write(scene, job, key, instance.value)
@@ -88,7 +61,4 @@ def _write(scene: bpy.types.Scene, job: Job, key: str, value: schema.Values) -> 
 
 
 if __name__ == "__main__":
-    status = main()
-    sys.stdout.flush()
-    sys.stderr.flush()
-    os._exit(status)  # Blender 4.5's own exit handlers may wait for ever
+    side.main({case.recipe.name: case for case in CASES}, make)

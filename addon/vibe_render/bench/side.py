@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's side of a measurement, whatever it measures: its options, its loop over scenes, its cache, its end.
+
+It prints lines `VIBE {json}`: "names", then "begin" before each scene, and "scene" or "failed" after it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import os
+import sys
+import traceback
+from collections.abc import Callable, Mapping
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import Any, NoReturn, TypeVar
+
+T = TypeVar("T")
+
+
+def main(known: Mapping[str, T], make: Callable[[T, argparse.Namespace], dict[str, Any]]) -> NoReturn:
+    """Makes the scenes one after another; what goes wrong with one is told and the next one comes.
+
+    Args:
+        known: All scenes of this measurement by name.
+        make: Makes one and returns what is told of it.
+    """
+    status = _run(known, make, _arguments())
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(status)  # Blender 4.5's own exit handlers may wait for ever
+
+
+def cached(a: argparse.Namespace, suffix: str, *settings: Any) -> Path:
+    """Where a picture that depends on these settings is kept."""
+    a.cache.mkdir(parents=True, exist_ok=True)
+    text = " ".join(map(str, settings))
+    return a.cache / f"{hashlib.sha256(text.encode()).hexdigest()[:32]}{suffix}"
+
+
+def _run(
+    known: Mapping[str, T], make: Callable[[T, argparse.Namespace], dict[str, Any]], a: argparse.Namespace
+) -> int:
+    chosen = [name for name in known if fnmatchcase(name, a.only)]
+    if not chosen:
+        _say(
+            "error", message=f"No scene has a name like {a.only!r}.", remedy=f"There are: {', '.join(known)}."
+        )
+        return 2
+    _say("names", names=chosen)
+    for name in (n for n in chosen if n not in a.skip.split(",")):
+        _say("begin", name=name)
+        try:
+            _say("scene", name=name, **make(known[name], a))
+        except Exception as error:
+            traceback.print_exc()
+            _say("failed", name=name, message=f"{type(error).__name__}: {error}")
+    return 0
+
+
+def _say(kind: str, **content: Any) -> None:
+    """Tells the engine's side of something."""
+    print(f"VIBE {json.dumps({'type': kind, **content})}", flush=True)
+
+
+def _arguments() -> argparse.Namespace:
+    """The options that all measurements share."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--only", default="*", help="pattern of names")
+    parser.add_argument("--skip", default="", help="names that have been made already")
+    parser.add_argument("--work", type=Path, default=Path())
+    parser.add_argument("--cache", type=Path, default=Path())
+    parser.add_argument("--blend", action="store_true")
+    for name in ("size", "samples", "seed"):
+        parser.add_argument(f"--{name}", type=int, default=0)
+    return parser.parse_args()

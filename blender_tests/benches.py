@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs `vibe bench` as a reader would."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+
+
+def bench(name: str, out: Path, cache: Path, *options: str) -> subprocess.CompletedProcess[str]:
+    """The measurement to its end, with what it printed."""
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "addon")])}
+    command = [sys.executable, "-m", "proxy_renderer.cli", "bench", name, f"--out={out}", f"--cache={cache}"]
+    return subprocess.run([*command, *options], env=environment, capture_output=True, text=True, timeout=300)
