@@ -6,7 +6,7 @@ import json
 import bpy
 import pytest
 import scenes
-from vibe_render import bindings, presets, scene_io
+from vibe_render import bindings, preset_fit, presets, roster, scene_io
 from vibe_render.subject import Choice
 
 from proxy_renderer.schema import VERSION, VibeError, preset
@@ -46,7 +46,7 @@ def test_a_preset_survives_its_file(look, tmp_path):
 
 def test_it_fits_a_scene_with_other_lights_materials_and_lengths(look, tmp_path):
     scene, job = opened(scenes.textured, tmp_path / "other")
-    values = presets.match(look, job)
+    values = preset_fit.fit(look, job).values
     globe = {k: v for k, v in values.items() if k.startswith("material/Globe Map/")}
     assert globe["material/Globe Map/recolor"] == [1.0]
     tint = globe["material/Globe Map/tint"]
@@ -69,7 +69,7 @@ def test_lamps_become_suns_of_the_same_brightness(look, tmp_path):
     lamp.type = "SUN"
     job = scene_io.open_job(scene, tmp_path / "sun", Choice())
     entry = {"power": [9.8696], "size": [0.5]}  # an area light that makes white come out at 1
-    values = presets.match(preset.Preset("", {"key": [entry]}, {"key": ["AREA"]}), job)
+    values = preset_fit.fit(preset.Preset("", {"key": [entry]}, {"key": ["AREA"]}), job).values
     assert values["light/Key/strength"] == [pytest.approx(3.14159, rel=1e-3)]
     assert values["light/Key/angle"] == [pytest.approx(28.07, rel=1e-3)]
 
@@ -78,7 +78,23 @@ def test_lamps_become_suns_of_the_same_brightness(look, tmp_path):
     ("change", "said"),
     [
         ({"version": VERSION + 1}, "newer version"),
-        ({"version": "1"}, "newer version"),
+        ({"version": "1"}, "which version"),
+        ({"version": True}, "which version"),
+        ({"version": 10**400}, "newer version"),
+        ({"name": 3}, "name is not a short text"),
+        ({"prompt": ["a"]}, "prompt is not a short text"),
+        ({"run": "import os; os.remove('/')"}, "unknown field 'run'"),
+        ({"roles": {"/etc/passwd": [{}]}}, "unknown role"),
+        ({"roles": {"world": [{"https://example.org/a.hdr": [1.0]}]}}, "unknown parameter"),
+        ({"roles": {"key": [{}]}, "kinds": {"key": ["LASER"]}}, "unknown type of light 'LASER'"),
+        ({"roles": {"key": [{}]}, "kinds": {"key": [["AREA"]]}}, "unknown type of light"),
+        ({"roles": {"key": [{}]}, "kinds": {"key": ["AREA", "SUN"]}}, "do not fit its lights"),
+        ({"roles": {"key": [{}]}, "kinds": {"key": "AREA"}}, "do not fit its lights"),
+        ({"kinds": {"film": []}}, "do not fit its lights"),
+        ({"kinds": 1}, "kinds of lights are broken"),
+        ({"roles": {"subject": [{"roughness": [10**400]}]}}, "out of bounds"),
+        ({"roles": {"subject": [{"roughness": ["0.1"]}]}}, "needs 1 numbers"),
+        ({"roles": {"subject": [{"roughness": [[0.1]]}]}}, "needs 1 numbers"),
         ({"format": "other"}, "not a Vibe Render preset"),
         ({"roles": {"subject": [{"roughness": [float("nan")]}]}}, "finite"),
         ({"roles": {"subject": [{"roughness": [7.0]}]}}, "out of bounds"),
@@ -94,6 +110,67 @@ def test_presets_that_are_refused(tmp_path, change, said):
     (tmp_path / "p.json").write_text(json.dumps(raw))
     with pytest.raises(VibeError, match=said):
         presets.load(tmp_path / "p.json")
+
+
+def test_a_prompt_may_hold_anything_and_nothing_of_it_is_done(tmp_path):
+    """A path, a URL and Python in texts stay texts; control characters go, for panels show them."""
+    prompt = "__import__('os').system('touch x')\n\x1b[31m https://example.org/x ../../etc/passwd"
+    raw = {"format": "vibe-preset", "version": VERSION, "name": prompt, "prompt": prompt, "roles": {}}
+    (tmp_path / "p.json").write_text(json.dumps(raw))
+    look = presets.load(tmp_path / "p.json")
+    assert look.prompt == prompt.replace("\n\x1b", " ")
+    assert len(look.name) <= preset.LONGEST_NAME
+    assert [path.name for path in tmp_path.iterdir()] == ["p.json"]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("[" * 400_000, "nested too deeply"),
+        ('{"a":' * 100_000, "nested too deeply"),
+        ("1" * 5000, "not JSON"),
+        ("null", "not a Vibe Render preset"),
+        (" " * (preset.LARGEST + 1), "too large"),
+    ],
+)
+def test_hostile_files_are_one_clear_line(tmp_path, text, said):
+    (tmp_path / "p.json").write_text(text)
+    with pytest.raises(VibeError, match=said) as refused:
+        presets.load(tmp_path / "p.json")
+    assert refused.value.remedy
+    assert len(str(refused.value)) < 300
+
+
+def test_what_does_not_fit_is_listed(look, tmp_path):
+    """Lamps in surplus, a locked value; a rim that is missing comes from us, and a dim one is not missed."""
+    scene, _ = opened(scenes.textured, tmp_path / "other")
+    driver = bpy.data.materials["Stand"].node_tree.nodes["Principled BSDF"].inputs["Roughness"]
+    driver.keyframe_insert("default_value", frame=1)
+    sight = scene_io.look_at(scene, Choice())
+    subjects = len(presets.owners(sight, "subject"))
+    wanted = preset.Preset(
+        "",
+        {
+            "subject": [{"roughness": [0.2]}] * (subjects + 2),
+            "surroundings": [{"roughness": [0.3]}],
+            "key": [{"power": [20.0]}, {"power": [10.0]}],
+            "rim": [{"power": [20.0], "color": [1.0, 0.2, 0.1]}],
+            "fill": [{"power": [0.05]}],
+        },
+        {"key": ["AREA", "POINT"], "rim": ["AREA"], "fill": ["AREA"]},
+    )
+    found = preset_fit.fit(wanted, sight)
+    rest = "\n".join(found.rest)
+    assert "Subject material: 2 more than this scene has" in rest
+    assert "Key light: 1 more than this scene has" in rest
+    assert "Stand: Roughness: " in rest
+    assert "fill" not in rest.casefold()
+    assert found.values["light/Vibe Rim/color"] == [1.0, 0.2, 0.1]
+    assert bindings.write(scene, found.values, sight.survey.objects, sight.survey.pivot) == {}
+    rim = bpy.data.objects["Vibe Rim"]
+    low, high = roster.bounds(scene, sight.survey.objects)
+    distance = (rim.matrix_world.translation - (low + high) / 2.0).length
+    assert rim.data.energy == pytest.approx(20.0 * distance**2, rel=1e-3)
 
 
 def test_files_that_are_no_presets(tmp_path):

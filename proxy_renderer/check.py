@@ -50,6 +50,15 @@ def scene(name: str) -> Path:
     return path
 
 
+def preset(name: str) -> str:
+    """An existing preset file, or what may be a name in the library, which the Blender side knows."""
+    if name.endswith(".json") or "/" in name or os.sep in name or Path(name).exists():
+        return str(file(name, "preset"))
+    if not name.strip() or name.startswith("-"):
+        raise VibeError("That is no preset.", "Name a preset.json, or a preset of the library.")
+    return name
+
+
 def prompt(text: str) -> str:
     """A prompt with something in it, of a length that a person types."""
     if not text.strip():

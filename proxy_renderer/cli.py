@@ -85,7 +85,9 @@ def parser() -> argparse.ArgumentParser:
     add_vibe_options(demo)
 
     apply = command("apply", _apply, "Give a scene the look that a preset holds, and render it.")
-    apply.add_argument("preset", metavar="PRESET", help="a preset.json that `vibe run` has written")
+    apply.add_argument(
+        "preset", metavar="PRESET", help="a preset.json that `vibe run` has written, or a name: noir"
+    )
     add_scene(apply)
     apply.add_argument(
         "--out", required=True, type=Path, metavar="DIR", help="folder for pictures and .blend"
@@ -158,10 +160,10 @@ def _apply(a: argparse.Namespace) -> int:
     from .launch import launch
 
     check.numbers(a)
-    preset, scene = check.file(a.preset, "preset"), check.scene(a.scene)
+    preset, scene = check.preset(a.preset), check.scene(a.scene)
     out = check.folder(a.out)
     render = [f"--size={a.size}", f"--samples={a.samples}"]
-    return launch(["apply", str(preset), str(scene), f"--out={out}", *_subjects(a), *render], out)
+    return launch(["apply", preset, str(scene), f"--out={out}", *_subjects(a), *render], out)
 
 
 def _revert(a: argparse.Namespace) -> int:

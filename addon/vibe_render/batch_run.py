@@ -14,7 +14,20 @@ from typing import Any
 
 import bpy
 
-from . import anchoring, bindings, changes, demo, preferences, presets, rendering, scene_io, snapshot, stage
+from . import (
+    anchoring,
+    bindings,
+    changes,
+    demo,
+    library,
+    preferences,
+    preset_fit,
+    presets,
+    rendering,
+    scene_io,
+    snapshot,
+    stage,
+)
 from .batch_arguments import engine_options
 from .batch_report import Reporter
 from .contract import messages, schema
@@ -64,7 +77,7 @@ def carry_out(a: argparse.Namespace, reporter: Reporter, talk: Conversation) -> 
         laps.lap("wait for the engine")
         skipped = bindings.write(scene, found.values, job.survey.objects, job.survey.pivot)
         reporter.stage("rendering with Cycles")
-        _render_after(scene, job, a, out)
+        _render_after(scene, job.survey, a, out)
         laps.lap("render after")
         pictures = (out.path(name) for name in ("before.png", "after.png", "compare.png"))
         talk.ask(messages.Finish(*map(str, pictures)))
@@ -94,20 +107,25 @@ def export(a: argparse.Namespace, reporter: Reporter) -> None:
 
 def apply(a: argparse.Namespace, reporter: Reporter) -> None:
     """Puts a preset on a scene, renders it before and after, and saves it."""
-    look = presets.load(Path(a.preset))
-    with tempfile.TemporaryDirectory(prefix="vibe-") as folder, Outputs(a.out) as out:
+    look = library.named(a.preset)
+    with Outputs(a.out) as out:
         scene, choice, _ = _open(a, reporter)
-        job = scene_io.open_job(scene, Path(folder), choice)
-        values = presets.match(look, job)
-        if not values:
+        sight = scene_io.open_sight(scene, choice)
+        survey, found = sight.survey, preset_fit.fit(look, sight)
+        if not found.values:
             raise schema.VibeError("Nothing in this scene takes what the preset holds.", "Use another scene.")
         reporter.stage("rendering before")
         rendering.render(scene, out.path("before.png"), a.size, a.samples, a.seed)
-        bindings.write(scene, values, job.survey.objects, job.survey.pivot)
+        skipped = bindings.write(scene, found.values, survey.objects, survey.pivot)
         reporter.stage("rendering after")
-        _render_after(scene, job, a, out)
+        _render_after(scene, survey, a, out)
         _save_blend(out.path("vibed.blend"))
-    reporter.result([f"{len(values)} values of the preset fit this scene.", *_listed(job, values)])
+    lines = [f"Did not fit: {line}" for line in found.rest]
+    lines += [f"Did not fit: {changes.title(key)}: {reason}" for key, reason in skipped.items()]
+    count = len(found.values) - len(skipped)
+    reporter.result(
+        [f"{count} values of the preset fit this scene.", *_listed(sight.instances, found.values), *lines]
+    )
 
 
 def revert(a: argparse.Namespace, reporter: Reporter) -> None:
@@ -165,9 +183,9 @@ def _open_blend(path: Path) -> None:
         ) from error
 
 
-def _render_after(scene: bpy.types.Scene, job: Job, a: argparse.Namespace, out: Outputs) -> None:
+def _render_after(scene: bpy.types.Scene, survey: Survey, a: argparse.Namespace, out: Outputs) -> None:
     rendering.render(scene, out.path("after.png"), a.size, a.samples, a.seed)
-    rendering.render_mask(scene, out.path("mask.png"), a.size, job.survey.objects)
+    rendering.render_mask(scene, out.path("mask.png"), a.size, survey.objects)
 
 
 def _save_blend(path: Path) -> None:
@@ -218,7 +236,7 @@ def _summary(
     values = {k: v for k, v in found.values.items() if k not in skipped}
     near, s = measured.delta_e, measured.similarity
     lines = [f"Note: {warning}" for warning in _warnings(job, found)[:4]]
-    lines += _listed(job, values)
+    lines += _listed(job.instances, values)
     return [
         *lines,
         *model_lines(found.report, measured.judge),
@@ -227,11 +245,13 @@ def _summary(
     ]
 
 
-def _listed(job: Job, values: dict[str, Any]) -> list[str]:
+def _listed(instances: dict[str, schema.Instance], values: dict[str, Any]) -> list[str]:
     """The changes that show, as lines; the largest on the perceptual scale first."""
     rows = []
     for key, value in values.items():
-        instance = job.instances[key]
+        instance = instances.get(key)
+        if instance is None:  # of a light that has been added
+            continue
         before, after = instance.value, tuple(value)
         if changes.same(key, before, after):
             continue

@@ -97,6 +97,12 @@ def export(survey: Survey, folder: Path) -> Job:
     return Job(folder, survey, instances, list(dict.fromkeys(w for w in (*warnings, note) if w)))
 
 
+def known(survey: Survey) -> dict[str, schema.Instance]:
+    """The scene's parameters by key, without what the engine alone needs: nothing is rendered or written."""
+    found = bindings.instances(survey.scene, survey.objects, survey.pivot)
+    return sane.instances(_with_materials(found, survey, {}))[0]
+
+
 def _scaled(scene: bpy.types.Scene, pixels: int) -> int:
     return max(1, int(pixels * scene.render.resolution_percentage / 100))
 

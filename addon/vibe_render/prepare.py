@@ -106,13 +106,18 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
     light = journal.new("objects", name, data)
     for block in (data, light):
         owned.mark(block, name)
-    pivot, distance = (low + high) / 2.0, 1.5 * max((high - low).length, 1e-3)
+    pivot, distance = (low + high) / 2.0, light_distance(low, high)
     data.size = size * distance
     data.energy = brightness * pi**2 * distance**2
     front = schema.orbit.angles(scene.camera.matrix_world.translation - pivot)[0] if scene.camera else 0.0
     _stand(light, pivot, front + azimuth, elevation, distance)
     scene.collection.objects.link(light)
     return light
+
+
+def light_distance(low: Vector, high: Vector) -> float:
+    """How far from the middle of what they light our lights stand, metres."""
+    return 1.5 * max((high - low).length, 1e-3)
 
 
 def _is_lit(scene: Scene) -> bool:

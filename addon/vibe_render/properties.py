@@ -121,6 +121,7 @@ class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
     )
     changes: CollectionProperty(type=VibeChange)
     vibed_prompt: StringProperty()
+    vibed_preset: StringProperty(description="The preset that the look comes from, if any")
     pivot: FloatVectorProperty(size=3, description="What lights and camera orbit: the subject's centre")
 
     def groups(self) -> tuple[str, ...]:

@@ -69,7 +69,7 @@ def forget(scene: bpy.types.Scene) -> None:
     settings = scene.vibe
     settings.changes.clear()  # first: without changes, resetting the sliders writes nothing
     settings.strength, settings.show_original = 1.0, False
-    settings.vibed_prompt = ""
+    settings.vibed_prompt = settings.vibed_preset = ""
 
 
 def keep(scene: bpy.types.Scene) -> None:

@@ -3,19 +3,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 import bpy
 
 from . import snapshot
-from .export import Job
+from .contract import schema
+from .export import Job, known
 from .export import export as write_job
 from .prepare import prepare
 from .subject import Choice, named
-from .survey import refuse, survey
+from .survey import Survey, refuse, survey
 
 Vector = tuple[float, float, float]
+Read = TypeVar("Read")
 
 
 def export(scene: bpy.types.Scene, folder: Path, choice: Choice) -> tuple[Sequence[bpy.types.Object], Vector]:
@@ -33,15 +38,51 @@ def export(scene: bpy.types.Scene, folder: Path, choice: Choice) -> tuple[Sequen
 
 def open_job(scene: bpy.types.Scene, folder: Path, choice: Choice) -> Job:
     """The same, returning all that is known about the scene."""
+    return _opened(scene, choice, lambda found: write_job(found, folder))
+
+
+@dataclass(frozen=True)
+class Sight:
+    """What presets need to know of a scene: less than a job, and nothing is written to disk.
+
+    Attributes:
+        survey: The scene as it was looked at.
+        instances: Its parameters, by key.
+    """
+
+    survey: Survey
+    instances: dict[str, schema.Instance]
+
+
+def look_at(scene: bpy.types.Scene, choice: Choice) -> Sight:
+    """Looks at a scene; nothing in it is changed. Raises as `export` does."""
     refuse(scene)
+    found = survey(scene, choice)
+    return Sight(found, known(found))
+
+
+def open_sight(scene: bpy.types.Scene, choice: Choice) -> Sight:
+    """Adds what the scene lacks and looks at it; a failure leaves the scene as it was. Raises as `export` does."""
+    return _opened(scene, choice, lambda found: Sight(found, known(found)))
+
+
+@contextmanager
+def untouched_on_failure(scene: bpy.types.Scene) -> Iterator[None]:
+    """Takes back what was recorded meanwhile if it ends in an exception."""
     was_vibed, start = snapshot.exists(scene), snapshot.mark(scene)
     try:
-        prepare(scene, named(scene, choice))
-        snapshot.take(scene)
-        return write_job(survey(scene, choice), folder)
+        yield
     except BaseException:
         if snapshot.exists(scene):
             snapshot.rollback(scene, start)
             if was_vibed:
                 snapshot.take(scene)
         raise
+
+
+def _opened(scene: bpy.types.Scene, choice: Choice, read: Callable[[Survey], Read]) -> Read:
+    refuse(scene)
+    with untouched_on_failure(scene):
+        prepare(scene, named(scene, choice))
+        snapshot.take(scene)
+        return read(survey(scene, choice))

@@ -15,7 +15,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from .errors import VibeError
-from .parameters import FAMILIES, VERSION
+from .parameters import FAMILIES, PARAMETERS, VERSION
 
 FORMAT = "vibe-preset"
 
@@ -34,21 +34,34 @@ ROLES: dict[str, str] = {
 Entry = dict[str, list[float]]
 """Values of one material, light, …: parameter name to components, in multiples of its reference."""
 
+LIGHT_TYPES: tuple[str, ...] = tuple(
+    dict.fromkeys(t for p in PARAMETERS if p.group == "light" for t in p.only)
+)
+"""Blender's types of light."""
+
+LONGEST_NAME = 60  # characters
+LONGEST_PROMPT = 2000
+LARGEST = 1_000_000  # bytes of a file; one with a hundred materials has a tenth of that
+_FIELDS = {"format", "version", "name", "prompt", "roles", "kinds"}
+_OURS = "Use a preset that Vibe Render has written."
+
 
 @dataclass(frozen=True)
 class Preset:
     """A look.
 
     Attributes:
-        name: What the artist typed.
+        name: Its title.
         roles: Role to its entries, the most visible or brightest first.
         kinds: Of every light entry, its type ("AREA", …), by role.
+        prompt: What the artist typed.
         version: Of the parameter table that it was made with.
     """
 
     name: str
     roles: dict[str, list[Entry]]
     kinds: dict[str, list[str]] = field(default_factory=dict)
+    prompt: str = ""
     version: int = VERSION
 
     def dumps(self) -> str:
@@ -56,51 +69,101 @@ class Preset:
         return json.dumps({"format": FORMAT, **asdict(self)}, indent=1, allow_nan=False, ensure_ascii=False)
 
 
+def title(prompt: str) -> str:
+    """A name for what was typed: its first words, as far as they fit."""
+    words = " ".join(prompt.split())
+    if len(words) <= LONGEST_NAME:
+        return words
+    return words[: LONGEST_NAME - 1].rpartition(" ")[0].rstrip(",;: ") + "…"
+
+
 def loads(text: str) -> Preset:
-    """Reads the text of a preset file.
+    """Reads the text of a preset file. Nothing in it is opened, run or looked up.
 
     Raises:
-        VibeError: If it is not a preset, was made by a newer version, or holds a value that is
-            unknown, not finite or out of bounds.
+        VibeError: If it is not a preset, was made by a newer version, or holds anything that is
+            unknown, of the wrong type, not finite or out of bounds.
     """
     try:
         raw = json.loads(text)
+    except RecursionError as error:
+        raise VibeError("The preset is nested too deeply.", _OURS) from error
     except ValueError as error:
-        raise VibeError(
-            f"The preset is not JSON: {error}.", "Use a preset.json that a vibe has written."
-        ) from error
+        raise VibeError(f"The preset is not JSON: {error}.", _OURS) from error
     if not isinstance(raw, dict) or raw.get("format") != FORMAT or not isinstance(raw.get("roles"), dict):
-        raise VibeError(
-            "This file is not a Vibe Render preset.", "Use a preset.json that a vibe has written."
-        )
-    version = raw.get("version")
-    if not isinstance(version, int) or version > VERSION:
-        raise VibeError(
-            f"The preset was made by a newer version of Vibe Render ({version}, this is {VERSION}).",
-            "Update Vibe Render.",
-        )
+        raise VibeError("This file is not a Vibe Render preset.", _OURS)
+    _check_version(raw.get("version"))
+    for name in sorted(raw.keys() - _FIELDS):
+        raise VibeError(f"The preset has an unknown field {_quoted(name)}.", "Remove it from the preset.")
     for role, entries in raw["roles"].items():
         _check_role(role, entries)
-    kinds = raw.get("kinds")
-    return Preset(str(raw.get("name", "")), raw["roles"], kinds if isinstance(kinds, dict) else {}, version)
+    kinds = raw.get("kinds", {})
+    _check_kinds(kinds, raw["roles"])
+    name, prompt = (
+        _text(raw, field, most) for field, most in (("name", LONGEST_NAME), ("prompt", LONGEST_PROMPT))
+    )
+    return Preset(name, raw["roles"], kinds, prompt, raw["version"])
+
+
+def _check_version(version: Any) -> None:
+    if not isinstance(version, int) or isinstance(version, bool) or version < 1:
+        raise VibeError("The preset does not say which version of the schema it is for.", _OURS)
+    if version > VERSION:
+        raise VibeError(
+            f"The preset was made by a newer version of Vibe Render ({_short(version)}, this is {VERSION}).",
+            "Update Vibe Render.",
+        )
+
+
+def _text(raw: dict[str, Any], name: str, most: int) -> str:
+    """A line of text from the file, as people can read it."""
+    value = raw.get(name, "")
+    if not isinstance(value, str) or len(value) > LONGEST_PROMPT:
+        raise VibeError(f"The preset's {name} is not a short text.", f"Write at most {most} characters.")
+    line = " ".join("".join(c if c.isprintable() else " " for c in value).split())
+    return line if len(line) <= most else title(line)
+
+
+def _quoted(name: str) -> str:
+    """A name from a file, short enough for a message."""
+    return repr(name if len(name) <= 40 else name[:40] + "…")
 
 
 def _check_role(role: str, entries: Any) -> None:
     if role not in ROLES:
-        raise VibeError(f"The preset has an unknown role {role!r}.", f"Roles are: {', '.join(ROLES)}.")
+        raise VibeError(f"The preset has an unknown role {_quoted(role)}.", f"Roles are: {', '.join(ROLES)}.")
     if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
-        raise VibeError(
-            f"The preset's role {role!r} is broken.", "Use a preset.json that a vibe has written."
-        )
+        raise VibeError(f"The preset's role {role!r} is broken.", _OURS)
     for entry in entries:
         for name, value in entry.items():
             _check_value(role, name, value)
 
 
+def _check_kinds(kinds: Any, roles: Mapping[str, list[Entry]]) -> None:
+    """The types of the lights: as many as there are entries, where there are any."""
+    if not isinstance(kinds, dict):
+        raise VibeError("The preset's kinds of lights are broken.", _OURS)
+    for role, types in kinds.items():
+        if (
+            ROLES.get(role) != "light"
+            or not isinstance(types, list)
+            or len(types) != len(roles.get(role, ()))
+        ):
+            raise VibeError(f"The preset's kinds of lights for {_quoted(role)} do not fit its lights.", _OURS)
+        for each in types:
+            if each not in LIGHT_TYPES:
+                raise VibeError(
+                    f"The preset has an unknown type of light {_quoted(str(each))}.",
+                    f"Types are: {', '.join(LIGHT_TYPES)}.",
+                )
+
+
 def _check_value(role: str, name: str, value: Any) -> None:
     parameter = FAMILIES.get(f"{ROLES[role]}/{name}")
     if parameter is None:
-        raise VibeError(f"The preset has an unknown parameter {role}/{name}.", "Remove it from the preset.")
+        raise VibeError(
+            f"The preset has an unknown parameter {role}/{_quoted(name)}.", "Remove it from the preset."
+        )
     numbers = isinstance(value, list) and all(
         isinstance(v, int | float) and not isinstance(v, bool) for v in value
     )
@@ -108,13 +171,19 @@ def _check_value(role: str, name: str, value: Any) -> None:
         raise VibeError(
             f"The preset's {role}/{name} needs {parameter.components} numbers.", "Correct the preset."
         )
-    if not all(math.isfinite(v) for v in value):
+    if any(isinstance(v, float) and not math.isfinite(v) for v in value):  # an int can be too large to ask
         raise VibeError(f"The preset's {role}/{name} is not a finite number.", "Correct the preset.")
     if not all(parameter.lower <= v <= parameter.upper for v in value):
         raise VibeError(
-            f"The preset's {role}/{name} is out of bounds: {value}.",
+            f"The preset's {role}/{name} is out of bounds: {_short(value)}.",
             f"Use {parameter.lower:g} to {parameter.upper:g}.",
         )
+
+
+def _short(value: Any) -> str:
+    """Numbers for a message; integers may have thousands of digits."""
+    text = str(value)
+    return text if len(text) <= 60 else text[:60] + "…"
 
 
 def clamped(group: str, values: Mapping[str, Sequence[float]]) -> Entry:

@@ -1,0 +1,232 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The preset library: the looks that come with Vibe Render, and the artist's own in a folder of theirs.
+
+A preset is NAME.json with a picture NAME.png beside it. Other files in the folders are never touched.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import unicodedata
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+
+import bpy
+
+from . import presets
+from .contract import preset, schema
+
+SHIPPED = Path(__file__).parent / "looks"
+"""The looks that come with Vibe Render."""
+
+_LARGEST_PICTURE = 4_000_000  # bytes; ours have a hundredth of that
+_PNG = b"\x89PNG\r\n\x1a\n"
+
+
+@dataclass(frozen=True)
+class Look:
+    """A preset in the library.
+
+    Attributes:
+        path: Its file.
+        preset: What is in it; None where it cannot be read.
+        problem: Why not.
+    """
+
+    path: Path
+    preset: preset.Preset | None
+    problem: str = ""
+
+    @property
+    def name(self) -> str:
+        """What it is called in lists."""
+        return (self.preset and self.preset.name) or self.path.stem
+
+    @property
+    def prompt(self) -> str:
+        """What was typed for it."""
+        return self.preset.prompt if self.preset else ""
+
+    @property
+    def shipped(self) -> bool:
+        """Whether it came with Vibe Render, and so can neither be renamed nor deleted."""
+        return self.path.parent == SHIPPED
+
+    @property
+    def picture(self) -> Path:
+        """Where its picture is, if it has one."""
+        return self.path.with_suffix(".png")
+
+    def matches(self, words: str) -> bool:
+        """Whether its name and prompt have all of these words in them, or beginnings of words."""
+        text = f"{self.name} {self.prompt}".casefold()
+        return all(word in text for word in words.casefold().split())
+
+
+def folder(create: bool = False) -> Path:
+    """The artist's own presets.
+
+    Without a window they are looked for where an extension that was installed from disk keeps them.
+    """
+    try:
+        return Path(bpy.utils.extension_path_user(__package__, path="presets", create=create))
+    except ValueError:  # we are not installed as an extension
+        place = ".user/user_default/vibe_render/presets"
+        return Path(bpy.utils.user_resource("EXTENSIONS", path=place, create=create))
+
+
+def looks(words: str = "") -> list[Look]:
+    """The artist's own presets, then those that come with us, by name; those that match some words."""
+    found: list[Look] = []
+    for place in (folder(), SHIPPED):
+        theirs = [_read(path, *_stamp(path)) for path in place.glob("*.json")]
+        found += sorted(theirs, key=lambda look: (look.name.casefold(), look.path.name))
+    return [look for look in found if look.matches(words)]
+
+
+def named(preset_: str) -> preset.Preset:
+    """The preset that somebody means: a file's path, or a name in the library.
+
+    Raises:
+        VibeError: There is none, or it cannot be read.
+    """
+    path = Path(preset_).expanduser()
+    if path.suffix == ".json" or path.is_file():
+        return presets.load(path)
+    return presets.load(find(preset_).path)
+
+
+def find(name: str) -> Look:
+    """The preset of a name, also of the beginning of one if no other starts so.
+
+    Raises:
+        VibeError: There is none, or not only one.
+    """
+    known, wanted = looks(), name.casefold().strip()
+    for same in (
+        lambda look: look.name.casefold() == wanted,
+        lambda look: look.name.casefold().startswith(wanted),
+    ):
+        chosen = [look for look in known if same(look)]
+        if len({look.name for look in chosen}) == 1:
+            return chosen[0]
+    listed = ", ".join(look.name for look in known)
+    raise schema.VibeError(f"There is no preset {name!r}.", f"Name a file, or one of: {listed}.")
+
+
+def at(path: str) -> Look:
+    """The preset at a path of the library; raises VibeError where it is gone."""
+    for look in looks():
+        if str(look.path) == path:
+            return look
+    raise schema.VibeError("That preset is gone.", "Choose another.")
+
+
+def save(look: preset.Preset, picture: Path | None = None) -> Look:
+    """Adds a preset, and a picture of it, to the artist's own.
+
+    Raises:
+        VibeError: The folder cannot be written.
+    """
+    return _write(folder(create=True), look, picture)
+
+
+def rename(look: Look, name: str) -> Look:
+    """Gives one of the artist's presets another name; raises VibeError if it cannot be."""
+    name = preset.title(name)
+    if not name:
+        raise schema.VibeError("A preset needs a name.", "Type one.")
+    _check_own(look)
+    if look.preset is None:
+        raise schema.VibeError(look.problem, "Delete it, or correct the file.")
+    made = _write(look.path.parent, replace(look.preset, name=name), look.picture, look.path)
+    if made.path != look.path:
+        delete(look)
+    return made
+
+
+def delete(look: Look) -> None:
+    """Deletes one of the artist's presets; raises VibeError if it cannot be."""
+    _check_own(look)
+    try:
+        look.path.unlink(missing_ok=True)
+        look.picture.unlink(missing_ok=True)
+    except OSError as error:
+        raise schema.VibeError(
+            f"{look.path} cannot be deleted: {error.strerror}.", "Check its permissions."
+        ) from error
+
+
+def bring(path: Path) -> Look:
+    """Copies a preset from anywhere into the artist's own; raises VibeError if it is none."""
+    look = presets.load(path)
+    return save(replace(look, name=look.name or preset.title(path.stem)), path.with_suffix(".png"))
+
+
+def export(look: Look, path: Path) -> None:
+    """Writes a preset, and its picture beside it; raises VibeError if it cannot be."""
+    path = path.with_suffix(".json")
+    if look.preset is None:
+        raise schema.VibeError(look.problem, "Delete it, or correct the file.")
+    _put(path, look.preset, look.picture)
+
+
+def _check_own(look: Look) -> None:
+    if look.shipped:
+        raise schema.VibeError(f"{look.name} comes with Vibe Render.", "Save a look of your own.")
+
+
+def _stamp(path: Path) -> tuple[int, int]:
+    """Changes when the file does."""
+    try:
+        found = path.stat()
+    except OSError:
+        return 0, 0
+    return found.st_mtime_ns, found.st_size
+
+
+@lru_cache(maxsize=1000)  # panels ask many times a second
+def _read(path: Path, _time: int, _size: int) -> Look:
+    try:
+        return Look(path, presets.load(path))
+    except schema.VibeError as error:
+        return Look(path, None, str(error))
+
+
+def _write(place: Path, look: preset.Preset, picture: Path | None, instead: Path | None = None) -> Look:
+    """Writes a preset under its own name, or a numbered one where that is taken."""
+    path, number, name = place / f"{_stem(look.name)}.json", 1, look.name
+    while path.exists() and path != instead:
+        number += 1
+        look = replace(look, name=f"{name} {number}")
+        path = place / f"{_stem(look.name)}.json"
+    _put(path, look, picture)
+    return _read(path, *_stamp(path))
+
+
+def _put(path: Path, look: preset.Preset, picture: Path | None) -> None:
+    try:
+        part = path.with_name(f".{path.name}.part")
+        part.write_text(look.dumps() + "\n", encoding="utf-8")
+        if picture and picture != path.with_suffix(".png") and _is_picture(picture):
+            shutil.copyfile(picture, path.with_suffix(".png"))
+        os.replace(part, path)
+    except OSError as error:
+        raise schema.VibeError(f"{path} cannot be written: {error.strerror}.", "Check the folder.") from error
+
+
+def _is_picture(path: Path) -> bool:
+    """Whether a file is a PNG of a sensible size."""
+    if not path.is_file() or path.stat().st_size > _LARGEST_PICTURE:
+        return False
+    with path.open("rb") as file:
+        return file.read(len(_PNG)) == _PNG
+
+
+def _stem(name: str) -> str:
+    """A file name for a title, on any system: letters, digits and dashes."""
+    plain = unicodedata.normalize("NFKD", name).casefold()
+    return re.sub(r"[^\w]+", "-", plain).strip("-")[:50] or "look"

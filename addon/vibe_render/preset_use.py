@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Presets in the open file: put on a scene as a vibe's result is, and taken from one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+
+from . import bindings, preset_fit, presets, result, scene_io, thumbnail
+from .contract import messages, preset, schema
+from .subject import Choice
+
+_POWER = "/power"
+
+
+def apply(scene: bpy.types.Scene, look: preset.Preset, choice: Choice) -> list[str]:
+    """Puts a look on the scene; strength, Original, Keep and Revert work as after a vibe.
+
+    A look that came from a preset and has not been kept makes way for it, so that one can be tried after the
+    other. A failure leaves the scene as it was.
+
+    Returns:
+        What did not fit, in words for the artist.
+
+    Raises:
+        VibeError: Nothing of the look fits, or the scene cannot be worked with.
+    """
+    settings = scene.vibe
+    another, shown = bool(settings.vibed_preset), settings.show_original
+    if another:
+        settings.show_original = True
+    try:
+        with scene_io.untouched_on_failure(scene):
+            rest = _apply(scene, look, scene_io.open_sight(scene, choice))
+    except BaseException:
+        settings.show_original = shown
+        raise
+    settings.vibed_preset = look.name
+    return rest
+
+
+def _apply(scene: bpy.types.Scene, look: preset.Preset, sight: scene_io.Sight) -> list[str]:
+    found, survey = preset_fit.fit(look, sight), sight.survey
+    if not found.values:
+        raise schema.VibeError(
+            "Nothing in this scene takes what the preset holds.", "See what it is for in its description."
+        )
+    added = {key: [0.0] for key in found.values if key.endswith(_POWER) and key not in sight.instances}
+    bindings.write(scene, added, survey.objects, survey.pivot)  # so that strength dims lights that are new
+    records = {key: {"reason": f"the preset {look.name}"} for key in found.values}
+    made = messages.Result(found.values, {"parameters": records}, "")
+    result.apply(scene, look.prompt or look.name, made, survey.objects, survey.pivot)
+    return found.rest
+
+
+def capture(scene: bpy.types.Scene, choice: Choice, name: str) -> preset.Preset:
+    """The look that the scene has now, of all that the last vibe or preset changed.
+
+    Raises:
+        VibeError: There is no such look, or the scene cannot be read.
+    """
+    settings = scene.vibe
+    settings.show_original = False
+    sight = scene_io.look_at(scene, choice)
+    changed = (change.name for change in settings.changes)
+    values = {key: sight.instances[key].value for key in changed if key in sight.instances}
+    look = presets.extract(settings.vibed_prompt, sight, values, name)
+    if not look.roles:
+        raise schema.VibeError("There is no look to save.", "Vibe the scene first, or apply a preset.")
+    return look
+
+
+def picture(scene: bpy.types.Scene, prediction: Path | None, out: Path) -> None:
+    """A thumbnail of the scene as it is: of the prediction where that still shows it, else a small render."""
+    if prediction and prediction.is_file() and scene.vibe.strength == 1.0:
+        thumbnail.shrink(prediction, out)
+    else:
+        thumbnail.render(scene, out)

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Small square pictures of looks."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import uuid
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from . import rendering
+from .contract import schema
+
+SIZE = 128  # pixels
+_SAMPLES = 48
+
+
+def render(scene: bpy.types.Scene, out: Path) -> None:
+    """Renders the scene small with Cycles, and writes the middle of the picture as a PNG.
+
+    Raises:
+        VibeError: Blender cannot render, or the file cannot be written.
+    """
+    width, height = scene.render.resolution_x, scene.render.resolution_y
+    longer = round(SIZE * max(width, height) / min(width, height))
+    with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
+        whole = Path(folder) / "whole.png"
+        rendering.render(scene, whole, longer, _SAMPLES)
+        shrink(whole, out)
+
+
+def shrink(picture: Path, out: Path) -> None:
+    """Writes the middle of a picture, `SIZE` pixels wide, as a PNG; whole or not at all.
+
+    Raises:
+        VibeError: The picture cannot be read, or the file cannot be written.
+    """
+    part = out.with_name(f".{uuid.uuid4().hex[:8]}.png")
+    try:
+        middle = _middle(picture)
+        side = middle.shape[0]
+        small = bpy.data.images.new("Vibe Thumbnail", side, side, alpha=False, is_data=True)
+        try:
+            small.pixels.foreach_set(middle.ravel())
+            small.scale(SIZE, SIZE)
+            small.filepath_raw, small.file_format = str(part), "PNG"
+            small.save()
+        finally:
+            bpy.data.images.remove(small)
+        os.replace(part, out)
+    except (OSError, RuntimeError) as error:
+        raise schema.VibeError(f"No thumbnail could be made: {error}.", "Check the folder.") from error
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def pixels(picture: Path) -> np.ndarray:
+    """(H, W, 4) as stored, 0 to 1, row 0 at the bottom."""
+    image = bpy.data.images.load(str(picture))
+    try:
+        image.colorspace_settings.name = "Non-Color"
+        flat = np.empty(image.size[0] * image.size[1] * 4, np.float32)
+        image.pixels.foreach_get(flat)
+        return flat.reshape(image.size[1], image.size[0], 4)
+    finally:
+        bpy.data.images.remove(image)
+
+
+def _middle(picture: Path) -> np.ndarray:
+    """The largest square in the middle, opaque."""
+    whole = pixels(picture)
+    side = min(whole.shape[:2])
+    top, left = ((n - side) // 2 for n in whole.shape[:2])
+    square = np.ascontiguousarray(whole[top : top + side, left : left + side])
+    square[..., 3] = 1.0
+    return square
