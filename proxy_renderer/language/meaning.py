@@ -23,21 +23,7 @@ def complete(parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[
     """Fills in objects, targets, colors and conflicts of a prompt whose attributes are bound."""
     parsed.attributes = _qualified(parsed.attributes)
     parsed.objects = _objects(parsed.attributes, subject, things)
-    for attribute in sorted(parsed.attributes, key=lambda a: (bool(a.cause), a.slot == "material")):
-        for head, value in _heads(attribute, vocabulary).items():
-            settled = parsed.targets.setdefault(head, value)
-            if head == "fog" and {settled, value} == {"light", "thick"}:
-                settled = parsed.targets[head] = (
-                    value if not attribute.cause and value == "thick" else settled
-                )
-                continue
-            usual = attribute.slot == "material" and head == "subject_finish"  # matte ceramic
-            if settled != value and not (attribute.cause or usual or head.endswith("_color")):
-                asked, first = (word.replace("none", "no") for word in (value, settled))
-                note = (
-                    f"'{attribute.word}' asks for {asked} {_readable(head)}, but {first} was asked for first."
-                )
-                parsed.conflicts.append(note)
+    _settle_targets(parsed, vocabulary)
     _region_colors(parsed)
     for region in ("subject", "surroundings"):
         if region in parsed.colors and f"{region}_color" not in parsed.targets:
@@ -45,6 +31,29 @@ def complete(parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[
             parsed.targets[f"{region}_color"] = color_class(named)
     parsed.ignored = list(dict.fromkeys(parsed.ignored))
     parsed.conflicts = list(dict.fromkeys(parsed.conflicts))
+
+
+def _settle_targets(parsed: Parsed, vocabulary: Vocabulary) -> None:
+    """What the attribute heads should say; of words that contradict each other, the first one counts."""
+    settlers: dict[str, Attribute] = {}
+    for attribute in sorted(parsed.attributes, key=lambda a: (bool(a.cause), a.slot == "material")):
+        heads, lost = _heads(attribute, vocabulary), 0
+        for head, value in heads.items():
+            settled = parsed.targets.setdefault(head, value)
+            first = settlers.setdefault(head, attribute)
+            if head == "fog" and {settled, value} == {"light", "thick"}:
+                if not attribute.cause and value == "thick":
+                    parsed.targets[head] = value
+                continue
+            usual = attribute.slot == "material" and head == "subject_finish"  # matte ceramic
+            if settled != value and not (attribute.cause or usual or head.endswith("_color")):
+                lost += 1
+                parsed.conflicts.append(
+                    f"'{attribute.word}' contradicts '{first.cause or first.word}' on {_readable(head)}: "
+                    f"'{first.cause or first.word}' counts."
+                )
+        if heads and lost == len(heads):
+            parsed.overruled.append(attribute)
 
 
 def _qualified(attributes: list[Attribute]) -> list[Attribute]:
@@ -160,5 +169,6 @@ def _objects(attributes: list[Attribute], subject: str, things: list[Named]) -> 
         slot, word = attribute.slot, attribute.word
         if slot == "color" and attribute.region == "whole":
             slot, word = _COLORED.get(attribute.kind, "grade"), f"{word} {attribute.thing}"
-        slots[slot] = f"{slots[slot]}, {word}" if slot in slots else word
+        said = slots[slot].split(", ") if slot in slots else []
+        slots[slot] = ", ".join(dict.fromkeys([*said, word]))
     return list(objects.values())

@@ -17,7 +17,10 @@ from .types import Parsed, Region, SceneWords
 from .vocabulary import Vocabulary, default_vocabulary
 
 LONGEST_PROMPT = 2000
-_TAG = re.compile(r"</?[a-zA-Z][^<>]{0,200}>")
+_TAG = re.compile(r"</?[a-zA-Z][^<>]{0,200}>|\x1b\[[0-9;]*[A-Za-z]|[\x00-\x08\x0e-\x1f\x7f]")
+_THINGS_STAY = "things are not added, moved or removed, only their look changes."
+_AGAIN = ("make", "give", "keep", "set", "let")
+"""A verb that starts a new wish: "remove the chair and make it warm"."""
 _STYLE = (
     "look",
     "style",
@@ -56,11 +59,15 @@ def parse(prompt: str, scene: SceneWords, vocabulary: Vocabulary | None = None) 
     if reader.beyond:
         said = ", ".join(f"'{text}'" for text in dict.fromkeys(reader.beyond))
         parsed.conflicts.append(f"{said}: no value of a material, light, world, fog or film gives that.")
+    if reader.undone:
+        said = ", ".join(f"'{text}'" for text in dict.fromkeys(reader.undone))
+        parsed.conflicts.append(f"{said}: {_THINGS_STAY}")
     if foreign:
         parsed.conflicts.append(f"Some of the prompt does not look like English. {ONLY_ENGLISH}")
     if not parsed.attributes:
         raise VibeError(
-            f"Nothing in the prompt '{text[:60]}' names a look{' in English' if foreign else ''}.",
+            f"Nothing in the prompt '{text[:60]}' names a look{' in English' if foreign else ''}"
+            + (f": {_THINGS_STAY}" if reader.undone else "."),
             "Name colors (teal), materials (glossy, gold), light (warm soft light), fog, grading (noir, vignette) "
             "or a mood (cosy, ominous).",
         )
@@ -80,6 +87,7 @@ class _Reader:
         self.guesses: dict[str, str] = {}
         self.confidence: dict[str, float] = {}
         self.beyond: list[str] = []
+        self.undone: list[str] = []
 
     def read(self, text: str) -> Parsed:
         """Binds every clause; the result lacks what `meaning.complete` adds."""
@@ -115,11 +123,14 @@ class _Reader:
             if token.guess:
                 self.guesses[token.text] = token.guess
             if token.lists & {"action", "undo"}:
-                until = next((i for i, t in enumerate(rest) if t.lists & {"action", "undo"}), len(rest))
+                ends = (i for i, t in enumerate(rest) if t.lists & {"action", "undo"} or t.text in _AGAIN)
+                until = next(ends, len(rest))
                 if not _speaks_of_looks(rest[:until]):
                     skipped = index + 1 + until
                     left = tokens[index:skipped]
-                    self.binding.ignored += [t.text for t in left if not t.lists & {"stop", "joiner"}]
+                    wish = [t.text for t in left if not t.lists & {"stop", "joiner"}]
+                    self.binding.ignored += wish
+                    self.undone.append(" ".join(wish))
                     continue
                 state.negated = "undo" in token.lists
             else:
@@ -281,7 +292,7 @@ class _Reader:
         """A word that nobody knows: a name for the subject or for a thing around it, or nothing."""
         before_look = following is not None and following.known and not following.lists
         named = any(t.kind == "subject" for t in self.binding.things)
-        if before_look or (state.prefix and not state.waiting):
+        if before_look or (state.prefix and not state.waiting) or token.text[0].isdigit():
             self.binding.ignored.append(token.text)
         elif state.around or state.inside:
             self._name(state, token.text, "surroundings")

@@ -107,14 +107,13 @@ class _Planner:
         return [f"'{word}' is not fully possible here: {what}." for word, what in lacking.items()]
 
     def _attributes(self) -> list[Attribute]:
-        """With "red and blue lights" shared out: the first color to the key, the next to the others."""
-        gels = [
-            a for a in self.parsed.attributes if a.color and a.kind == "light" and not a.role and not a.cause
-        ]
+        """What is not overruled, with "red and blue lights" shared out: the first color to the key, the next to the others."""
+        said = [a for a in self.parsed.attributes if a not in self.parsed.overruled]
+        gels = [a for a in said if a.color and a.kind == "light" and not a.role and not a.cause]
         if len(gels) < 2:
-            return self.parsed.attributes
+            return said
         roles = {id(gels[0]): "key", id(gels[1]): "others"}
-        return [replace(a, role=roles.get(id(a), a.role)) for a in self.parsed.attributes]
+        return [replace(a, role=roles.get(id(a), a.role)) for a in said]
 
     def _effects(self, attribute: Attribute) -> list[Effect]:
         """What a word does; negated, what it forbids or the mild opposite."""

@@ -17,7 +17,8 @@ _MOST = 5  # words per caption: short ones are understood better
 def compose(parsed: Parsed, vocabulary: Vocabulary | None = None) -> Prompts:
     """Captions and negatives of a parsed prompt."""
     vocabulary = vocabulary or default_vocabulary()
-    said = [a for a in parsed.attributes if not a.negated and not a.cause]
+    meant = [a for a in parsed.attributes if a not in parsed.overruled]
+    said = [a for a in meant if not a.negated and not a.cause]
     subject = next((o.name for o in parsed.objects if o.region == "subject"), "subject")
     noun = "object" if subject == "subject" else subject
     around = next((o.name for o in parsed.objects if o.region == "surroundings"), "surroundings")
@@ -34,7 +35,7 @@ def compose(parsed: Parsed, vocabulary: Vocabulary | None = None) -> Prompts:
         ", ".join(dict.fromkeys(part for part in (foreground, background, *looks) if part)),
         _negatives(mine, theirs, noun, vocabulary),
         _negatives(theirs, mine, backdrop, vocabulary),
-        _unwanted(parsed.attributes, vocabulary),
+        _unwanted(meant, vocabulary),
     )
 
 

@@ -98,6 +98,7 @@ class Parsed:
         guesses: Unknown word -> vocabulary entry that it was taken for.
         conflicts: Contradictions, and how each was resolved, one sentence each.
         confidence: Guessed word -> how sure the guess is, in [0, 1].
+        overruled: Attributes that ask for nothing but what earlier ones contradict.
     """
 
     prompt: str
@@ -109,6 +110,7 @@ class Parsed:
     guesses: dict[str, str] = field(default_factory=dict)
     conflicts: list[str] = field(default_factory=list)
     confidence: dict[str, float] = field(default_factory=dict)
+    overruled: list[Attribute] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
