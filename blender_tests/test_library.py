@@ -43,16 +43,16 @@ def own(tmp_path, monkeypatch):
 
 
 @pytest.fixture
-def png(tmp_path):
+def wide(tmp_path):
     """A wide picture, red on the left and right, green in the middle."""
     image = bpy.data.images.new("wide", 300, 100)
     pixels = np.zeros((100, 300, 4), np.float32)
     pixels[..., 0], pixels[:, 100:200, 0], pixels[:, 100:200, 1], pixels[..., 3] = 1.0, 0.0, 1.0, 1.0
     image.pixels.foreach_set(pixels.ravel())
-    image.filepath_raw, image.file_format = str(tmp_path / "wide.png"), "PNG"
+    image.filepath_raw, image.file_format = str(tmp_path / "wide.jpg"), "JPEG"
     image.save()
     bpy.data.images.remove(image)
-    return tmp_path / "wide.png"
+    return tmp_path / "wide.jpg"
 
 
 @pytest.fixture
@@ -68,8 +68,8 @@ def names(words=""):
     return [look.name for look in library.looks(words)]
 
 
-def test_saved_found_renamed_and_deleted(own, png):
-    saved = library.save(NOIR, png)
+def test_saved_found_renamed_and_deleted(own, wide):
+    saved = library.save(NOIR, wide)
     assert saved.preset == NOIR
     assert saved.picture.is_file()
     assert library.save(NOIR).name == "Noir 2"
@@ -97,8 +97,8 @@ def test_shipped_looks_stay(own):
     assert names() == ["Cosy"]
 
 
-def test_export_and_import(own, png, tmp_path):
-    library.export(library.save(NOIR, png), tmp_path / "shared.json")
+def test_export_and_import(own, wide, tmp_path):
+    library.export(library.save(NOIR, wide), tmp_path / "shared.json")
     shutil.rmtree(own)
     own.mkdir()
     brought = library.bring(tmp_path / "shared.json")
@@ -108,7 +108,7 @@ def test_export_and_import(own, png, tmp_path):
 
 def test_a_picture_that_is_none_is_not_imported(own, tmp_path):
     (tmp_path / "odd.json").write_text(NOIR.dumps())
-    (tmp_path / "odd.png").write_text("import os")
+    (tmp_path / "odd.jpg").write_text("import os")
     assert not library.bring(tmp_path / "odd.json").picture.exists()
 
 
@@ -138,13 +138,13 @@ def test_a_folder_that_cannot_be_written(own, monkeypatch):
         library.save(NOIR)
 
 
-def test_thumbnails_show_the_middle(png, tmp_path, scene):
-    thumbnail.shrink(png, tmp_path / "small.png")
-    small = thumbnail.pixels(tmp_path / "small.png")
+def test_thumbnails_show_the_middle(wide, tmp_path, scene):
+    thumbnail.shrink(wide, tmp_path / "small.jpg")
+    small = thumbnail.pixels(tmp_path / "small.jpg")
     assert small.shape == (thumbnail.SIZE, thumbnail.SIZE, 4)
-    assert np.abs(small[5:-5, 5:-5, :3] - (0, 1, 0)).max() < 0.02
+    assert np.abs(small[5:-5, 5:-5, :3] - (0, 1, 0)).max() < 0.05
     with pytest.raises(VibeError, match="No thumbnail"):
-        thumbnail.shrink(tmp_path / "none.png", tmp_path / "small.png")
+        thumbnail.shrink(tmp_path / "none.jpg", tmp_path / "small.jpg")
 
 
 def test_looks_are_tried_one_after_the_other_and_reverted(addon):
@@ -212,5 +212,5 @@ def test_a_look_is_captured_as_it_is_now(addon, tmp_path):
     flat = preset_use.capture(addon, Choice(), "Flat")
     assert flat.roles["film"][0]["saturation"] == [pytest.approx(1.0)]
     assert snapshot.exists(addon)
-    preset_use.picture(addon, None, tmp_path / "small.png")
-    assert thumbnail.pixels(tmp_path / "small.png").shape == (thumbnail.SIZE, thumbnail.SIZE, 4)
+    preset_use.picture(addon, None, tmp_path / "small.jpg")
+    assert thumbnail.pixels(tmp_path / "small.jpg").shape == (thumbnail.SIZE, thumbnail.SIZE, 4)

@@ -13,7 +13,13 @@ from pathlib import Path
 
 from .schema import VibeError
 
-_IGNORED = shutil.ignore_patterns("__pycache__", "*.pyc", "bench")  # measurements are the command's
+_IGNORED = shutil.ignore_patterns(
+    "__pycache__",
+    "*.pyc",
+    "bench",  # measurements are the command's
+    "make_looks.py",  # looks are made here, and come made
+    "prompts.toml",
+)
 
 
 def build(out: Path) -> Path:

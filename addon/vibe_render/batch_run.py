@@ -81,7 +81,7 @@ def carry_out(a: argparse.Namespace, reporter: Reporter, talk: Conversation) -> 
         laps.lap("render after")
         pictures = (out.path(name) for name in ("before.png", "after.png", "compare.png"))
         talk.ask(messages.Finish(*map(str, pictures)))
-        _save_blend(out.path("vibed.blend"))
+        save_blend(out.path("vibed.blend"))
         measured = talk.wait(messages.Finished)
         laps.lap("save and measure")
         out.write_text("preset.json", presets.extract(a.prompt, job, found.values).dumps())
@@ -119,7 +119,7 @@ def apply(a: argparse.Namespace, reporter: Reporter) -> None:
         skipped = bindings.write(scene, found.values, survey.objects, survey.pivot)
         reporter.stage("rendering after")
         _render_after(scene, survey, a, out)
-        _save_blend(out.path("vibed.blend"))
+        save_blend(out.path("vibed.blend"))
     lines = [f"Did not fit: {line}" for line in found.rest]
     lines += [f"Did not fit: {changes.title(key)}: {reason}" for key, reason in skipped.items()]
     count = len(found.values) - len(skipped)
@@ -140,7 +140,7 @@ def revert(a: argparse.Namespace, reporter: Reporter) -> None:
         )
     lost = [line for scene in scenes for line in snapshot.revert(scene)]
     with Outputs(path.parent) as out:
-        _save_blend(out.path(path.name))
+        save_blend(out.path(path.name))
     reporter.result([f"{path.name} is as it was before.", *(f"Could not restore: {line}" for line in lost)])
 
 
@@ -188,7 +188,7 @@ def _render_after(scene: bpy.types.Scene, survey: Survey, a: argparse.Namespace,
     rendering.render_mask(scene, out.path("mask.png"), a.size, survey.objects)
 
 
-def _save_blend(path: Path) -> None:
+def save_blend(path: Path) -> None:
     """Saves the open file under another name; its paths stay right for that folder."""
     try:
         bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True, relative_remap=True, check_existing=False)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The preset library: the looks that come with Vibe Render, and the artist's own in a folder of theirs.
 
-A preset is NAME.json with a picture NAME.png beside it. Other files in the folders are never touched.
+A preset is NAME.json with a picture NAME.jpg beside it. Other files in the folders are never touched.
 """
 
 from __future__ import annotations
@@ -16,14 +16,16 @@ from pathlib import Path
 
 import bpy
 
-from . import presets
+from . import presets, thumbnail
 from .contract import preset, schema
 
 SHIPPED = Path(__file__).parent / "looks"
 """The looks that come with Vibe Render."""
 
+PICTURE = thumbnail.SUFFIX
+
 _LARGEST_PICTURE = 4_000_000  # bytes; ours have a hundredth of that
-_PNG = b"\x89PNG\r\n\x1a\n"
+_JPEG = b"\xff\xd8\xff"
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,7 @@ class Look:
     @property
     def picture(self) -> Path:
         """Where its picture is, if it has one."""
-        return self.path.with_suffix(".png")
+        return self.path.with_suffix(PICTURE)
 
     def matches(self, words: str) -> bool:
         """Whether its name and prompt have all of these words in them, or beginnings of words."""
@@ -125,6 +127,13 @@ def at(path: str) -> Look:
     raise schema.VibeError("That preset is gone.", "Choose another.")
 
 
+def path_for(place: Path, name: str) -> Path:
+    """The file of a preset of this name: letters, digits and dashes, which any system takes."""
+    plain = unicodedata.normalize("NFKD", name).casefold()
+    words = re.sub(r"[^\w]+", "-", plain).strip("-")[:50]
+    return place / f"{words or 'look'}.json"
+
+
 def save(look: preset.Preset, picture: Path | None = None) -> Look:
     """Adds a preset, and a picture of it, to the artist's own.
 
@@ -163,7 +172,7 @@ def delete(look: Look) -> None:
 def bring(path: Path) -> Look:
     """Copies a preset from anywhere into the artist's own; raises VibeError if it is none."""
     look = presets.load(path)
-    return save(replace(look, name=look.name or preset.title(path.stem)), path.with_suffix(".png"))
+    return save(replace(look, name=look.name or preset.title(path.stem)), path.with_suffix(PICTURE))
 
 
 def export(look: Look, path: Path) -> None:
@@ -198,11 +207,11 @@ def _read(path: Path, _time: int, _size: int) -> Look:
 
 def _write(place: Path, look: preset.Preset, picture: Path | None, instead: Path | None = None) -> Look:
     """Writes a preset under its own name, or a numbered one where that is taken."""
-    path, number, name = place / f"{_stem(look.name)}.json", 1, look.name
+    path, number, name = path_for(place, look.name), 1, look.name
     while path.exists() and path != instead:
         number += 1
         look = replace(look, name=f"{name} {number}")
-        path = place / f"{_stem(look.name)}.json"
+        path = path_for(place, look.name)
     _put(path, look, picture)
     return _read(path, *_stamp(path))
 
@@ -211,22 +220,16 @@ def _put(path: Path, look: preset.Preset, picture: Path | None) -> None:
     try:
         part = path.with_name(f".{path.name}.part")
         part.write_text(look.dumps() + "\n", encoding="utf-8")
-        if picture and picture != path.with_suffix(".png") and _is_picture(picture):
-            shutil.copyfile(picture, path.with_suffix(".png"))
+        if picture and picture != path.with_suffix(PICTURE) and _is_picture(picture):
+            shutil.copyfile(picture, path.with_suffix(PICTURE))
         os.replace(part, path)
     except OSError as error:
         raise schema.VibeError(f"{path} cannot be written: {error.strerror}.", "Check the folder.") from error
 
 
 def _is_picture(path: Path) -> bool:
-    """Whether a file is a PNG of a sensible size."""
+    """Whether a file is a JPEG of a sensible size."""
     if not path.is_file() or path.stat().st_size > _LARGEST_PICTURE:
         return False
     with path.open("rb") as file:
-        return file.read(len(_PNG)) == _PNG
-
-
-def _stem(name: str) -> str:
-    """A file name for a title, on any system: letters, digits and dashes."""
-    plain = unicodedata.normalize("NFKD", name).casefold()
-    return re.sub(r"[^\w]+", "-", plain).strip("-")[:50] or "look"
+        return file.read(len(_JPEG)) == _JPEG

@@ -15,11 +15,13 @@ from . import rendering
 from .contract import schema
 
 SIZE = 128  # pixels
+SUFFIX = ".jpg"
+_QUALITY = 92
 _SAMPLES = 48
 
 
 def render(scene: bpy.types.Scene, out: Path) -> None:
-    """Renders the scene small with Cycles, and writes the middle of the picture as a PNG.
+    """Renders the scene small with Cycles, and writes the middle of the picture as a JPEG.
 
     Raises:
         VibeError: Blender cannot render, or the file cannot be written.
@@ -33,12 +35,12 @@ def render(scene: bpy.types.Scene, out: Path) -> None:
 
 
 def shrink(picture: Path, out: Path) -> None:
-    """Writes the middle of a picture, `SIZE` pixels wide, as a PNG; whole or not at all.
+    """Writes the middle of a picture, `SIZE` pixels wide, as a JPEG; whole or not at all.
 
     Raises:
         VibeError: The picture cannot be read, or the file cannot be written.
     """
-    part = out.with_name(f".{uuid.uuid4().hex[:8]}.png")
+    part = out.with_name(f".{uuid.uuid4().hex[:8]}{SUFFIX}")
     try:
         middle = _middle(picture)
         side = middle.shape[0]
@@ -46,8 +48,8 @@ def shrink(picture: Path, out: Path) -> None:
         try:
             small.pixels.foreach_set(middle.ravel())
             small.scale(SIZE, SIZE)
-            small.filepath_raw, small.file_format = str(part), "PNG"
-            small.save()
+            small.filepath_raw, small.file_format = str(part), "JPEG"
+            small.save(quality=_QUALITY)
         finally:
             bpy.data.images.remove(small)
         os.replace(part, out)

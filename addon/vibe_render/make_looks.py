@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Makes the looks that come with Vibe Render, with Vibe Render: one vibe for each prompt of `looks/prompts.toml`.
+
+    python addon/vibe_render/make_looks.py [--only NAME] [--budget …] [--out DIR]
+
+What follows is handed to every vibe, as on the command line of `vibe run`. Materials and cameras stay as they are:
+these are moods of light, air and film, which fit any scene.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+import tomllib
+from pathlib import Path
+
+if not __package__:
+    # Run as a file: our modules are found as a package, and not by their bare names.
+    here = Path(__file__).resolve().parent
+    sys.path[:] = [p for p in sys.path if not p or Path(p).resolve() != here]
+    sys.path[:0] = [str(here.parent), str(here.parents[1])]
+
+import numpy as np
+
+from vibe_render import batch_arguments, batch_run, demo, library, presets, stage_parts, thumbnail
+from vibe_render.batch_report import Reporter
+from vibe_render.contract import preset, schema
+from vibe_render.conversation import Conversation
+from vibe_render.engine import Engine
+
+GROUPS = "light,world,volume,film"
+PROMPTS = library.SHIPPED / "prompts.toml"
+
+
+def main() -> int:
+    """Makes all looks, or one; returns the exit code."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--only", action="append", default=[], metavar="NAME", help="make these alone")
+    parser.add_argument(
+        "--out", type=Path, default=library.SHIPPED, metavar="DIR", help="default: %(default)s"
+    )
+    a, options = parser.parse_known_args()
+    rows = tomllib.loads(PROMPTS.read_text(encoding="utf-8"))["look"]
+    a.out.mkdir(parents=True, exist_ok=True)
+    engine, reporter = Engine(""), Reporter(events=False)
+    engine.start()
+    talk = Conversation(engine, reporter.engine)
+    try:
+        with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
+            for row in rows:
+                if not a.only or row["name"] in a.only:
+                    make(row["name"], row["prompt"], options, Path(folder), a.out, talk, reporter)
+    except schema.VibeError as error:
+        reporter.error(error)
+        return 2
+    finally:
+        engine.stop(patience=0.5)
+    return 0
+
+
+def make(
+    name: str,
+    prompt: str,
+    options: list[str],
+    folder: Path,
+    out: Path,
+    talk: Conversation,
+    reporter: Reporter,
+) -> None:
+    """Makes a look and its picture."""
+    print(f"\n{name}: {prompt}", flush=True)
+    stage = folder / "stage.blend"
+    if not stage.exists():
+        build_stage(stage)
+    words = ["run", str(stage), f"--prompt={prompt}", f"--groups={GROUPS}", f"--subject={demo.SUBJECT}"]
+    batch_run.carry_out(batch_arguments.parse([*words, f"--out={folder}", *options]), reporter, talk)
+    found = presets.load(folder / "preset.json")
+    path = library.path_for(out, name)
+    thumbnail.shrink(folder / "after.png", path.with_suffix(thumbnail.SUFFIX))
+    path.write_text(preset.Preset(name, found.roles, found.kinds, prompt).dumps() + "\n", encoding="utf-8")
+
+
+def build_stage(path: Path) -> None:
+    """The demo's still life with a fill light, so that looks say what all three lights do."""
+    scene = demo.build_demo()
+    pivot = np.array([0.0, 0.0, 0.86])
+    stage_parts.area_light(scene, "Fill", (80.0, 18.0), 4.5, 3.0, 0.2, pivot)
+    batch_run.save_blend(path)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
