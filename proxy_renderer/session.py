@@ -72,7 +72,15 @@ class Session:
         )
         clock.lap("loop")
         self._watch.stage("drawing the prediction")
-        self._predict(scene, outcome, device)
+        proxy = Proxy(
+            scene,
+            context.picture_size(scene.resolution, self.options.size),
+            device,
+            self.options.seed,
+            fine=True,
+        )
+        self._predict(proxy, outcome)
+        variants = self._variants(proxy, outcome)
         clock.lap("prediction")
         self._caption = outcome.prompts.whole or self.prompt
         return messages.Result(
@@ -81,16 +89,36 @@ class Session:
                 **self._facts(outcome, encoder),
                 **({"vlm": advisor.account()} if advisor else {}),
                 **report.anchored(outcome.anchoring, blender),
+                **(
+                    {"variants": [{"score": v.score, "values": v.values} for v in variants]}
+                    if variants
+                    else {}
+                ),
                 "timings": clock.laps,
             },
             prediction=PREDICTION,
             stopped=outcome.stopped,
+            variants=variants,
         )
 
-    def _predict(self, scene: SceneData, outcome: pipeline.Outcome, device: str) -> None:
+    def _variants(self, proxy: Proxy, outcome: pipeline.Outcome) -> list[messages.Variant]:
+        """The looks to choose from, each with a picture, and all of them on one sheet."""
+        variants, pictures = [], []
+        for number, found in enumerate(outcome.variants, start=1):
+            proxy.correction, *_ = found.anchor
+            with torch.no_grad():
+                picture = draw(proxy, found.vector, found.u)
+            name = f"variant-{number}.png"
+            report.save_picture(picture.display, self.job / name)
+            with Image.open(self.job / name) as image:
+                pictures.append((str(number), image.convert("RGB")))
+            variants.append(messages.Variant(report.changed_values(found), name, round(found.loss, 4)))
+        if pictures:
+            report.save_image(report.compare(pictures, self.prompt), self.job / messages.VARIANTS)
+        return variants
+
+    def _predict(self, proxy: Proxy, outcome: pipeline.Outcome) -> None:
         """Draws the values found at full size, and what would have been predicted without the last anchor."""
-        size = context.picture_size(scene.resolution, self.options.size)
-        proxy = Proxy(scene, size, device, self.options.seed, fine=True)
         anchoring = outcome.anchoring
         last = anchoring.proxy.correction
         corrections = {PREDICTION: last}

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import shutil
 import tempfile
 import time
 from collections.abc import Callable
@@ -85,6 +86,7 @@ def carry_out(a: argparse.Namespace, reporter: Reporter, talk: Conversation) -> 
         measured = talk.wait(messages.Finished)
         laps.lap("save and measure")
         out.write_text("preset.json", presets.extract(a.prompt, job, found.values).dumps())
+        _write_variants(out, a, job, found)
         out.write_json("report.json", _report(a, job, found, measured, skipped, laps))
     reporter.result(_summary(job, found, measured, skipped), found.stopped)
     return job.survey
@@ -188,6 +190,15 @@ def _render_after(scene: bpy.types.Scene, survey: Survey, a: argparse.Namespace,
     rendering.render_mask(scene, out.path("mask.png"), a.size, survey.objects)
 
 
+def _write_variants(out: Outputs, a: argparse.Namespace, job: Job, found: messages.Result) -> None:
+    """A preset of every variant, and the sheet to choose from."""
+    for number, variant in enumerate(found.variants, start=1):
+        look = presets.extract(a.prompt, job, variant.values, f"{number}: {a.prompt}")
+        out.write_text(f"preset-{number}.json", look.dumps())
+    if found.variants:
+        shutil.copyfile(Path(job.folder) / messages.VARIANTS, out.path(messages.VARIANTS))
+
+
 def save_blend(path: Path) -> None:
     """Saves the open file under another name; its paths stay right for that folder."""
     try:
@@ -237,6 +248,10 @@ def _summary(
     near, s = measured.delta_e, measured.similarity
     lines = [f"Note: {warning}" for warning in _warnings(job, found)[:4]]
     lines += _listed(job.instances, values)
+    if found.variants:
+        lines.append(
+            f"{len(found.variants)} variants on variants.png; `vibe apply preset-2.json` takes the second."
+        )
     return [
         *lines,
         *model_lines(found.report, measured.judge),

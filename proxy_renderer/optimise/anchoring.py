@@ -98,6 +98,10 @@ class Blender:
 Source = Callable[[dict[str, list[float]], tuple[int, int]], CyclesPicture | None]
 
 
+Anchor = tuple["Correction | None", "Correction | None", "Tensor | None"]
+"""The newest correction, the one before it, and where (N,) the newest is exact."""
+
+
 @dataclass
 class Anchoring:
     """The corrections of one run.
@@ -147,6 +151,15 @@ class Anchoring:
             )
         self._where = u.clone()
         self.records.append({"round": number + 1, "delta_e": round(float(difference.mean()), 3)})
+
+    @property
+    def newest(self) -> Anchor:
+        """What `recall` brings back."""
+        return self.proxy.correction, self.earlier, self._where
+
+    def recall(self, anchor: Anchor) -> None:
+        """Corrects the proxy as it once was."""
+        self.proxy.correction, self.earlier, self._where = anchor
 
     def _distance(self, u: Tensor) -> float:
         """How far u is from the newest picture's, in its worst component; infinite before the first."""

@@ -10,6 +10,7 @@ from torch import Tensor
 
 from ..guidance.guide import Weights
 from ..guidance.losses import leash_loss, prior_loss
+from ..guidance.regions import Views
 from .inner import fixed_views
 from .vector import ParameterVector
 
@@ -18,7 +19,13 @@ if TYPE_CHECKING:
 
 
 class Terms(Protocol):
-    """The guidance: `guide.Guide`, or the baseline's."""
+    """The guidance: `guide.Guide`, or the baseline's.
+
+    Attributes:
+        views: How many crops of each region it looks at.
+    """
+
+    views: Views
 
     def __call__(self, display: Tensor, mask: Tensor, generator: torch.Generator) -> dict[str, Tensor]:
         """The weighted loss terms of a picture (H, W, 3) with its mask (H, W)."""

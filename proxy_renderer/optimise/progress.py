@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Protocol
 
-from ..schema.messages import Anchor, Anchored, Options, Progress
+from ..schema.messages import Anchor, Anchored, Progress
 
 if TYPE_CHECKING:
     from torch import Tensor
@@ -37,18 +37,23 @@ class Watch(Protocol):
 class Clock:
     """Turns steps into progress messages.
 
+    Args:
+        rounds: How many there are at most.
+        steps: In each, at most.
+        watch: Is told.
+
     Attributes:
         stopped: Whether the watcher asked for the end.
     """
 
-    def __init__(self, options: Options, watch: Watch) -> None:
-        self._options, self._watch = options, watch
+    def __init__(self, rounds: int, steps: int, watch: Watch) -> None:
+        self._rounds, self._most, self._watch = rounds, steps, watch
         self._steps, self._seconds = 0, 0.0
         self.stopped = False
 
     def follow(self, number: int) -> Callable[[int, float, Render], bool]:
         """The inner loop's callback for a round (from 0)."""
-        rounds, steps = self._options.rounds, self._options.steps
+        rounds, steps = self._rounds, self._most
         last = time.monotonic()
 
         def on_step(step: int, loss: float, picture: Render) -> bool:

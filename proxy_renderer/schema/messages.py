@@ -163,13 +163,17 @@ class Anchored:
     error: str = ""
 
 
+VARIANTS = "variants.png"
+"""The sheet of all variants, a file name in the job folder."""
+
+
 @dataclass(frozen=True)
 class Variant:
     """One of several looks for the same words.
 
     Attributes:
         values: As those of `Result`.
-        picture: Its prediction at the loop's size, a file name in the job folder.
+        picture: Its prediction, a file name in the job folder.
         score: Its loss; smaller is better.
     """
 

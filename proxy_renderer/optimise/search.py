@@ -1,0 +1,222 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the rounds of a vibe share, wherever they start: confiner, guidance, and what a round minimises."""
+
+from __future__ import annotations
+
+from copy import copy
+from dataclasses import dataclass
+from functools import partial
+
+import torch
+from torch import Tensor
+
+from ..guidance.encoder import Encoder
+from ..guidance.guide import Guide, Weights
+from ..guidance.regions import Views
+from ..language.advice import Advice, Advisor, OfflineAdvisor
+from ..language.types import Plan
+from ..render.proxy import Proxy, Render
+from ..scene import SceneData
+from ..schema import Values, VibeError
+from ..schema.messages import Options
+from . import context, starts
+from .anchoring import Anchoring, Source
+from .baseline import GlobalGuide, plan_everything
+from .inner import Settings, descend, fixed_views, promise
+from .objective import RoundObjective, Terms, draw
+from .plan import carry, feasible_ranges, lock, top_k
+from .progress import Clock, Watch
+from .vector import ParameterVector, project
+
+INNER_SIZE = 256
+"""Greatest longer side of the pictures inside the loop, in pixels."""
+
+
+@dataclass
+class Start:
+    """Where a refinement starts. `drawn` (N,) are the components that were drawn at random, and stay near u (N,)."""
+
+    u: Tensor
+    drawn: Tensor | None = None
+
+
+@dataclass
+class Confined:
+    """A round's parse, prompts and plan (steps 3 to 7 of Algorithm 1), and where they leave u (N,)."""
+
+    advice: Advice
+    plan: Plan
+    ranges: dict[str, tuple[Values, Values]]
+    lower: Tensor
+    upper: Tensor
+    u: Tensor
+
+
+class Search:
+    """One vibe. Arguments as for `pipeline.run`.
+
+    Attributes:
+        several: Whether variants are wanted.
+        vector: The parameters of u.
+        proxy: Renders the loop's pictures.
+        anchoring: The proxy's corrections.
+        rounds: How many there are at most from each start.
+        clock: Tells the watcher how far all of it is.
+        number: Of the current round, over all starts.
+    """
+
+    def __init__(
+        self,
+        scene: SceneData,
+        prompt: str,
+        options: Options,
+        encoder: Encoder,
+        heads: Encoder | None,
+        watch: Watch,
+        advisor: Advisor | None,
+        source: Source | None,
+    ) -> None:
+        self.options, self.watch = options, watch
+        self.vector = ParameterVector(lock(scene.instances, options.groups, options.lock, options.camera))
+        size = inner_size(scene, options, encoder)
+        self.proxy = Proxy(scene, size, device=str(encoder.device), seed=options.seed)
+        self.advisor = advisor or OfflineAdvisor(prompt, context.scene_words(scene))
+        self.anchoring = Anchoring(self.proxy, self.vector, source)
+        self.several = options.variants > 1 and not options.baseline
+        # Variants share what would be one vibe's time, as far as that goes.
+        self.rounds = -(-options.rounds // 2) if self.several else options.rounds
+        self.clock = Clock(self.rounds * (options.variants if self.several else 1), options.steps, watch)
+        self.weights = None if options.baseline else Weights()
+        self._guidance = partial(guidance, encoder, heads, prompt, options)
+        self._terms: Terms | None = None
+        self.number = 0
+
+    def find_starts(self) -> list[Start]:
+        """The artist's scene; or the best of several starts after a coarse first pass, as different as they can be."""
+        home = self.vector.encode({})
+        number = starts.count(self.options)
+        if number == 1:
+            return [Start(home)]
+        now = self.confine(home, Plan(), None)
+        plan = starts.roam(self.vector.instances, now.plan) if self.several else now.plan
+        ranges = feasible_ranges(plan, self.vector.instances, self.vector.values(home))
+        box = self.vector.bounds(ranges)
+        drawn = starts.draw_starts(self.vector, plan, now.u, box, number, self.options.seed)
+        self.watch.stage(f"trying {number} starts")
+        tried = []
+        for point in drawn:
+            tried.append(self._try(point, now))
+            if self.watch.stopped():
+                break
+        losses = [loss for _, loss, _ in tried]
+        if not self.several:
+            return [Start(tried[min(range(len(tried)), key=losses.__getitem__)][0])]
+        chosen = starts.most_diverse([display for _, _, display in tried], losses, self.options.variants)
+        named = self.vector.mark(key for key, entry in plan.items() if entry.prior == 0.0)
+        return [Start(tried[i][0], named if i else None) for i in chosen]
+
+    def _try(self, point: Tensor, now: Confined) -> tuple[Tensor, float, Tensor]:
+        """A few steps from a start on few views: where they lead, its loss on all views, and its picture."""
+        quick = copy(self.terms)
+        quick.views = Views(1, 1, 1)
+        chosen, objective = self.objective(now, point, quick)
+        movable = self.vector.mark(chosen) & (now.upper > now.lower)
+        steps, seed = starts.COARSE_STEPS, self.options.seed
+        u = descend(objective, point, movable, now.lower, now.upper, steps, seed, Settings(), self._heedful).u
+        with torch.no_grad():
+            picture = draw(self.proxy, self.vector, u)
+            loss = torch.stack([*self.terms(picture.display, picture.mask, fixed_views()).values()]).sum()
+        return u, float(loss), picture.display
+
+    def _heedful(self, step: int, loss: float, picture: Render) -> bool:
+        """Ends a loop that nobody follows when the artist says stop."""
+        return self.watch.stopped()
+
+    def confine(self, u: Tensor, earlier: Plan, start: Start | None) -> Confined:
+        """Parses, composes, confines and projects, at u (N,)."""
+        self.anchoring.renew(u, self.number)
+        picture = draw(self.proxy, self.vector, u)
+        values = self.vector.values(u)
+        now = context.plan_context(self.proxy, values, picture)
+        advice = self.advisor.advise(picture.display, self.vector.instances, now)
+        plan = carry(advice.plan, earlier)
+        if self.options.baseline:
+            plan = plan_everything(self.vector.instances)
+        ranges = feasible_ranges(plan, self.vector.instances, values)
+        lower, upper = self.vector.bounds(ranges)
+        if start and start.drawn is not None:
+            lower, upper = starts.corral(start.u, lower, upper, start.drawn)
+        self._terms = self._terms or self._guidance(advice, picture)
+        return Confined(advice, plan, ranges, lower, upper, project(u, lower, upper))
+
+    @property
+    def terms(self) -> Terms:
+        """The guidance, calibrated on the artist's picture: the same in all rounds and for all starts."""
+        assert self._terms is not None
+        return self._terms
+
+    def objective(self, now: Confined, u: Tensor, terms: Terms) -> tuple[list[str], RoundObjective]:
+        """S_K, and what is minimised over it."""
+        chosen = select(now.plan, self.vector, self.proxy, terms, u, now.lower, now.upper, self.options)
+        weight = pull(now.plan, self.vector, chosen)
+        return chosen, RoundObjective(
+            self.proxy, self.vector, terms, set(chosen), now.lower, now.upper, weight, self.weights
+        )
+
+
+def guidance(
+    encoder: Encoder, heads: Encoder | None, prompt: str, options: Options, advice: Advice, start: Render
+) -> Terms:
+    """The objective's terms, calibrated on the artist's picture."""
+    parsed = advice.parsed
+    if options.baseline:
+        return GlobalGuide(encoder, prompt, Views())
+    silhouette = any(a.entry == "silhouette" and not a.negated for a in parsed.attributes)
+    first = (start.display, start.mask)
+    return Guide(encoder, heads, advice.prompts, parsed.targets, parsed.colors, first, silhouette)
+
+
+def select(
+    plan: Plan,
+    vector: ParameterVector,
+    proxy: Proxy,
+    terms: Terms,
+    u: Tensor,
+    lower: Tensor,
+    upper: Tensor,
+    options: Options,
+) -> list[str]:
+    """S_K: the K parameters that gradients go to; the baseline's are all that can move."""
+    movable = {key: bool((upper > lower)[part].any()) for key, part in vector.slices.items()}
+    relevant = {key for key, entry in plan.items() if entry.priority is not None and movable[key]}
+    if all(plan[key].prior > 0.0 for key in relevant):
+        raise VibeError(
+            "Nothing that the words name may change in this scene.",
+            "Unlock something, allow more groups, or use other words.",
+        )
+    if options.baseline:
+        return sorted(relevant)
+    # Moving the camera means tracing everything again: only words are worth that.
+    felt = {k for k in relevant if vector.instances[k].parameter.group != "camera" or plan[k].prior == 0.0}
+    probe = RoundObjective(proxy, vector, terms, felt, lower, upper, torch.zeros_like(u), None)
+    gain = promise(probe, u, lower, upper)
+    return top_k(
+        plan, options.top_k, movable, {k: float(gain[part].sum()) for k, part in vector.slices.items()}
+    )
+
+
+def pull(plan: Plan, vector: ParameterVector, chosen: list[str]) -> Tensor:
+    """(N,) weight in [0, 1] of the prior: on what is optimised though no word named it."""
+    weight = torch.zeros(vector.size, dtype=torch.float64)
+    for key in chosen:
+        weight[vector.slices[key]] = plan[key].prior
+    return weight
+
+
+def inner_size(scene: SceneData, options: Options, encoder: Encoder) -> tuple[int, int]:
+    """Width and height of the pictures inside the loop; the prediction has the full size.
+
+    Crops are at least three quarters of the picture, so one and a half times what the encoder looks
+    at is enough: 192 pixels for the embedded one.
+    """
+    return context.picture_size(scene.resolution, min(options.size, INNER_SIZE, encoder.size * 3 // 2))

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Several starts: drawn inside the plan's ranges, tried in a coarse first pass, told apart by their pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import torch
+import torch.nn.functional as F
+from torch import Tensor
+
+from ..language.types import Plan
+from ..render.color import srgb_to_lab
+from ..schema import Instance
+from .vector import ParameterVector
+
+if TYPE_CHECKING:
+    from ..schema.messages import Options
+
+COARSE_STEPS = 8
+VARIED = "left open by the words: varied, so that the variants differ"
+_PER_VARIANT = 3  # starts for each variant: some come to nothing, some look like others
+_ROAM = {"light/azimuth": (70.0, (-720.0, 720.0)), "light/elevation": (20.0, (10.0, 70.0))}
+"""How far the key light may be moved to make variants differ, and where it has to stay, in degrees."""
+_NEAR = 0.25  # of a range on either side of a start: a variant stays what it is
+_CELLS = 16
+
+
+def count(options: Options) -> int:
+    """How many starts there are; the first is the artist's scene."""
+    wanted = _PER_VARIANT * options.variants if options.variants > 1 else 1
+    return 1 if options.baseline else max(options.starts, wanted)
+
+
+def draw_starts(
+    vector: ParameterVector, plan: Plan, u: Tensor, box: tuple[Tensor, Tensor], number: int, seed: int
+) -> list[Tensor]:
+    """Points of the feasible box, the first of them u (N,) itself.
+
+    What the plan optimises is drawn anew from its range, a color's components at one place in theirs: the corners
+    of the box are other hues.
+
+    Args:
+        vector: The parameters of u.
+        plan: What is relevant.
+        u: (N,) inside the box.
+        box: Lower and upper corner, each (N,).
+        number: How many.
+        seed: Of the draw.
+    """
+    generator = torch.Generator().manual_seed(seed)
+    keys = [key for key, entry in plan.items() if entry.priority is not None]
+    starts = [u]
+    for _ in range(number - 1):
+        point = u.clone()
+        for key in keys:
+            part = vector.slices[key]
+            place = torch.rand((), generator=generator, dtype=torch.float64)
+            point[part] = box[0][part] + place * (box[1][part] - box[0][part])
+        starts.append(point)
+    return starts
+
+
+def roam(instances: Mapping[str, Instance], plan: Plan) -> Plan:
+    """The plan, with ranges to draw from for the key light's direction where the words leave that open."""
+    found = Plan(dict(plan), plan.notes)
+    for key, entry in plan.items():
+        instance = instances[key]
+        reach = _ROAM.get(instance.parameter.family)
+        if reach is None or instance.role != "key" or instance.locked or entry.prior < 1.0:
+            continue
+        far, (bottom, top) = reach
+        value = instance.value[0]
+        low, high = max(value - far, min(bottom, value)), min(value + far, max(top, value))
+        low, high = max(low, instance.lower[0]), min(high, instance.upper[0])
+        found[key] = type(entry)((low,), (high,), 99, VARIED, prior=0.0)
+    return found
+
+
+def with_reasons(plan: Plan, vector: ParameterVector, u: Tensor) -> Plan:
+    """The plan, which says of what was varied at u (N,) that it was."""
+    moved = vector.values(u)
+    varied = {
+        key: replace(entry, reason=VARIED)
+        for key, entry in plan.items()
+        if vector.instances[key].parameter.family in _ROAM
+        and entry.prior == 1.0
+        and moved[key] != vector.instances[key].value
+    }
+    return Plan({**plan, **varied}, plan.notes)
+
+
+def corral(start: Tensor, lower: Tensor, upper: Tensor, drawn: Tensor) -> tuple[Tensor, Tensor]:
+    """The part of the box (N,) near a start, in the components that were drawn (N,) bool."""
+    reach = _NEAR * (upper - lower)
+    middle = torch.minimum(torch.maximum(start, lower), upper)
+    near = torch.maximum(lower, middle - reach), torch.minimum(upper, middle + reach)
+    return torch.where(drawn, near[0], lower), torch.where(drawn, near[1], upper)
+
+
+def distance(a: Tensor, b: Tensor) -> float:
+    """How different two pictures (H, W, 3) look: mean Lab distance of their cells, which ignores fine detail."""
+    return float((_cells(a) - _cells(b)).norm(dim=0).mean())
+
+
+def most_diverse(pictures: list[Tensor], losses: list[float], number: int) -> list[int]:
+    """Indices of pictures that differ most, the first one and others of the better half.
+
+    Args:
+        pictures: (H, W, 3) each.
+        losses: Of the pictures; smaller is better.
+        number: How many indices.
+    """
+    ranked = sorted(range(len(losses)), key=losses.__getitem__)
+    good = ranked[: max(-(-len(ranked) // 2), number)]
+    chosen = [0]
+    while len(chosen) < min(number, len(pictures)):
+        left = [i for i in good if i not in chosen] or [i for i in ranked if i not in chosen]
+        chosen.append(max(left, key=lambda i: min(distance(pictures[i], pictures[j]) for j in chosen)))
+    return chosen
+
+
+def _cells(display: Tensor) -> Tensor:
+    """(3, 16, 16) mean Lab colors of a picture (H, W, 3)."""
+    return F.adaptive_avg_pool2d(srgb_to_lab(display.detach()).permute(2, 0, 1), _CELLS)
