@@ -19,7 +19,7 @@ from .optimise import context, pipeline
 from .optimise.anchoring import Blender
 from .optimise.objective import draw
 from .optimise.progress import Watch
-from .render.color import ciede2000, srgb_to_lab
+from .render.color import mean_difference
 from .render.proxy import Proxy
 from .scene import SceneData, load_scene
 from .schema import VibeError, messages
@@ -211,7 +211,7 @@ class Session:
 
 def _delta_e(a: np.ndarray, b: np.ndarray) -> float:
     """Mean CIEDE2000 of two pictures (H, W, 3)."""
-    return round(float(ciede2000(*(srgb_to_lab(torch.from_numpy(p)) for p in (a, b))).mean()), 3)
+    return round(float(mean_difference(torch.from_numpy(a), torch.from_numpy(b))), 3)
 
 
 def pick_device(name: str) -> str:

@@ -15,7 +15,7 @@ from pathlib import Path
 import bpy
 from bpy.types import Object, Scene
 
-from . import bindings, compat, rendering, roster
+from . import bake, bindings, rendering, roster
 from .contract import messages, schema
 from .settings import changed
 
@@ -77,27 +77,12 @@ def render_anchor(
         VibeError: A value is not usable, or the file cannot be written.
     """
     lit = {key: value for key, value in values.items() if not key.startswith("film/")}
-    with bindings.trial(scene, lit, subject, pivot), _twin(scene) as twin:
+    with bindings.trial(scene, lit, subject, pivot), bake.copied_scene(scene) as twin:
         layer = twin.view_layers[0]
         layer.cycles.denoising_store_passes = True
         with _light_groups(scene, layer) as groups:
             rendering.render_layers(twin, layer, path, size, samples, seed)
     return groups
-
-
-@contextmanager
-def _twin(scene: Scene) -> Iterator[Scene]:
-    """A scene of the same things, without a compositor, removed afterwards.
-
-    Passes and the picture of a render belong to a scene: the artist's compositor, whose sockets follow the
-    passes, and the artist's last render are left alone this way.
-    """
-    twin = scene.copy()
-    try:
-        compat.drop_compositor(twin)
-        yield twin
-    finally:
-        bpy.data.scenes.remove(twin)
 
 
 @contextmanager

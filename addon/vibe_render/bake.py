@@ -13,19 +13,27 @@ from typing import Any
 import bpy
 import numpy as np
 
+from . import compat
 from .settings import changed
 
 
 @contextmanager
 def copied_scene(scene: bpy.types.Scene, **render: Any) -> Iterator[bpy.types.Scene]:
-    """A copy of the scene that shares its objects, without compositing, removed afterwards."""
+    """A copy of the scene that shares its objects, without compositor and sequencer, removed afterwards.
+
+    Passes and the picture of a render belong to a scene: the artist's compositor, whose sockets follow the
+    passes, and the artist's last render are left alone this way.
+
+    Args:
+        render: Settings of the copy's `render`.
+    """
     twin = scene.copy()
-    twin.name = "Vibe Bake"
-    twin.render.use_compositing = twin.render.use_sequencer = twin.render.use_border = False
-    twin.render.use_multiview = twin.render.film_transparent = False
-    for name, value in render.items():
-        setattr(twin.render, name, value)
     try:
+        twin.name = "Vibe Bake"
+        compat.drop_compositor(twin)
+        settings = {"use_sequencer": False, "use_border": False, "use_multiview": False, **render}
+        for name, value in settings.items():
+            setattr(twin.render, name, value)
         yield twin
     finally:
         bpy.data.scenes.remove(twin)
@@ -105,7 +113,9 @@ def view_of(scene: bpy.types.Scene, material: bpy.types.Material, size: int) -> 
     """The camera's view of the scene when everything has this (glowing) material: (H, W, 3) linear."""
     sides = scene.render.resolution_x, scene.render.resolution_y
     width, height = (max(16, round(size * side / max(sides))) for side in sides)  # Blender refuses fewer
-    with copied_scene(scene, resolution_x=width, resolution_y=height, resolution_percentage=100) as twin:
+    with copied_scene(
+        scene, resolution_x=width, resolution_y=height, resolution_percentage=100, film_transparent=False
+    ) as twin:
         twin.world = None
         twin.view_layers[0].material_override = material
         return render_linear(twin, samples=4)

@@ -14,7 +14,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from .settings import changed
+from . import rendering
 
 
 def passes_of(scene: bpy.types.Scene) -> dict[str, np.ndarray]:
@@ -23,16 +23,11 @@ def passes_of(scene: bpy.types.Scene) -> dict[str, np.ndarray]:
     Returns:
         (H, W, C) float32 each, row 0 at the bottom; the channels in the order R, G, B, A or X, Y, Z, W.
     """
-    layer, picture = scene.view_layers[0], scene.render.image_settings
-    with (
-        tempfile.TemporaryDirectory() as folder,
-        changed(picture, media_type="MULTI_LAYER_IMAGE"),
-        changed(picture, file_format="OPEN_EXR_MULTILAYER"),
-        changed(picture, color_depth="32", exr_codec="NONE", use_exr_interleave=True),
-        changed(scene.render, filepath=str(Path(folder) / "passes.exr"), use_file_extension=True),
-    ):
-        bpy.ops.render.render(scene=scene.name, layer=layer.name, write_still=True)
-        channels = read(Path(scene.render.filepath))
+    layer = scene.view_layers[0]
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "passes.exr"
+        rendering.write_layers(scene, layer, path, exr_codec="NONE", use_exr_interleave=True)
+        channels = read(path)
     found: dict[str, dict[str, np.ndarray]] = {}
     for name, values in channels.items():
         owner, _, letter = name.rpartition(".")

@@ -49,10 +49,21 @@ def render(
 def render_layers(
     scene: bpy.types.Scene, layer: bpy.types.ViewLayer, path: Path, size: int, samples: int, seed: int
 ) -> None:
-    """Renders one view layer as `render` does, with all its passes to a multilayer EXR of 32-bit floats."""
-    kind = {"media_type": "MULTI_LAYER_IMAGE", "file_format": "OPEN_EXR_MULTILAYER"}
+    """Renders one view layer as `render` does, with all its passes to a compressed file as of `write_layers`."""
     with _cycles(scene, size, samples, seed):
-        _write_as(scene, path, {**kind, "color_depth": "32", "exr_codec": "ZIP"}, layer=layer.name)
+        write_layers(scene, layer, path, exr_codec="ZIP")
+
+
+def write_layers(scene: bpy.types.Scene, layer: bpy.types.ViewLayer, path: Path, **options: Any) -> None:
+    """Renders one view layer, as the scene is set up, with all its passes to a multilayer EXR of 32-bit floats.
+
+    The file appears whole or not at all. Raises as `render` does.
+
+    Args:
+        options: More settings of the file.
+    """
+    kind = {"media_type": "MULTI_LAYER_IMAGE", "file_format": "OPEN_EXR_MULTILAYER", "color_depth": "32"}
+    _write_as(scene, path, kind | options, layer=layer.name)
 
 
 def render_mask(scene: bpy.types.Scene, path: Path, size: int, subject: Iterable[bpy.types.Object]) -> None:

@@ -81,7 +81,13 @@ def measure(
             material = next(w.material for w in wanted if w.material.name_full == name)
             stack.enter_context(_marked(material, float(number)))
         twin = stack.enter_context(
-            bake.copied_scene(scene, resolution_x=width, resolution_y=height, resolution_percentage=100)
+            bake.copied_scene(
+                scene,
+                resolution_x=width,
+                resolution_y=height,
+                resolution_percentage=100,
+                film_transparent=False,
+            )
         )
         if plane:
             stack.enter_context(straight_on(twin, plane))

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import torch
 from torch import Tensor
 
-from ..render.color import ciede2000, srgb_to_lab
+from ..render.color import mean_difference
 from ..render.cycles import CyclesPicture
 from ..scene import SceneData
 from ..schema import VibeError, messages
@@ -146,11 +146,9 @@ class Anchoring:
             predicted = draw(self.proxy, self.vector, u).display
             self.earlier = self.proxy.correction
             self.proxy.anchor(chosen_values(self.vector, u, self.proxy.device), picture)
-            difference = ciede2000(
-                srgb_to_lab(predicted), srgb_to_lab(draw(self.proxy, self.vector, u).display)
-            )
+            difference = mean_difference(predicted, draw(self.proxy, self.vector, u).display)
         self._where = u.clone()
-        self.records.append({"round": number + 1, "delta_e": round(float(difference.mean()), 3)})
+        self.records.append({"round": number + 1, "delta_e": round(float(difference), 3)})
 
     @property
     def newest(self) -> Anchor:

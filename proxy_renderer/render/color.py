@@ -157,3 +157,8 @@ def blackbody(kelvin: Tensor) -> Tensor:
     green = g[0] / t + g[1] * t + g[2]
     blue = ((b[0] * t + b[1]) * t + b[2]) * t + b[3]
     return torch.stack((red, green, blue), -1).clamp_min(0.0)
+
+
+def mean_difference(display1: Tensor, display2: Tensor) -> Tensor:
+    """Mean CIEDE2000 (a scalar) of two sRGB-encoded pictures (..., 3) in [0, 1]."""
+    return ciede2000(srgb_to_lab(display1), srgb_to_lab(display2)).mean()
