@@ -18,6 +18,7 @@ from .arguments import (
     add_vocabulary,
     vibe_arguments,
 )
+from .batch.options import add_batch_options
 from .bench.options import BENCHES
 from .schema import VibeError
 
@@ -83,6 +84,9 @@ def parser() -> argparse.ArgumentParser:
         "--out", type=Path, default=Path("demo"), metavar="DIR", help="folder (default: %(default)s)"
     )
     add_vibe_options(demo)
+
+    batch = command("batch", _batch, "Give many scenes many looks, on this machine or on a cluster.")
+    add_batch_options(batch)
 
     apply = command("apply", _apply, "Give a scene the look that a preset holds, and render it.")
     apply.add_argument(
@@ -154,6 +158,12 @@ def _vibe(a: argparse.Namespace, what: list[str]) -> int:
     from .launch import launch
 
     return launch([*what, f"--prompt={a.prompt}", f"--out={out}", *vibe_arguments(a, groups)], out)
+
+
+def _batch(a: argparse.Namespace) -> int:
+    from .batch.command import run
+
+    return run(a)
 
 
 def _apply(a: argparse.Namespace) -> int:

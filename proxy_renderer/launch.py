@@ -41,7 +41,7 @@ def launch(arguments: list[str], out: Path, view: View | None = None) -> int:
     told = view is None
     view = view or View()
     view.stage("starting Blender")
-    process = start([str(_batch()), "--events", *arguments], **_own_group())
+    process = start([str(blender_side()), "--events", *arguments], **_own_group())
     presses = _forward_interrupts(process, view)
     tail: deque[str] = deque(maxlen=40)
     failure: VibeError | None = None
@@ -128,7 +128,7 @@ def _own_group() -> dict[str, Any]:
     return {"start_new_session": True}
 
 
-def _batch() -> Path:
+def blender_side() -> Path:
     """Where batch.py is: in the installed package, or in the clone that this file is in."""
     spec = importlib.util.find_spec("vibe_render")
     places = [Path(p) for p in (spec.submodule_search_locations or [])] if spec else []

@@ -31,9 +31,12 @@ def main() -> int:
     reporter = Reporter(events="--events" in arguments)
     try:
         given = parse(arguments)
-        from vibe_render import batch_run  # not before: importing bpy takes half a second
+        from vibe_render import batch_run, batch_serve  # not before: importing bpy takes half a second
 
-        batch_run.COMMANDS[given.command](given, reporter)
+        if given.command == "serve":
+            batch_serve.serve()
+        else:
+            batch_run.COMMANDS[given.command](given, reporter)
         return 0
     except schema.VibeError as error:
         reporter.error(error)

@@ -21,6 +21,7 @@ _COMMANDS = {
     "export": ("scene",),
     "apply": ("preset", "scene"),
     "revert": ("scene",),
+    "serve": (),
 }
 
 
@@ -34,7 +35,7 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
 
     What to do is said either by words, as the `vibe` command does (`run SCENE`, `demo`, `export SCENE`,
     `apply PRESET SCENE`, `revert FILE`), or by options for the file that Blender has open (`--apply PRESET`,
-    `--revert`, `--demo`, `--scene FILE`).
+    `--revert`, `--demo`, `--scene FILE`). `serve` takes any number of such command lines from the standard input.
 
     Returns:
         A namespace with `command`, `scene` (a path, "" for the open file), `preset`, and the options.
@@ -56,7 +57,7 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
         _check_prompt(a.prompt)
         a.groups = _names(a.groups)
         _check_groups(a.groups, a.lock)
-    if a.command != "revert":
+    if a.command not in ("revert", "serve"):
         a.out = _folder(a.out)
     return a
 

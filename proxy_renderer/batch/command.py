@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`vibe batch`: from a manifest to a folder of results."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from ..language.user import VARIABLE
+from ..schema import VibeError
+from . import manifest, schedule
+from .estimate import account
+from .local import Pool, fitting, local_pool
+from .plan import Job, Plan
+from .progress import Progress
+from .sheet import Sheet
+from .store import Row, Store
+from .worker import Setup
+
+
+def run(a: argparse.Namespace) -> int:
+    """Carries out the command; returns 0, or 1 if jobs have failed.
+
+    Raises:
+        VibeError: The manifest is wrong, or the batch cannot go on.
+        KeyboardInterrupt: It was interrupted; what is done stays, and the next run continues.
+    """
+    wanted = manifest.load(a.manifest, a.out)
+    plan = Plan(wanted.shots)
+    if a.workers < 0:
+        raise VibeError(f"--workers {a.workers} is out of range.", "Use 1 or more, or leave it out.")
+    if a.dry_run:
+        workers = a.workers or fitting(wanted.limits)
+        print(account(plan, a.out, workers))
+        return 0
+    with Store(a.out) as store, _terminable():
+        store.check_space(wanted.limits.free_gb)
+        return _carry_out(a, plan, store, wanted.limits)
+
+
+def _carry_out(a: argparse.Namespace, plan: Plan, store: Store, limits: manifest.Limits) -> int:
+    sheet = Sheet(a.manifest.stem, plan, store)
+    progress = Progress(len(plan), sum(map(store.done, plan)))
+
+    def tell(what: str, job: Job, row: Row) -> None:
+        progress.tell(what, job, row)
+        if what in ("done", "failed"):
+            sheet.update()
+
+    sheet.write()
+    progress.note(f"{len(plan)} jobs. Watch {store.folder / 'index.html'}")
+    pool = _pool(a, store, limits)
+    try:
+        with progress:
+            schedule.run(plan, store, pool, limits, tell)
+    finally:
+        with _deaf():
+            pool.close()
+            sheet.write()
+            progress.note(progress.summary())
+    progress.note(f"Open {store.folder / 'index.html'}")
+    return 1 if progress.counts["failed"] else 0
+
+
+def _pool(a: argparse.Namespace, store: Store, limits: manifest.Limits) -> Pool:
+    words = {VARIABLE: os.environ[VARIABLE]} if VARIABLE in os.environ else {}
+    setup = Setup(limits, words)
+    return local_pool(store.jobs, setup, a.workers)
+
+
+@contextmanager
+def _terminable() -> Iterator[None]:
+    """SIGTERM is heard like Ctrl-C."""
+
+    def stop(number: int, frame: Any) -> None:
+        raise KeyboardInterrupt
+
+    old = signal.signal(signal.SIGTERM, stop)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, old)
+
+
+@contextmanager
+def _deaf() -> Iterator[None]:
+    """Nothing interrupts the tidying up."""
+    old = {n: signal.signal(n, signal.SIG_IGN) for n in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, handler in old.items():
+            signal.signal(number, handler)

@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Workers on this machine."""
+
+from __future__ import annotations
+
+import os
+import queue
+import shutil
+import subprocess
+from collections.abc import Callable
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from pathlib import Path
+from typing import Protocol
+
+import psutil
+
+from .manifest import Limits
+from .plan import Job
+from .store import Row
+from .worker import Interrupted, Setup, Worker
+
+_PER_GPU = 4  # engines that share a graphics card
+
+
+class Pool(Protocol):
+    """Workers, wherever they are."""
+
+    def capacity(self) -> int:
+        """How many jobs may be out at once, now."""
+
+    def submit(self, job: Job) -> None:
+        """Hands out a job."""
+
+    def wait(self, seconds: float) -> list[tuple[Job, Row | None]]:
+        """Jobs that have ended, with their rows; None for a job whose worker is lost."""
+
+    def close(self) -> None:
+        """Ends all workers now."""
+
+
+class Carrier(Protocol):
+    """What carries out jobs: a `Worker`, or what stands for one in measurements."""
+
+    def run(self, job: Job, folder: Path) -> Row: ...
+
+    def close(self) -> None: ...
+
+
+class LocalPool:
+    """A thread for each worker.
+
+    Args:
+        jobs: The folder of the jobs' folders.
+        workers: What carries out the jobs.
+    """
+
+    def __init__(self, jobs: Path, workers: list[Carrier]) -> None:
+        self._jobs, self._workers = jobs, workers
+        self._idle: queue.SimpleQueue[Carrier] = queue.SimpleQueue()
+        for worker in workers:
+            self._idle.put(worker)
+        self._threads = ThreadPoolExecutor(len(workers))
+        self._out: dict[Future[Row], Job] = {}
+
+    def capacity(self) -> int:
+        return len(self._workers)
+
+    def submit(self, job: Job) -> None:
+        self._out[self._threads.submit(self._run, job)] = job
+
+    def wait(self, seconds: float) -> list[tuple[Job, Row | None]]:
+        ended, _ = wait(self._out, seconds, FIRST_COMPLETED)
+        return [(self._out.pop(future), future.result()) for future in ended]
+
+    def close(self) -> None:
+        for worker in self._workers:
+            worker.close()
+        self._threads.shutdown(wait=True, cancel_futures=True)
+
+    def _run(self, job: Job) -> Row:
+        worker = self._idle.get()
+        try:
+            return worker.run(job, self._jobs / job.name)
+        except Interrupted:
+            return {"status": "interrupted"}
+        finally:
+            self._idle.put(worker)
+
+
+def local_pool(jobs: Path, setup: Setup, count: int = 0) -> LocalPool:
+    """Workers for this machine: as many as its cores, its memory and its graphics cards hold, or `count`."""
+    count = count or fitting(setup.limits)
+    cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
+    cards = graphics_cards()
+
+    def worker(number: int) -> Worker:
+        first = number * setup.limits.cores
+        mine = cores[first : first + setup.limits.cores] if count > 1 else []
+        card = {"CUDA_VISIBLE_DEVICES": str(number % cards)} if cards else {}
+        return Worker(Setup(setup.limits, setup.variables | card, setup.command), mine)
+
+    return LocalPool(jobs, [worker(number) for number in range(count)])
+
+
+def fitting(limits: Limits, cards: Callable[[], int] | None = None) -> int:
+    """How many workers this machine holds; at least one."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    memory = psutil.virtual_memory().total / 1e9
+    fits = [cores // limits.cores, int(memory // limits.memory_gb)]
+    if found := (cards or graphics_cards)():
+        fits.append(found * _PER_GPU)
+    return max(1, min(fits))
+
+
+def graphics_cards() -> int:
+    """How many CUDA cards there are, asked without starting torch."""
+    chosen = os.environ.get("CUDA_VISIBLE_DEVICES")
+    if chosen is not None:
+        return len([c for c in chosen.split(",") if c.strip()])
+    if not shutil.which("nvidia-smi"):
+        return 0
+    done = subprocess.run(["nvidia-smi", "-L"], capture_output=True, text=True, timeout=30)
+    return done.stdout.count("GPU ") if done.returncode == 0 else 0

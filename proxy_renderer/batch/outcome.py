@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a finished job leaves behind for the sheet: its row, small pictures, and its parameters with their reasons."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from PIL import Image
+
+from ..schema import VibeError
+from .plan import Job
+from .store import DONE, Row, head, read_json, unwritable, write_bytes, write_json
+
+_THUMB = 480  # pixels, the longer side
+_ENGINE, _CYCLES = "engine: loop", ("render before", "render after")
+
+
+def leave(job: Job, folder: Path, memory_gb: float, seconds: float) -> Row:
+    """Completes a job's folder after Blender has written its files; the mark that it is done comes last.
+
+    Raises:
+        VibeError: Something is missing, or cannot be written.
+    """
+    report = read_json(folder / "report.json")
+    if report is None:
+        raise VibeError(f"{folder.name} holds no report.", "See the job's log.")
+    for name in ("before", "after"):
+        _thumb(folder, name)
+    write_bytes(folder / "details.js", _details(job, report))
+    laps = report.get("timings", {})
+    row = head(job) | {
+        "status": "done",
+        "similarity": report["similarity"]["after"],
+        "similarity_before": report["similarity"]["before"],
+        "delta_e": report["delta_e"],
+        "seconds": round(seconds, 2),
+        "seconds_loop": laps.get(_ENGINE, 0.0),
+        "seconds_cycles": round(sum(laps.get(name, 0.0) for name in _CYCLES), 2),
+        "memory_gb": memory_gb,
+    }
+    write_json(folder / DONE, row)
+    return row
+
+
+def _thumb(folder: Path, name: str) -> None:
+    """A small JPEG of a picture."""
+    part = folder / f".part-{name}.jpg"
+    try:
+        with Image.open(folder / f"{name}.png") as picture:
+            flat = picture.convert("RGB")
+        flat.thumbnail((_THUMB, _THUMB), Image.Resampling.LANCZOS)
+        flat.save(part, quality=88)
+        part.replace(folder / f"{name}.jpg")
+    except OSError as error:
+        raise unwritable(folder, error) from error
+
+
+def _details(job: Job, report: dict[str, Any]) -> bytes:
+    """What the sheet shows of a job on demand: a script, because pages from disk may load nothing else."""
+    changed = {k: p for k, p in report.get("parameters", {}).items() if p["before"] != p["after"]}
+    rows = [[key, p["before"], p["after"], p["reason"]] for key, p in changed.items()]
+    understood = report.get("understood", {})
+    content = {
+        "parameters": rows,
+        "left": len(report.get("parameters", {})) - len(rows),
+        "warnings": report.get("warnings", []),
+        "understood": {
+            k: understood[k] for k in ("whole", "ignored", "guesses", "notes") if understood.get(k)
+        },
+        "timings": report.get("timings", {}),
+        "versions": report.get("versions", {}),
+    }
+    return f"vibeDetails({json.dumps(job.name)}, {json.dumps(content, ensure_ascii=False)});\n".encode()

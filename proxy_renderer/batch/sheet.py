@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What comes out of a batch: a contact sheet for people, tables for programs; all rewritten as jobs end."""
+
+from __future__ import annotations
+
+import csv
+import html
+import json
+import os
+import time
+import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TextIO
+
+from .plan import Plan
+from .store import Row, Store, unwritable
+
+FIELDS = (
+    "name", "scene", "prompt", "seed", "status", "similarity", "similarity_before", "delta_e",
+    "seconds", "seconds_loop", "seconds_cycles", "memory_gb", "attempts", "error", "remedy", "folder",
+)  # fmt: skip
+FILES = {
+    "before": "before.png",
+    "after": "after.png",
+    "compare": "compare.png",
+    "blend": "vibed.blend",
+    "preset": "preset.json",
+    "report": "report.json",
+}
+_PAGE = Path(__file__).with_name("sheet.html")
+_SHARE = 0.05
+"""Most of the time that may go into rewriting the sheet while jobs run."""
+
+_SOONEST = 5.0  # seconds
+
+
+class Sheet:
+    """Keeps the sheet and the tables up to date.
+
+    Args:
+        title: Of the page.
+    """
+
+    def __init__(self, title: str, plan: Plan, store: Store) -> None:
+        self._title, self._plan, self._store = title, plan, store
+        self._next = 0.0
+
+    def update(self) -> None:
+        """Writes everything anew, unless that was done a moment ago."""
+        if time.monotonic() >= self._next:
+            self.write()
+
+    def write(self) -> None:
+        """Writes everything anew, a row at a time.
+
+        Raises:
+            VibeError: It cannot be written.
+        """
+        start = time.monotonic()
+        folder = self._store.folder
+        before, after = (
+            _PAGE.read_text("utf-8").replace("{{title}}", html.escape(self._title)).split("{{rows}}")
+        )
+        with (
+            _file(folder / "index.html") as page,
+            _file(folder / "results.jsonl") as lines,
+            _file(folder / "results.csv") as cells,
+        ):
+            table = csv.DictWriter(cells, [*FIELDS, *FILES], restval="", extrasaction="ignore")
+            table.writeheader()
+            page.write(before)
+            for row in self._store.rows(self._plan):
+                table.writerow(full := complete(row))
+                lines.write(json.dumps(full, ensure_ascii=False) + "\n")
+                page.write(_in_script(row) + ",\n")
+            page.write(after)
+        now = time.monotonic()
+        self._next = now + max(_SOONEST, (now - start) / _SHARE)
+
+
+def complete(row: Row) -> Row:
+    """A row with all fields, in their order, and with the paths of its files from the results folder."""
+    files = (
+        {kind: f"{row['folder']}/{name}" for kind, name in FILES.items()} if row["status"] == "done" else {}
+    )
+    return {key: row.get(key) for key in FIELDS} | {kind: files.get(kind) for kind in FILES}
+
+
+def _in_script(row: Row) -> str:
+    """A row for the page; nothing in it can end the script that it is in."""
+    short = {k: row[k] for k in FIELDS if row.get(k) not in (None, "")}
+    return json.dumps(short, ensure_ascii=False).replace("<", "\\u003c").replace("\u2028", "\\u2028")
+
+
+@contextmanager
+def _file(path: Path) -> Iterator[TextIO]:
+    """A text file that appears whole or not at all."""
+    part = path.with_name(f".part-{uuid.uuid4().hex[:8]}-{path.name}")
+    try:
+        with part.open("w", encoding="utf-8", newline="") as file:
+            yield file
+        os.replace(part, path)
+    except OSError as error:
+        raise unwritable(path, error) from error
+    finally:
+        part.unlink(missing_ok=True)

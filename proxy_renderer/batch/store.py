@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The results folder: a folder for each job, of which everything in it is relative, so that it may be moved.
+
+DIR/jobs/NAME/done.json       the job is done: written last, atomically, by whoever has done it
+DIR/jobs/NAME/failed.json     its last attempt has failed; the next run of the batch tries it again
+DIR/index.html, results.csv, results.jsonl
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import json
+import os
+import platform
+import shutil
+import uuid
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+from filelock import FileLock, Timeout
+
+from .. import check
+from ..schema import VibeError
+from .plan import Job
+
+Row = dict[str, Any]
+DONE, FAILED, LOG = "done.json", "failed.json", "log.txt"
+TOKEN = "batch.json"
+"""Names this results folder, so that other machines can tell whether they see the same one."""
+
+
+class Store:
+    """A results folder, held by one batch at a time. Use it as a context manager.
+
+    Attributes:
+        folder: Where it is.
+        token: Its name.
+
+    Raises:
+        VibeError: It cannot be written, or another batch works in it.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = check.folder(folder)
+        self.jobs = self.folder / "jobs"
+        self._lock = FileLock(self.folder / ".lock", timeout=0)
+        self.token = ""
+
+    def __enter__(self) -> Store:
+        try:
+            self._lock.acquire()
+        except Timeout as error:
+            owner = read_json(self.folder / TOKEN) or {}
+            raise VibeError(
+                f"Another batch works in {self.folder} ({owner.get('holder', 'unknown')}).",
+                "Wait for it, end it, or choose another --out.",
+            ) from error
+        self.jobs.mkdir(exist_ok=True)
+        known = read_json(self.folder / TOKEN) or {}
+        self.token = known.get("token") or uuid.uuid4().hex
+        holder = f"process {os.getpid()} on {platform.node()}"
+        write_json(self.folder / TOKEN, {"token": self.token, "holder": holder})
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._lock.release()
+
+    def done(self, job: Job) -> bool:
+        """Whether there is a result of it."""
+        return (self.jobs / job.name / DONE).is_file()
+
+    def row(self, job: Job) -> Row:
+        """What is known of a job: its result, its failure, or that it waits."""
+        for name in (DONE, FAILED):
+            if row := read_json(self.jobs / job.name / name):
+                return row
+        return head(job) | {"status": "waiting"}
+
+    def rows(self, plan: Iterable[Job]) -> Iterator[Row]:
+        """Those of all jobs, read as they are needed."""
+        return map(self.row, plan)
+
+    def fail(self, job: Job, row: Row) -> None:
+        """Records that an attempt has failed."""
+        folder = self.jobs / job.name
+        folder.mkdir(exist_ok=True)
+        write_json(folder / FAILED, row)
+
+    def receive(self, job: Job, files: dict[str, bytes]) -> None:
+        """Takes the files of a job that another machine has done; the mark that it is done comes last."""
+        folder = self.jobs / job.name
+        folder.mkdir(exist_ok=True)
+        for name in sorted(files, key=lambda name: name == DONE):
+            write_bytes(folder / name, files[name])
+
+    def check_space(self, free_gb: float) -> None:
+        """Raises VibeError if there is no space for another job."""
+        free = shutil.disk_usage(self.folder).free / 1e9
+        if free < free_gb:
+            raise VibeError(
+                f"Only {free:.1f} GB are free in {self.folder}, less than {free_gb:g}.",
+                "Make room, or lower [limits] free_gb; then run the same command again: it continues.",
+            )
+
+
+def head(job: Job) -> Row:
+    """The fields that say which job it is."""
+    folder = f"jobs/{job.name}"
+    return {"name": job.name, "scene": job.scene, "prompt": job.prompt, "seed": job.seed, "folder": folder}
+
+
+def read_json(path: Path) -> Row | None:
+    """What a file holds; None if there is no such file, or if it was cut off."""
+    try:
+        return json.loads(path.read_bytes())
+    except (OSError, ValueError):
+        return None
+
+
+def write_json(path: Path, content: Any) -> None:
+    """Writes a file, all at once or not at all."""
+    write_bytes(path, json.dumps(content, ensure_ascii=False).encode())
+
+
+def write_bytes(path: Path, content: bytes) -> None:
+    """Writes a file, all at once or not at all.
+
+    Raises:
+        VibeError: It cannot be written.
+    """
+    part = path.with_name(f".part-{uuid.uuid4().hex[:8]}-{path.name}")
+    try:
+        part.write_bytes(content)
+        os.replace(part, path)
+    except OSError as error:
+        raise unwritable(path, error) from error
+    finally:
+        with contextlib.suppress(OSError):
+            part.unlink(missing_ok=True)
+
+
+def unwritable(path: Path, error: OSError) -> VibeError:
+    """What to say where nothing can be written."""
+    full = error.errno in (errno.ENOSPC, errno.EDQUOT)
+    reason = "no space is left" if full else error.strerror or type(error).__name__
+    return VibeError(
+        f"{path} cannot be written: {reason}.",
+        "Make room there; then run the same command again: it continues.",
+    )
+
+
+def tidy(folder: Path) -> None:
+    """Makes a job's folder ready for another attempt: what was cut off in the last one is removed."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for left in folder.glob(".*part-*"):
+        left.unlink(missing_ok=True)
+    (folder / FAILED).unlink(missing_ok=True)

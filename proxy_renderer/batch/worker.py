@@ -1,0 +1,222 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A warm Blender that carries out one job after another, each within its limits.
+
+It is a process that runs `batch.py serve`, with the engine as its child. Whatever goes wrong in a job is recorded;
+after a crash, or when a limit has been hit, the next job gets a fresh process.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import queue
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TextIO
+
+import psutil
+
+from ..launch import blender_side, environment
+from ..schema import VibeError
+from .manifest import Limits
+from .outcome import leave
+from .plan import Job
+from .store import LOG, Row, head, tidy
+
+_MARK = "VIBE "
+_TICK = 0.5
+"""Seconds between two looks at the clock and at the memory."""
+
+
+@dataclass(frozen=True)
+class Setup:
+    """How workers are started.
+
+    Attributes:
+        limits: Of each job.
+        variables: Of the environment, besides those that are there.
+        command: The program that carries out jobs; empty for Blender.
+    """
+
+    limits: Limits = field(default_factory=Limits)
+    variables: dict[str, str] = field(default_factory=dict)
+    command: tuple[str, ...] = ()
+
+
+class Interrupted(Exception):
+    """The worker was closed in the middle of a job."""
+
+
+class Worker:
+    """One process at a time, started when it is needed.
+
+    Args:
+        setup: How.
+        cores: Numbers of the cores that it keeps to; empty for all.
+    """
+
+    def __init__(self, setup: Setup, cores: Sequence[int] = ()) -> None:
+        self._setup, self._cores = setup, list(cores)
+        self._process: subprocess.Popen[str] | None = None
+        self._lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()
+        self._closed = False
+
+    def run(self, job: Job, folder: Path) -> Row:
+        """Carries out a job; everything that it leaves is in the folder, and last of all `done.json`.
+
+        Returns:
+            The job's row, of status "done" or "failed".
+
+        Raises:
+            Interrupted: The worker was closed meanwhile.
+        """
+        start = time.monotonic()
+        tidy(folder)
+        watch = _Watch(self._setup.limits)
+        try:
+            with (folder / LOG).open("a", encoding="utf-8") as log:
+                self._carry_out(["run", str(job.source), *job.arguments, f"--out={folder}"], log, watch)
+            return leave(job, folder, watch.peak_gb, time.monotonic() - start)
+        except VibeError as error:
+            if self._closed:
+                raise Interrupted from error
+            seconds = round(time.monotonic() - start, 2)
+            said = {"error": error.message, "remedy": error.remedy}
+            return head(job) | {"status": "failed", "seconds": seconds, "memory_gb": watch.peak_gb} | said
+
+    def close(self) -> None:
+        """Ends the process and all of its children now; a job that is under way is interrupted."""
+        self._closed = True
+        self._kill()
+
+    def _carry_out(self, arguments: list[str], log: TextIO, watch: _Watch) -> None:
+        """Gives an order and waits for its end."""
+        process = self._started()
+        print(f"\n== {time.strftime('%Y-%m-%d %H:%M:%S')}  {' '.join(arguments)}", file=log, flush=True)
+        assert process.stdin is not None
+        with contextlib.suppress(OSError):  # it has died: the end of its output tells
+            process.stdin.write(json.dumps(arguments) + "\n")
+            process.stdin.flush()
+        last = ""
+        while True:
+            try:
+                line = self._lines.get(timeout=_TICK)
+            except queue.Empty:
+                line = ""
+            if line is None:
+                code = process.wait()
+                self._kill()
+                said = f" It said last: {last[:200]}" if last else ""
+                raise VibeError(f"Blender ended unexpectedly (exit code {code}).{said}", "See the job's log.")
+            event = _event(line)
+            if event.get("type") != "progress" and line:
+                log.write(line)
+                log.flush()
+            if event.get("type") == "error":
+                raise VibeError(event.get("message", "It failed."), event.get("remedy", ""))
+            if event.get("type") == "result":
+                return
+            last = line.strip() if line.strip() and not event else last
+            try:
+                watch.look(process.pid)
+            except VibeError:
+                self._kill()
+                raise
+
+    def _started(self) -> subprocess.Popen[str]:
+        if self._process and self._process.poll() is None:
+            return self._process
+        if self._closed:
+            raise VibeError("The worker is closed.")
+        threads = str(self._setup.limits.cores)
+        process = self._process = subprocess.Popen(
+            self._setup.command or (sys.executable, str(blender_side()), "--events", "serve"),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            encoding="utf-8",
+            errors="replace",
+            env=environment() | self._setup.variables | {"OMP_NUM_THREADS": threads},
+            start_new_session=True,  # Ctrl-C is for the batch, which ends its workers itself
+        )
+        if self._cores and hasattr(os, "sched_setaffinity"):
+            os.sched_setaffinity(process.pid, self._cores)
+        self._lines = queue.SimpleQueue()
+        threading.Thread(target=_read, args=(process, self._lines), daemon=True).start()
+        return process
+
+    def _kill(self) -> None:
+        process, self._process = self._process, None
+        if process is None:
+            return
+        for one in reversed(_family(process.pid)):
+            with contextlib.suppress(psutil.Error):
+                one.kill()
+        process.wait()
+        assert process.stdin is not None
+        with contextlib.suppress(OSError):
+            process.stdin.close()
+
+
+class _Watch:
+    """A job's clock and its memory."""
+
+    def __init__(self, limits: Limits) -> None:
+        self._limits = limits
+        self._end = time.monotonic() + 60 * limits.minutes
+        self._next = 0.0
+        self.peak_gb = 0.0
+
+    def look(self, pid: int) -> None:
+        """Raises VibeError if a limit has been passed."""
+        now = time.monotonic()
+        if now > self._end:
+            raise VibeError(
+                f"It took longer than {self._limits.minutes:g} minutes.", "Raise [limits] minutes."
+            )
+        if now < self._next:
+            return
+        self._next = now + _TICK
+        used = 0
+        for one in _family(pid):
+            with contextlib.suppress(psutil.Error):
+                used += one.memory_info().rss
+        self.peak_gb = max(self.peak_gb, round(used / 1e9, 3))
+        if used > self._limits.memory_gb * 1e9:
+            raise VibeError(
+                f"It used {used / 1e9:.1f} GB of memory, more than {self._limits.memory_gb:g}.",
+                "Raise [limits] memory_gb, or use a smaller size.",
+            )
+
+
+def _family(pid: int) -> list[psutil.Process]:
+    """A process and all that it has started."""
+    try:
+        top = psutil.Process(pid)
+        return [top, *top.children(recursive=True)]
+    except psutil.Error:
+        return []
+
+
+def _read(process: subprocess.Popen[str], lines: queue.SimpleQueue[str | None]) -> None:
+    assert process.stdout is not None
+    with process.stdout as output:
+        for line in output:
+            lines.put(line)
+    lines.put(None)
+
+
+def _event(line: str) -> dict[str, Any]:
+    """What a line of Blender's side says, if it is one of those."""
+    if not line.startswith(_MARK):
+        return {}
+    try:
+        return json.loads(line[len(_MARK) :])
+    except ValueError:
+        return {}

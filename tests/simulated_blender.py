@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Stands for `batch.py serve` where many quick jobs are needed: what the prompt says, happens."""
+
+import json
+import os
+import sys
+import time
+from pathlib import Path
+
+from PIL import Image
+
+REPORT = {
+    "similarity": {"before": 0.1, "after": 0.25},
+    "delta_e": 0.5,
+    "parameters": {
+        "world/strength": {"before": 0.3, "after": 0.1, "reason": "noir: a dark world"},
+        "film/gamma": {"before": 1.0, "after": 1.0, "reason": ""},
+    },
+    "timings": {"render before": 0.1, "render after": 0.2, "engine: loop": 0.3},
+}
+
+
+def say(**event):
+    print(f"VIBE {json.dumps(event)}", flush=True)
+
+
+def carry_out(arguments):
+    options = dict(a[2:].split("=", 1) for a in arguments if a.startswith("--"))
+    prompt, out = options["prompt"], Path(options["out"])
+    say(type="stage", name=f"working as process {os.getpid()}")
+    if "slow" in prompt:
+        time.sleep(0.3)
+    if "fails" in prompt:
+        return say(type="error", message="The camera is panoramic.", remedy="Use another.")
+    if "once" in prompt and not (out / "tried").exists():
+        (out / "tried").touch()
+        return say(type="error", message="Bad luck.", remedy="")
+    if "crash" in prompt:
+        print("Segmentation fault", flush=True)
+        os.kill(os.getpid(), 9)
+    if "sleeps" in prompt:
+        time.sleep(600)
+    if "eats" in prompt:
+        eaten = b"x" * 400_000_000
+        time.sleep(600)
+        return eaten
+    for name, level in (("before", 90), ("after", 30 + int(options["seed"]) % 200), ("compare", 60)):
+        Image.new("RGB", (24, 16), (level, level, 120)).save(out / f"{name}.png")
+    (out / "preset.json").write_text(json.dumps({"prompt": prompt, "seed": options["seed"]}))
+    (out / "vibed.blend").write_bytes(b"BLENDER")
+    (out / "report.json").write_text(json.dumps(REPORT))
+    say(type="result", lines=[])
+
+
+if __name__ == "__main__":
+    while line := sys.stdin.readline():
+        carry_out(json.loads(line))
