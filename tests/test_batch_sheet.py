@@ -63,7 +63,8 @@ def test_it_shows_every_job_and_a_prompt_is_only_text(page):
     assert page.title() == "test: contact sheet"
     assert cards(page).count() == 12
     assert words(page)[4] == HOSTILE
-    page.wait_for_function("[...document.images].slice(0, 4).every(i => i.complete && i.naturalWidth > 0)")
+    seen = "[...document.querySelectorAll('.after')].slice(0, 4).every(i => i.complete && i.naturalWidth > 0)"
+    page.wait_for_function(seen)
     failed = page.locator(".card.failed").first.inner_text()
     assert "The camera is panoramic." in failed
     assert "Use another." in failed
