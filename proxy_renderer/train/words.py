@@ -22,21 +22,17 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections import defaultdict
-from collections.abc import Iterable
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-import torch
-import torch.nn.functional as F
 
-from ..language.nearest import FILE, KINDS
-from ..language.vocabulary import Vocabulary, normalize, shipped_vocabulary
+from ..language.nearest import FILE
+from ..language.vocabulary import Vocabulary, shipped_vocabulary
+from .minilm import MiniLM
+from .wordnet import SENSES, WordNet, candidates, read_wordnet
 
 DIMENSIONS = 64
 LICENSE = "Derived from WordNet 3.1 (c) Princeton University, all-MiniLM-L6-v2 (Apache-2.0) and GloVe (PDDL)"
-_SENSES = 3  # of a word, the most frequent ones
 _SHRINKAGE = 1.0  # of the scatter within entries, towards the same in all directions
 _COMMON = 30_000  # of the most frequent words: known to be English, though they say nothing about looks
 _THINGS, _THING_AXES = 50_000, 64  # how frequent a thing has to be to be known, and dimensions of its vector
@@ -51,160 +47,6 @@ _THING_FILES = {
 }
 _ROUNDS, _STAY = 6, 1.0  # of retrofitting, and the weight of a word's own vector
 _LINKS = {"&": 0.8, "@": 0.35, "+": 0.6, "\\": 0.7, "<": 0.7, "^": 0.3, "=": 0.4}
-_LOOKS = {
-    "noun.substance", "noun.state", "noun.attribute", "noun.phenomenon", "noun.feeling", "noun.time",
-    "adj.all", "adj.ppl", "adj.pert", "verb.weather",
-}  # fmt: skip
-_MATTER = (
-    "fabric", "jewel", "metal", "wood", "stone", "light", "fire", "season", "time of day", "building material",
-    "weather", "leather", "fur", "coating", "crockery", "ceramic", "sheet metal", "confection", "ice", "sea", "pavement",
-)  # fmt: skip
-_FILES = [
-    "adj.all",
-    "adj.pert",
-    "adv.all",
-    "noun.Tops",
-    "noun.act",
-    "noun.animal",
-    "noun.artifact",
-    "noun.attribute",
-    "noun.body",
-    "noun.cognition",
-    "noun.communication",
-    "noun.event",
-    "noun.feeling",
-    "noun.food",
-    "noun.group",
-    "noun.location",
-    "noun.motive",
-    "noun.object",
-    "noun.person",
-    "noun.phenomenon",
-    "noun.plant",
-    "noun.possession",
-    "noun.process",
-    "noun.quantity",
-    "noun.relation",
-    "noun.shape",
-    "noun.state",
-    "noun.substance",
-    "noun.time",
-    "verb.body",
-    "verb.change",
-    "verb.cognition",
-    "verb.communication",
-    "verb.competition",
-    "verb.consumption",
-    "verb.contact",
-    "verb.creation",
-    "verb.emotion",
-    "verb.motion",
-    "verb.perception",
-    "verb.possession",
-    "verb.social",
-    "verb.stative",
-    "verb.weather",
-    "adj.ppl",
-]
-
-
-@dataclass
-class Synset:
-    """One sense: its words, its gloss, its file ("noun.substance") and what it points to."""
-
-    words: list[str]
-    gloss: str
-    file: str
-    links: list[tuple[str, str]] = field(default_factory=list)  # pointer symbol, synset
-
-
-@dataclass
-class WordNet:
-    """Synsets by part of speech and offset; word -> its senses, the most frequent first, with how often each is meant."""
-
-    synsets: dict[str, Synset]
-    senses: dict[str, list[tuple[str, float]]]
-
-
-def read_wordnet(folder: Path) -> WordNet:
-    """Reads data.* and index.sense (formats: wndb(5), senseidx(5))."""
-    synsets: dict[str, Synset] = {}
-    for part in ("adj", "noun", "verb", "adv"):
-        for line in (folder / f"data.{part}").read_text("utf-8").splitlines():
-            if not line.startswith("  "):
-                key, synset = _synset(line)
-                synsets[key] = synset
-    senses: dict[str, list[tuple[str, float]]] = defaultdict(list)
-    letters = {"1": "n", "2": "v", "3": "a", "4": "r", "5": "a"}
-    for line in (folder / "index.sense").read_text("utf-8").splitlines():
-        sense, offset, number, count = line.split()
-        lemma, _, rest = sense.partition("%")
-        weight = (float(count) + 0.5) / float(number)
-        senses[_plain(lemma)].append((letters[rest[0]] + offset, weight))
-    for word in senses:
-        senses[word].sort(key=lambda pair: -pair[1])
-    return WordNet(synsets, dict(senses))
-
-
-def _synset(line: str) -> tuple[str, Synset]:
-    data, _, gloss = line.partition(" | ")
-    parts = data.split()
-    offset, file, kind, count = parts[0], int(parts[1]), parts[2].replace("s", "a"), int(parts[3], 16)
-    words = [_plain(w) for w in parts[4 : 4 + 2 * count : 2]]
-    rest = parts[4 + 2 * count :]
-    links = [
-        (rest[1 + 4 * i], rest[3 + 4 * i].replace("s", "a") + rest[2 + 4 * i]) for i in range(int(rest[0]))
-    ]
-    return kind + offset, Synset(words, gloss.split('; "')[0].strip(), _FILES[file], links)
-
-
-def _plain(lemma: str) -> str:
-    return normalize(lemma.split("(")[0].replace("_", " "))
-
-
-def candidates(net: WordNet, common: Iterable[str]) -> dict[str, int]:
-    """Word -> index into KINDS, for words that may speak of a look; names of things are not among them."""
-    found = {}
-    for word, senses in net.senses.items():
-        if not word.replace(" ", "").isalpha() or len(word) < 3 or word.count(" ") > 1:
-            continue
-        files = [(net.synsets[key].file, weight) for key, weight in senses]
-        total = sum(weight for _, weight in files)
-        adjective = sum(w for f, w in files if f.startswith("adj")) / total
-        looks = sum(w for f, w in files if f in _LOOKS) / total
-        matter = any(_is_matter(net, key) for key, _ in senses[:_SENSES])
-        if " " in word and adjective < 0.5 and not matter:
-            continue
-        if adjective > 0.3:
-            found[word] = KINDS.index("adjective")
-        elif looks > 0.25 or matter:
-            found[word] = KINDS.index("noun")
-    for word in common:
-        if word not in found and word.isalpha() and (verb := _verb(net, word)):
-            net.senses.setdefault(word, [pair for pair in net.senses[verb] if pair[0][0] == "v"])
-            found[word] = KINDS.index("adjective")
-    return found
-
-
-def _verb(net: WordNet, word: str) -> str:
-    """The verb that a participle is of: "scuffed" -> "scuff"; "" for none."""
-    for ending in ("ed", "ing"):
-        stem = word.removesuffix(ending)
-        if stem == word or len(stem) < 3 or any(key[0] == "n" for key, _ in net.senses.get(word, [])[:1]):
-            continue
-        for verb in (stem, stem + "e", stem[:-1] if stem[-1] == stem[-2] else stem):
-            if any(key[0] == "v" for key, _ in net.senses.get(verb, [])):
-                return verb
-    return ""
-
-
-def _is_matter(net: WordNet, key: str, depth: int = 5) -> bool:
-    """Whether a sense is a kind of something that surfaces are made of, or that lights a scene."""
-    synset = net.synsets[key]
-    if set(synset.words) & set(_MATTER) or synset.file == "noun.substance":
-        return True
-    up = [target for symbol, target in synset.links if symbol == "@"]
-    return depth > 0 and key[0] == "n" and any(_is_matter(net, target, depth - 1) for target in up)
 
 
 def neighbours(net: WordNet, words: dict[str, int]) -> list[dict[int, float]]:
@@ -240,63 +82,6 @@ def retrofit(vectors: np.ndarray, near: list[dict[int, float]]) -> np.ndarray:
 def unit(vectors: np.ndarray) -> np.ndarray:
     """Rows of length 1; rows of zeros stay so."""
     return vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-9)
-
-
-class MiniLM:
-    """The sentence encoder: BERT with six layers, mean pooling, unit vectors of 384."""
-
-    def __init__(self, folder: Path) -> None:
-        from safetensors.torch import load_file
-        from tokenizers import Tokenizer
-
-        self._w = {
-            k.removeprefix("bert."): v.float() for k, v in load_file(folder / "model.safetensors").items()
-        }
-        self._tokens = Tokenizer.from_file(str(folder / "tokenizer.json"))
-        self._tokens.enable_truncation(48)
-        self._tokens.no_padding()
-
-    @torch.no_grad()
-    def encode(self, texts: list[str]) -> np.ndarray:
-        """(N, 384) unit vectors."""
-        found = np.zeros((len(texts), 384), np.float32)
-        ids = [e.ids for e in self._tokens.encode_batch(texts)]
-        order = sorted(range(len(ids)), key=lambda i: len(ids[i]))
-        for start in range(0, len(order), 256):
-            batch = order[start : start + 256]
-            longest = max(len(ids[i]) for i in batch)
-            tokens = torch.tensor([ids[i] + [0] * (longest - len(ids[i])) for i in batch])
-            lengths = torch.tensor([len(ids[i]) for i in batch])
-            found[batch] = self._forward(tokens, lengths).numpy()
-        return found
-
-    def _forward(self, tokens: torch.Tensor, lengths: torch.Tensor) -> torch.Tensor:
-        w, count = self._w, tokens.shape[1]
-        used = torch.arange(count)[None] < lengths[:, None]
-        x = (
-            w["embeddings.word_embeddings.weight"][tokens]
-            + w["embeddings.position_embeddings.weight"][:count]
-        )
-        x = self._norm(x + w["embeddings.token_type_embeddings.weight"][0], "embeddings.LayerNorm")
-        for layer in range(6):
-            at = f"encoder.layer.{layer}."
-            q, k, v = (
-                self._dense(x, at + f"attention.self.{n}").unflatten(-1, (12, 32)).transpose(1, 2)
-                for n in ("query", "key", "value")
-            )
-            seen = F.scaled_dot_product_attention(q, k, v, attn_mask=used[:, None, None])
-            mixed = self._dense(seen.transpose(1, 2).flatten(2), at + "attention.output.dense")
-            x = self._norm(x + mixed, at + "attention.output.LayerNorm")
-            more = self._dense(F.gelu(self._dense(x, at + "intermediate.dense")), at + "output.dense")
-            x = self._norm(x + more, at + "output.LayerNorm")
-        mean = (x * used[..., None]).sum(1) / lengths[:, None]
-        return F.normalize(mean, dim=-1)
-
-    def _dense(self, x: torch.Tensor, name: str) -> torch.Tensor:
-        return F.linear(x, self._w[name + ".weight"], self._w[name + ".bias"])
-
-    def _norm(self, x: torch.Tensor, name: str) -> torch.Tensor:
-        return F.layer_norm(x, (384,), self._w[name + ".weight"], self._w[name + ".bias"], 1e-12)
 
 
 def features(
@@ -338,7 +123,7 @@ def glosses(words: list[str], net: WordNet, encoder: MiniLM) -> np.ndarray:
     """(N, 384) sums of the vectors of each word's senses, weighted by how often each is meant."""
     texts, rows, weights = [], [], []
     for i, word in enumerate(words):
-        for key, weight in net.senses.get(word, [])[:_SENSES]:
+        for key, weight in net.senses.get(word, [])[:SENSES]:
             texts.append(f"{word}: {net.synsets[key].gloss}")
             rows.append(i)
             weights.append(weight)
