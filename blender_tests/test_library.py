@@ -212,5 +212,5 @@ def test_a_look_is_captured_as_it_is_now(addon, tmp_path):
     flat = preset_use.capture(addon, Choice(), "Flat")
     assert flat.roles["film"][0]["saturation"] == [pytest.approx(1.0)]
     assert snapshot.exists(addon)
-    preset_use.picture(addon, None, tmp_path / "small.jpg")
+    thumbnail.render(addon, tmp_path / "small.jpg")
     assert thumbnail.pixels(tmp_path / "small.jpg").shape == (thumbnail.SIZE, thumbnail.SIZE, 4)

@@ -21,6 +21,7 @@ if not __package__:
     sys.path[:] = [p for p in sys.path if not p or Path(p).resolve() != here]
     sys.path[:0] = [str(here.parent), str(here.parents[1])]
 
+import bpy
 import numpy as np
 
 from vibe_render import batch_arguments, batch_run, demo, library, presets, stage_parts, thumbnail
@@ -84,8 +85,14 @@ def make(
 
 
 def build_stage(path: Path) -> None:
-    """The demo's still life with a fill light, so that looks say what all three lights do."""
+    """The demo's still life, nearer, with a fill light, so that looks say what all three lights do.
+
+    Its subject is painted: what a look does to colors shows on a color.
+    """
     scene = demo.build_demo()
+    scene.camera.data.angle *= 0.82
+    paint = bpy.data.objects[demo.SUBJECT].active_material.node_tree.nodes["Principled BSDF"]
+    paint.inputs["Base Color"].default_value = (0.62, 0.16, 0.07, 1.0)
     pivot = np.array([0.0, 0.0, 0.86])
     stage_parts.area_light(scene, "Fill", (80.0, 18.0), 4.5, 3.0, 0.2, pivot)
     batch_run.save_blend(path)

@@ -3,12 +3,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import bpy
 
-from . import bindings, preset_fit, presets, result, scene_io, thumbnail
+from . import bindings, compat, grade, lut, owned, preset_fit, presets, result, scene_io
 from .contract import messages, preset, schema
+from .places import value
 from .subject import Choice
 
 _POWER = "/power"
@@ -71,9 +70,11 @@ def capture(scene: bpy.types.Scene, choice: Choice, name: str) -> preset.Preset:
     return look
 
 
-def picture(scene: bpy.types.Scene, prediction: Path | None, out: Path) -> None:
-    """A thumbnail of the scene as it is: of the prediction where that still shows it, else a small render."""
-    if prediction and prediction.is_file() and scene.vibe.strength == 1.0:
-        thumbnail.shrink(prediction, out)
-    else:
-        thumbnail.render(scene, out)
+def grade_values(scene: bpy.types.Scene) -> dict[str, tuple[float, ...]]:
+    """The values of the scene's grade, by name; none where nothing is graded."""
+    nodes = owned.group_nodes(compat.compositor(scene), grade.NAME)
+    if not nodes:
+        return {}
+    rows = [row for row in bindings.BINDINGS if row.parameter.name in lut.identity()]
+    sockets = {row: nodes[0].inputs[row.parameter.blender.rpartition(" > ")[2]] for row in rows}
+    return {row.parameter.name: row.codec.decode(value(socket).get()) for row, socket in sockets.items()}
