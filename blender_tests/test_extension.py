@@ -37,10 +37,47 @@ def built(tmp_path_factory):
     return extension.build(tmp_path_factory.mktemp("extension"))
 
 
-def test_zip_holds_the_schema_and_no_engine(built):
+def test_zip_holds_the_schema_and_what_the_engine_runs_from(built):
     names = zipfile.ZipFile(built).namelist()
     assert {"blender_manifest.toml", "__init__.py", "schema/parameters.py", "engine.txt"} <= set(names)
-    assert not [n for n in names if "__pycache__" in n or "worker" in n or "test" in n or "bench" in n]
+    assert {"engine/requirements.txt", "engine/proxy_renderer/worker.py"} <= set(names)
+    assert not [n for n in names if "__pycache__" in n or "/bench/" in n or "/train/" in n or "tests/" in n]
+
+
+def test_carried_engine_is_complete(built, tmp_path):
+    """What the worker imports is in the zip; Blender is not among what pip would install."""
+    zipfile.ZipFile(built).extractall(tmp_path)
+    code = "import proxy_renderer as p, proxy_renderer.worker, proxy_renderer.session; print(p.__file__)"
+    command = [sys.executable, "-c", code]
+    environment = {"PYTHONPATH": str(tmp_path / "engine"), "HOME": str(tmp_path)}
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert str(tmp_path) in done.stdout, done.stderr
+    needed = (tmp_path / "engine" / "requirements.txt").read_text().splitlines()
+    assert any(line.startswith("torch") for line in needed)
+    assert not any(line.startswith("bpy") for line in needed)
+
+
+def test_install_names_what_is_wrong(tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(VibeError, match="no `blender` on the PATH"):
+        extension.install()
+    with pytest.raises(VibeError, match="no Blender in"):
+        extension.install(str(tmp_path))
+
+
+def test_install_asks_blender_and_passes_on_its_refusal(tmp_path):
+    """A stand-in for Blender that writes down what it is asked, and then refuses."""
+    program = tmp_path / "blender"
+    program.write_text(
+        f'#!/bin/sh\necho "$@" >> {tmp_path}/asked\n[ -e {tmp_path}/refuse ] && exit 1\nexit 0\n'
+    )
+    program.chmod(0o755)
+    assert "installed and enabled" in extension.install(str(tmp_path))
+    asked = (tmp_path / "asked").read_text()
+    assert asked.startswith("--command extension install-file -r user_default -e ")
+    (tmp_path / "refuse").touch()
+    with pytest.raises(VibeError, match="refused to install"):
+        extension.install(str(program))
 
 
 def test_works_alone(built, tmp_path):

@@ -120,10 +120,15 @@ def parser() -> argparse.ArgumentParser:
         sub.add_argument("--out", required=True, type=Path, metavar="DIR", help="folder for the results")
         add_options(sub)
 
-    extension = command("extension", _extension, "Build the Blender extension (a .zip to install from disk).")
-    extension.add_argument("action", choices=("build",), metavar="build", help="the only thing to do with it")
+    extension = command("extension", _extension, "Build the Blender extension, or install it.")
     extension.add_argument(
-        "--out", type=Path, default=Path("dist"), metavar="DIR", help="folder (default: %(default)s)"
+        "action", choices=("build", "install"), help="make a .zip to install from disk, or install it at once"
+    )
+    extension.add_argument(
+        "--out", type=Path, default=Path("dist"), metavar="DIR", help="build: folder (default: %(default)s)"
+    )
+    extension.add_argument(
+        "--blender", default="", metavar="PATH", help="install: into this Blender (default: the PATH's)"
     )
     return top
 
@@ -216,9 +221,9 @@ def _bench(a: argparse.Namespace) -> int:
 
 
 def _extension(a: argparse.Namespace) -> int:
-    from .extension import build
+    from .extension import build, install
 
-    print(f"Written: {build(a.out)}")
+    print(install(a.blender) if a.action == "install" else f"Written: {build(a.out)}")
     return 0
 
 

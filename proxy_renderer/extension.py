@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Builds the extension's zip: the add-on with the schema copied into it. Blender's own tool packs it."""
+"""Builds the extension's zip, and installs it. Blender's own tools do both.
+
+The zip holds the add-on, the schema that it reads, and the engine's code, which Blender never imports: the
+engine is a process of its own, for which the add-on's *Set Up Engine* makes an environment.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +13,8 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import tomllib
+from importlib import metadata
 from pathlib import Path
 
 from .schema import VibeError
@@ -16,7 +22,8 @@ from .schema import VibeError
 _IGNORED = shutil.ignore_patterns(
     "__pycache__",
     "*.pyc",
-    "bench",  # measurements are the command's
+    "bench",  # measurements and training are the command's
+    "train",
     "make_looks.py",  # looks are made here, and come made
     "prompts.toml",
 )
@@ -45,11 +52,69 @@ def build(out: Path) -> Path:
         return _deliver(made, out)
 
 
+def install(blender: str = "") -> str:
+    """Builds the extension and installs it, enabled, into a Blender of this computer.
+
+    Args:
+        blender: The program, or the folder that it is in; "" for the one on the PATH.
+
+    Returns:
+        What has been installed where, in words.
+
+    Raises:
+        VibeError: If there is no Blender, or it refuses.
+    """
+    program = _blender(blender)
+    with tempfile.TemporaryDirectory() as scratch:
+        made = build(Path(scratch))
+        command = [program, "--command", "extension", "install-file", "-r", "user_default", "-e", str(made)]
+        try:
+            done = subprocess.run(command, capture_output=True, text=True, errors="replace")
+        except OSError as error:
+            raise VibeError(
+                f"{program} does not start: {error.strerror}.", "Choose another --blender."
+            ) from error
+    said = (done.stdout + done.stderr).strip()
+    if done.returncode or "Error" in said:
+        line = next((line for line in said.splitlines() if "rror" in line), said.rpartition("\n")[2])
+        raise VibeError(
+            f"Blender refused to install the extension: {line}", "Blender 4.2 or later is needed."
+        )
+    return f"{made.name} is installed and enabled in {program}."
+
+
+def _blender(chosen: str) -> str:
+    """The Blender program at a place."""
+    if not chosen:
+        if found := shutil.which("blender"):
+            return found
+        raise VibeError("There is no `blender` on the PATH.", "Name it: --blender /path/to/blender.")
+    place = Path(chosen).expanduser()
+    inside = ("blender", "blender.exe", "Contents/MacOS/Blender")
+    for program in (place, *(place / name for name in inside)):
+        if program.is_file():
+            return str(program.absolute())
+    raise VibeError(f"There is no Blender in {chosen}.", "Name the program: --blender /path/to/blender.")
+
+
 def _assemble(package: Path) -> None:
-    """Puts the add-on, the schema and the note about this Python together."""
+    """Puts the add-on, the schema, the engine's code and the note about this Python together."""
+    here = Path(__file__).parent
     shutil.copytree(_addon(), package, ignore=_IGNORED)
-    shutil.copytree(Path(__file__).parent / "schema", package / "schema", ignore=_IGNORED)
+    shutil.copytree(here / "schema", package / "schema", ignore=_IGNORED)
+    shutil.copytree(here, package / "engine" / here.name, ignore=_IGNORED)
+    (package / "engine" / "requirements.txt").write_text("\n".join(_requirements()), encoding="utf-8")
     (package / "engine.txt").write_text(sys.executable, encoding="utf-8")
+
+
+def _requirements() -> list[str]:
+    """What the engine needs from pip: all that this package does, but Blender."""
+    project = Path(__file__).resolve().parents[1] / "pyproject.toml"
+    if project.is_file():
+        needed = tomllib.loads(project.read_text(encoding="utf-8"))["project"]["dependencies"]
+    else:
+        needed = [line for line in metadata.requires("vibe-render") or [] if "extra ==" not in line]
+    return [line for line in needed if not line.startswith("bpy")]
 
 
 def _addon() -> Path:

@@ -7,6 +7,7 @@ then warms up while the other side exports the scene, and stays warm between vib
 
 from __future__ import annotations
 
+import errno
 import os
 import queue
 import sys
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
     from .session import Session
 
+BEFORE = "before.png"
 _PREVIEW_SECONDS = 1.0
 _PROGRESS_SECONDS = 0.1
 _ANSWER_SECONDS = 600.0
@@ -89,6 +91,13 @@ class Watch:
         """Says what is going on outside of the loop."""
         self._wire.send(messages.Stage(name))
 
+    def begin(self, display: Tensor) -> None:
+        """Shows the picture of the artist's own values."""
+        from .report import save_picture
+
+        save_picture(display, self._job / BEFORE)
+        self._wire.send(messages.Stage("looking for the look", BEFORE))
+
     def step(self, progress: messages.Progress, display: Tensor) -> bool:
         """Reports a step, with a new preview about once a second; True when the loop should end."""
         from .report import save_picture
@@ -149,6 +158,11 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
             wire.send(
                 messages.Error("The engine ran out of memory.", "Use a smaller --size or a lighter scene.")
             )
+        except OSError as error:
+            remedy = "Please report this with the engine's log."
+            if error.errno == errno.ENOSPC:
+                remedy = "Make room where temporary files are kept."
+            wire.send(messages.Error(f"The engine cannot work with its files: {error}.", remedy))
         except Exception as error:
             traceback.print_exc()
             said = " ".join(f"{type(error).__name__}: {error}".split())[:300]

@@ -27,6 +27,9 @@ class Silent:
     def stage(self, name):
         self.seen.append(name)
 
+    def begin(self, display):
+        self.first = display
+
     def step(self, progress, display):
         self.seen.append(progress)
         return self.stopped()

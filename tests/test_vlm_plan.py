@@ -310,6 +310,9 @@ class Silent:
     def stage(self, name):
         self.seen.append(name)
 
+    def begin(self, display):
+        pass
+
     def step(self, progress, display):
         return False
 

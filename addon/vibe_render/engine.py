@@ -9,16 +9,18 @@ import os
 import queue
 import re
 import subprocess
-import sys
 import tempfile
 import threading
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO, TypeAlias, cast
 
 from .contract import messages as wire
 from .contract import schema
-from .find_engine import engine_environment, find_python
+from .find_engine import engine_environment, find_python, own_group
+
+_LET_GO = 10.0  # seconds that an engine may take to let go of a vibe that was given up
 
 _Item: TypeAlias = wire.Message | schema.VibeError | None  # None: the engine's output has ended
 
@@ -29,14 +31,17 @@ class Engine:
     Args:
         python: Which Python to use, or the folder of its environment; "" to search.
         log: Where the engine's own output goes; None for a temporary file.
+        cache: Where it keeps what can be made again; None for the user's usual place.
     """
 
-    def __init__(self, python: str = "", log: Path | None = None) -> None:
+    def __init__(self, python: str = "", log: Path | None = None, cache: Path | None = None) -> None:
         self._choice = python
+        self._variables = {"VIBE_CACHE": str(cache)} if cache else {}
         self.log = log or Path(tempfile.gettempdir()) / f"vibe-engine-{os.getpid()}.log"
         self._process: subprocess.Popen[bytes] | None = None
         self._inbox: queue.Queue[_Item] = queue.Queue()
         self._owed = False  # an answer that nobody waits for any more
+        self._owed_since = 0.0
 
     @property
     def alive(self) -> bool:
@@ -60,8 +65,8 @@ class Engine:
                     stdin=subprocess.PIPE,
                     stdout=subprocess.PIPE,
                     stderr=log,
-                    env=engine_environment(),
-                    **_own_group(),
+                    env={**engine_environment(), **self._variables},
+                    **own_group(),
                 )
         except OSError as error:
             raise schema.VibeError(
@@ -112,15 +117,21 @@ class Engine:
             return
         with contextlib.suppress(schema.VibeError):
             self.send(wire.Stop())
-            self._owed = True
+            self._owed, self._owed_since = True, time.monotonic()
 
     def settle(self) -> bool:
-        """Drops what belongs to an abandoned vibe; True when that is over, and the next may be sent."""
+        """Drops what belongs to an abandoned vibe; True when that is over, and the next may be sent.
+
+        An engine that hangs is ended instead of waited for.
+        """
         while self._owed:
             try:
                 item = self._inbox.get_nowait()
             except queue.Empty:
-                return False
+                if time.monotonic() - self._owed_since > _LET_GO:
+                    self.stop(patience=0.02)
+                    self._owed = False
+                return not self._owed
             self._owed = isinstance(item, wire.Message) and not isinstance(item, wire.Result | wire.Error)
         return True
 
@@ -165,6 +176,8 @@ class Engine:
         lines = log.strip().splitlines() or [""]
         last = next((line for line in reversed(lines) if re.match(r"\w+(Error|Exception)", line)), lines[-1])
         said = f" Its last words: {last}" if last else ""
+        if code == -9 and not last:
+            said = " Something ended it from outside: perhaps memory ran out."
         return schema.VibeError(
             f"The engine stopped unexpectedly (exit code {code}).{said}",
             f"Try again; if it happens again, see {self.log}.",
@@ -180,10 +193,3 @@ def _receive(stream: BinaryIO, inbox: queue.Queue[_Item]) -> None:
     except schema.VibeError as error:
         inbox.put(error)
     inbox.put(None)
-
-
-def _own_group() -> dict:
-    """Ctrl-C in a terminal goes to the command, which asks the engine for its best so far."""
-    if sys.platform == "win32":
-        return {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP | subprocess.CREATE_NO_WINDOW}
-    return {"start_new_session": True}

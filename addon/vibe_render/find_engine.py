@@ -16,11 +16,15 @@ ENVIRONMENT_VARIABLE = "VIBE_ENGINE"
 BUILT_FROM = Path(__file__).with_name("engine.txt")
 """Written when the extension is built: the Python that built it, on this machine."""
 
+CARRIED = Path(__file__).with_name("engine")
+"""The engine's code as a built extension carries it: the environment needs to hold its packages only."""
+
 _CLONE = Path(__file__).resolve().parents[2]
-_PROBE = "import sys, importlib.util as u; sys.exit(not all(map(u.find_spec, ('torch', 'open_clip', 'proxy_renderer'))))"
+_NEEDED = ("torch", "open_clip", "trimesh", "PyOpenColorIO", "proxy_renderer")
+_PROBE = f"import sys, importlib.util as u; sys.exit(not all(map(u.find_spec, {_NEEDED})))"
 _HELP = (
-    "Run `pip install .` in a clone of Vibe Render (in a virtual environment), then choose that "
-    f"environment's folder in the add-on's preferences or in {ENVIRONMENT_VARIABLE}."
+    "Press Set Up Engine in the add-on's preferences; or run `pip install .` in a clone of Vibe Render (in a "
+    f"virtual environment) and choose that environment's folder there or in {ENVIRONMENT_VARIABLE}."
 )
 
 
@@ -36,7 +40,7 @@ def find_python(chosen: str = "") -> Path:
     """
     chosen = os.environ.get(ENVIRONMENT_VARIABLE, "") or chosen
     if chosen:
-        python = _python_of(Path(chosen).expanduser())
+        python = python_of(Path(chosen).expanduser())
         if python is None or not has_engine(python):
             raise schema.VibeError(f"There is no Vibe engine in {chosen}.", _HELP)
         return python
@@ -49,8 +53,10 @@ def find_python(chosen: str = "") -> Path:
 def engine_environment() -> dict[str, str]:
     """The environment variables that the engine runs with."""
     variables = {k: v for k, v in os.environ.items() if k not in ("PYTHONHOME", "PYTHONSTARTUP")}
-    if (_CLONE / "proxy_renderer" / "worker.py").is_file():  # a clone's add-on uses its own clone's engine
-        paths = [str(_CLONE), *filter(None, [variables.get("PYTHONPATH")])]
+    # An extension uses the engine that it carries, a clone's add-on its own clone's: they speak one schema.
+    code = next((p for p in (CARRIED, _CLONE) if (p / "proxy_renderer" / "worker.py").is_file()), None)
+    if code:
+        paths = [str(code), *filter(None, [variables.get("PYTHONPATH")])]
         variables["PYTHONPATH"] = os.pathsep.join(paths)
     return variables
 
@@ -75,10 +81,17 @@ def _likely() -> Iterator[Path]:
     if command := shutil.which("vibe"):
         places.append(Path(command).resolve().parent)  # pipx and uv link the command to its environment
     places += [Path(p) for p in map(shutil.which, ("python3", "python")) if p]
-    yield from dict.fromkeys(p for p in map(_python_of, places) if p)
+    yield from dict.fromkeys(p for p in map(python_of, places) if p)
 
 
-def _python_of(place: Path) -> Path | None:
+def own_group() -> dict:
+    """How to start a process that a Ctrl-C in Blender's terminal does not reach."""
+    if sys.platform == "win32":
+        return {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP | subprocess.CREATE_NO_WINDOW}
+    return {"start_new_session": True}
+
+
+def python_of(place: Path) -> Path | None:
     """The Python at a place: itself, in an environment's folder, or in its folder of commands.
 
     Links are kept: resolving an environment's Python would leave the environment.

@@ -1,16 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # mypy: disable-error-code="valid-type"
-"""Where the engine is, what it runs on, and the vision-language model that it may ask."""
+"""Where the engine is, what it runs on, the vision-language model that it may ask, and what it keeps."""
+
+from __future__ import annotations
 
 import time
+from pathlib import Path
 
 import bpy
-from bpy.props import BoolProperty, StringProperty
+from bpy.props import StringProperty
 
-from .contract import messages, schema
-from .engine import Engine
+from . import drawing, engine_place
+from .engine_place import place
+from .own_folder import own_folder
 
-_PATIENCE = 20.0  # seconds that a test waits for the engine's first word
+_DEVICES = ("auto", "cpu", "cuda", "mps")
+_FOLDER = "vibe-render"  # inside a chosen cache folder: what Clear deletes is ours
 
 
 class VibePreferences(bpy.types.AddonPreferences):
@@ -20,13 +25,16 @@ class VibePreferences(bpy.types.AddonPreferences):
 
     engine: StringProperty(
         name="Engine",
-        description="Folder of the Python environment that vibe-render is installed in. Empty: look for it",
+        description="Folder of the Python environment that the engine runs in. Empty: look for it",
         subtype="DIR_PATH",
+        update=lambda self, _context: place.look(self.engine),
     )
     device: StringProperty(
         name="Device",
-        description="What the engine computes on: auto, cpu, cuda or mps",
+        description="What the engine computes on: auto (a graphics card if there is one), cpu, cuda, cuda:1, mps",
         default="auto",
+        search=lambda _self, _context, _text: _DEVICES,
+        search_options={"SUGGESTION"},
     )
     encoder: StringProperty(
         name="Encoder",
@@ -50,32 +58,128 @@ class VibePreferences(bpy.types.AddonPreferences):
         subtype="PASSWORD",
         maxlen=1024,  # long keys are cut without it
     )
-    tested: StringProperty(options={"SKIP_SAVE", "HIDDEN"})
-    works: BoolProperty(options={"SKIP_SAVE", "HIDDEN"})
+    cache: StringProperty(
+        name="Cache",
+        description="Folder for what can be made again, such as a model's answers. Empty: the extension's own",
+        subtype="DIR_PATH",
+    )
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draws the preferences."""
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        column = layout.column()
-        column.prop(self, "engine", placeholder="Found by itself")
-        column.operator("vibe.test_engine", icon="CHECKMARK")
-        if self.tested:
-            row = column.row()
-            row.alert = not self.works
-            row.label(text=self.tested, icon="CHECKMARK" if self.works else "ERROR")
-        layout.separator()
-        column = layout.column()
-        column.prop(self, "device")
-        column.prop(self, "encoder", placeholder="Embedded")
-        layout.separator()
-        column = layout.column(heading="Vision-Language Model")
-        column.prop(self, "vlm_model", placeholder="None")
+        place.look(self.engine)
+        self.layout.use_property_split = True
+        self.layout.use_property_decorate = False
+        self._draw_engine(_section(self.layout, "Engine", "SHADERFX"), context)
+        column = _section(self.layout, "Vision-Language Model (optional)", "OUTLINER_OB_IMAGE")
+        column.prop(self, "vlm_model", placeholder="None: the offline planner reads the words")
         column.prop(self, "vlm_url", placeholder="https://api.openai.com/v1")
-        column.prop(self, "vlm_key")
+        column.prop(self, "vlm_key", placeholder="Kept in Blender's preferences only")
         if self.vlm_model and not online():
             column.label(text="Online access is off: only a model on this computer is asked", icon="INFO")
+        column = _section(self.layout, "Cache", "FILE_CACHE")
+        column.prop(self, "cache", text="Folder", placeholder="The extension's own")
+        row = column.split(factor=0.4)
+        row.label()
+        row = row.row()
+        row.label(text=_usage(cache_folder(context)))
+        row.operator("vibe.clear_cache", icon="TRASH")
+
+    def _draw_engine(self, column: bpy.types.UILayout, context: bpy.types.Context) -> None:
+        column.prop(self, "engine", text="Folder", placeholder="Found by itself")
+        split = column.split(factor=0.4)
+        split.label()
+        about = split.column()
+        draw_place(about)
+        if not place.setting_up:
+            row = about.row(align=True)
+            row.operator("vibe.setup_engine", icon="IMPORT")
+            row.operator("vibe.test_engine", icon="CHECKMARK")
+            row.operator("vibe.look_for_engine", text="", icon="FILE_REFRESH")
+        if place.said and not place.testing:
+            drawing.paragraph(about, context, place.said, "CHECKMARK" if place.works else "ERROR")
+        column.separator()
+        column.prop(self, "device")
+        column.prop(self, "encoder", placeholder="The one that comes with it")
+
+
+def _section(layout: bpy.types.UILayout, title: str, icon: str) -> bpy.types.UILayout:
+    box = layout.box()
+    box.label(text=title, icon=icon)
+    return box.column()
+
+
+def draw_place(layout: bpy.types.UILayout) -> None:
+    """One line about where the engine is, or how its setup goes."""
+    if place.setting_up and place.setup:
+        row = layout.row(align=True)
+        row.progress(factor=place.setup.fraction or 0.0, text=place.setup.text)
+        row.operator("vibe.cancel_setup", text="", icon="X")
+    elif place.testing:
+        layout.label(text="Starting the engine to see whether it answers…", icon="TIME")
+    elif place.searching:
+        layout.label(text="Looking for the engine…", icon="TIME")
+    elif place.python:
+        layout.label(text=f"Found: {_short(place.python)}", icon="CHECKMARK")
+    else:
+        layout.label(text="Not found on this computer", icon="INFO")
+
+
+def _short(python: Path) -> str:
+    """The environment that a Python is in, from the user's home."""
+    folder = python.parent.parent
+    home = Path.home()
+    return f"~/{folder.relative_to(home)}" if folder.is_relative_to(home) else str(folder)
+
+
+class VIBE_OT_setup_engine(bpy.types.Operator):
+    """Make a Python environment for the engine, in the extension's own folder: downloads packages from the Python Package Index, up to a few GB where there is an NVIDIA card to use"""
+
+    bl_idname = "vibe.setup_engine"
+    bl_label = "Set Up Engine"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Not without leave to go online."""
+        if not online():
+            cls.poll_message_set("Online access is off: see Preferences > System > Network")
+        elif place.setting_up:
+            cls.poll_message_set("It is being set up already")
+        return online() and not place.setting_up
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Begins; panels and preferences show how it goes."""
+        try:
+            place.set_up()
+        except engine_place.schema.VibeError as error:
+            place.said, place.works = str(error), False
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class VIBE_OT_cancel_setup(bpy.types.Operator):
+    """Stop setting up the engine, and remove what has been installed of it"""
+
+    bl_idname = "vibe.cancel_setup"
+    bl_label = "Cancel"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Cancels."""
+        if place.setup:
+            place.setup.cancel()
+        return {"FINISHED"}
+
+
+class VIBE_OT_look_for_engine(bpy.types.Operator):
+    """Look for the engine once more"""
+
+    bl_idname = "vibe.look_for_engine"
+    bl_label = "Look Again"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Looks."""
+        place.look(engine_choice(context), again=True)
+        return {"FINISHED"}
 
 
 class VIBE_OT_test_engine(bpy.types.Operator):
@@ -84,24 +188,60 @@ class VIBE_OT_test_engine(bpy.types.Operator):
     bl_idname = "vibe.test_engine"
     bl_label = "Test Engine"
 
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Tests beside Blender; what comes of it is shown under the button."""
+        place.test(engine_choice(context))
+        return {"FINISHED"}
+
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Runs the test; what it found is shown beside the button."""
-        preferences = get(context)
-        choice = preferences.engine if preferences else ""
+        """Tests at once, for scripts."""
         try:
-            said, works = f"Engine {_version(choice)} answers", True
-        except schema.VibeError as error:
-            said, works = str(error), False
-        if preferences:
-            preferences.tested, preferences.works = said, works
-        self.report({"INFO"} if works else {"ERROR"}, said)
-        return {"FINISHED"} if works else {"CANCELLED"}
+            self.report({"INFO"}, f"Engine {engine_place.version(engine_choice(context))} answers")
+        except engine_place.schema.VibeError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class VIBE_OT_clear_cache(bpy.types.Operator):
+    """Delete what the engine keeps; it is made again when it is needed"""
+
+    bl_idname = "vibe.clear_cache"
+    bl_label = "Clear"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Only when there is something."""
+        cls.poll_message_set("The cache is empty")
+        return cache_folder(context).is_dir()
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Deletes our folder in the cache folder, and nothing beside it."""
+        import shutil
+
+        shutil.rmtree(cache_folder(context), ignore_errors=True)
+        _known.clear()
+        return {"FINISHED"}
 
 
 def get(context: bpy.types.Context) -> VibePreferences | None:
     """The add-on's preferences; None where it is registered without being installed (tests)."""
     addon = context.preferences.addons.get(__package__)
     return addon.preferences if addon else None
+
+
+def engine_choice(context: bpy.types.Context) -> str:
+    """The folder that the artist has chosen for the engine; "" to look for it."""
+    chosen = get(context)
+    return chosen.engine if chosen else ""
+
+
+def cache_folder(context: bpy.types.Context) -> Path:
+    """Where the engine keeps what can be made again."""
+    chosen = get(context)
+    if chosen and chosen.cache:
+        return Path(bpy.path.abspath(chosen.cache)).expanduser() / _FOLDER
+    return own_folder("cache") / _FOLDER
 
 
 def online() -> bool:
@@ -112,20 +252,24 @@ def online() -> bool:
     return bpy.app.module or bpy.app.online_access
 
 
-def _version(choice: str) -> str:
-    """Starts an engine and returns its version; raises VibeError if it does not answer."""
-    engine = Engine(choice)
-    engine.start()
-    try:
-        end = time.monotonic() + _PATIENCE
-        while time.monotonic() < end:
-            for message in engine.poll():
-                if isinstance(message, messages.Ready):
-                    return message.version
-            time.sleep(0.05)
-    finally:
-        engine.stop()
-    raise schema.VibeError("The engine does not answer.", f"See {engine.log}.")
+_known: dict[Path, tuple[float, str]] = {}  # when a folder was measured, and what was found
 
 
-CLASSES = (VibePreferences, VIBE_OT_test_engine)
+def _usage(folder: Path) -> str:
+    """How much a folder holds, in words; measured every few seconds at most."""
+    when, text = _known.get(folder, (0.0, ""))
+    if time.monotonic() - when > 3.0:
+        files = [f.stat().st_size for f in folder.rglob("*") if f.is_file()] if folder.is_dir() else []
+        text = f"{drawing.size(sum(files))} in {len(files)} files" if files else "Empty"
+        _known[folder] = time.monotonic(), text
+    return text
+
+
+CLASSES = (
+    VibePreferences,
+    VIBE_OT_setup_engine,
+    VIBE_OT_cancel_setup,
+    VIBE_OT_look_for_engine,
+    VIBE_OT_test_engine,
+    VIBE_OT_clear_cache,
+)

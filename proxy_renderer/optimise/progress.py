@@ -24,6 +24,9 @@ class Watch(Protocol):
     def stage(self, name: str) -> None:
         """Something other than a step begins."""
 
+    def begin(self, display: Tensor) -> None:
+        """The loop begins, and this is what the artist's own values look like to it (H, W, 3)."""
+
     def step(self, progress: Progress, display: Tensor) -> bool:
         """A step is done and looks like this (H, W, 3); True ends the loop with the best so far."""
 

@@ -146,7 +146,9 @@ class Search:
         lower, upper = self.vector.bounds(ranges)
         if start and start.drawn is not None:
             lower, upper = starts.corral(start.u, lower, upper, start.drawn)
-        self._terms = self._terms or self._guidance(advice, picture)
+        if self._terms is None:  # the loop begins, at the artist's own values
+            self.watch.begin(picture.display.detach())
+            self._terms = self._guidance(advice, picture)
         return Confined(advice, plan, ranges, lower, upper, project(u, lower, upper))
 
     @property

@@ -97,10 +97,15 @@ class Vibe:
 
 @dataclass(frozen=True)
 class Stage:
-    """Engine → Blender: what is going on outside the loop, for a status line."""
+    """Engine → Blender: what is going on outside the loop, for a status line.
+
+    Attributes:
+        picture: When the loop begins: the artist's own values, a file name in the job folder; else "".
+    """
 
     type: ClassVar[str] = "stage"
     name: str
+    picture: str = ""
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,9 @@ _MOST = 500  # answers that are kept; the ones used longest ago go first
 
 
 def cache_folder() -> Path:
-    """The user's own folder for what can be made again; XDG_CACHE_HOME decides where it is set."""
+    """The user's own folder for what can be made again; VIBE_CACHE or XDG_CACHE_HOME decide where set."""
+    if named := os.environ.get("VIBE_CACHE"):
+        return Path(named).expanduser() / "vlm"
     home = Path.home()
     if chosen := os.environ.get("XDG_CACHE_HOME"):
         base = Path(chosen)

@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Work that goes on beside Blender in a thread of its own, which ends with Blender. No bpy here."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Generator
+from concurrent.futures import Future
+from typing import TypeVar
+
+T = TypeVar("T")
+
+
+def begin(act: Callable[[], T]) -> Future[T]:
+    """Starts a function in a thread; the future has what it returned or raised."""
+    future: Future[T] = Future()
+
+    def work() -> None:
+        try:
+            future.set_result(act())
+        except BaseException as error:  # it belongs to whoever asks for the result
+            future.set_exception(error)
+
+    threading.Thread(target=work, daemon=True).start()
+    return future
+
+
+def wait(act: Callable[[], T]) -> Generator[None, None, T]:
+    """Does the same, yields until it is done, and returns what it returned or raises what it raised."""
+    future = begin(act)
+    while not future.done():
+        yield
+    return future.result()

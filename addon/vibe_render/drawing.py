@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What panels share: text in lines, durations and sizes in words, drawing anew."""
+
+from __future__ import annotations
+
+import textwrap
+
+import bpy
+
+_PLACES = {"VIEW_3D": "UI", "PROPERTIES": "WINDOW", "PREFERENCES": "WINDOW"}
+"""Where our panels are: the kind of area, and the region in it."""
+
+
+def paragraph(
+    layout: bpy.types.UILayout, context: bpy.types.Context, text: str, icon: str = "NONE", faint: bool = False
+) -> None:
+    """Text in as many lines as the region is wide for, with an icon before the first."""
+    column = layout.column(align=True)
+    column.scale_y, column.active = 0.8, not faint
+    lines = textwrap.wrap(text, columns(context) - (3 if icon != "NONE" else 0), break_on_hyphens=False)
+    for number, line in enumerate(lines):
+        column.label(text=line, icon="BLANK1" if number and icon != "NONE" else icon)
+
+
+def columns(context: bpy.types.Context) -> int:
+    """About how many letters go into a line of the region."""
+    return max(16, int(context.region.width / (7.0 * context.preferences.system.ui_scale)) - 5)
+
+
+def duration(seconds: float) -> str:
+    """ "40 s", "12 min", "3 h"."""
+    for size, unit in ((3600, "h"), (60, "min")):
+        if seconds >= 1.5 * size:
+            return f"{seconds / size:.0f} {unit}"
+    return f"{max(seconds, 1):.0f} s"
+
+
+def size(count: float) -> str:
+    """Bytes in words: "3.4 MB"."""
+    for unit in ("bytes", "kB", "MB"):
+        if count < 1000:
+            return f"{count:.0f} {unit}" if unit == "bytes" else f"{count:.1f} {unit}"
+        count /= 1000
+    return f"{count:.1f} GB"
+
+
+def redraw() -> None:
+    """Draws the regions anew that our panels are in, and nothing else."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            for region in area.regions:
+                if region.type == _PLACES.get(area.type):
+                    region.tag_redraw()
