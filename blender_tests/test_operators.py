@@ -165,7 +165,7 @@ def warm(addon, engine):
     studio(addon)
     addon.vibe.prompt, addon.vibe.budget = PROMPT, "CUSTOM"
     addon.vibe.rounds, addon.vibe.steps, addon.vibe.size = 1, 2, 64
-    session.desk._engine = engine
+    session.desk._engine, session.desk._engine_choice = engine, session.engine_choice(bpy.context)
     yield addon
     session.desk._engine = None
 

@@ -180,6 +180,58 @@ def test_a_snapshot_of_a_newer_version_is_refused(scene):
     assert snapshot.exists(scene)
 
 
+DAMAGES = {
+    "text": lambda stored: "gone",
+    "half": lambda stored: {"version": 1},
+    "cut": lambda stored: {**stored, "entries": stored["entries"][:-7]},
+    "nonsense": lambda stored: {**stored, "entries": '[{"op": "burn", "id": 0}]'},
+    "numbers": lambda stored: {**stored, "count": 1},
+    "pointers": lambda stored: {**stored, "ids": 3},
+    "driver": lambda stored: {
+        **stored,
+        "entries": '[{"op": "set", "id": 0, "path": "animation_data.drivers[0].driver", "name": "x", "old": 1}]',
+    },
+    "python": lambda stored: {
+        **stored,
+        "entries": '[{"op": "set", "id": 0, "path": "", "name": "name", "old": "import os"}]',
+    },
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_damaged_snapshot_of_somebody_else_is_one_clear_line(scene, damage):
+    subject = scenes.studio(scene)
+    vibe(scene, subject)
+    scene[snapshot.KEY] = DAMAGES[damage](scene[snapshot.KEY].to_dict())
+    before = bindings.read(scene, subject, PIVOT)
+    with pytest.raises(schema.VibeError, match="damaged"):
+        snapshot.revert(scene)
+    with pytest.raises(schema.VibeError, match="damaged"):
+        bindings.write(scene, {"light/Point/power": (3.0,)}, subject, PIVOT)
+    assert bindings.read(scene, subject, PIVOT) == before
+    snapshot.forget(scene)  # what Keep does
+    assert bindings.write(scene, {"light/Point/power": (3.0,)}, subject, PIVOT) == {}
+    assert snapshot.revert(scene) == []
+
+
+def test_a_snapshot_comes_along_with_an_appended_scene(scene, tmp_path):
+    subject = scenes.studio(scene)
+    scene.name = "Vibed"
+    power = bpy.data.lights["Point"].energy
+    vibe(scene, subject)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "vibed.blend"))
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    with bpy.data.libraries.load(str(tmp_path / "vibed.blend")) as (_, here):
+        here.scenes = ["Vibed"]
+    appended = bpy.data.scenes["Vibed"]
+    assert snapshot.exists(appended)
+    light = next(o for o in appended.objects if o.name == "Point").data
+    assert light.energy != power
+    assert snapshot.revert(appended) == []
+    assert light.energy == power
+    assert not snapshot.exists(appended)
+
+
 def test_a_snapshot_is_small(scene):
     vibe(scene, scenes.studio(scene))
     assert len(scene[snapshot.KEY]["entries"]) < 30_000

@@ -6,6 +6,7 @@
 Writes a screenshot of every step and OUT/steps.json: what was seen, or what went wrong.
 """
 
+import faulthandler
 import json
 import subprocess
 import sys
@@ -28,9 +29,17 @@ class Screen:
     def __init__(self) -> None:
         self.window = bpy.context.window_manager.windows[0]
         self.area = next(a for a in self.window.screen.areas if a.type == "VIEW_3D")
-        self.sidebar = next(r for r in self.area.regions if r.type == "UI")
-        self.view = next(r for r in self.area.regions if r.type == "WINDOW")
         self._number = 0
+
+    @property
+    def sidebar(self):
+        """The region of the sidebar."""
+        return next(r for r in self.area.regions if r.type == "UI")
+
+    @property
+    def view(self):
+        """The region of the viewport itself."""
+        return next(r for r in self.area.regions if r.type == "WINDOW")
 
     def inside(self):
         """Context of the sidebar."""
@@ -39,6 +48,7 @@ class Screen:
     def shoot(self, name):
         """Takes a screenshot."""
         self._number += 1
+        (OUT / "steps.json").write_text(json.dumps(seen, indent=1))
         subprocess.run(["import", "-window", "root", OUT / f"{self._number:02}_{name}.png"], check=True)
 
     def move(self, x, y):
@@ -78,6 +88,12 @@ class Screen:
                 if what in self.under_mouse():
                     return
         raise LookupError(f"There is no {what} in the sidebar.")
+
+    def undo(self):
+        """Presses Ctrl+Z over the viewport."""
+        self.move(self.view.x + 200, self.view.y + 200)
+        yield 0.2
+        self.press("ctrl+z")
 
     def click_on(self, what):
         """Finds a button and clicks it."""
@@ -128,14 +144,18 @@ def _plain(socket):
 
 
 def wait(condition, seconds, what):
-    """Waits, as a generator of waits; notes the longest time that Blender did not come back meanwhile."""
+    """Waits, as a generator of waits; notes the longest time, by what goes on, that Blender did not come back."""
+    from bl_ext.user_default.vibe_render.session import desk
+
     end = time.monotonic() + seconds
     while not condition():
         last = time.monotonic()
         if last > end:
             raise TimeoutError(f"{what} within {seconds} s")
+        stage = desk.session.stage if desk.running and desk.session else "idle"
         yield 0.1
-        seen["longest_pause"] = max(seen.get("longest_pause", 0.0), time.monotonic() - last - 0.1)
+        pauses = seen.setdefault("pauses", {})
+        pauses[stage] = round(max(pauses.get(stage, 0.0), time.monotonic() - last - 0.1), 3)
 
 
 def the_way():
@@ -149,17 +169,18 @@ def the_way():
         a_scene()
         bpy.ops.ed.undo_push(message="Scene")
     from bl_ext.user_default.vibe_render import snapshot
+    from bl_ext.user_default.vibe_render.engine_place import place
     from bl_ext.user_default.vibe_render.session import desk
 
     seen["schema_is_the_copy"] = not any(name.startswith("proxy_renderer") for name in sys.modules)
+    yield from preferences(screen, place)
     space = screen.area.spaces.active
     space.shading.color_type, space.region_3d.view_perspective = "MATERIAL", "CAMERA"
     space.show_region_ui = True
     yield 0.5
     screen.sidebar.active_panel_category = "Vibe"
     screen.sidebar.tag_redraw()
-    scene = bpy.context.scene
-    scene.vibe.budget, scene.vibe.rounds, scene.vibe.steps, scene.vibe.size = "CUSTOM", 100, 1000, 192
+    small(100, 1000)
     yield 0.5
     screen.shoot("panel")
     before = values()
@@ -173,22 +194,37 @@ def the_way():
     seen["prompt"] = bpy.context.scene.vibe.prompt
     screen.shoot("prompt")
 
+    # Esc while it looks takes the best so far; one undo takes that back.
     yield from screen.click_on("vibe.run")
     yield from wait(lambda: desk.running, 5, "Vibe It starts")
     yield from wait(lambda: desk.session.progress, 240, "progress is seen")
-    yield 1.0
+    yield 1.5
     screen.shoot("progress")
     seen["progress"] = desk.session.fraction
     screen.press("Escape")
-    yield from wait(lambda: not desk.running, 10, "Esc ends it")
-    yield 0.3
-    screen.shoot("canceled")
-    seen["esc_restores"] = values() == before and not snapshot.exists(bpy.context.scene)
+    yield from wait(lambda: not desk.running, 120, "Esc ends it")
+    yield 0.5
+    seen["esc_takes_the_best"] = snapshot.exists(bpy.context.scene) and not desk.failure
+    screen.shoot("stopped")
+    yield from screen.undo()
+    yield from wait(lambda: not snapshot.exists(bpy.context.scene), 10, "undo of what Esc took")
+    seen["esc_undo_restores"] = values() == before
 
-    bpy.context.scene.vibe.rounds, bpy.context.scene.vibe.steps = 1, 4
-    bpy.ops.ed.undo_push(message="Fewer steps")
+    # Cancel gives it up.
     yield from screen.click_on("vibe.run")
     yield from wait(lambda: desk.running, 5, "Vibe It starts again")
+    yield from wait(lambda: desk.session and desk.session.progress, 240, "progress is seen again")
+    yield from screen.click_on("vibe.cancel")
+    yield from wait(lambda: not desk.running, 10, "Cancel ends it")
+    yield 0.3
+    screen.shoot("canceled")
+    seen["cancel_restores"] = values() == before and not snapshot.exists(bpy.context.scene)
+
+    small(1, 4)
+    bpy.context.scene.vibe.variants = 3
+    bpy.ops.ed.undo_push(message="Fewer steps")
+    yield from screen.click_on("vibe.run")
+    yield from wait(lambda: desk.running, 5, "Vibe It starts once more")
     yield from wait(lambda: not desk.running, 240, "the vibe ends")
     yield 0.7
     screen.shoot("result")
@@ -197,9 +233,7 @@ def the_way():
     seen["changed"] = [key for key in after if after[key] != before.get(key)]
     seen["listed"] = [change.name for change in bpy.context.scene.vibe.changes]
 
-    screen.move(screen.view.x + 200, screen.view.y + 200)
-    yield 0.2
-    screen.press("ctrl+z")
+    yield from screen.undo()
     yield from wait(lambda: not snapshot.exists(bpy.context.scene), 10, "undo")
     yield 0.7
     screen.shoot("undone")
@@ -207,16 +241,114 @@ def the_way():
     screen.press("ctrl+shift+z")
     yield from wait(lambda: snapshot.exists(bpy.context.scene), 10, "redo")
     seen["redo_restores"] = values() == after
+    yield from with_the_result(screen, desk, before, after)
 
     yield from screen.click_on("vibe.revert")
     yield from wait(lambda: not snapshot.exists(bpy.context.scene), 10, "revert")
     yield 0.5
     screen.shoot("reverted")
     seen["revert_restores"] = values() == before and not snapshot.exists(bpy.context.scene)
+    yield from shared_materials(screen, desk)
+    yield from another_file(screen, desk)
+
+
+def preferences(screen, place):
+    """What the add-on's preferences look like, and whether they find and try the engine."""
+    kind, screen.area.type = screen.area.type, "PREFERENCES"
+    bpy.context.preferences.active_section = "ADDONS"
+    bpy.context.window_manager.addon_search = "Vibe"
+    with bpy.context.temp_override(window=screen.window, area=screen.area):
+        bpy.ops.preferences.addon_expand(module="bl_ext.user_default.vibe_render")
+    yield from wait(lambda: place.python, 60, "the engine is found")
+    place.test("")
+    yield from wait(lambda: place.said, 120, "the engine answers")
+    yield 0.5
+    seen["engine"] = place.said
+    screen.shoot("preferences")
+    screen.area.type = kind
+    yield 0.5
+
+
+def with_the_result(screen, desk, before, after):
+    """Before and after, another variant, a lock, and the panel in the properties editor."""
+    scene = bpy.context.scene
+    yield from screen.click_on("show_original")
+    yield from wait(lambda: scene.vibe.show_original, 5, "Before is pressed")
+    seen["compare_shows_before"] = same(values(), before, after)
+    screen.shoot("compare")
+    yield from screen.click_on("show_original")
+    yield from wait(lambda: not scene.vibe.show_original, 5, "After is pressed")
+    if len(desk.session.variants) > 1:
+        yield from screen.click_on("vibe.variant(number=1)")
+        yield from wait(lambda: bpy.context.scene.vibe.variant == 1, 5, "the variant is chosen")
+        yield 0.5
+        screen.shoot("variant")
+        yield from screen.undo()
+        yield from wait(lambda: bpy.context.scene.vibe.variant == 0, 5, "and taken back")
+        seen["variant_undo_restores"] = values() == after
+    yield from screen.click_on("vibe.lock")
+    yield from wait(lambda: bpy.context.scene.vibe.locks, 5, "a value is locked")
+    seen["locked"] = list(bpy.context.scene.vibe.locks.keys())
+    shading = screen.area.spaces.active.shading
+    shading.type = "RENDERED"
+    yield 6.0
+    screen.shoot("rendered")
+    shading.type = "SOLID"
+    editor = next(a for a in screen.window.screen.areas if a.type == "PROPERTIES")
+    editor.spaces.active.context = "RENDER"
+    yield 1.0
+    screen.shoot("properties")
+
+
+def shared_materials(screen, desk):
+    """A material that the floor has too is asked about; Cancel answers nothing."""
+    floor, monkey = bpy.data.objects["Plane"], bpy.data.objects["Suzanne"]
+    own, floor.data.materials[0] = floor.data.materials[0], monkey.data.materials[0]
+    bpy.ops.ed.undo_push(message="Share")
+    yield from screen.click_on("vibe.run")
+    yield from wait(lambda: desk.session and desk.session.question, 60, "the question")
+    yield 0.5
+    screen.shoot("shared")
+    seen["asked_about"] = list(desk.session.question)
+    yield from screen.click_on("vibe.cancel")
+    yield from wait(lambda: not desk.running, 10, "Cancel ends the question")
+    floor.data.materials[0] = own
+
+
+def another_file(screen, desk):
+    """Another file is opened, and then Blender is closed, while a vibe runs."""
+    small(100, 1000)
+    yield from screen.click_on("vibe.run")
+    yield from wait(lambda: desk.session and desk.session.progress, 240, "progress before another file")
+    with bpy.context.temp_override(window=screen.window, area=screen.area, region=screen.view):
+        bpy.ops.wm.read_homefile(use_factory_startup=True, load_ui=False)
+    yield 1.0
+    seen["load_ends_it"] = not desk.running and not desk.failure
+    seen["engine_pid"] = desk._engine._process.pid
+    screen.shoot("another_file")
+    with bpy.context.temp_override(window=screen.window, area=screen.area, region=screen.view):
+        a_scene()
+    bpy.context.scene.vibe.prompt = PROMPT
+    small(100, 1000)
+    yield 0.5
+    yield from screen.click_on("vibe.run")
+    yield from wait(lambda: desk.session and desk.session.progress, 240, "progress before the end")
+
+
+def small(rounds, steps):
+    """A vibe that is over soon."""
+    settings = bpy.context.scene.vibe
+    settings.budget, settings.rounds, settings.steps, settings.size = "CUSTOM", rounds, steps, 192
+
+
+def same(now, before, after):
+    """Whether all that a vibe changed is as before; nodes of its own may be there."""
+    return all(now[key] == before[key] for key in before if key != "objects" and key in after)
 
 
 def main():
     """Walks the way on Blender's timer, so that Blender works in between."""
+    faulthandler.enable()  # where Python was if Blender crashes
     bpy.context.preferences.view.show_splash = False
     steps = the_way()
 

@@ -6,9 +6,19 @@ Importing this needs no Blender; registering it does.
 
 
 def _classes() -> tuple[type, ...]:
-    from . import operators, panels, preferences, preset_operators, preset_panel, properties
+    from . import (
+        operators,
+        panels,
+        preferences,
+        preset_operators,
+        preset_panel,
+        properties,
+        result_operators,
+        value_list,
+    )
 
-    modules = (preferences, properties, operators, preset_operators, panels, preset_panel)
+    data = (preferences, properties, value_list)
+    modules = (*data, operators, result_operators, preset_operators, panels, preset_panel)
     return tuple(each for module in modules for each in module.CLASSES)
 
 
@@ -16,25 +26,32 @@ def register() -> None:
     """Registers everything with Blender."""
     import bpy
 
+    from . import handlers
     from .preset_operators import VibePresets
     from .properties import VibeSettings
+    from .value_list import VibeValues
 
     for each in _classes():
         bpy.utils.register_class(each)
     bpy.types.Scene.vibe = bpy.props.PointerProperty(type=VibeSettings)
     bpy.types.WindowManager.vibe_presets = bpy.props.PointerProperty(type=VibePresets)
+    bpy.types.WindowManager.vibe_values = bpy.props.PointerProperty(type=VibeValues)
+    handlers.register()
 
 
 def unregister() -> None:
     """Inverse of `register`; ends the engine."""
     import bpy
 
-    from . import preset_pictures, preview, session
+    from . import engine_place, handlers, preset_pictures, preview, session
 
+    handlers.unregister()
     session.desk.close()
+    engine_place.place.close()
     preview.free()
     preset_pictures.free()
     del bpy.types.Scene.vibe
     del bpy.types.WindowManager.vibe_presets
+    del bpy.types.WindowManager.vibe_values
     for each in reversed(_classes()):
         bpy.utils.unregister_class(each)

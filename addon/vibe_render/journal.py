@@ -106,7 +106,14 @@ class Journal:
                     made.append((entry["collection"], block))
                 else:
                     _UNDO[entry["op"]](self, block, entry)
-            except (LookupError, ValueError, AttributeError, ReferenceError) as error:
+            except (
+                LookupError,
+                ValueError,
+                AttributeError,
+                ReferenceError,
+                TypeError,
+                RuntimeError,
+            ) as error:  # one thing that is not as it was must not keep the rest from coming back
                 lost.append(f"{entry['op']} {entry.get('path', '')} {entry.get('name', '')}: {error} is gone")
         del self.entries[first:]
         self._remove(made)

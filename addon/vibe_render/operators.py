@@ -1,15 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the panel's buttons do. Each leaves one step to undo."""
+# mypy: disable-error-code="valid-type"
+"""A vibe, from the button to its end: started, stopped, given up, asked about. It leaves one step to undo."""
 
 from __future__ import annotations
 
+import contextlib
 import traceback
 from typing import ClassVar
 
 import bpy
+from bpy.props import BoolProperty, EnumProperty, StringProperty
 
-from . import changes, result, snapshot
+from . import drawing, history
 from .contract import schema
+from .engine_place import place
 from .roster import GEOMETRY
 from .session import Session, desk
 
@@ -21,6 +25,8 @@ def obstacle(context: bpy.types.Context) -> str:
     scene = context.scene
     if desk.running:
         return "A vibe is on its way"
+    if reason := untouchable(context):
+        return reason
     if not scene.vibe.prompt.strip():
         return "Describe a mood first"
     if not any(obj.type in GEOMETRY for obj in scene.objects):
@@ -31,17 +37,18 @@ def obstacle(context: bpy.types.Context) -> str:
         return "Choose the subject's collection"
     if scene.vibe.subject == "SELECTED" and not context.selected_objects:
         return "Select the subject"
+    if place.problem:
+        return "Set up the engine first"
     return ""
 
 
-def redraw(context: bpy.types.Context) -> None:
-    """Draws the sidebars anew, and nothing else."""
-    for window in context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                for region in area.regions:
-                    if region.type == "UI":
-                        region.tag_redraw()
+def untouchable(context: bpy.types.Context) -> str:
+    """Why nothing in the scene may be changed just now; "" if it may."""
+    if not context.scene.is_editable:
+        return "This scene is linked from a library"
+    if context.mode != "OBJECT":  # elsewhere undo knows the mode's own steps only
+        return "Go to Object Mode first"
+    return ""
 
 
 class VIBE_OT_run(bpy.types.Operator):
@@ -49,7 +56,18 @@ class VIBE_OT_run(bpy.types.Operator):
 
     bl_idname = "vibe.run"
     bl_label = "Vibe It"
-    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO"}
+    bl_options: ClassVar[set[str]] = {"UNDO"}  # no REGISTER: "Adjust Last Operation" would do it all again
+
+    again: BoolProperty(
+        name="Again", description="The same words once more, with another seed", options={"SKIP_SAVE"}
+    )
+
+    @classmethod
+    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
+        """What a click does."""
+        if properties.again:
+            return "Look once more for the same words, from here, with another seed"
+        return cls.__doc__ or ""
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -61,17 +79,17 @@ class VIBE_OT_run(bpy.types.Operator):
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Starts the vibe in the background."""
-        desk.begin(context)
+        self._session = self._begin(context, ask=True)
         manager = context.window_manager
         self._timer = manager.event_timer_add(_TICK, window=context.window)
         manager.modal_handler_add(self)
-        context.workspace.status_text_set("Vibe Render is at work     Esc: cancel")
-        redraw(context)
+        context.workspace.status_text_set("Vibe Render is at work     Esc: stop")
+        drawing.redraw()
         return {"RUNNING_MODAL"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Does it all at once, for scripts without a window."""
-        session = desk.begin(context)
+        session = self._begin(context)
         failure = None
         while failure is None and desk.running:
             failure = _advance(session)
@@ -79,23 +97,46 @@ class VIBE_OT_run(bpy.types.Operator):
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Looks at the engine on every tick; everything else is Blender's, but for Esc."""
-        if event.type == "ESC" and event.value == "PRESS":
-            self.cancel(context)
-            self.report({"INFO"}, "Vibe canceled; the scene is as it was")
+        session = self._session
+        if desk.session is not session or not desk.running:  # given up elsewhere
+            self._clean_up(context)
             return {"CANCELLED"}
-        if event.type != "TIMER" or desk.session is None:
+        if event.type == "ESC" and event.value == "PRESS" and not bpy.app.is_job_running("RENDER"):
+            return self._escape(context)
+        if event.type != "TIMER":
             return {"PASS_THROUGH"}
-        failure = _advance(desk.session)
-        redraw(context)
+        failure = _advance(session)
+        drawing.redraw()
         if desk.running and failure is None:
             return {"PASS_THROUGH"}
         self._clean_up(context)
         return self._done(failure, "WARNING")  # the panel explains; no need for a pop-up
 
     def cancel(self, context: bpy.types.Context) -> None:
-        """Esc, another file, or the window is closed: nothing has been written yet."""
+        """Another file is opened, or the window is closed: nothing has been written yet."""
+        if desk.session is self._session:
+            desk.cancel()
+        self._clean_up(context)
+
+    def _begin(self, context: bpy.types.Context, ask: bool = False) -> Session:
+        settings = context.scene.vibe
+        if self.again and settings.vibed_prompt:
+            settings.prompt = settings.vibed_prompt
+            settings.seed += 1
+        history.remember(settings.prompt.strip())
+        return desk.begin(context, ask)
+
+    def _escape(self, context: bpy.types.Context) -> set[str]:
+        """The best so far if there is one; nothing, if there is none yet or this is the second Esc."""
+        if self._session.can_stop:
+            with contextlib.suppress(schema.VibeError):  # the next tick finds out and tells
+                self._session.stop()
+            context.workspace.status_text_set("Taking the best so far     Esc: give it up")
+            return {"RUNNING_MODAL"}
         desk.cancel()
         self._clean_up(context)
+        self.report({"INFO"}, "Vibe canceled; the scene is as it was")
+        return {"CANCELLED"}
 
     def _done(self, failure: schema.VibeError | None, severity: str) -> set[str]:
         if failure is None:
@@ -108,8 +149,9 @@ class VIBE_OT_run(bpy.types.Operator):
 
     def _clean_up(self, context: bpy.types.Context) -> None:
         context.window_manager.event_timer_remove(self._timer)
-        context.workspace.status_text_set(None)
-        redraw(context)
+        if context.workspace:  # none while another file is opened
+            context.workspace.status_text_set(None)
+        drawing.redraw()
 
 
 def _advance(session: Session) -> schema.VibeError | None:
@@ -131,6 +173,7 @@ class _Running(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Only while a vibe runs."""
+        cls.poll_message_set("No vibe is on its way")
         return desk.running
 
 
@@ -139,6 +182,12 @@ class VIBE_OT_stop(_Running):
 
     bl_idname = "vibe.stop"
     bl_label = "Stop"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Only while there is a best so far."""
+        cls.poll_message_set("There is no look yet to take")
+        return desk.running and bool(desk.session and desk.session.can_stop)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Asks the engine; its result arrives as usual."""
@@ -150,48 +199,43 @@ class VIBE_OT_stop(_Running):
         return {"FINISHED"}
 
 
-class _Vibed(bpy.types.Operator):
-    """For buttons that need a vibe in the scene."""
+class VIBE_OT_cancel(_Running):
+    """Give this vibe up, and leave the scene as it was"""
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Only when there is something to revert to, and nothing runs."""
-        reason = "A vibe is on its way" if desk.running else "This scene has not been vibed"
-        cls.poll_message_set(reason)
-        return not desk.running and snapshot.exists(context.scene)
-
-
-class VIBE_OT_revert(_Vibed):
-    """Restore the scene exactly as it was before the first vibe"""
-
-    bl_idname = "vibe.revert"
-    bl_label = "Revert"
-    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO"}
+    bl_idname = "vibe.cancel"
+    bl_label = "Cancel"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Reverts, and says what could not be restored."""
-        try:
-            lost = result.revert(context.scene)
-        except schema.VibeError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        desk.forget()
-        if lost:
-            self.report({"WARNING"}, f"{len(lost)} values could not be restored: {lost[0]}")
+        """Gives up."""
+        desk.cancel()
+        drawing.redraw()
         return {"FINISHED"}
 
 
-class VIBE_OT_keep(_Vibed):
-    """Keep the scene as it is now, and forget how it was before"""
+class VIBE_OT_answer(_Running):
+    """Answer, for this scene's other vibes too"""
 
-    bl_idname = "vibe.keep"
-    bl_label = "Keep"
-    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO"}
+    bl_idname = "vibe.answer"
+    bl_label = "Answer"
+    bl_options: ClassVar[set[str]] = {"INTERNAL"}
+
+    shared: EnumProperty(
+        items=(
+            ("ALL", "Affect All Users", "The other things change with the subject"),
+            ("SINGLE", "Make Single-User", "The subject gets copies of its own; Revert takes them away"),
+        )
+    )
+
+    @classmethod
+    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
+        """What the answer means."""
+        return cls.bl_rna.properties["shared"].enum_items[properties.shared].description
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Keeps."""
-        result.keep(context.scene)
-        desk.forget()
+        """Goes on with the vibe."""
+        context.scene.vibe.shared = self.shared
+        if desk.session:
+            desk.session.answer(self.shared)
         return {"FINISHED"}
 
 
@@ -208,26 +252,44 @@ class VIBE_OT_dismiss(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class VIBE_OT_why(bpy.types.Operator):
-    """Why this value changed"""
+class VIBE_OT_recall(bpy.types.Operator):
+    """Put these words into the prompt"""
 
-    bl_idname = "vibe.why"
-    bl_label = "Why"
-    bl_options: ClassVar[set[str]] = {"INTERNAL"}
+    bl_idname = "vibe.recall"
+    bl_label = "Recall"
+    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO", "INTERNAL"}
 
-    key: bpy.props.StringProperty()  # type: ignore[valid-type]
+    prompt: StringProperty()
 
     @classmethod
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
-        """The reason, as a tool tip."""
-        change = context.scene.vibe.changes[properties.key]
-        where = f"{changes.title(change.name)}, found at {changes.parameter(change.name).blender}"
-        return f"{change.reason}.\n{where}" if change.reason else where
+        """All of the words."""
+        return properties.prompt
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Says it in the status bar too."""
-        self.report({"INFO"}, context.scene.vibe.changes[self.key].reason or "The look asked for it")
-        return {"CANCELLED"}
+        """Sets the prompt."""
+        context.scene.vibe.prompt = self.prompt
+        return {"FINISHED"}
 
 
-CLASSES = (VIBE_OT_run, VIBE_OT_stop, VIBE_OT_revert, VIBE_OT_keep, VIBE_OT_dismiss, VIBE_OT_why)
+class VIBE_OT_clear_history(bpy.types.Operator):
+    """Forget the prompts that were typed"""
+
+    bl_idname = "vibe.clear_history"
+    bl_label = "Clear History"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Forgets."""
+        history.clear()
+        return {"FINISHED"}
+
+
+CLASSES = (
+    VIBE_OT_run,
+    VIBE_OT_stop,
+    VIBE_OT_cancel,
+    VIBE_OT_answer,
+    VIBE_OT_dismiss,
+    VIBE_OT_recall,
+    VIBE_OT_clear_history,
+)

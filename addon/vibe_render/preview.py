@@ -1,35 +1,70 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The picture in the panel: a PNG as an icon, loaded anew whenever the file has changed."""
+"""Pictures in panels: PNG files as icons, loaded anew whenever a file has changed."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 import bpy.utils.previews
+import numpy as np
 
-_pictures: bpy.utils.previews.ImagePreviewCollection | None = None
-_shown: tuple[Path, int] | None = None
+_GAP = 6  # pixels between two pictures
+
+Version = tuple[tuple[Path, int], ...]
+_slots: dict[tuple[Path, ...], tuple[Version, bpy.utils.previews.ImagePreviewCollection]] = {}
 
 
-def icon(picture: Path | None) -> int:
-    """The icon's number for `layout.template_icon`; 0 where there is no picture (yet)."""
-    global _pictures, _shown
-    if picture is None or not picture.is_file():
+def icon(*pictures: Path | None) -> int:
+    """An icon's number for `layout.template_icon`; 0 where there is no picture (yet).
+
+    Args:
+        pictures: Several are shown in one: wide ones one above the other, others side by side.
+    """
+    there = tuple(p for p in pictures if p is not None and p.is_file())
+    if not there:
         return 0
-    if _pictures is None:
-        _pictures = bpy.utils.previews.new()
-    version = (picture, picture.stat().st_mtime_ns)
-    if version != _shown:
-        _pictures.clear()
-        loaded = _pictures.load("vibe", str(picture), "IMAGE")
-        loaded.image_size[:]  # reads the file now; otherwise the panel would flicker until a job has
-        _shown = version
-    return _pictures["vibe"].icon_id
+    version = tuple((path, path.stat().st_mtime_ns) for path in there)
+    known, collection = _slots.get(there, (None, None))
+    if collection is None:
+        collection = bpy.utils.previews.new()
+    if version != known:
+        collection.clear()
+        parts = [_load(collection, path) for path in there]
+        if len(parts) > 1:
+            _compose(collection.new("vibe"), [_pixels(part) for part in parts])
+        _slots[there] = version, collection
+    return collection["vibe" if len(there) > 1 else str(there[0])].icon_id
+
+
+def _load(collection: bpy.utils.previews.ImagePreviewCollection, path: Path) -> bpy.types.ImagePreview:
+    loaded = collection.load(str(path), str(path), "IMAGE")
+    loaded.image_size[:]  # reads the file now; otherwise the panel would flicker until a job has
+    return loaded
+
+
+def _pixels(part: bpy.types.ImagePreview) -> np.ndarray:
+    """(H, W) int32, each a pixel's four bytes; row 0 is the bottom."""
+    width, height = part.image_size
+    pixels = np.empty(width * height, np.int32)
+    part.image_pixels.foreach_get(pixels)
+    return pixels.reshape(height, width)
+
+
+def _compose(target: bpy.types.ImagePreview, parts: list[np.ndarray]) -> None:
+    """Puts pictures of one size together, the first at the top or at the left."""
+    height, width = parts[0].shape
+    fitting = [p for p in parts if p.shape == (height, width)]
+    wide = width >= height
+    gap = np.zeros((_GAP, width) if wide else (height, _GAP), np.int32)
+    ordered = fitting[::-1] if wide else fitting
+    pieces = [piece for part in ordered for piece in (part, gap)][:-1]
+    whole = np.concatenate(pieces, axis=0 if wide else 1)
+    target.image_size = whole.shape[::-1]
+    target.image_pixels.foreach_set(whole.ravel())
 
 
 def free() -> None:
-    """Frees the picture."""
-    global _pictures, _shown
-    if _pictures is not None:
-        bpy.utils.previews.remove(_pictures)
-    _pictures = _shown = None
+    """Frees the pictures."""
+    for _, collection in _slots.values():
+        bpy.utils.previews.remove(collection)
+    _slots.clear()

@@ -35,6 +35,10 @@ class VibeChange(bpy.types.PropertyGroup):
         return tuple(self.before)[:count], tuple(self.after)[:count]
 
 
+class VibeLock(bpy.types.PropertyGroup):
+    """A single value that must stay. Its `name` is the parameter's key."""
+
+
 def _toggles() -> dict[str, BoolProperty]:
     """A toggle for every group of the schema."""
     toggles = {}
@@ -96,6 +100,13 @@ class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
     top_k: IntProperty(
         name="Values at Once", description="How many values a round may refine", default=8, min=1, max=64
     )
+    variants: IntProperty(
+        name="Variants",
+        description="Different looks for the same words, as pictures to choose from",
+        default=1,
+        min=1,
+        max=8,
+    )
     seed: IntProperty(name="Seed", description="Another seed finds another look", min=0)
     anchor: BoolProperty(
         name="Anchor to Cycles",
@@ -106,6 +117,19 @@ class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
     lock: StringProperty(
         name="Lock",
         description="Values that must stay, separated by commas: light/Key, material/*/metallic, film/exposure",
+    )
+    locks: CollectionProperty(type=VibeLock, description="Single values that must stay")
+    shared: EnumProperty(
+        name="Shared",
+        description="Materials of the subject that other things use too",
+        items=(
+            ("ASK", "Ask", "Ask when it matters"),
+            ("ALL", "Affect All Users", "The other things change with the subject"),
+            ("SINGLE", "Make Single-User", "The subject gets copies of its own; Revert takes them away"),
+        ),
+    )
+    show_reasons: BoolProperty(
+        name="Reasons", description="Show which words caused each change", default=True
     )
     strength: FloatProperty(
         name="Strength",
@@ -122,6 +146,7 @@ class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
     changes: CollectionProperty(type=VibeChange)
     vibed_prompt: StringProperty()
     vibed_preset: StringProperty(description="The preset that the look comes from, if any")
+    variant: IntProperty(description="Number of the variant that is in the scene", min=0)
     pivot: FloatVectorProperty(size=3, description="What lights and camera orbit: the subject's centre")
 
     def groups(self) -> tuple[str, ...]:
@@ -139,7 +164,8 @@ class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
             seed=self.seed,
             anchor=self.anchor,
             groups=self.groups(),
-            lock=tuple(filter(None, (pattern.strip() for pattern in self.lock.split(",")))),
+            variants=self.variants,
+            lock=(*filter(None, (pattern.strip() for pattern in self.lock.split(","))), *self.locks.keys()),
             encoder=chosen.encoder if chosen else "",
             device=chosen.device if chosen else "auto",
             vlm_model=chosen.vlm_model if chosen else "",
@@ -148,4 +174,4 @@ class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
         )
 
 
-CLASSES = (VibeChange, VibeSettings)
+CLASSES = (VibeChange, VibeLock, VibeSettings)

@@ -36,11 +36,22 @@ def apply(
     settings = scene.vibe
     forget(scene)
     settings.vibed_prompt, settings.pivot = prompt, pivot
-    records = found.report.get("parameters", {})
-    for key, values in found.values.items():
-        if key in skipped or key not in before:
-            continue
-        _list_change(settings, key, before[key], tuple(values), records.get(key, {}))
+    _list_changes(settings, before, found.values, skipped, found.report.get("parameters", {}))
+
+
+def _list_changes(
+    settings: Any,
+    before: Mapping[str, schema.Values],
+    values: Mapping[str, Sequence[float]],
+    skipped: Mapping[str, str],
+    records: Mapping[str, Mapping[str, Any]],
+) -> None:
+    """Lists what has been written; a light that was not there before was dark."""
+    for key, new in values.items():
+        if key not in skipped:
+            dark = schema.split_key(key)[2] in ("power", "strength")
+            old = before.get(key) or ((0.0,) if dark else tuple(new))
+            _list_change(settings, key, old, tuple(new), records.get(key, {}))
 
 
 def _list_change(
@@ -51,6 +62,35 @@ def _list_change(
     change.before[: len(before)] = before
     change.after[: len(after)] = after
     change.reason = record.get("reason", "")
+
+
+def choose(
+    scene: bpy.types.Scene,
+    number: int,
+    values: Mapping[str, Sequence[float]],
+    subject: Sequence[bpy.types.Object],
+) -> None:
+    """Puts another variant of the last vibe in place of the one that is in the scene.
+
+    Args:
+        scene: The vibed scene.
+        number: Of the variant.
+        values: Its values.
+        subject: The subject at export.
+
+    Raises:
+        VibeError: If the values do not fit the scene.
+    """
+    settings = scene.vibe
+    old = {change.name: (change.values()[0], change.reason) for change in settings.changes}
+    before = {**bindings.read(scene, subject, settings.pivot), **{key: was for key, (was, _) in old.items()}}
+    back = {key: was for key, (was, _) in old.items() if key not in values}
+    skipped = bindings.write(scene, {**back, **values}, subject, settings.pivot)
+    settings.changes.clear()
+    settings.strength, settings.show_original, settings.variant = 1.0, False, number
+    _list_changes(
+        settings, before, values, skipped, {key: {"reason": reason} for key, (_, reason) in old.items()}
+    )
 
 
 def mix(scene: bpy.types.Scene) -> None:
@@ -70,6 +110,7 @@ def forget(scene: bpy.types.Scene) -> None:
     settings.changes.clear()  # first: without changes, resetting the sliders writes nothing
     settings.strength, settings.show_original = 1.0, False
     settings.vibed_prompt = settings.vibed_preset = ""
+    settings.variant = 0
 
 
 def keep(scene: bpy.types.Scene) -> None:

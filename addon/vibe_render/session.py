@@ -3,16 +3,18 @@
 
 from __future__ import annotations
 
+import errno
 import shutil
 import tempfile
-from collections.abc import Generator
+import time
+from collections.abc import Generator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import cast
 
 import bpy
 
-from . import anchoring, preferences, result, scene_io, snapshot
+from . import anchoring, aside, preferences, result, scene_io, shared, snapshot
 from .contract import messages, schema
 from .engine import Engine
 from .model_notes import failure_note
@@ -20,38 +22,49 @@ from .subject import Choice
 
 LOOKING = "Looking for the look"
 ANCHORING = "Rendering an anchor"
+SILENT = 30.0  # seconds without a word from the engine that are worth a note
+_LOST = 900.0  # and that mean that it hangs
 
 
 class Session:
     """One vibe.
 
-    It names the scene instead of holding it: an undo meanwhile would leave a dangling reference.
+    It remembers the scene's number instead of the scene: an undo meanwhile would leave a dangling reference.
 
     Attributes:
-        scene: The scene's name.
+        scene: The scene's name, as it was.
         stage: What is going on, in words.
         progress: The engine's last word on it.
+        before: The engine's picture of the scene as it was.
         preview: The newest picture.
+        variants: The looks that were found if several were asked for, the best first: values and a picture.
+        shared: What is done about materials that other things use too: "ASK", "ALL" or "SINGLE".
+        question: Such materials and who else uses them, by name, while we wait for the artist's answer.
     """
 
-    def __init__(self, context: bpy.types.Context, engine: Engine) -> None:
+    def __init__(self, context: bpy.types.Context, engine: Engine, ask: bool = False) -> None:
         settings = context.scene.vibe
-        self.scene = context.scene.name
+        self.scene, self._uid = context.scene.name, context.scene.session_uid
         self.prompt = settings.prompt.strip()
         self.stage = "Starting the engine"
         self.progress: messages.Progress | None = None
+        self.before: Path | None = None
         self.preview: Path | None = None
+        self.shared = settings.shared if ask or settings.shared != "ASK" else "ALL"
+        self.question: dict[str, list[str]] = {}
         self._subject: list[str] = []
         self._pivot = (0.0, 0.0, 0.0)
         self._options = settings.engine_options(context)
         chosen = preferences.get(context)
         self._key = chosen.vlm_key if chosen else ""
         self._choice = choice(settings)
+        self.variants: list[tuple[Mapping[str, Sequence[float]], Path]] = []
         self._engine = engine
         self._job = Path(tempfile.mkdtemp(prefix="vibe-", dir=bpy.app.tempdir))
         self._asked = False
         self._stopping = False
         self._found: messages.Result | None = None
+        self._heard = time.monotonic()
         self._steps = self._run()
 
     @property
@@ -59,6 +72,16 @@ class Session:
         """How much of the loop is done, 0 to 1."""
         p = self.progress
         return ((p.round - 1) * p.steps + p.step) / (p.rounds * p.steps) if p else 0.0
+
+    @property
+    def silence(self) -> float:
+        """Seconds since the engine's last word, while it is to speak."""
+        return time.monotonic() - self._heard if self._asked and not self._found else 0.0
+
+    @property
+    def can_stop(self) -> bool:
+        """Whether there is a best so far that `stop` would take."""
+        return self.progress is not None and not self._stopping
 
     @property
     def note(self) -> str:
@@ -81,7 +104,15 @@ class Session:
         Raises:
             VibeError: If it fails; the scene is as it was.
         """
-        return next(self._steps, None) is not None
+        try:
+            return next(self._steps, None) is not None
+        except OSError as error:
+            if error.errno not in (errno.ENOSPC, errno.EDQUOT):
+                raise
+            raise schema.VibeError(
+                f"There is no room left on the disk, in {bpy.app.tempdir}.",
+                "Make room, or choose another folder for temporary files in Blender's preferences.",
+            ) from error
 
     def stop(self) -> None:
         """Asks for the best so far."""
@@ -92,7 +123,10 @@ class Session:
         """Gives up; the scene is as it was."""
         self._steps.close()
         if self._asked and self._found is None:
-            self._engine.abandon()
+            if self.silence > SILENT:
+                self._engine.stop(patience=0.02)
+            else:
+                self._engine.abandon()
         self.discard()
 
     def discard(self) -> None:
@@ -102,34 +136,67 @@ class Session:
     def _run(self) -> Generator[str]:
         """Yields before every wait, so that the panel can show what comes."""
         yield self.stage
-        self._engine.start()
+        for _ in aside.wait(self._engine.start):
+            yield self.stage
         while not self._engine.settle():
             yield self.stage
-        self._engine.start()  # it may have died of the last one
+        for _ in aside.wait(self._engine.start):  # it may have died of the last one
+            yield self.stage
         self.stage = "Reading the scene"
         yield self.stage
         scene = self._find_scene()
         vibed, start = snapshot.exists(scene), snapshot.mark(scene)
         try:
-            subject, pivot = scene_io.export(scene, self._job, self._choice)
-            self._subject, self._pivot = [obj.name_full for obj in subject], pivot
+            self._export(scene)
+            yield from self._settle_shared()
             yield from self._wait_for_result()
+            while bpy.context.mode != "OBJECT":  # elsewhere one undo would not take the vibe back
+                self.stage = "Found. Go back to Object Mode to see it"
+                yield self.stage
             scene, found = self._find_scene(), cast(messages.Result, self._found)
-            result.apply(scene, self.prompt, found, self._there(scene), pivot)
+            result.apply(scene, self.prompt, found, self.subject(scene), self._pivot)
         except BaseException:  # Esc closes this generator, which raises here
             self._restore(vibed, start)
             raise
+
+    def _export(self, scene: bpy.types.Scene) -> None:
+        subject, pivot = scene_io.export(scene, self._job, self._choice)
+        self._subject, self._pivot = [obj.name_full for obj in subject], pivot
+
+    def _settle_shared(self) -> Generator[str]:
+        """Asks about materials that other things use too, unless that is settled; may export anew."""
+        scene = self._find_scene()
+        theirs = shared.found(self.subject(scene))
+        if not theirs:
+            return
+        if self.shared == "ASK":
+            self.question = {m.name: [o.name for o in users] for m, users in theirs.items()}
+            self.stage = "Waiting for your answer"
+            while self.question:
+                yield self.stage
+            self.stage = "Reading the scene"
+            yield self.stage
+            scene = self._find_scene()
+        if self.shared == "SINGLE":
+            shared.separate(scene, self.subject(scene))
+            self._export(scene)
+
+    def answer(self, shared: str) -> None:
+        """The artist's answer to the question: "ALL" or "SINGLE"."""
+        self.shared, self.question = shared, {}
 
     def _wait_for_result(self) -> Generator[str]:
         request = messages.Vibe(
             schema.schema_hash(), str(self._job), self.prompt, asdict(self._options), self._key
         )
         self._engine.send(request)
-        self._asked = True
+        self._asked, self._heard = True, time.monotonic()
         self.stage = "Warming up the engine"
         while self._found is None:
             yield self.stage
+            self._check_silence()
             for message in self._engine.poll():
+                self._heard = time.monotonic()
                 if isinstance(message, messages.Anchor):
                     yield from self._anchor(message)
                 else:
@@ -142,17 +209,26 @@ class Session:
         self.stage = ANCHORING
         yield self.stage
         scene = self._find_scene()
-        self._engine.send(anchoring.answer(scene, self._job, request, self._there(scene), self._pivot))
+        self._engine.send(anchoring.answer(scene, self._job, request, self.subject(scene), self._pivot))
+        self._heard = time.monotonic()
         if not self._stopping:
             self.stage = LOOKING
 
-    def _there(self, scene: bpy.types.Scene) -> list[bpy.types.Object]:
+    def _check_silence(self) -> None:
+        if self.silence > _LOST:
+            self._engine.stop(patience=0.02)
+            raise schema.VibeError(
+                f"The engine has said nothing for {_LOST / 60:.0f} minutes, and was ended.",
+                f"Try again; if it happens again, see {self._engine.log}.",
+            )
+
+    def subject(self, scene: bpy.types.Scene) -> list[bpy.types.Object]:
         """What is left of the subject."""
         return [scene.objects[name] for name in self._subject if name in scene.objects]
 
     def _restore(self, vibed: bool, start: int) -> None:
         """Takes back what the export has added, unless an undo or another file has done so already."""
-        scene = bpy.data.scenes.get(self.scene)
+        scene = self._scene_if_there()
         if scene is None or not snapshot.exists(scene) or snapshot.mark(scene) < start:
             return
         snapshot.rollback(scene, start)
@@ -162,6 +238,8 @@ class Session:
     def _hear(self, message: messages.Message) -> None:
         if isinstance(message, messages.Stage):
             self.stage = message.name.capitalize()
+            if message.picture:
+                self.before = self._job / message.picture
         elif isinstance(message, messages.Progress):
             self.progress = message
             self.stage = LOOKING
@@ -170,12 +248,22 @@ class Session:
         elif isinstance(message, messages.Result):
             self._found = message
             self.preview = self._job / message.prediction
+            self.variants = [(v.values, self._job / v.picture) for v in message.variants]
 
     def _find_scene(self) -> bpy.types.Scene:
-        scene = bpy.data.scenes.get(self.scene)
+        scene = self._scene_if_there()
         if scene is None:
             raise schema.VibeError(f'The scene "{self.scene}" is gone.', "Start again in another scene.")
         return scene
+
+    def _scene_if_there(self) -> bpy.types.Scene | None:
+        """It keeps its number when it is renamed or an undo brings it back; scenes of other files have others."""
+        return next((s for s in bpy.data.scenes if s.session_uid == self._uid), None)
+
+
+def engine_choice(context: bpy.types.Context) -> tuple[str, Path]:
+    """What the preferences say about the engine: where it is, and where it keeps things."""
+    return preferences.engine_choice(context), preferences.cache_folder(context)
 
 
 def choice(settings: bpy.types.PropertyGroup) -> Choice:
@@ -199,17 +287,21 @@ class Desk:
         self.running = False
         self.failure: schema.VibeError | None = None
         self._engine: Engine | None = None
-        self._engine_choice = ""
+        self._engine_choice: tuple[str, Path] | None = None
 
-    def begin(self, context: bpy.types.Context) -> Session:
-        """Starts a vibe; the engine is the one of the last, unless the preferences have changed since."""
+    def begin(self, context: bpy.types.Context, ask: bool = False) -> Session:
+        """Starts a vibe; the engine is the one of the last, unless the preferences have changed since.
+
+        Args:
+            context: Blender's.
+            ask: Whether somebody is there to answer questions.
+        """
         self.forget()
-        chosen = preferences.get(context)
-        place = chosen.engine if chosen else ""
-        if self._engine is None or place != self._engine_choice:
+        choice = engine_choice(context)
+        if self._engine is None or choice != self._engine_choice:
             self.close_engine()
-            self._engine, self._engine_choice = Engine(place), place
-        self.session, self.running = Session(context, self._engine), True
+            self._engine, self._engine_choice = Engine(choice[0], cache=choice[1]), choice
+        self.session, self.running = Session(context, self._engine, ask), True
         return self.session
 
     def end(self, failure: schema.VibeError | None = None) -> None:

@@ -10,13 +10,15 @@ import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from bpy.types import Scene
+from bpy.types import ID, Scene
 
+from . import journal_check
 from .contract import schema
 from .journal import Journal
 
 KEY = "vibe_snapshot"
 VERSION = 1
+_MOST = 100_000  # data-blocks that a stored snapshot may speak of
 
 
 def take(scene: Scene) -> None:
@@ -43,7 +45,7 @@ def revert(scene: Scene) -> list[str]:
         What could not be restored because the artist has removed it meanwhile.
 
     Raises:
-        VibeError: There is no snapshot, or one of a newer version.
+        VibeError: There is no snapshot, or one of a newer version, or a damaged one.
     """
     journal = _load(scene)
     forget(scene)  # first: it counts as a user of what is to be removed
@@ -69,6 +71,7 @@ def rollback(scene: Scene, first: int) -> None:
 @contextmanager
 def transaction(scene: Scene) -> Iterator[Journal]:
     """A journal to change the scene with. Ends in the snapshot, or on an exception as if nothing had been."""
+    whole = _load(scene) if exists(scene) else Journal()  # first: a damaged one stops us here
     journal = Journal()
     try:
         yield journal
@@ -76,8 +79,6 @@ def transaction(scene: Scene) -> Iterator[Journal]:
         journal.undo()
         raise
     if journal.entries:
-        take(scene)
-        whole = _load(scene)
         whole.extend(journal)
         _store(scene, whole)
 
@@ -88,12 +89,20 @@ def _load(scene: Scene) -> Journal:
             "This scene has no snapshot to revert to.", "Only a vibed scene can be reverted."
         )
     stored = scene[KEY]
-    if stored["version"] > VERSION:
+    try:
+        if stored["version"] > VERSION:
+            raise schema.VibeError(
+                "This scene was vibed by a newer version of Vibe Render.", "Update Vibe Render, then revert."
+            )
+        count = min(int(stored["count"]), _MOST)
+        ids = [scene if i == stored["self"] else stored["ids"].get(str(i)) for i in range(count)]
+        entries = journal_check.entries(json.loads(stored["entries"]), count)
+    except (TypeError, ValueError, KeyError, AttributeError, RecursionError) as error:
         raise schema.VibeError(
-            "This scene was vibed by a newer version of Vibe Render.", "Update Vibe Render, then revert."
-        )
-    ids = [scene if i == stored["self"] else stored["ids"].get(str(i)) for i in range(stored["count"])]
-    return Journal(json.loads(stored["entries"]), ids)
+            "What this scene was like before its vibe is damaged in this file.",
+            "Press Keep: the values stay as they are now, and the next vibe starts from them.",
+        ) from error
+    return Journal(entries, [i if i is None or isinstance(i, ID) else None for i in ids])
 
 
 def _store(scene: Scene, journal: Journal) -> None:
