@@ -8,7 +8,7 @@ from dump import difference
 from small_scenes import studio
 from test_library import NOIR
 from test_operators import contents
-from vibe_render import asset_catalog, assets, owned, preset_use, scene_io, thumbnail
+from vibe_render import asset_catalog, asset_preview, assets, owned, preset_use, scene_io, thumbnail
 from vibe_render.subject import Choice
 
 from proxy_renderer.schema import VibeError, preset
@@ -17,8 +17,9 @@ CATALOGS = ("Materials", "Worlds", "Light Rigs", "Grades", "Fogs")
 
 
 @pytest.fixture
-def exported(scene, tmp_path):
+def exported(scene, tmp_path, monkeypatch):
     """A studio in a foggy noir, exported: (names, the .blend, dumps of the open file before and after)."""
+    monkeypatch.setattr(asset_preview, "_SAMPLES", 2)
     vibe_render.register()
     studio(scene)
     look = preset.Preset("Noir", {**NOIR.roles, "volume": [{"density": [0.5]}]}, NOIR.kinds, NOIR.prompt)

@@ -11,7 +11,7 @@ import vibe_render
 from dump import difference
 from small_scenes import studio
 from test_operators import FOUND, PIVOT, PROMPT, contents, read
-from vibe_render import bindings, library, preset_use, presets, result, snapshot, thumbnail
+from vibe_render import asset_preview, bindings, library, preset_use, presets, result, snapshot, thumbnail
 from vibe_render.subject import Choice
 
 from proxy_renderer.schema import VibeError, messages, preset
@@ -56,8 +56,10 @@ def wide(tmp_path):
 
 
 @pytest.fixture
-def addon(scene):
-    """The add-on, registered with a studio in the file."""
+def addon(scene, monkeypatch):
+    """The add-on, registered with a studio in the file; pictures are quick."""
+    for module in (thumbnail, asset_preview):
+        monkeypatch.setattr(module, "_SAMPLES", 2)
     vibe_render.register()
     studio(scene)
     yield scene

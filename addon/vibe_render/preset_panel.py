@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The "Presets" panel: a grid of pictures to choose a look from, and what can be done with it."""
+"""Presets in the "Vibe" tab: a grid of pictures to choose a look from, and what can be done with it."""
 
 from __future__ import annotations
 
 import textwrap
+from typing import ClassVar
 
 import bpy
 
 from . import library, preset_pictures
 from .session import desk
 
-_CELL = 92.0  # pixels that a picture wants, at a scale of 1
-_UNIT = 20.0  # pixels of a button's height
+_WIDTH, _COLUMNS = 26, 4  # of the grid; the width in Blender's units, a button's height each
 _SHOWN = 5  # lines of what did not fit
 
 
@@ -49,12 +49,13 @@ class VIBE_MT_presets(bpy.types.Menu):
 
 
 class VIBE_PT_presets(bpy.types.Panel):
-    """The grid, and below it the chosen preset."""
+    """The chosen preset, and the way to the others."""
 
     bl_label = "Presets"
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
     bl_category = "Vibe"
+    bl_parent_id = "VIBE_PT_main"
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -67,63 +68,82 @@ class VIBE_PT_presets(bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draws the panel."""
-        layout, held = self.layout, context.window_manager.vibe_presets
+        layout = self.layout
         row = layout.row(align=True)
-        row.prop(held, "search", text="", icon="VIEWZOOM", placeholder="Search")
+        row.popover("VIBE_PT_preset_grid", text="Browse", icon="ASSET_MANAGER")
         row.operator_context = "INVOKE_DEFAULT"
-        row.operator("vibe.preset_save", text="", icon="ADD")
+        row.operator("vibe.preset_save", text="Save Look", icon="ADD")
+        if look := _chosen(context):
+            layout.template_icon(icon_value=preset_pictures.icon(look), scale=6.0)
+            _draw_chosen(layout, context, look, context.region.width)
+
+
+class VIBE_PT_preset_grid(bpy.types.Panel):
+    """All presets as pictures, with search; below them the chosen one."""
+
+    bl_label = "Browse Presets"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "HEADER"
+    bl_options: ClassVar[set[str]] = {"INSTANCED"}
+    bl_ui_units_x = _WIDTH
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draws the panel."""
+        layout, held = self.layout, context.window_manager.vibe_presets
+        layout.prop(held, "search", text="", icon="VIEWZOOM", placeholder="Search names and prompts")
         found = library.looks(held.search)
+        grid = layout.grid_flow(row_major=True, columns=_COLUMNS, even_columns=True, even_rows=True)
+        for look in found:
+            cell = grid.column(align=True)
+            cell.template_icon(icon_value=preset_pictures.icon(look), scale=_WIDTH / _COLUMNS - 1.0)
+            picked = str(look.path) == held.chosen
+            cell.operator("vibe.preset_choose", text=look.name, depress=picked).path = str(look.path)
+        for _ in range(-len(found) % _COLUMNS if len(found) < _COLUMNS else 0):  # pictures keep their size
+            grid.label(text="")
         if not found:
             row = layout.row()
             row.active, row.alignment = False, "CENTER"
             row.label(text="No preset has these words")
-            return
-        _draw_grid(layout, context, found, held.chosen)
-        chosen = next((look for look in found if str(look.path) == held.chosen), None)
-        if chosen:
-            _draw_chosen(layout, context, chosen)
+        elif chosen := _chosen(context):
+            _draw_chosen(layout, context, chosen, _WIDTH * 20.0 * context.preferences.system.ui_scale)
 
 
-def _draw_grid(layout: bpy.types.UILayout, context: bpy.types.Context, found: list, chosen: str) -> None:
-    """Pictures with names under them, as many beside each other as the sidebar is wide for."""
-    width = context.region.width / context.preferences.system.ui_scale - 30.0
-    columns = max(2, int(width / _CELL))
-    grid = layout.grid_flow(row_major=True, columns=columns, even_columns=True, even_rows=True, align=False)
-    for look in found:
-        cell = grid.column(align=True)
-        cell.template_icon(icon_value=preset_pictures.icon(look), scale=width / columns / _UNIT - 0.3)
-        picked = str(look.path) == chosen
-        cell.operator("vibe.preset_choose", text=look.name, depress=picked).path = str(look.path)
+def _chosen(context: bpy.types.Context) -> library.Look | None:
+    path = context.window_manager.vibe_presets.chosen
+    return next((look for look in library.looks() if str(look.path) == path), None) if path else None
 
 
-def _draw_chosen(layout: bpy.types.UILayout, context: bpy.types.Context, look: library.Look) -> None:
+def _draw_chosen(
+    layout: bpy.types.UILayout, context: bpy.types.Context, look: library.Look, width: float
+) -> None:
+    """Name, prompt and Apply, in a box as wide as so many pixels."""
     box = layout.box()
     row = box.row()
     row.label(text=look.name, icon="ERROR" if look.problem else "NONE")
     row.menu("VIBE_MT_preset", text="", icon="DOWNARROW_HLT")
     if look.problem:
-        _paragraph(box, context, look.problem)
+        _paragraph(box, context, look.problem, width)
         return
     if look.prompt:
-        _paragraph(box, context, f"“{look.prompt}”")
+        _paragraph(box, context, f"“{look.prompt}”", width)
     row = box.row()
     row.scale_y = 1.4
     applied = context.scene.vibe.vibed_preset == look.name
     row.operator("vibe.preset_apply", text="Apply Again" if applied else "Apply", icon="CHECKMARK")
     rest = context.window_manager.vibe_presets.rest.splitlines() if applied else []
     for line in rest[:_SHOWN]:
-        _paragraph(box, context, f"Did not fit: {line}")
+        _paragraph(box, context, f"Did not fit: {line}", width)
     if len(rest) > _SHOWN:
-        _paragraph(box, context, f"… and {len(rest) - _SHOWN} more")
+        _paragraph(box, context, f"… and {len(rest) - _SHOWN} more", width)
 
 
-def _paragraph(layout: bpy.types.UILayout, context: bpy.types.Context, text: str) -> None:
-    """Faint text in as many lines as the sidebar is wide for."""
+def _paragraph(layout: bpy.types.UILayout, context: bpy.types.Context, text: str, width: float) -> None:
+    """Faint text in lines for a width in pixels."""
     column = layout.column(align=True)
     column.scale_y, column.active = 0.8, False
-    width = max(16, int(context.region.width / (7.5 * context.preferences.system.ui_scale)) - 6)
-    for line in textwrap.wrap(text, width, break_on_hyphens=False):
+    letters = max(16, int(width / (7.5 * context.preferences.system.ui_scale)) - 6)
+    for line in textwrap.wrap(text, letters, break_on_hyphens=False):
         column.label(text=line)
 
 
-CLASSES = (VIBE_MT_preset, VIBE_MT_presets, VIBE_PT_presets)
+CLASSES = (VIBE_MT_preset, VIBE_MT_presets, VIBE_PT_preset_grid, VIBE_PT_presets)
