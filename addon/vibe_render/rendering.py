@@ -92,6 +92,19 @@ def render_mask(scene: bpy.types.Scene, path: Path, size: int, subject: Iterable
             whole.unlink(missing_ok=True)
 
 
+def render_clear(scene: bpy.types.Scene, path: Path, size: int, samples: int, seed: int = 0) -> None:
+    """Renders the scene as `render` does, but without the fog in it."""
+    with ExitStack() as stack:
+        for thing in scene.objects:
+            if thing.type == "VOLUME" or _is_fog(thing):
+                stack.enter_context(changed(thing, hide_render=True))
+        tree = compat.node_tree(scene.world) if scene.world else None
+        for node in tree.nodes if tree else ():
+            if node.bl_idname.startswith("ShaderNodeVolume"):
+                stack.enter_context(changed(node, mute=True))
+        render(scene, path, size, samples, seed)
+
+
 @contextmanager
 def _cycles(scene: bpy.types.Scene, size: int, samples: int, seed: int) -> Iterator[None]:
     """The scene set up for one picture of this size."""

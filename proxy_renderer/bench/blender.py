@@ -62,3 +62,5 @@ def _process(bench: str, arguments: Sequence[str], tail: deque[str]) -> Iterator
     finally:
         process.kill()
         process.wait()
+        if process.stdout:
+            process.stdout.close()

@@ -50,11 +50,30 @@ def _pictures(sub: argparse.ArgumentParser, size: int, samples: int) -> None:
     )
 
 
+def _paper(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("--quick", action="store_true", help="few steps, small pictures, one seed: a first look")
+    sub.add_argument(
+        "--seeds", type=int, default=None, metavar="N", help="how many (default: 3, or 1 with --quick)"
+    )
+    sub.add_argument("--only", default="*", metavar="GLOB", help='only pairs with such names: "*duck*"')
+    sub.add_argument(
+        "--meshes",
+        dest="mesh_folder",
+        default="",
+        metavar="DIR",
+        help="where the paper's dolphin.obj, teapot.obj and tree.obj are (default: shared/meshes beside the clone)",
+    )
+
+
 Options = Callable[[argparse.ArgumentParser], None]
 
 BENCHES: dict[str, tuple[str, Options]] = {
     "speed": ("How long a step of the renderer takes, forward and backward.", _speed),
     "fidelity": ("How near the proxy is to Cycles, scene by scene and feature by feature.", _fidelity),
+    "paper": (
+        "Whether words are followed better than by a similarity alone: the paper's experiments.",
+        _paper,
+    ),
     "gradients": ("Whether the proxy's gradients point where Cycles' pictures go.", _gradients),
 }
 """By name: a summary, and what declares the options, which are the keywords of its module's `run`."""

@@ -14,6 +14,7 @@ from mathutils import Euler, Vector
 
 from .. import bindings, compat, roster, snapshot
 from .. import stage_parts as parts
+from .props import PROPS
 from .recipe import Fog, Lamp, Recipe, View, World, chance
 from .shapes import SHAPES
 from .surfaces import material, shifted
@@ -36,7 +37,7 @@ def build(recipe: Recipe, seed: int) -> tuple[Scene, list[Object]]:
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True, load_ui=False)
     scene, luck = bpy.context.scene, chance(recipe, seed)
     scene.render.resolution_x = scene.render.resolution_y = _SIDE
-    subject = SHAPES[recipe.shape][0](luck)
+    subject = (SHAPES | PROPS)[recipe.shape][0](luck)
     stuffs = [material(f"Stuff {i}", finish, luck) for i, finish in enumerate(recipe.finishes)]
     for i, thing in enumerate(subject):
         thing.data.materials.clear()
@@ -83,14 +84,14 @@ def _stage(scene: Scene, recipe: Recipe, luck: random.Random) -> None:
     if recipe.stage == "cove":
         parts.cyclorama(scene, 7.0, 6.0, recipe.view.azimuth, ground)
     elif recipe.stage == "room":
-        _room(scene, ground, luck)
+        _room(scene, recipe, ground, luck)
     else:
         parts.floor(scene, 30.0, ground)
 
 
-def _room(scene: Scene, ground: bpy.types.Material, luck: random.Random) -> None:
-    """Floor, ceiling and back wall; a red wall on the left and a green one on the right."""
-    colors = {"Left": (0.55, 0.06, 0.05), "Right": (0.1, 0.4, 0.08)}
+def _room(scene: Scene, recipe: Recipe, ground: bpy.types.Material, luck: random.Random) -> None:
+    """Floor, ceiling and back wall, and walls of other colors on the left and on the right."""
+    colors = dict(zip(("Left", "Right"), recipe.walls, strict=True))
     walls = {name: parts.material(name, shifted(color, luck), 0.9) for name, color in colors.items()}
     w, d, h = 2.6, 2.4, 3.6
     corners = np.array([[x, y, z] for x in (-w, w) for y in (-4.5, d) for z in (0, h)], float)

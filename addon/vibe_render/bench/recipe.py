@@ -122,10 +122,11 @@ class Recipe:
 
     Attributes:
         name: Unique; a folder's name.
-        shape: The subject, a name in `shapes.SHAPES`.
+        shape: The subject, a name in `shapes.SHAPES` or `props.PROPS`.
         finishes: Materials of the subject's parts, in turn.
         stage: "none", "floor", "cove" (a round backdrop) or "room" (three walls).
         ground: Material of the stage.
+        walls: Colors of a room's left and right wall.
         film: Film parameters of the schema by name: exposure and the grade.
         transform: View transform of the color management.
         look: Its look, without the transform's name.
@@ -139,6 +140,7 @@ class Recipe:
     world: World = World()
     stage: str = "floor"
     ground: Finish = Finish((0.42, 0.4, 0.37), 0.7)
+    walls: tuple[Color, Color] = ((0.55, 0.06, 0.05), (0.1, 0.4, 0.08))
     fog: Fog | None = None
     view: View = View()
     film: Mapping[str, float | Color] = field(default_factory=dict)

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's side of `vibe bench paper`: vibes one after another, by one Blender and one engine.
+
+    python -m vibe_render.bench.paper --work runs.json [--only GLOB] [--skip A,B]
+
+The file holds a list of runs: `name`, `folder`, `set` (a name in `sets.SETS`) or `mesh` (a file), `arguments` as for
+`batch.py`, and `clear`, whether the result is wanted without its fog too. It prints lines `VIBE {json}`: "names", then "begin" before each run, and "scene" or "failed" after it.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import time
+import traceback
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+from .. import batch_run, rendering, snapshot
+from ..batch_arguments import parse
+from ..batch_report import Reporter
+from ..conversation import Conversation
+from ..engine import Engine
+from .build import build
+from .fidelity import arguments, say
+from .sets import SETS
+from .sight import save_sight
+
+SIGHT = 192
+"""Rays along each side of what is saved of the geometry."""
+
+
+class _Quiet(Reporter):
+    """Nobody reads how a single run gets on."""
+
+    def _print(self, event: dict[str, Any], line: str) -> None:
+        pass
+
+
+class Workshop:
+    """An engine that stays warm between runs, and is replaced after one that went wrong."""
+
+    def __init__(self) -> None:
+        self._reporter = _Quiet(events=False)
+        self._engine: Engine | None = None
+        self._talk: Conversation | None = None
+
+    def vibe(self, run: dict[str, Any]) -> None:
+        """Carries one run out: all that `vibe run` writes, and what the camera saw, before and after."""
+        folder = Path(run["folder"])
+        given = ["run", run.get("mesh", ""), f"--out={folder}", *run["arguments"]]
+        if "set" in run:
+            given += [f"--subject={name}" for name in build_set(run["set"])]
+        try:
+            found = batch_run.carry_out(parse(given), self._reporter, self._conversation())
+        except BaseException:
+            self.close()
+            raise
+        save_sight(found, folder / "after.npz", SIGHT)
+        size, samples = (_number(run, name) for name in ("size", "samples"))
+        if run["clear"]:
+            rendering.render_clear(found.scene, folder / "clear.png", size, samples)
+        snapshot.revert(found.scene)
+        save_sight(found, folder / "before.npz", SIGHT)
+        rendering.render_mask(found.scene, folder / "mask_before.png", size, found.objects)
+
+    def close(self) -> None:
+        """Ends the engine."""
+        if self._engine:
+            self._engine.stop(patience=0.5)
+        self._engine = self._talk = None
+
+    def _conversation(self) -> Conversation:
+        if self._talk is None or self._engine is None or not self._engine.alive:
+            self._engine = Engine()
+            self._engine.start()
+            self._talk = Conversation(self._engine, lambda message: None)
+        return self._talk
+
+
+def _number(run: dict[str, Any], option: str) -> int:
+    """The number that an option of a run has been given."""
+    mark = f"--{option}="
+    return next(int(text.removeprefix(mark)) for text in run["arguments"] if text.startswith(mark))
+
+
+def build_set(name: str) -> list[str]:
+    """Builds a set into an empty file; returns the names of the subject's objects."""
+    chosen = SETS[name]
+    scene, subject = build(chosen.recipe, seed=0)
+    for number, title in enumerate(chosen.materials):
+        bpy.data.materials[f"Stuff {number}"].name = title
+    if "Ground" in bpy.data.materials:
+        bpy.data.materials["Ground"].name = chosen.ground
+    scene.view_layers[0].update()
+    return [thing.name for thing in subject]
+
+
+def main() -> int:
+    """Carries the runs out; what goes wrong with one is told and the next one comes."""
+    a = arguments()
+    runs = {run["name"]: run for run in json.loads(a.work.read_text(encoding="utf-8"))}
+    runs = {name: run for name, run in runs.items() if fnmatchcase(name, a.only)}
+    say("names", names=list(runs))
+    workshop = Workshop()
+    for name, run in ((n, r) for n, r in runs.items() if n not in a.skip.split(",")):
+        say("begin", name=name)
+        start = time.monotonic()
+        try:
+            workshop.vibe(run)
+            say("scene", name=name, seconds=round(time.monotonic() - start, 1))
+        except Exception as error:
+            traceback.print_exc()
+            say("failed", name=name, message=" ".join(f"{error}".split()) or type(error).__name__)
+    workshop.close()
+    return 0
+
+
+if __name__ == "__main__":
+    status = main()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(status)  # Blender 4.5's own exit handlers may wait for ever

@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The experiment: runs, readings, verdicts, and what is left of them."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from ...schema import VibeError
+from ...schema.messages import Options
+from ...vlm.client import Client
+from ...vlm.endpoint import find_endpoint
+from ...vlm.judge import judge as ask_model
+from . import figures, judge, page, runs, shot, verdict
+from .pairs import COMPARED, Pair, read_pairs
+from .runs import BASELINE, OURS, Budget, Run
+
+_QUICK = Budget(rounds=2, steps=8, size=160, samples=16, seeds=1, anchor=False)
+_ABLATIONS = ("concrete_vs_abstract", "prompt_extension")
+
+
+def run(
+    out: Path, quick: bool = False, seeds: int | None = None, only: str = "*", mesh_folder: str = ""
+) -> dict[str, Any]:
+    """Carries out what is missing, measures everything, and writes results.json, report.html and the figures.
+
+    Args:
+        out: The folder. OUT/runs keeps every run; one that is there is not done again.
+        quick: Few steps, small pictures, one seed.
+        seeds: How many; None for three, or one where it has to be quick.
+        only: A pattern of pairs' names.
+        mesh_folder: Where the paper's meshes are; "" to look beside the clone.
+
+    Returns:
+        The content of results.json: `win`, `tie`, `loss`, `win_rate`, `interval`, `pairs` (how many were decided),
+        `by_pair`, `ablations`, `judge`, `budget`, and `failed` with what could not be run, and why.
+    """
+    budget = _budget(quick, seeds)
+    meshes = runs.find_meshes(mesh_folder)
+    pairs = [pair for pair in read_pairs(only) if pair.set or meshes]
+    if meshes is None:
+        print(
+            "The paper's own meshes are not here, so its pairs are left out: name their folder by --meshes."
+        )
+    planned = runs.plan(pairs, budget, out, meshes)
+    broken = runs.carry_out(planned, budget, out, meshes)
+    results = summary(planned, budget) | {
+        "failed": {
+            f"{r.pair.name}, {r.baseline or 'ours'}, seed {r.seed}": broken[r.folder]
+            for r in planned
+            if r.folder in broken
+        }
+    }
+    _write(json.dumps(results, indent=1, ensure_ascii=False), out / "results.json")
+    _figures(planned, out)
+    _write(page.render(results, planned, out), out / "report.html")
+    _print(results)
+    return results
+
+
+def summary(planned: Sequence[Run], budget: Budget) -> dict[str, Any]:
+    """Everything that is known from the runs that are done."""
+    network = judge.find()
+    readings = {r.folder: _read(r, network) for r in planned if r.done}
+    by_pair, ablations = {}, {}
+    for pair in dict.fromkeys(r.pair for r in planned):
+        mine = [r for r in planned if r.pair == pair and r.done]
+        if pair.group in COMPARED:
+            if record := _compared(pair, mine, readings):
+                by_pair[pair.name] = record
+        elif mine:
+            score = verdict.alone(pair, readings[mine[0].folder])
+            ablations[pair.name] = _facts(pair) | {"ours": _record(pair, readings[mine[0].folder], score)}
+    counts = {
+        kind: sum(row["verdict"] == kind for row in by_pair.values()) for kind in ("win", "tie", "loss")
+    }
+    total = len(by_pair)
+    low, high = verdict.wilson(counts["win"], total)
+    return {
+        **counts,
+        "win_rate": round(counts["win"] / total, 4) if total else 0.0,
+        "interval": [round(low, 4), round(high, 4)],
+        "pairs": total,
+        "rule": verdict.RULE,
+        "judge_encoder": network is not None,
+        "judge": _model(planned),
+        "budget": vars(budget),
+        "by_pair": by_pair,
+        "ablations": ablations,
+    }
+
+
+def _budget(quick: bool, seeds: int | None) -> Budget:
+    chosen = _QUICK if quick else Budget()
+    if seeds is not None and not 1 <= seeds <= 100:
+        raise VibeError(f"--seeds {seeds} is out of range.", "Use 1 to 100.")
+    return replace(chosen, seeds=seeds or chosen.seeds)
+
+
+def _read(done: Run, network: judge.Judge | None) -> verdict.Reading:
+    before, after = (shot.load(done.folder, which) for which in ("before", "after"))
+    gain = network.gain(done.pair.prompt, before.display, after.display) if network else None
+    return verdict.read(done.pair, after, before, gain)
+
+
+def _compared(pair: Pair, mine: Sequence[Run], readings: Mapping[Path, verdict.Reading]) -> dict[str, Any]:
+    """One pair over its seeds; empty while no seed has both methods."""
+    seeds: list[dict[str, Any]] = []
+    for seed in sorted({r.seed for r in mine}):
+        both = {r.baseline: readings[r.folder] for r in mine if r.seed == seed}
+        if len(both) == 2:
+            scores = verdict.compare(pair, both[OURS], both[BASELINE])
+            folders = {r.baseline: r.folder.name for r in mine if r.seed == seed}
+            seeds.append(
+                {
+                    "seed": seed,
+                    "ours": _record(pair, both[OURS], scores[0]) | {"run": folders[OURS]},
+                    "clip_only": _record(pair, both[BASELINE], scores[1]) | {"run": folders[BASELINE]},
+                }
+            )
+    if not seeds:
+        return {}
+    ours, theirs = ([seed[side]["score"] for seed in seeds] for side in ("ours", "clip_only"))
+    means = {"ours": sum(ours) / len(ours), "clip_only": sum(theirs) / len(theirs)}
+    return _facts(pair) | {
+        "verdict": verdict.decide(ours, theirs),
+        **{side: round(value, 4) for side, value in means.items()},
+        "seeds": seeds,
+    }
+
+
+def _facts(pair: Pair) -> dict[str, Any]:
+    return {"group": pair.group, "prompt": pair.prompt, "asks": [ask.text for ask in pair.asks]}
+
+
+def _record(pair: Pair, reading: verdict.Reading, score: verdict.Score) -> dict[str, Any]:
+    rows = zip(pair.asks, reading.amounts, score.asks, strict=True)
+    return {
+        "score": round(score.whole, 4),
+        "asks": {
+            ask.text: {"amount": round(amount, 3), "score": round(part, 3)} for ask, amount, part in rows
+        },
+        "visibility": {k: round(v, 3) for k, v in vars(reading.visible).items()},
+        **({} if reading.judge is None else {"judge_gain": reading.judge}),
+    }
+
+
+def _rows(planned: Sequence[Run], group: str) -> list[tuple[Pair, Path, Path]]:
+    """The pairs of a group with both folders of the first seed; an ablation's second one is its first."""
+    found = []
+    for pair in dict.fromkeys(r.pair for r in planned if r.pair.group == group):
+        folders = {r.baseline: r.folder for r in planned if r.pair == pair and r.seed == 0 and r.done}
+        if OURS in folders and (BASELINE in folders or group not in COMPARED):
+            found.append((pair, folders[OURS], folders.get(BASELINE, folders[OURS])))
+    return found
+
+
+def _figures(planned: Sequence[Run], out: Path) -> None:
+    if rows := _rows(planned, "benchmark"):
+        figures.save_benchmark(rows, out / "figure.png")
+    for group in _ABLATIONS:
+        if rows := _rows(planned, group):
+            figures.save_ablation([(pair, folder) for pair, folder, _ in rows], out / f"{group}.png")
+
+
+def _model(planned: Sequence[Run]) -> dict[str, Any]:
+    """A vision-language model's verdicts by the paper's own prompt; empty where none is configured."""
+    endpoint = find_endpoint(Options())
+    if endpoint is None:
+        return {}
+    client = Client(endpoint)
+    found: dict[str, Any] = {"model": endpoint.model}
+    benchmark = _rows(planned, "benchmark")
+    asked = {"figure": benchmark} if benchmark else {}
+    asked |= {row[0].name: [row] for group in COMPARED for row in _rows(planned, group)}
+    for name, rows in asked.items():
+        try:
+            said = ask_model(client, figures.columns(rows))
+            found[name] = {"winner": said.winner, "reason": said.reason}
+        except VibeError as error:
+            found[name] = {"error": str(error)}
+    return found | client.usage.account()
+
+
+def _print(results: Mapping[str, Any]) -> None:
+    for name, row in sorted(
+        results["by_pair"].items(), key=lambda pair: pair[1]["ours"] - pair[1]["clip_only"]
+    ):
+        print(
+            f"{row['verdict']:>5}  {row['ours']:.2f} : {row['clip_only']:.2f}  {name}: {row['prompt'][:70]}"
+        )
+    low, high = results["interval"]
+    print(
+        f"Ours against CLIP-only: {results['win']} won, {results['tie']} tied, {results['loss']} lost of {results['pairs']}; "
+        f"win rate {results['win_rate']:.0%} (95 % interval {low:.0%} to {high:.0%})."
+    )
+
+
+def _write(text: str, path: Path) -> None:
+    part = path.with_name(f"{path.name}.part")
+    part.write_text(text, encoding="utf-8")
+    os.replace(part, path)

@@ -1,0 +1,238 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is measured on finished pictures. Each measure takes a picture and a region and gives one number.
+
+None of them knows the parameters that made the picture.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from scipy import ndimage
+
+from ...render.color import ciede2000
+from .shot import Array, Shot, luminance
+
+_FLOOR = 0.004
+"""Linear luminance below which differences are not seen on a display in a lit room."""
+
+_HIGHLIGHT = 0.05
+"""Highlights are smaller than this share of the root of a region's area."""
+
+_SPOT = 0.002
+"""The share of a region that the sharpest highlight fills at least."""
+
+_RINGS = (0.35, 0.62, 0.82)
+"""Of a vignette, in half diagonals: the middle lies between the first two, the corners beyond the third."""
+
+_GRAIN = 192
+"""Gradients are given per pixel of a picture of this size."""
+
+
+def color_error(shot: Shot, region: str, lab: tuple[float, float, float]) -> float:
+    """How far most of a region is from a named color: CIEDE2000, lightness counting half as in textiles (2:1:1).
+
+    It is the median over pixels: highlights, shadows and a pattern's lesser part do not decide.
+    """
+    pixels = torch.from_numpy(shot.lab[shot.region(region)])
+    if not len(pixels):
+        return 100.0
+    named = torch.tensor(lab, dtype=pixels.dtype).expand_as(pixels)
+    square = ciede2000(pixels, named).square()
+    middle = ((pixels[:, 0] + named[:, 0]) / 2 - 50).square()
+    weight = 1 + 0.015 * middle / (20 + middle).sqrt()  # S_L
+    lightness = ((pixels[:, 0] - named[:, 0]) / weight).square()
+    return float((square - 0.75 * lightness).clamp_min(0).sqrt().median())
+
+
+def gloss(shot: Shot, region: str) -> float:
+    """Contrast of highlights: how far the brightest small spots stand out from what lies around them, in L*.
+
+    What people call glossy has highlights of high contrast and sharpness (Marlow, Kim and Anderson 2012); both
+    raise it, for the surroundings of a spot are as small as a sharp highlight.
+    """
+    where = shot.region(region)
+    if where.sum() < 16:
+        return 0.0
+    light = shot.lab[..., 0]
+    width = _HIGHLIGHT * math.sqrt(where.sum())
+    weight = ndimage.gaussian_filter(where.astype(float), width)
+    around = ndimage.gaussian_filter(light * where, width) / np.maximum(weight, 1e-6)
+    spots = np.sort((light - around)[where])
+    return float(spots[-max(4, round(_SPOT * len(spots))) :].mean())
+
+
+def fog(shot: Shot, region: str) -> float:
+    """The share of local contrast that fog takes away: 0 for none, 1 when nothing is left.
+
+    Contrast is that of the logarithm of luminance between neighbors, against the same picture without its fog. A
+    flat grade, haze painted onto a wall or darkness are no fog.
+    """
+    if shot.clear is None:
+        return 0.0
+    seen, clear = (_detail(luminance(p), shot.region(region)) for p in (shot.display, shot.clear))
+    return 1.0 - seen / clear if clear > 1e-4 else 0.0
+
+
+def _detail(light: Array, where: np.ndarray) -> float:
+    return float(_slope(light)[where].mean())
+
+
+def _slope(light: Array) -> Array:
+    """Gradient of log2 luminance, stops per pixel."""
+    rows, columns = np.gradient(np.log2(np.maximum(light, 0) + _FLOOR))
+    return np.hypot(rows, columns)
+
+
+def vignette(shot: Shot, region: str) -> float:
+    """By how many L* the corners are darker than the middle ring, in the second least darkened corner.
+
+    All four count, because light from one side darkens two of them. The subject is left out.
+    """
+    height, width = shot.mask.shape
+    y, x = np.mgrid[:height, :width]
+    y, x = (y + 0.5) / height * 2 - 1, (x + 0.5) / width * 2 - 1
+    radius = np.hypot(x * width, y * height) / math.hypot(width, height)
+    light, free = shot.lab[..., 0], shot.region("surroundings")
+    found = []
+    for up in (y < 0, y >= 0):
+        for left in (x < 0, x >= 0):
+            here = up & left & free
+            middle = here & (radius > _RINGS[0]) & (radius < _RINGS[1])
+            corner = here & (radius > _RINGS[2])
+            if middle.sum() > 8 and corner.sum() > 8:
+                found.append(float(light[middle].mean() - light[corner].mean()))
+    return sorted(found)[min(1, len(found) - 1)] if found else 0.0
+
+
+def _shading(shot: Shot, region: str) -> np.ndarray:
+    """Unit vector towards which a region is lit, in the camera's space; zero if that cannot be told.
+
+    A least-squares fit of a + b . n to luminance over the normals; the brightest percent, highlights, is left out.
+    """
+    where = shot.region(region) & (np.linalg.norm(shot.normal, axis=-1) > 0.5)
+    light, normals = shot.luminance[where], shot.normal[where]
+    keep = light <= np.quantile(light, 0.99) if len(light) else np.zeros(0, bool)
+    if keep.sum() < 32 or normals[keep].std(0).max() < 0.1:
+        return np.zeros(3)
+    light, normals = light[keep] / max(light.mean(), 1e-6), normals[keep]
+    matrix = np.concatenate([normals, np.ones((len(light), 1))], 1)
+    scale = 1e-2 * len(light) * np.diag([1.0, 1.0, 1.0, 0.0])
+    slope = np.linalg.solve(matrix.T @ matrix + scale, matrix.T @ light)[:3]
+    length = np.linalg.norm(slope)
+    return slope / length * min(length / 0.3, 1.0)
+
+
+def light_right(shot: Shot, region: str) -> float:
+    """How far the light comes from the right (above 0) or from the left, -1 to 1."""
+    return float(_shading(shot, region)[0])
+
+
+def light_up(shot: Shot, region: str) -> float:
+    """How far the light comes from above, -1 to 1."""
+    return float(_shading(shot, region)[1])
+
+
+def hardness(shot: Shot, region: str) -> float:
+    """The steepest slope of light where surfaces are smooth and of one material: edges of shadows, stops per pixel.
+
+    Pixels of a picture of 192; highlights, too, have steep slopes under small lamps.
+    """
+    turn = np.linalg.norm(np.stack([*np.gradient(shot.normal, axis=(0, 1))]), axis=(0, -1))
+    same = ndimage.maximum_filter(shot.material, 5) == ndimage.minimum_filter(shot.material, 5)
+    outline = ndimage.maximum_filter(shot.mask, 5) - ndimage.minimum_filter(shot.mask, 5) > 0.1
+    where = (
+        shot.region(region)
+        & same
+        & ~outline
+        & (ndimage.maximum_filter(turn, 3) < 0.15)
+        & (shot.material >= 0)
+    )
+    if where.sum() < 32:
+        return 0.0
+    return float(np.quantile(_slope(shot.luminance)[where], 0.99)) * max(shot.mask.shape) / _GRAIN
+
+
+def warmth(shot: Shot, region: str) -> float:
+    """How far a region's mean color lies towards orange, in Lab: b* and half of a*."""
+    _, a, b = shot.lab[shot.region(region)].mean(0)
+    return float(b + 0.5 * a)
+
+
+def lightness(shot: Shot, region: str) -> float:
+    """Mean L*."""
+    return float(shot.lab[shot.region(region)][:, 0].mean())
+
+
+def spread(shot: Shot, region: str) -> float:
+    """From the darkest to the lightest twentieth, in L*."""
+    low, high = np.quantile(shot.lab[shot.region(region)][:, 0], [0.05, 0.95])
+    return float(high - low)
+
+
+def chroma(shot: Shot, region: str) -> float:
+    """Mean distance from grey, in Lab."""
+    _, a, b = shot.lab[shot.region(region)].T
+    return float(np.hypot(a, b).mean())
+
+
+def hue_spread(shot: Shot, region: str) -> float:
+    """How far colors lie from the one line of brown tints that a sepia print has, in Lab; grey is 5 away."""
+    _, a, b = shot.lab[shot.region(region)].T
+    along = np.array([0.34, 0.94])  # hue of sepia, 70 degrees
+    brown = a * along[0] + b * along[1]
+    across = np.abs(b * along[0] - a * along[1])
+    return float(np.hypot(across, np.maximum(5.0 - brown, 0.0)).mean())
+
+
+def silhouette(shot: Shot, region: str) -> float:
+    """By how many L* the subject is darker than what lies around it, less its own spread of light."""
+    light = shot.lab[..., 0]
+    own = light[shot.region("subject")]
+    low, high = np.quantile(own, [0.1, 0.9])
+    return float(np.median(light[shot.region("surroundings")]) - np.median(own) - 0.5 * (high - low))
+
+
+def glow(shot: Shot, region: str) -> float:
+    """By how many L* a region is lighter than the surroundings."""
+    light = shot.lab[..., 0]
+    return float(np.median(light[shot.region(region)]) - np.median(light[shot.region("surroundings")]))
+
+
+@dataclass(frozen=True)
+class Measure:
+    """How to get a number off a picture.
+
+    Attributes:
+        take: The function.
+        unit: For the report.
+        notice: The least difference between two pictures that people notice side by side.
+        says: What it is, for the report.
+    """
+
+    take: Callable[[Shot, str], float]
+    unit: str
+    notice: float
+    says: str
+
+
+MEASURES: dict[str, Measure] = {
+    "gloss": Measure(gloss, "L*", 1.5, "contrast of highlights"),
+    "fog": Measure(fog, "", 0.04, "share of local contrast that fog takes away"),
+    "vignette": Measure(vignette, "L*", 1.5, "how much darker the corners are"),
+    "light_right": Measure(light_right, "", 0.1, "where the shading says that light comes from: right"),
+    "light_up": Measure(light_up, "", 0.1, "where the shading says that light comes from: above"),
+    "hardness": Measure(hardness, "stops/px", 0.05, "steepness of shadow edges"),
+    "warmth": Measure(warmth, "b*", 1.5, "towards orange, or blue"),
+    "lightness": Measure(lightness, "L*", 2.0, "mean lightness"),
+    "spread": Measure(spread, "L*", 3.0, "from darkest to lightest"),
+    "chroma": Measure(chroma, "C*", 2.0, "mean chroma"),
+    "hue_spread": Measure(hue_spread, "ab", 1.5, "distance from tints of brown"),
+    "silhouette": Measure(silhouette, "L*", 3.0, "a dark, even subject before a lighter ground"),
+    "glow": Measure(glow, "L*", 3.0, "lighter than what lies around"),
+}
+"""By name; `traits.toml` refers to them."""

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is asked for, and what the words of it mean in measured amounts: `pairs.toml` and `traits.toml`."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from functools import cache
+from pathlib import Path
+
+from ...language.color import from_hex, to_lab
+from ...language.vocabulary import default_vocabulary
+from ...schema import VibeError
+from .measures import MEASURES
+
+WIDER = "wider"
+COMPARED = ("benchmark", WIDER)
+"""Groups of which ours is compared with CLIP-only; the ablations show ours alone, as in the paper."""
+
+_HERE = Path(__file__).parent
+_ENOUGH, _WRONG = 10.0, 38.0
+"""CIEDE2000 (2:1:1) up to which a region has a color's name, and from which it has not at all."""
+
+
+@dataclass(frozen=True)
+class Trait:
+    """A word in measured amounts.
+
+    Attributes:
+        measure: A name in `measures.MEASURES`, or "color".
+        none: The amount at which a picture has nothing of it.
+        full: The amount at which nobody would ask for more.
+        than_before: Whether the change from the artist's picture is meant.
+    """
+
+    measure: str
+    none: float
+    full: float
+    than_before: bool = False
+
+
+@dataclass(frozen=True)
+class Ask:
+    """One thing that the words ask for.
+
+    Attributes:
+        region: See `Shot.region`.
+        word: The trait or color.
+        trait: What it means.
+        lab: Of a color; None for a trait.
+    """
+
+    region: str
+    word: str
+    trait: Trait
+    lab: tuple[float, float, float] | None = None
+
+    @property
+    def text(self) -> str:
+        """As in the file."""
+        return f"{self.region}: {self.word}"
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A prompt and a scene.
+
+    Attributes:
+        name: Unique.
+        group: "benchmark", an ablation's name, or "wider".
+        prompt: The words.
+        asks: What a person reads in them.
+        set: The scene's name on Blender's side; "" for a mesh.
+        mesh: A file of the paper; "" for a set.
+    """
+
+    name: str
+    group: str
+    prompt: str
+    asks: tuple[Ask, ...]
+    set: str = ""
+    mesh: str = ""
+
+    @property
+    def foggy(self) -> bool:
+        """Whether fog is measured."""
+        return any(ask.trait.measure == "fog" for ask in self.asks)
+
+    @property
+    def silhouette(self) -> bool:
+        """Whether the subject may be an even, dark shape."""
+        return any(ask.trait.measure == "silhouette" for ask in self.asks)
+
+
+def read_pairs(pattern: str = "*") -> list[Pair]:
+    """The pairs with such names, in the file's order.
+
+    Raises:
+        VibeError: There are none.
+    """
+    rows = tomllib.loads((_HERE / "pairs.toml").read_text("utf-8"))["pair"]
+    found = [
+        Pair(**{**row, "group": row.get("group", WIDER), "asks": tuple(map(read_ask, row["asks"]))})
+        for row in rows
+        if fnmatchcase(row["name"], pattern)
+    ]
+    if not found:
+        names = ", ".join(row["name"] for row in rows)
+        raise VibeError(f"No pair has a name like {pattern!r}.", f"There are: {names}.")
+    return found
+
+
+def read_ask(text: str) -> Ask:
+    """An ask as `pairs.toml` writes it; raises VibeError for a word that is neither a trait nor a color."""
+    region, _, word = text.partition(": ")
+    if word in _traits():
+        return Ask(region, word, _traits()[word])
+    colors = default_vocabulary().colors
+    if word not in colors and not word.startswith("#"):
+        raise VibeError(f"{word!r} in {text!r} is neither a trait nor a color.", "See traits.toml.")
+    srgb = from_hex(word) if word.startswith("#") else colors[word]
+    return Ask(region, word, Trait("color", _WRONG, _ENOUGH), to_lab(srgb))
+
+
+@cache
+def _traits() -> dict[str, Trait]:
+    rows = tomllib.loads((_HERE / "traits.toml").read_text("utf-8"))["traits"]
+    found = {name: Trait(**row) for name, row in rows.items()}
+    assert all(trait.measure in MEASURES for trait in found.values())
+    return found

@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs of the product and of the baseline: each in a folder named by all that its result depends on, and kept."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import proxy_renderer
+
+from ...launch import blender_side
+from ...schema import VibeError
+from .. import blender
+from .pairs import COMPARED, Pair
+
+OURS, BASELINE = "", "clip-only"
+_CODE = ("guidance", "language", "optimise", "render", "scene", "schema")
+"""What a result depends on in this package; of Blender's side it is all but folders in it."""
+
+
+@dataclass(frozen=True)
+class Budget:
+    """The same for both methods.
+
+    Attributes:
+        rounds: Of Algorithm 1.
+        steps: In each round.
+        size: Side of the pictures, pixels.
+        samples: Of Cycles.
+        seeds: How many times everything is done.
+        anchor: Whether small pictures of Cycles correct the proxy meanwhile.
+    """
+
+    rounds: int = 6
+    steps: int = 40
+    size: int = 512
+    samples: int = 128
+    seeds: int = 3
+    anchor: bool = True
+
+
+@dataclass(frozen=True)
+class Run:
+    """One vibe.
+
+    Attributes:
+        pair: What is asked for.
+        baseline: `OURS` or `BASELINE`.
+        seed: Of all chance in it.
+        folder: Where it is kept.
+    """
+
+    pair: Pair
+    baseline: str
+    seed: int
+    folder: Path
+
+    @property
+    def done(self) -> bool:
+        """Whether all of it is there: the mask of the artist's picture comes last."""
+        return (self.folder / "mask_before.png").is_file()
+
+
+def plan(pairs: Sequence[Pair], budget: Budget, out: Path, meshes: Path | None) -> list[Run]:
+    """All runs, both methods of a pair side by side; all pairs with the first seed come first."""
+    code = _fingerprint()
+    found = []
+    for seed in range(budget.seeds):
+        for pair in pairs:
+            for baseline in (OURS, BASELINE) if pair.group in COMPARED else (OURS,):
+                what = [pair.set, _content(meshes, pair), *arguments(pair, baseline, seed, budget), code]
+                name = hashlib.sha256("\n".join(what).encode()).hexdigest()[:20]
+                found.append(Run(pair, baseline, seed, out / "runs" / name))
+    return found
+
+
+def arguments(pair: Pair, baseline: str, seed: int, budget: Budget) -> list[str]:
+    """The options of a run, as `vibe run` has them; no model plans, so that both have the encoder alone."""
+    given = {
+        "prompt": pair.prompt,
+        "rounds": budget.rounds,
+        "steps": budget.steps,
+        "size": budget.size,
+        "samples": budget.samples,
+        "seed": seed,
+        "vlm-model": "off",
+        "device": "cpu",
+    } | ({"baseline": baseline} if baseline else {})
+    return [f"--{name}={value}" for name, value in given.items()] + ([] if budget.anchor else ["--no-anchor"])
+
+
+def carry_out(runs: Sequence[Run], budget: Budget, out: Path, meshes: Path | None) -> dict[Path, str]:
+    """Does what is not done yet, in one Blender with one engine, and returns what failed and why."""
+    todo = {run.folder.name: run for run in runs if not run.done}
+    if not todo:
+        return {}
+    work = out / "runs.json"
+    rows = []
+    for name, run in todo.items():
+        run.folder.mkdir(parents=True, exist_ok=True)
+        pair = run.pair
+        scene = {"set": pair.set} if pair.set else {"mesh": str(_mesh(meshes, pair))}
+        given = arguments(pair, run.baseline, run.seed, budget)
+        rows.append(
+            {"name": name, "folder": str(run.folder), "clear": pair.foggy, "arguments": given} | scene
+        )
+    _write(work, json.dumps(rows, indent=1))
+    failed = {}
+    done = len(runs) - len(todo)
+    for event in blender.scenes("*", [f"--work={work}"], "paper"):
+        if event["type"] == "names":
+            continue
+        run = todo[event["name"]]
+        done += 1
+        said = f"{event['seconds']:.0f} s"
+        if event["type"] == "failed":
+            failed[run.folder] = event["message"]
+            said = f"FAILED: {event['message']}"
+        method = "CLIP-only" if run.baseline else "ours"
+        print(f"[{done}/{len(runs)}] {run.pair.name}, {method}, seed {run.seed}: {said}", flush=True)
+    return failed
+
+
+def find_meshes(chosen: str) -> Path | None:
+    """The folder of the paper's meshes: the one that is named, else `shared/meshes` beside a clone; None without.
+
+    Raises:
+        VibeError: The one that is named is no folder.
+    """
+    if chosen:
+        folder = Path(chosen).expanduser()
+        if not folder.is_dir():
+            raise VibeError(
+                f"There is no folder {chosen}.", "It has to hold dolphin.obj, teapot.obj and tree.obj."
+            )
+        return folder.resolve()
+    beside = Path(proxy_renderer.__file__).resolve().parents[2] / "shared" / "meshes"
+    return beside if beside.is_dir() else None
+
+
+def _mesh(meshes: Path | None, pair: Pair) -> Path:
+    assert meshes is not None
+    path = meshes / pair.mesh
+    if not path.is_file():
+        raise VibeError(f"There is no file {path}.", "Name the folder of the paper's meshes by --meshes.")
+    return path
+
+
+def _content(meshes: Path | None, pair: Pair) -> str:
+    return hashlib.sha256(_mesh(meshes, pair).read_bytes()).hexdigest() if pair.mesh else ""
+
+
+def _fingerprint() -> str:
+    """A hash of the code and weights that a result depends on."""
+    digest = hashlib.sha256()
+    here = Path(proxy_renderer.__file__).parent
+    files = [path for name in _CODE for path in (here / name).rglob("*") if path.is_file()]
+    files += blender_side().parent.glob("*.py")
+    for path in sorted(files):
+        if path.suffix in (".py", ".toml", ".txt", ".json", ".safetensors") and "judge" not in path.parts:
+            digest.update(path.name.encode())
+            digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+def _write(path: Path, text: str) -> None:
+    part = path.with_name(f"{path.name}.part")
+    part.write_text(text, encoding="utf-8")
+    os.replace(part, path)

@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A finished picture as it is measured: its colors, where the subject is, and what the camera sees there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from PIL import Image
+from scipy import ndimage
+
+from ...render.color import linear_from_srgb, srgb_to_lab
+from ...report import load_picture
+
+Array = NDArray[np.float64]
+_LUMA = np.array([0.2126, 0.7152, 0.0722])
+_BORDER = 1  # pixels on either side of an outline that belong to neither
+
+
+@dataclass(frozen=True)
+class Shot:
+    """One picture of Cycles.
+
+    Attributes:
+        display: (H, W, 3) sRGB-encoded, in [0, 1].
+        mask: (H, W) in [0, 1], how much of a pixel the subject covers.
+        normal: (H, W, 3) in the camera's space: x to the right, y up, z towards it; zero for nothing.
+        material: (H, W), number in `materials`, -1 for nothing.
+        materials: Names.
+        clear: The same picture without fog; None where nobody asked for it.
+    """
+
+    display: Array
+    mask: Array
+    normal: Array = field(default_factory=lambda: np.zeros((0, 0, 3)))
+    material: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 0), np.int64))
+    materials: tuple[str, ...] = ()
+    clear: Array | None = None
+
+    @property
+    def lab(self) -> Array:
+        """(H, W, 3) CIE Lab."""
+        return srgb_to_lab(torch.from_numpy(self.display)).numpy()
+
+    @property
+    def luminance(self) -> Array:
+        """(H, W) linear."""
+        return luminance(self.display)
+
+    def region(self, name: str) -> NDArray[np.bool_]:
+        """(H, W): the pixels that lie wholly in a region.
+
+        Args:
+            name: "subject", "surroundings", "picture", or a material's name.
+
+        Raises:
+            KeyError: There is no such material.
+        """
+        if name == "picture":
+            return np.ones(self.mask.shape, bool)
+        if name == "subject":
+            return _inner(self.mask > 0.9)
+        if name == "surroundings":
+            return _inner(self.mask < 0.05)
+        if name not in self.materials:
+            raise KeyError(name)
+        return _inner(self.material == self.materials.index(name))
+
+
+def luminance(display: Array) -> Array:
+    """Linear luminance (H, W) of an sRGB-encoded picture (H, W, 3)."""
+    return linear_from_srgb(torch.from_numpy(display)).numpy() @ _LUMA
+
+
+def load(folder: Path, which: str) -> Shot:
+    """Reads the "before" or the "after" of a run's folder."""
+    mask_file = {"before": "mask_before.png", "after": "mask.png"}[which]
+    with Image.open(folder / mask_file) as image:
+        mask = np.asarray(image.convert("L"), float) / 255.0
+    clear = folder / "clear.png"
+    with np.load(folder / f"{which}.npz") as sight:
+        return Shot(
+            display=load_picture(folder / f"{which}.png").astype(float),
+            mask=mask,
+            normal=_spread(sight["normal"].astype(float), mask.shape),
+            material=_spread(sight["material"].astype(np.int64), mask.shape),
+            materials=tuple(sight["materials"].tolist()),
+            clear=load_picture(clear).astype(float) if which == "after" and clear.is_file() else None,
+        )
+
+
+def _inner(where: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """A region without its outline; the whole of it where it is all outline, as wires are."""
+    inside = ndimage.binary_erosion(where, iterations=_BORDER, border_value=1)
+    return inside if inside.sum() >= 0.25 * where.sum() else where
+
+
+def _spread(grid: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    """A grid (N, N, ...) at a picture's height and width, by nearest cell."""
+    rows, columns = (
+        ((np.arange(n) + 0.5) * m / n).astype(int) for n, m in zip(shape, grid.shape, strict=False)
+    )
+    return grid[rows[:, None], columns]

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The rule that decides a pair, fixed and written down: what `RULE` says is what the functions do."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from .measures import MEASURES, color_error
+from .pairs import Ask, Pair
+from .shot import Shot
+from .visible import Visibility, visibility
+
+BAND = 0.05
+"""Scores that differ by less are a tie."""
+
+_COLOR_NOTICE = 2.3  # CIEDE2000, the usual just noticeable difference
+
+RULE = (
+    "Every prompt has a list of what a person reads in it, written by hand before anything was rendered. "
+    "Each of these asks is measured on the Cycles picture alone, and gives 0 where the picture has nothing of it, 1 where "
+    "nobody would ask for more, and in between in between. Differences between the two pictures that people do not "
+    "notice side by side count as none. A picture's score is the mean over its asks, times how well the subject can "
+    "be seen (outline against the surroundings, anything to see within it, whole in the frame): what cannot be seen has "
+    "no attributes. Scores are averaged over the seeds; the higher one wins, and less than "
+    f"{BAND:g} between them is a tie. What the words leave open does not count."
+)
+
+JudgeScore = float | None
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One picture, measured.
+
+    Attributes:
+        amounts: Of each ask, in its unit.
+        visible: The subject.
+        judge: Similarity to the prompt gained over the artist's picture, to an encoder that nobody optimised; None
+            where there is none.
+    """
+
+    amounts: tuple[float, ...]
+    visible: Visibility
+    judge: JudgeScore = None
+
+
+@dataclass(frozen=True)
+class Score:
+    """What a reading is worth beside another.
+
+    Attributes:
+        asks: Of each ask, 0 to 1.
+        whole: 0 to 1.
+    """
+
+    asks: tuple[float, ...]
+    whole: float
+
+
+_JUDGE_FULL = 0.3
+_JUDGE_NOTICE = 0.02
+
+
+def read(pair: Pair, after: Shot, before: Shot, judge: JudgeScore = None) -> Reading:
+    """Measures one picture on what its prompt asks for."""
+    amounts = tuple(_amount(ask, after, before) for ask in pair.asks)
+    return Reading(amounts, visibility(after, before, pair.silhouette), judge)
+
+
+def compare(pair: Pair, ours: Reading, theirs: Reading) -> tuple[Score, Score]:
+    """The scores of two readings of one pair."""
+    columns = [
+        _pair_of(ask.trait.none, ask.trait.full, notice(ask), a, b)
+        for ask, a, b in zip(pair.asks, ours.amounts, theirs.amounts, strict=True)
+    ]
+    judged = list(columns)
+    if ours.judge is not None and theirs.judge is not None:
+        judged.append(_pair_of(0.0, _JUDGE_FULL, _JUDGE_NOTICE, ours.judge, theirs.judge))
+    found = []
+    for side, reading in enumerate((ours, theirs)):
+        mean = sum(column[side] for column in judged) / len(judged)
+        found.append(Score(tuple(column[side] for column in columns), mean * reading.visible.whole))
+    return found[0], found[1]
+
+
+def alone(pair: Pair, reading: Reading) -> Score:
+    """The score of a picture that is compared with none."""
+    return compare(pair, reading, reading)[0]
+
+
+def decide(ours: Sequence[float], theirs: Sequence[float]) -> str:
+    """ "win", "tie" or "loss" of ours, from the scores of all seeds."""
+    gap = sum(ours) / len(ours) - sum(theirs) / len(theirs)
+    return "tie" if abs(gap) < BAND else "win" if gap > 0 else "loss"
+
+
+def notice(ask: Ask) -> float:
+    """The least difference of an ask's amount that people notice."""
+    return _COLOR_NOTICE if ask.lab else MEASURES[ask.trait.measure].notice
+
+
+def wilson(wins: int, count: int, z: float = 1.96) -> tuple[float, float]:
+    """Confidence interval of a share, 95 % by default (Wilson 1927)."""
+    if not count:
+        return 0.0, 1.0
+    share, square = wins / count, z * z / count
+    middle = share + square / 2
+    half = z * math.sqrt(share * (1 - share) / count + square / (4 * count))
+    return max((middle - half) / (1 + square), 0.0), min((middle + half) / (1 + square), 1.0)
+
+
+def _amount(ask: Ask, after: Shot, before: Shot) -> float:
+    if ask.lab is not None:
+        return color_error(after, ask.region, ask.lab)
+    take = MEASURES[ask.trait.measure].take
+    return take(after, ask.region) - (take(before, ask.region) if ask.trait.than_before else 0.0)
+
+
+def _pair_of(none: float, full: float, least: float, ours: float, theirs: float) -> tuple[float, float]:
+    """How much of a trait two pictures have, each in [0, 1]; the same for both where nobody sees a difference."""
+    if abs(ours - theirs) < least:
+        ours = theirs = (ours + theirs) / 2
+    a, b = (min(max((x - none) / (full - none), 0.0), 1.0) for x in (ours, theirs))
+    return a, b
