@@ -4,17 +4,14 @@
     python -m vibe_render.bench.paper --work runs.json [--only GLOB] [--skip A,B]
 
 The file holds a list of runs: `name`, `folder`, `set` (a name in `sets.SETS`) or `mesh` (a file), `arguments` as for
-`batch.py`, and `clear`, whether the result is wanted without its fog too. It prints lines `VIBE {json}`: "names", then "begin" before each run, and "scene" or "failed" after it.
+`batch.py`, and `clear`, whether the result is wanted without its fog too.
 """
 
 from __future__ import annotations
 
+import argparse
 import json
-import os
-import sys
 import time
-import traceback
-from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
@@ -25,8 +22,8 @@ from ..batch_arguments import parse
 from ..batch_report import Reporter
 from ..conversation import Conversation
 from ..engine import Engine
+from . import side
 from .build import build
-from .fidelity import arguments, say
 from .sets import SETS
 from .sight import save_sight
 
@@ -100,28 +97,18 @@ def build_set(name: str) -> list[str]:
     return [thing.name for thing in subject]
 
 
-def main() -> int:
-    """Carries the runs out; what goes wrong with one is told and the next one comes."""
-    a = arguments()
-    runs = {run["name"]: run for run in json.loads(a.work.read_text(encoding="utf-8"))}
-    runs = {name: run for name, run in runs.items() if fnmatchcase(name, a.only)}
-    say("names", names=list(runs))
-    workshop = Workshop()
-    for name, run in ((n, r) for n, r in runs.items() if n not in a.skip.split(",")):
-        say("begin", name=name)
-        start = time.monotonic()
-        try:
-            workshop.vibe(run)
-            say("scene", name=name, seconds=round(time.monotonic() - start, 1))
-        except Exception as error:
-            traceback.print_exc()
-            say("failed", name=name, message=" ".join(f"{error}".split()) or type(error).__name__)
-    workshop.close()
-    return 0
+def known_runs(a: argparse.Namespace) -> dict[str, dict[str, Any]]:
+    """The runs of the file, by name."""
+    return {run["name"]: run for run in json.loads(a.work.read_text(encoding="utf-8"))}
 
 
 if __name__ == "__main__":
-    status = main()
-    sys.stdout.flush()
-    sys.stderr.flush()
-    os._exit(status)  # Blender 4.5's own exit handlers may wait for ever
+    workshop = Workshop()
+
+    def make(run: dict[str, Any], _: argparse.Namespace) -> dict[str, Any]:
+        """Carries one run out."""
+        start = time.monotonic()
+        workshop.vibe(run)
+        return {"seconds": round(time.monotonic() - start, 1)}
+
+    side.main(known_runs, make)

@@ -20,14 +20,18 @@ from typing import Any, NoReturn, TypeVar
 T = TypeVar("T")
 
 
-def main(known: Mapping[str, T], make: Callable[[T, argparse.Namespace], dict[str, Any]]) -> NoReturn:
+def main(
+    known: Mapping[str, T] | Callable[[argparse.Namespace], Mapping[str, T]],
+    make: Callable[[T, argparse.Namespace], dict[str, Any]],
+) -> NoReturn:
     """Makes the scenes one after another; what goes wrong with one is told and the next one comes.
 
     Args:
-        known: All scenes of this measurement by name.
+        known: All scenes of this measurement by name, or what finds them by the options.
         make: Makes one and returns what is told of it.
     """
-    status = _run(known, make, _arguments())
+    options = _arguments()
+    status = _run(known(options) if callable(known) else known, make, options)
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(status)  # Blender 4.5's own exit handlers may wait for ever

@@ -20,8 +20,8 @@ from .shot import Array, Shot, luminance
 _FLOOR = 0.004
 """Linear luminance below which differences are not seen on a display in a lit room."""
 
-_HIGHLIGHT = 0.05
-"""Highlights are smaller than this share of the root of a region's area."""
+_HIGHLIGHTS = (0.03, 0.06)
+"""How far the sides of a highlight are, in roots of a region's area."""
 
 _SPOT = 0.002
 """The share of a region that the sharpest highlight fills at least."""
@@ -50,20 +50,32 @@ def color_error(shot: Shot, region: str, lab: tuple[float, float, float]) -> flo
 
 
 def gloss(shot: Shot, region: str) -> float:
-    """Contrast of highlights: how far the brightest small spots stand out from what lies around them, in L*.
+    """Contrast of highlights: how far the brightest small spots and streaks rise above both of their sides, in L*.
 
     What people call glossy has highlights of high contrast and sharpness (Marlow, Kim and Anderson 2012); both
-    raise it, for the surroundings of a spot are as small as a sharp highlight.
+    raise it, for the sides are near. Light that only grows towards an outline has one side, and is none.
     """
     where = shot.region(region)
     if where.sum() < 16:
         return 0.0
-    light = shot.lab[..., 0]
-    width = _HIGHLIGHT * math.sqrt(where.sum())
-    weight = ndimage.gaussian_filter(where.astype(float), width)
-    around = ndimage.gaussian_filter(light * where, width) / np.maximum(weight, 1e-6)
-    spots = np.sort((light - around)[where])
+    light = ndimage.gaussian_filter(shot.lab[..., 0], 0.5)
+    rise = np.zeros(where.shape)
+    for share in _HIGHLIGHTS:
+        away = max(1, round(share * math.sqrt(where.sum())))
+        for step in ((0, away), (away, 0), (away, away), (away, -away)):
+            sides = [_beside(light, where, step), _beside(light, where, (-step[0], -step[1]))]
+            rise = np.maximum(rise, light - np.maximum(*sides))
+    spots = np.sort(rise[where])
     return float(spots[-max(4, round(_SPOT * len(spots))) :].mean())
+
+
+def _beside(light: Array, where: np.ndarray, step: tuple[int, int]) -> Array:
+    """The light a step away; infinite where that is out of the region."""
+    inside = np.where(where, light, np.inf)
+    padded = np.pad(inside, max(map(abs, step)), constant_values=np.inf)
+    edge = max(map(abs, step))
+    rows, columns = (slice(edge + by, edge + by + n) for by, n in zip(step, light.shape, strict=True))
+    return padded[rows, columns]
 
 
 def fog(shot: Shot, region: str) -> float:

@@ -9,7 +9,7 @@ from fnmatch import fnmatchcase
 from functools import cache
 from pathlib import Path
 
-from ...language.color import from_hex, to_lab
+from ...language.color import chroma, from_hex, to_lab
 from ...language.vocabulary import default_vocabulary
 from ...schema import VibeError
 from .measures import MEASURES
@@ -21,6 +21,9 @@ COMPARED = ("benchmark", WIDER)
 _HERE = Path(__file__).parent
 _ENOUGH, _WRONG = 10.0, 38.0
 """CIEDE2000 (2:1:1) up to which a region has a color's name, and from which it has not at all."""
+
+_NEUTRAL, _TIGHT = 6.0, 0.5
+"""Chroma below which a color is white, grey or black, and by how much nearer those have to be: a tint shows at once."""
 
 
 @dataclass(frozen=True)
@@ -120,7 +123,9 @@ def read_ask(text: str) -> Ask:
     if word not in colors and not word.startswith("#"):
         raise VibeError(f"{word!r} in {text!r} is neither a trait nor a color.", "See traits.toml.")
     srgb = from_hex(word) if word.startswith("#") else colors[word]
-    return Ask(region, word, Trait("color", _WRONG, _ENOUGH), to_lab(srgb))
+    lab = to_lab(srgb)
+    width = _TIGHT if chroma(lab) < _NEUTRAL else 1.0
+    return Ask(region, word, Trait("color", _WRONG * width, _ENOUGH * width), lab)
 
 
 @cache

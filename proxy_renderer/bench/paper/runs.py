@@ -101,7 +101,6 @@ def carry_out(runs: Sequence[Run], budget: Budget, out: Path, meshes: Path | Non
     work = out / "runs.json"
     rows = []
     for name, run in todo.items():
-        run.folder.mkdir(parents=True, exist_ok=True)
         pair = run.pair
         scene = {"set": pair.set} if pair.set else {"mesh": str(_mesh(meshes, pair))}
         given = arguments(pair, run.baseline, run.seed, budget)

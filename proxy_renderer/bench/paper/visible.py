@@ -86,10 +86,12 @@ def _frame(after: Shot, before: Shot) -> float:
     cut = max(_cut(after) - _cut(before), 0.0)
     sizes = [float(shot.mask.mean()) for shot in (after, before)]
     ratio = min(sizes) / max(max(sizes), 1e-9)
-    return float(max(1.0 - 2.0 * cut, 0.0) * np.clip(ratio / 0.3, 0, 1))
+    return float(max(1.0 - 4.0 * cut, 0.0) * np.clip(ratio / 0.3, 0, 1))
 
 
 def _cut(shot: Shot) -> float:
-    """The share of the picture's border that the subject covers."""
-    rows = np.concatenate([shot.mask[0], shot.mask[-1], shot.mask[:, 0], shot.mask[:, -1]])
-    return float((rows > 0.5).mean())
+    """The share of the subject's outline that is the picture's border instead."""
+    solid = shot.mask > 0.5
+    border = np.concatenate([solid[0], solid[-1], solid[1:-1, 0], solid[1:-1, -1]]).sum()
+    outline = (solid & ~ndimage.binary_erosion(solid, border_value=0)).sum()
+    return float(border / max(outline, 1))
