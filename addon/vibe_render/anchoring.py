@@ -78,7 +78,7 @@ def render_anchor(
     """
     lit = {key: value for key, value in values.items() if not key.startswith("film/")}
     with bindings.trial(scene, lit, subject, pivot), bake.copied_scene(scene) as twin:
-        layer = twin.view_layers[0]
+        layer = roster.layer(twin)
         layer.cycles.denoising_store_passes = True
         with _light_groups(scene, layer) as groups:
             rendering.render_layers(twin, layer, path, size, samples, seed)

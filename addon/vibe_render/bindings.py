@@ -160,7 +160,7 @@ def write(
     """
     with snapshot.transaction(scene) as journal:
         rest = _put(journal, scene, values, subject, pivot)
-    scene.view_layers[0].update()
+    roster.layer(scene).update()
     return rest
 
 
@@ -172,11 +172,11 @@ def trial(
     journal = Journal()
     try:
         rest = _put(journal, scene, values, subject, pivot)
-        scene.view_layers[0].update()
+        roster.layer(scene).update()
         yield rest
     finally:
         journal.undo()
-        scene.view_layers[0].update()
+        roster.layer(scene).update()
 
 
 def _put(

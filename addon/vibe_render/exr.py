@@ -14,7 +14,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from . import rendering
+from . import rendering, roster
 
 
 def passes_of(scene: bpy.types.Scene) -> dict[str, np.ndarray]:
@@ -23,7 +23,7 @@ def passes_of(scene: bpy.types.Scene) -> dict[str, np.ndarray]:
     Returns:
         (H, W, C) float32 each, row 0 at the bottom; the channels in the order R, G, B, A or X, Y, Z, W.
     """
-    layer = scene.view_layers[0]
+    layer = roster.layer(scene)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "passes.exr"
         rendering.write_layers(scene, layer, path, exr_codec="NONE", use_exr_interleave=True)

@@ -136,7 +136,7 @@ def _box(journal: Journal, scene: Scene, shape: Domain) -> None:
     box.display_type, box.hide_select = "WIRE", True
     scene.collection.objects.link(box)
     compat.march_volumes(journal, scene)
-    scene.view_layers[0].update()
+    roster.layer(scene).update()
 
 
 def _material(journal: Journal) -> Material:

@@ -80,7 +80,7 @@ def _draw_session(layout: bpy.types.UILayout, context: bpy.types.Context, sessio
     if session.agreement is not None and not current:
         tenths = max(math.ceil(session.agreement * 10.0), 1)
         layout.label(text=f"Small Cycles picture: within {tenths / 10.0:.1f} ΔE", icon="CHECKMARK")
-    for note in session.notes[:3]:
+    for note in [*session.remarks, *session.notes][:4]:
         paragraph(layout, context, note, "INFO", faint=True)
 
 

@@ -42,7 +42,7 @@ def prepare(scene: Scene, subject: Sequence[Object] = ()) -> list[str]:
             _key(journal, scene, low, high),
             *(_material(journal, obj) for obj in about),
         ]
-    scene.view_layers[0].update()
+    roster.layer(scene).update()
     return [words for words in added if words]
 
 

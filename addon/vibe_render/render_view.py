@@ -12,6 +12,7 @@ from typing import TypeVar
 
 import bpy
 
+from . import roster
 from .settings import changed
 
 Seen = TypeVar("Seen")
@@ -50,15 +51,9 @@ def look(scene: bpy.types.Scene, see: Callable[[bpy.types.Depsgraph], Seen]) -> 
             use_multiview=False,
             use_border=False,
         ):
-            bpy.ops.render.render(scene=scene.name, layer=layer(scene).name)
+            bpy.ops.render.render(scene=scene.name, layer=roster.layer(scene).name)
     finally:
         bpy.utils.unregister_class(Viewer)
     if errors:
         raise errors[0]
     return answers[0]
-
-
-def layer(scene: bpy.types.Scene) -> bpy.types.ViewLayer:
-    """The view layer that is looked at: the current one if it is this scene's, otherwise the first."""
-    current = bpy.context.view_layer
-    return current if current and current.id_data == scene else scene.view_layers[0]

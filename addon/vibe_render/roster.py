@@ -54,20 +54,25 @@ class Cast:
     poses: dict[Object, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.scene.view_layers[0].update()  # matrices and memberships of what has changed just now
+        layer(self.scene).update()  # matrices and memberships of what has changed just now
+
+
+def layer(scene: Scene) -> bpy.types.ViewLayer:
+    """The view layer that we see the scene through: the first that is rendered."""
+    return next((each for each in scene.view_layers if each.use), scene.view_layers[0])
 
 
 def visible(scene: Scene, obj: Object) -> bool:
     """Whether a render shows the object (its own flags, its collections', its view layer's)."""
     hidden = obj.hide_render or all(c.hide_render for c in obj.users_collection)
-    return not hidden and obj.name in scene.view_layers[0].objects
+    return not hidden and obj.name in layer(scene).objects
 
 
 def depsgraph(scene: Scene) -> bpy.types.Depsgraph:
     """The evaluated scene, up to date."""
-    layer = scene.view_layers[0]
-    layer.update()
-    return layer.depsgraph
+    chosen = layer(scene)
+    chosen.update()
+    return chosen.depsgraph
 
 
 def lights(scene: Scene) -> list[Object]:
@@ -121,7 +126,7 @@ def frustum(scene: Scene) -> Matrix | None:
     if camera is None or camera.type != "CAMERA":
         return None
     projection = camera.calc_matrix_camera(
-        scene.view_layers[0].depsgraph,
+        layer(scene).depsgraph,
         x=render.resolution_x,
         y=render.resolution_y,
         scale_x=render.pixel_aspect_x,

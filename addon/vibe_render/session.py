@@ -98,6 +98,14 @@ class Session:
         """What went wrong with such pictures, in words for the artist."""
         return self._found.report.get("anchored", {}).get("notes", []) if self._found else []
 
+    @property
+    def remarks(self) -> list[str]:
+        """What the artist should know about the words: which were left out, guessed, or in each other's way."""
+        understood = self._found.report.get("understood", {}) if self._found else {}
+        ignored = ", ".join(dict.fromkeys(understood.get("ignored", [])))
+        guesses = [f"“{word}” was taken for “{near}”" for word, near in understood.get("guesses", {}).items()]
+        return [*([f"Left out: {ignored}"] if ignored else []), *guesses, *understood.get("notes", [])]
+
     def advance(self) -> bool:
         """Does the next bit; False when the vibe is in the scene.
 

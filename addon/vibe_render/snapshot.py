@@ -12,7 +12,7 @@ from contextlib import contextmanager
 
 from bpy.types import ID, Scene
 
-from . import journal_check
+from . import journal_check, roster
 from .contract import schema
 from .journal import Journal
 
@@ -50,7 +50,7 @@ def revert(scene: Scene) -> list[str]:
     journal = _load(scene)
     forget(scene)  # first: it counts as a user of what is to be removed
     lost = journal.undo()
-    scene.view_layers[0].update()
+    roster.layer(scene).update()
     return lost
 
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from . import bake, exr
+from . import bake, exr, roster
 from .planes import Plane, straight_on
 from .settings import changed
 
@@ -124,7 +124,7 @@ def _tree(w: Wanted) -> bpy.types.NodeTree:
 
 def _render(twin: bpy.types.Scene, channels: Sequence[str], samples: int) -> dict[str, np.ndarray]:
     """All AOVs; lamps, worlds and fog are left out as far as a scene's own settings can."""
-    layer, cycles = twin.view_layers[0], twin.cycles
+    layer, cycles = roster.layer(twin), twin.cycles
     twin.world = None
     twin.render.engine = "CYCLES"
     for name in (*channels, _INDEX, _SQUARE):
