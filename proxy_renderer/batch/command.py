@@ -35,7 +35,7 @@ def run(a: argparse.Namespace) -> int:
         raise VibeError(f"--workers {a.workers} is out of range.", "Use 1 or more, or leave it out.")
     if a.dry_run:
         workers = a.workers or fitting(wanted.limits)
-        print(account(plan, a.out, workers))
+        print(account(plan, a.out, 0 if a.ray else workers))
         return 0
     with Store(a.out) as store, _terminable():
         store.check_space(wanted.limits.free_gb)
@@ -44,7 +44,7 @@ def run(a: argparse.Namespace) -> int:
 
 def _carry_out(a: argparse.Namespace, plan: Plan, store: Store, limits: manifest.Limits) -> int:
     sheet = Sheet(a.manifest.stem, plan, store)
-    progress = Progress(len(plan), sum(map(store.done, plan)))
+    progress = Progress(len(plan), store.count(plan))
 
     def tell(what: str, job: Job, row: Row) -> None:
         progress.tell(what, job, row)
@@ -69,6 +69,10 @@ def _carry_out(a: argparse.Namespace, plan: Plan, store: Store, limits: manifest
 def _pool(a: argparse.Namespace, store: Store, limits: manifest.Limits) -> Pool:
     words = {VARIABLE: os.environ[VARIABLE]} if VARIABLE in os.environ else {}
     setup = Setup(limits, words)
+    if a.ray:
+        from .cluster import cluster_pool
+
+        return cluster_pool(a.ray, store, setup, a.workers)
     return local_pool(store.jobs, setup, a.workers)
 
 

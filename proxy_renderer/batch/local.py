@@ -19,7 +19,7 @@ from .plan import Job
 from .store import Row
 from .worker import Interrupted, Setup, Worker
 
-_PER_GPU = 4  # engines that share a graphics card
+PER_GPU = 4  # engines that share a graphics card
 
 
 class Pool(Protocol):
@@ -108,7 +108,7 @@ def fitting(limits: Limits, cards: Callable[[], int] | None = None) -> int:
     memory = psutil.virtual_memory().total / 1e9
     fits = [cores // limits.cores, int(memory // limits.memory_gb)]
     if found := (cards or graphics_cards)():
-        fits.append(found * _PER_GPU)
+        fits.append(found * PER_GPU)
     return max(1, min(fits))
 
 

@@ -20,3 +20,7 @@ def add_batch_options(sub: argparse.ArgumentParser) -> None:
         "--workers", type=int, default=0, metavar="N",
         help="jobs at a time (default: as many as cores, memory and graphics cards hold)",
     )  # fmt: skip
+    sub.add_argument(
+        "--ray", nargs="?", const="auto", default="", metavar="ADDRESS",
+        help="on the Ray cluster at this address; without one, on the cluster that this machine belongs to",
+    )  # fmt: skip

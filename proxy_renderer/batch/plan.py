@@ -14,7 +14,7 @@ from .. import __version__
 from ..schema import schema_hash
 from .manifest import Shot
 
-_WORDS = 32  # letters of a prompt in a folder's name
+_WORDS, _DIGEST = 32, 12  # letters of a prompt, and of the digest, in a folder's name
 
 
 @dataclass(frozen=True)
@@ -48,18 +48,18 @@ class Plan:
         return sum(len(shot.prompts) * len(shot.seeds) for shot in self.shots)
 
     def __iter__(self) -> Iterator[Job]:
+        version = f"{__version__} {schema_hash()}"
         for shot in self.shots:
+            base = hashlib.sha256(json.dumps([shot.name, shot.digest, shot.arguments, version]).encode())
+            stem = _slug(Path(shot.name).stem)
             for prompt in shot.prompts:
+                words = _slug(prompt)[:_WORDS].strip("-")
                 for seed in shot.seeds:
-                    yield _job(shot, prompt, seed)
-
-
-def _job(shot: Shot, prompt: str, seed: int) -> Job:
-    arguments = (f"--prompt={prompt}", f"--seed={seed}", *shot.arguments)
-    content = json.dumps([shot.name, shot.digest, arguments, __version__, schema_hash()])
-    digest = hashlib.sha256(content.encode()).hexdigest()[:12]
-    name = f"{_slug(Path(shot.name).stem)}-{_slug(prompt)[:_WORDS].strip('-')}-{seed}-{digest}"
-    return Job(name, shot.name, shot.source, prompt, seed, arguments)
+                    digest = base.copy()
+                    digest.update(f" {seed} {prompt}".encode())
+                    arguments = (f"--prompt={prompt}", f"--seed={seed}", *shot.arguments)
+                    name = f"{stem}-{words}-{seed}-{digest.hexdigest()[:_DIGEST]}"
+                    yield Job(name, shot.name, shot.source, prompt, seed, arguments)
 
 
 def _slug(text: str) -> str:

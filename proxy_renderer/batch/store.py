@@ -69,7 +69,14 @@ class Store:
 
     def done(self, job: Job) -> bool:
         """Whether there is a result of it."""
-        return (self.jobs / job.name / DONE).is_file()
+        return os.path.exists(
+            f"{self.jobs}/{job.name}/{DONE}"
+        )  # quicker than a Path, a hundred thousand times
+
+    def count(self, plan: Iterable[Job]) -> int:
+        """How many jobs are done."""
+        with os.scandir(self.jobs) as found:
+            return sum(map(self.done, plan)) if any(found) else 0
 
     def row(self, job: Job) -> Row:
         """What is known of a job: its result, its failure, or that it waits."""

@@ -65,6 +65,19 @@ def _paper(sub: argparse.ArgumentParser) -> None:
     )
 
 
+def _batch(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument(
+        "--jobs", type=int, default=8, metavar="N", help="real vibes for each number of workers (default: 8)"
+    )
+    sub.add_argument("--workers", default="1,2,4", metavar="N,N", help="numbers of workers (default: 1,2,4)")
+    sub.add_argument(
+        "--simulated",
+        default="10,100,1000",
+        metavar="N,N",
+        help="numbers of simulated jobs, up to 100000 (default: 10,100,1000)",
+    )
+
+
 Options = Callable[[argparse.ArgumentParser], None]
 
 BENCHES: dict[str, tuple[str, Options]] = {
@@ -74,6 +87,7 @@ BENCHES: dict[str, tuple[str, Options]] = {
         "Whether words are followed better than by a similarity alone: the paper's experiments.",
         _paper,
     ),
+    "batch": ("What a batch costs beside its vibes: by workers, and by jobs.", _batch),
     "gradients": ("Whether the proxy's gradients point where Cycles' pictures go.", _gradients),
 }
 """By name: a summary, and what declares the options, which are the keywords of its module's `run`."""

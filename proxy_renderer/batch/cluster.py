@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Workers on a Ray cluster: the same `Worker` as on one machine, as an actor on every node that has room for it.
+
+Nodes come and go: what was under way on one that is lost is handed out again. A node that sees the results folder
+writes into it; to one that does not, the scene is sent, and its files come back through Ray's object store.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from ..schema import VibeError
+from .local import PER_GPU
+from .manifest import Limits
+from .plan import Job
+from .store import TOKEN, Row, Store, read_json
+from .worker import Interrupted, Setup, Worker
+
+_LOOK = 2.0  # seconds between two looks at the cluster's nodes
+_KEPT = 8  # scenes that are kept in the object store
+_FAREWELL = 10.0  # seconds that workers get to end their processes
+
+
+class Station:
+    """A worker in an actor's process.
+
+    Args:
+        setup: Of the worker.
+        out: Where the results folder is on the head.
+        token: Its name: this machine sees the same folder if it finds it there.
+    """
+
+    def __init__(self, setup: Setup, out: Path, token: str) -> None:
+        self._worker = Worker(setup)
+        self._jobs = out / "jobs"
+        self._shares = (read_json(out / TOKEN) or {}).get("token") == token
+
+    def shares(self) -> bool:
+        """Whether this machine sees the results folder."""
+        return self._shares
+
+    def run(self, job: Job, scene: bytes | None) -> tuple[Row, dict[str, bytes]]:
+        """Carries out a job; its files are returned where they could not be put into the results folder."""
+        if self._shares:
+            return self._worker.run(job, self._jobs / job.name), {}
+        with tempfile.TemporaryDirectory(prefix="vibe-batch-") as place:
+            source, folder = Path(place) / job.source.name, Path(place) / "out"
+            source.write_bytes(scene or b"")
+            row = self._worker.run(replace(job, source=source), folder)
+            return row, {p.name: p.read_bytes() for p in folder.iterdir() if not p.name.startswith(".")}
+
+    def close(self) -> None:
+        """Ends what is under way."""
+        self._worker.close()
+
+
+class RayPool:
+    """A `Pool` of stations, as many as the nodes hold.
+
+    Args:
+        ray: The module, connected to a cluster.
+        store: The results folder.
+        setup: Of the workers.
+        most: Workers at a time; 0 for as many as fit.
+    """
+
+    def __init__(self, ray: Any, store: Store, setup: Setup, most: int = 0) -> None:
+        self._ray, self._store, self._setup, self._most = ray, store, setup, most
+        self._station = ray.remote(Station)
+        self._nodes: dict[str, list[Any]] = {}
+        self._coming: dict[Any, Any] = {}  # what tells whether it shares -> station that starts
+        self._ready: dict[Any, bool] = {}  # station -> whether it shares the folder
+        self._idle: list[Any] = []
+        self._out: dict[Any, tuple[Any, Job]] = {}
+        self._scenes: dict[Path, Any] = {}
+        self._next = 0.0
+
+    def capacity(self) -> int:
+        return len(self._ready)
+
+    def submit(self, job: Job) -> None:
+        station = self._idle.pop()
+        scene = None if self._ready[station] else self._scene(job.source)
+        self._out[station.run.remote(job, scene)] = (station, job)
+
+    def wait(self, seconds: float) -> list[tuple[Job, Row | None]]:
+        with _cluster_errors():
+            self._look()
+            waiting = [*self._coming, *self._out]
+            if not waiting:
+                time.sleep(seconds)
+                return []
+            ended, _ = self._ray.wait(waiting, num_returns=1, timeout=seconds)
+            for reference in ended:
+                if reference in self._coming:
+                    self._arrive(reference)
+            return [self._end(reference) for reference in ended if reference in self._out]
+
+    def close(self) -> None:
+        stations = [s for group in self._nodes.values() for s in group]
+        with contextlib.suppress(Exception):  # the cluster may be gone, and takes them with it
+            farewells = [station.close.remote() for station in stations]
+            self._ray.wait(farewells, num_returns=len(farewells), timeout=_FAREWELL)
+            for station in stations:
+                self._ray.kill(station)
+        self._ray.shutdown()
+
+    def _look(self) -> None:
+        """Puts stations on nodes that have come, and forgets those that have gone."""
+        if time.monotonic() < self._next:
+            return
+        self._next = time.monotonic() + _LOOK
+        alive = {node["NodeID"]: node["Resources"] for node in self._ray.nodes() if node["Alive"]}
+        for gone in set(self._nodes) - set(alive):
+            for station in self._nodes.pop(gone):
+                self._forget(station)
+        for node, resources in alive.items():
+            if node not in self._nodes:
+                self._nodes[node] = [self._start(node, resources) for _ in range(self._room(resources))]
+
+    def _room(self, resources: dict[str, float]) -> int:
+        """How many more stations a node holds."""
+        room = fitting(resources, self._setup.limits)
+        taken = sum(map(len, self._nodes.values()))
+        return min(room, self._most - taken) if self._most else room
+
+    def _start(self, node: str, resources: dict[str, float]) -> Any:
+        from ray.util.scheduling_strategies import NodeAffinitySchedulingStrategy
+
+        station = self._station.options(
+            num_cpus=self._setup.limits.cores,
+            num_gpus=1 / PER_GPU if resources.get("GPU") else 0,
+            max_concurrency=2,  # so that it can be closed while it works
+            scheduling_strategy=NodeAffinitySchedulingStrategy(node, soft=False),
+        ).remote(self._setup, self._store.folder, self._store.token)
+        self._coming[station.shares.remote()] = station
+        return station
+
+    def _arrive(self, reference: Any) -> None:
+        station = self._coming.pop(reference)
+        with contextlib.suppress(self._ray.exceptions.RayError):  # gone before it came
+            self._ready[station] = self._ray.get(reference)
+            self._idle.append(station)
+
+    def _forget(self, station: Any) -> None:
+        self._ready.pop(station, None)
+        if station in self._idle:
+            self._idle.remove(station)
+
+    def _end(self, reference: Any) -> tuple[Job, Row | None]:
+        """Takes in a job that has ended; None for its row if its station has died."""
+        station, job = self._out.pop(reference)
+        try:
+            row, files = self._ray.get(reference)
+        except self._ray.exceptions.RayTaskError as error:
+            if isinstance(error.cause, Interrupted):
+                return job, None
+            raise
+        except self._ray.exceptions.RayError:
+            self._forget(station)
+            return job, None
+        if files:
+            self._store.receive(job, files)
+        if station in self._ready:
+            self._idle.append(station)
+        return job, row
+
+    def _scene(self, source: Path) -> Any:
+        """A scene in the object store, where the nodes find it."""
+        if source not in self._scenes:
+            while len(self._scenes) >= _KEPT:
+                del self._scenes[next(iter(self._scenes))]
+            self._scenes[source] = self._ray.put(source.read_bytes())
+        return self._scenes[source]
+
+
+def cluster_pool(address: str, store: Store, setup: Setup, most: int = 0) -> RayPool:
+    """Connects to a cluster.
+
+    Args:
+        address: Of its head, HOST:PORT; "auto" for the one that this machine belongs to.
+
+    Raises:
+        VibeError: Ray is not installed, or there is no cluster.
+    """
+    os.environ.setdefault("RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO", "0")
+    try:
+        import ray
+    except ImportError as error:
+        raise VibeError("Ray is not installed.", "Run `pip install '.[ray]'` on every machine.") from error
+    try:
+        ray.init(address=address, log_to_driver=False, logging_level="error", ignore_reinit_error=True)
+    except (ConnectionError, RuntimeError, ValueError) as error:
+        raise VibeError(
+            f"There is no Ray cluster at {address}.",
+            "Start one with `ray start --head`, and join it with `ray start --address HOST:6379`.",
+        ) from error
+    return RayPool(ray, store, setup, most)
+
+
+def fitting(resources: dict[str, float], limits: Limits) -> int:
+    """How many workers a node of these Ray resources holds; none if it is too small."""
+    fits = [int(resources.get("CPU", 0) // limits.cores)]
+    fits.append(int(resources.get("memory", 0) / 1e9 // limits.memory_gb))
+    if cards := resources.get("GPU"):
+        fits.append(int(cards * PER_GPU))
+    return min(fits)
+
+
+@contextmanager
+def _cluster_errors() -> Iterator[None]:
+    """A head that is lost is one clear line."""
+    from ray.exceptions import RaySystemError, RpcError
+
+    try:
+        yield
+    except (RaySystemError, RpcError, ConnectionError) as error:
+        raise VibeError(
+            "The cluster's head is lost.",
+            "Bring it back, then run the same command again: it continues with what is done.",
+        ) from error

@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What `vibe batch` costs beside the vibes themselves: with real jobs by workers, with simulated ones by jobs."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import psutil
+import trimesh
+
+from ..batch import manifest, schedule
+from ..batch.local import LocalPool, local_pool
+from ..batch.manifest import Limits, Shot
+from ..batch.plan import Job, Plan
+from ..batch.sheet import Sheet
+from ..batch.store import DONE, Row, Store, head, read_json, tidy, write_json
+from ..batch.worker import Setup
+
+_MANIFEST = """
+scenes = ["ball.obj"]
+prompts = ["noir", "golden hour", "misty, cool blue fog", "glossy teal"]
+seeds = {seeds}
+[options]
+rounds = 1
+steps = 8
+size = 128
+samples = 8
+[limits]
+memory_gb = 8
+cores = 1
+retries = 0
+minutes = 60
+"""
+_PROMPTS, _HANDS = 10, 4  # of simulated batches: prompts of each scene, and jobs at a time
+
+
+def run(out: Path, jobs: int = 8, workers: str = "1,2,4", simulated: str = "10,100,1000") -> dict[str, Any]:
+    """Measures and writes OUT/results.json.
+
+    Args:
+        out: The folder.
+        jobs: Real vibes for each number of workers; 0 for none.
+        workers: Numbers of workers, "1,2,4".
+        simulated: Numbers of simulated jobs.
+
+    Returns:
+        `simulated`: for each number of jobs the seconds until the first one starts, until all are done, for a second
+        run that finds all done, of the processor for both, for writing the sheet, and the memory that this process has grown by;
+        `workers`: for each number jobs per hour, and per warm job its seconds, those outside of `vibe run`'s own
+        work, those outside of the loop and of Cycles, and the memory.
+    """
+    results: dict[str, Any] = {
+        "simulated": {n: _told(f"{n} simulated jobs", _simulated(n)) for n in _numbers(simulated)},
+        "workers": {n: _told(f"{n} workers", _real(out, jobs, n)) for n in _numbers(workers) if jobs},
+    }
+    (out / "results.json").write_text(json.dumps(results, indent=1), encoding="utf-8")
+    return results
+
+
+def _told(name: str, row: Row) -> Row:
+    print(f"{name}: {', '.join(f'{k} {v}' for k, v in row.items())}", flush=True)
+    return row
+
+
+def _numbers(text: str) -> Sequence[int]:
+    return [int(part) for part in text.split(",") if part.strip()]
+
+
+class _Simulated:
+    """A worker whose vibes take no time; it leaves what marks a job as done."""
+
+    def run(self, job: Job, folder: Path) -> Row:
+        tidy(folder)
+        row = head(job) | {"status": "done", "similarity": 0.2, "similarity_before": 0.1, "delta_e": 1.0}
+        row |= {"seconds": 60.0, "seconds_loop": 40.0, "seconds_cycles": 10.0, "memory_gb": 2.0}
+        write_json(folder / DONE, row)
+        return row
+
+    def close(self) -> None:
+        pass
+
+
+def _simulated(count: int) -> Row:
+    """A batch of simulated jobs in a fresh folder."""
+    prompts = tuple(f"a look of which there are many, number {i}" for i in range(min(_PROMPTS, count)))
+    scenes = count // len(prompts)
+    plan = Plan(
+        [Shot(f"{i}.blend", Path("x.blend"), str(i), prompts, (0,), ("--rounds=6",)) for i in range(scenes)]
+    )
+    process, began = psutil.Process(), [0.0]
+    before, start, worked = process.memory_info().rss, time.monotonic(), time.process_time()
+
+    def tell(what: str, job: Job, row: Row) -> None:
+        began[0] = began[0] or time.monotonic() - start
+
+    def carry_out(store: Store) -> float:
+        first, pool = time.monotonic(), LocalPool(store.jobs, [_Simulated() for _ in range(_HANDS)])
+        schedule.run(plan, store, pool, Limits(free_gb=0.1), tell)
+        pool.close()
+        return round(time.monotonic() - first, 3)
+
+    folder = Path(tempfile.mkdtemp(prefix="vibe-bench-"))
+    try:
+        with Store(folder) as store:
+            store.count(plan)  # as the command does
+            seconds, again = carry_out(store), carry_out(store)
+            worked = round(time.process_time() - worked, 3)
+            grown = process.memory_info().rss - before
+            first = time.monotonic()
+            Sheet("bench", plan, store).write()
+            sheet = round(time.monotonic() - first, 3)
+    finally:
+        shutil.rmtree(folder)
+    return {
+        "start_s": round(began[0], 3), "all_s": seconds, "ms_per_job": round(1000 * seconds / len(plan), 3),
+        "second_run_s": again, "both_cpu_s": worked, "sheet_s": sheet, "memory_mb": round(grown / 1e6, 1),
+    }  # fmt: skip
+
+
+def _real(out: Path, jobs: int, workers: int) -> Row:
+    """A batch of quick vibes of a ball, by as many workers; the first job of each warms it, and is left out."""
+    folder = Path(tempfile.mkdtemp(prefix=f"batch-{workers}-", dir=out))
+    trimesh.creation.icosphere(4).export(folder / "ball.obj")
+    (folder / "m.toml").write_text(_MANIFEST.format(seeds=list(range(-(-jobs // 4)))))
+    wanted = manifest.load(folder / "m.toml", folder / "out")
+    plan, ended = Plan(wanted.shots), []
+    with Store(folder / "out") as store:
+        pool = local_pool(store.jobs, Setup(wanted.limits), workers)
+        try:
+            schedule.run(
+                plan,
+                store,
+                pool,
+                wanted.limits,
+                lambda what, job, row: ended.append((what, time.monotonic())),
+            )
+        finally:
+            pool.close()
+        rows = [row for row in store.rows(plan) if row["status"] == "done"]
+        laps = [
+            (read_json(store.folder / row["folder"] / "report.json") or {})["timings"]["total"]
+            for row in rows
+        ]
+    warm = slice(workers, None)
+    done = [when for what, when in ended if what == "done"]
+    seconds = [row["seconds"] for row in rows[warm]]
+    outside = [s - lap for s, lap in zip(seconds, laps[warm], strict=True)]
+    bare = [r["seconds"] - r["seconds_loop"] - r["seconds_cycles"] for r in rows[warm]]
+    return {
+        "jobs_per_hour": round(3600 * len(done[warm]) / (done[-1] - done[workers - 1]), 1),
+        "seconds": _mean(seconds),
+        "overhead_s": _mean(outside),
+        "outside_of_loop_and_cycles_s": _mean(bare),
+        "memory_gb_per_worker": max(row["memory_gb"] for row in rows),
+    }
+
+
+def _mean(values: Sequence[float]) -> float:
+    return round(sum(values) / len(values), 2)
