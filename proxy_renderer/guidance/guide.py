@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 _REGIONS = ("subject", "surroundings", "whole")
 _SURE = 0.1  # cross-entropy below which an attribute counts as there: p > 0.9
 _LIT, _DIM = (
-    38.0,
-    18.0,
+    50.0,
+    20.0,
 )  # least lightness of the subject or of what is around it; the latter for dark pictures
 _FULL_FRAME = ("vignette", "brightness")  # attributes that a crop changes
 

@@ -13,11 +13,12 @@ from .ranges import clip, effect_range
 from .sources import Range, Sources
 from .support import supports
 from .types import Attribute, Parsed, Plan, PlanContext, PlanEntry, Prompts
+from .view import lightness, radiance
 from .vocabulary import OWNERS, Effect, Vocabulary, default_vocabulary
 
 _NOT = 0.6  # "not glossy" asks for a mild "matte"
 _FINISH = ("roughness", "specular", "coat", "coat_roughness", "sheen")
-_BRIGHT = 72.0  # L* of surroundings in which a dark corner is hard to see
+_GREY = 50.0  # L* of the surroundings that a vignette's range is meant for
 _SECOND = 6  # how much later a mood's own words come than the prompt's
 
 
@@ -135,7 +136,7 @@ class _Planner:
 
     def _demands(self, attribute: Attribute, effect: Effect) -> list[Demand]:
         shown = self.vocabulary.entries.get(attribute.entry)
-        strength = self._visible(attribute.strength, effect)
+        strength = attribute.strength
         if attribute.negated and shown and not shown.never and shown.opposite:
             strength = _NOT
         demands = []
@@ -150,16 +151,26 @@ class _Planner:
             lower, upper = effect_range(effect, replace(attribute, strength=strength), instance, sources)
             priority = effect.priority + (2 if effect.weak else 0) + (_SECOND if attribute.cause else 0)
             priority += 2 * (effect.owner == "lights" and instance.owner not in self.owners.key)
+            if effect.name == "vignette":
+                lower, upper = clip(*self._vignette((lower, upper)), instance)
             reason = _reason(attribute, shown.phrase if shown else "")
             demands.append(Demand(instance.key, lower, upper, attribute, reason, effect.weak, priority))
         return demands
 
-    def _visible(self, strength: float, effect: Effect) -> float:
-        """On bright surroundings a slight vignette has to be twice as strong to be seen: highlights swallow it."""
+    def _vignette(self, ends: Range) -> Range:
+        """A vignette that is seen as much on these surroundings as the range is on mid-grey ones.
+
+        The view swallows what darkens highlights, and dark corners soon are black.
+        """
         context, named = self.sources.context, self.parsed.colors.get("surroundings")
         shown = named or (context.picture.lab.get("surroundings") if context.picture else None)
-        bright = shown is not None and shown[0] > _BRIGHT
-        return (1 + strength) / 2 if bright and effect.name == "vignette" and strength < 1 else strength
+        light, view = (min(max(shown[0], 10.0), 92.0) if shown else _GREY), context.view
+        seen = []
+        for ((amount,),) in zip(ends, strict=True):
+            drop = _GREY - lightness(radiance(_GREY, view) * (1 - amount), view)
+            goal = light - drop * min(light / _GREY, 1.0)
+            seen.append((1 - radiance(goal, view) / radiance(light, view) if amount > 0.02 else amount,))
+        return seen[0], seen[1]
 
     def _settle(self, demands: list[Demand]) -> None:
         """Intersects what the words want; where they contradict each other, the first one has its way."""

@@ -19,7 +19,9 @@ from .view import lightness, radiance
 _LATE = 12  # priority of exposure; what words name comes first
 _STAND_OUT = 20.0  # difference in L* at which a subject stands out by lightness alone
 _DARK = 30.0  # L* below which two colors look alike
+_BEHIND = 68.0  # L* behind a silhouette
 _SHADE = 18.0  # the most that L* of a surface that no word names may move
+_PALE = 4.0  # chroma by which a color may exceed its name before everything is made more vivid
 _STANDS_OUT = "supports the words: the subject stands out from its surroundings"
 _STAND_OUT_COLOR = 38.0  # difference in Lab at which it does by color
 
@@ -201,7 +203,8 @@ def _exposure(parsed: Parsed, instance: Instance, context: PlanContext) -> PlanE
         now = context.picture.lab[region][0]
         named = parsed.colors.get("subject") if region == "subject" else None
         dim = {"dark": -14.0, "bright": 10.0}.get(parsed.targets.get("brightness", ""), 0.0)
-        middle = (named[0] if named else 50.0) + dim
+        behind = _BEHIND if region == "surroundings" else 50.0
+        middle = (named[0] if named else behind) + dim
         low, high = max(middle - 18.0, 8.0 if named else 30.0 + dim), min(middle + 18.0, 90.0)
         goal = min(max(now, low), high)
         if goal != now:
@@ -223,6 +226,8 @@ def _saturation(parsed: Parsed, instance: Instance, context: PlanContext) -> Pla
     missing = []
     for region, wanted in parsed.colors.items():
         shown = context.picture.lab.get(region) if context.picture else None
+        if shown and chroma(shown) > _PALE + chroma(wanted):
+            return None  # a pale color would become another one
         if chroma(wanted) > 20:
             missing.append(1.0 if shown is None else chroma(shown) / (0.75 * chroma(wanted)))
     if not missing:

@@ -112,8 +112,8 @@ class Search:
         if not self.several:
             return [Start(tried[min(range(len(tried)), key=losses.__getitem__)][0])]
         chosen = starts.most_diverse([display for _, _, display in tried], losses, self.options.variants)
-        named = self.vector.mark(key for key, entry in plan.items() if entry.prior == 0.0)
-        return [Start(tried[i][0], named if i else None) for i in chosen]
+        own = self.vector.mark(k for k, e in plan.items() if e.priority is not None and k != "film/exposure")
+        return [Start(tried[i][0], own if i else None) for i in chosen]
 
     def _try(self, point: Tensor, now: Confined) -> tuple[Tensor, float, Tensor]:
         """A few steps from a start on few views: where they lead, its loss on all views, and its picture."""

@@ -11,7 +11,7 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
-from ..language.types import Plan
+from ..language.types import Plan, PlanEntry
 from ..render.color import srgb_to_lab
 from ..schema import Instance
 from .vector import ParameterVector
@@ -22,10 +22,17 @@ if TYPE_CHECKING:
 COARSE_STEPS = 8
 VARIED = "left open by the words: varied, so that the variants differ"
 _PER_VARIANT = 3  # starts for each variant: some come to nothing, some look like others
-_ROAM = {"light/azimuth": (70.0, (-720.0, 720.0)), "light/elevation": (20.0, (10.0, 70.0))}
-"""How far the key light may be moved to make variants differ, and where it has to stay, in degrees."""
+_ROAM: dict[str, tuple[float, float, bool]] = {  # how far down and up, and whether by factors
+    "light/azimuth": (-75.0, 75.0, False),
+    "light/elevation": (-15.0, 20.0, False),
+    "light/size": (0.3, 3.0, True),
+    "light/angle": (0.3, 3.0, True),
+    "world/rotation": (-75.0, 75.0, False),
+}
+"""What may differ between variants where the words leave it open: all lights turn as one."""
 _NEAR = 0.25  # of a range on either side of a start: a variant stays what it is
 _CELLS = 16
+_LAST = 99  # priority of what no word names
 
 
 def count(options: Options) -> int:
@@ -40,7 +47,7 @@ def draw_starts(
     """Points of the feasible box, the first of them u (N,) itself.
 
     What the plan optimises is drawn anew from its range, a color's components at one place in theirs: the corners
-    of the box are other hues.
+    of the box are other hues. What `roam` has opened moves as one.
 
     Args:
         vector: The parameters of u.
@@ -55,27 +62,29 @@ def draw_starts(
     starts = [u]
     for _ in range(number - 1):
         point = u.clone()
+        places: dict[str, Tensor] = {}
         for key in keys:
-            part = vector.slices[key]
-            place = torch.rand((), generator=generator, dtype=torch.float64)
+            part, instance = vector.slices[key], vector.instances[key]
+            group = instance.parameter.name if plan[key].reason == VARIED else key
+            place = places.setdefault(group, torch.rand((), generator=generator, dtype=torch.float64))
             point[part] = box[0][part] + place * (box[1][part] - box[0][part])
         starts.append(point)
     return starts
 
 
 def roam(instances: Mapping[str, Instance], plan: Plan) -> Plan:
-    """The plan, with ranges to draw from for the key light's direction where the words leave that open."""
+    """The plan, with ranges to draw from for how the scene is lit where the words leave that open."""
     found = Plan(dict(plan), plan.notes)
     for key, entry in plan.items():
         instance = instances[key]
         reach = _ROAM.get(instance.parameter.family)
-        if reach is None or instance.role != "key" or instance.locked or entry.prior < 1.0:
+        if reach is None or instance.locked or entry.prior < 1.0:
             continue
-        far, (bottom, top) = reach
+        *ends, factors = reach
         value = instance.value[0]
-        low, high = max(value - far, min(bottom, value)), min(value + far, max(top, value))
+        low, high = ((value * end if factors else value + end) for end in ends)
         low, high = max(low, instance.lower[0]), min(high, instance.upper[0])
-        found[key] = type(entry)((low,), (high,), 99, VARIED, prior=0.0)
+        found[key] = PlanEntry((low,), (high,), _LAST, VARIED, prior=0.0)
     return found
 
 
