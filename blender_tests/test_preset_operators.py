@@ -6,7 +6,7 @@ import pytest
 from dump import difference
 from test_library import DAY, NOIR, addon, own  # noqa: F401  (fixtures)
 from test_operators import contents
-from vibe_render import library, preset_panel, preset_pictures, presets
+from vibe_render import library, preset_panel, preset_pictures, presets, thumbnail
 
 from proxy_renderer.schema import preset
 
@@ -84,6 +84,7 @@ def test_assets_and_lut_of_the_look(held, tmp_path):
     assert not bpy.ops.vibe.export_lut.poll()
     assert not bpy.ops.vibe.export_assets.poll()
     bpy.ops.vibe.preset_apply()
+    thumbnail.render(bpy.context.scene, tmp_path / "first.jpg")  # Blender 4.5 orders passes anew at a render
     before = contents()
     assert bpy.ops.vibe.export_lut(filepath=str(tmp_path / "noir.cube")) == {"FINISHED"}
     assert bpy.ops.vibe.export_assets(filepath=str(tmp_path / "noir.blend")) == {"FINISHED"}

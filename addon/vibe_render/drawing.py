@@ -12,12 +12,18 @@ _PLACES = {"VIEW_3D": "UI", "PROPERTIES": "WINDOW", "PREFERENCES": "WINDOW"}
 
 
 def paragraph(
-    layout: bpy.types.UILayout, context: bpy.types.Context, text: str, icon: str = "NONE", faint: bool = False
+    layout: bpy.types.UILayout,
+    context: bpy.types.Context,
+    text: str,
+    icon: str = "NONE",
+    faint: bool = False,
+    letters: int = 0,
 ) -> None:
-    """Text in as many lines as the region is wide for, with an icon before the first."""
+    """Text in as many lines as the region is wide for, or in lines of some letters; an icon is before the first."""
     column = layout.column(align=True)
     column.scale_y, column.active = 0.8, not faint
-    lines = textwrap.wrap(text, columns(context) - (3 if icon != "NONE" else 0), break_on_hyphens=False)
+    width = (letters or columns(context)) - (3 if icon != "NONE" else 0)
+    lines = textwrap.wrap(text, width, break_on_hyphens=False)
     for number, line in enumerate(lines):
         column.label(text=line, icon="BLANK1" if number and icon != "NONE" else icon)
 

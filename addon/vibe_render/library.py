@@ -14,10 +14,9 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
-import bpy
-
 from . import presets, thumbnail
 from .contract import preset, schema
+from .own_folder import own_folder
 
 SHIPPED = Path(__file__).parent / "looks"
 """The looks that come with Vibe Render."""
@@ -69,15 +68,8 @@ class Look:
 
 
 def folder(create: bool = False) -> Path:
-    """The artist's own presets.
-
-    Without a window they are looked for where an extension that was installed from disk keeps them.
-    """
-    try:
-        return Path(bpy.utils.extension_path_user(__package__, path="presets", create=create))
-    except ValueError:  # we are not installed as an extension
-        place = ".user/user_default/vibe_render/presets"
-        return Path(bpy.utils.user_resource("EXTENSIONS", path=place, create=create))
+    """The artist's own presets."""
+    return own_folder("presets", create)
 
 
 def looks(words: str = "") -> list[Look]:

@@ -16,6 +16,7 @@ from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from . import assets, library, lut, preset_use, scene_io, thumbnail
 from .contract import preset, schema
+from .operators import untouchable
 from .roster import GEOMETRY
 from .session import choice, desk
 
@@ -141,13 +142,13 @@ class VIBE_OT_preset_apply(_Chosen):
 
     bl_idname = "vibe.preset_apply"
     bl_label = "Apply"
-    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO"}
+    bl_options: ClassVar[set[str]] = {"UNDO"}
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
         """Says that there is nothing to light."""
         there = any(obj.type in GEOMETRY for obj in context.scene.objects)
-        return "" if there else "The scene has no mesh"
+        return untouchable(context) if there else "The scene has no mesh"
 
     def act(self, context: bpy.types.Context) -> str:
         """Applies it; what did not fit is listed in the panel."""
@@ -155,6 +156,7 @@ class VIBE_OT_preset_apply(_Chosen):
         if look.preset is None:
             raise schema.VibeError(look.problem, "Delete it, or correct the file.")
         rest = preset_use.apply(context.scene, look.preset, choice(context.scene.vibe))
+        desk.forget()  # its pictures and variants are not of this look
         context.window_manager.vibe_presets.rest = "\n".join(rest)
         left = (
             f"; {len(rest)} things did not fit"

@@ -3,15 +3,16 @@
 
 from __future__ import annotations
 
-import textwrap
 from typing import ClassVar
 
 import bpy
 
 from . import library, preset_pictures
+from .drawing import paragraph
 from .session import desk
 
 _WIDTH, _COLUMNS = 26, 4  # of the grid; the width in Blender's units, a button's height each
+_LETTERS = 70  # in a line of it
 _SHOWN = 5  # lines of what did not fit
 
 
@@ -48,14 +49,10 @@ class VIBE_MT_presets(bpy.types.Menu):
         layout.operator("vibe.export_lut", text="Export Grade as LUT…", icon="COLOR")
 
 
-class VIBE_PT_presets(bpy.types.Panel):
+class _Presets:
     """The chosen preset, and the way to the others."""
 
     bl_label = "Presets"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Vibe"
-    bl_parent_id = "VIBE_PT_main"
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -64,18 +61,36 @@ class VIBE_PT_presets(bpy.types.Panel):
 
     def draw_header_preset(self, context: bpy.types.Context) -> None:
         """The menu."""
-        self.layout.menu("VIBE_MT_presets", text="", icon="COLLAPSEMENU")
+        self.layout.menu("VIBE_MT_presets", text="", icon="COLLAPSEMENU")  # type: ignore[attr-defined]
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draws the panel."""
-        layout = self.layout
+        layout: bpy.types.UILayout = self.layout  # type: ignore[attr-defined]
         row = layout.row(align=True)
         row.popover("VIBE_PT_preset_grid", text="Browse", icon="ASSET_MANAGER")
         row.operator_context = "INVOKE_DEFAULT"
         row.operator("vibe.preset_save", text="Save Look", icon="ADD")
         if look := _chosen(context):
             layout.template_icon(icon_value=preset_pictures.icon(look), scale=6.0)
-            _draw_chosen(layout, context, look, context.region.width)
+            _draw_chosen(layout, context, look)
+
+
+class VIBE_PT_presets(_Presets, bpy.types.Panel):
+    """In the 3D viewport's sidebar."""
+
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Vibe"
+    bl_parent_id = "VIBE_PT_main"
+
+
+class VIBE_RENDER_PT_presets(_Presets, bpy.types.Panel):
+    """In the render properties."""
+
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "render"
+    bl_parent_id = "VIBE_RENDER_PT_main"
 
 
 class VIBE_PT_preset_grid(bpy.types.Panel):
@@ -105,7 +120,7 @@ class VIBE_PT_preset_grid(bpy.types.Panel):
             row.active, row.alignment = False, "CENTER"
             row.label(text="No preset has these words")
         elif chosen := _chosen(context):
-            _draw_chosen(layout, context, chosen, _WIDTH * 20.0 * context.preferences.system.ui_scale)
+            _draw_chosen(layout, context, chosen, _LETTERS)
 
 
 def _chosen(context: bpy.types.Context) -> library.Look | None:
@@ -114,36 +129,27 @@ def _chosen(context: bpy.types.Context) -> library.Look | None:
 
 
 def _draw_chosen(
-    layout: bpy.types.UILayout, context: bpy.types.Context, look: library.Look, width: float
+    layout: bpy.types.UILayout, context: bpy.types.Context, look: library.Look, letters: int = 0
 ) -> None:
-    """Name, prompt and Apply, in a box as wide as so many pixels."""
+    """Name, prompt and Apply, in a box; in lines of so many letters, or as wide as the region."""
     box = layout.box()
     row = box.row()
     row.label(text=look.name, icon="ERROR" if look.problem else "NONE")
     row.menu("VIBE_MT_preset", text="", icon="DOWNARROW_HLT")
     if look.problem:
-        _paragraph(box, context, look.problem, width)
+        paragraph(box, context, look.problem, letters=letters)
         return
     if look.prompt:
-        _paragraph(box, context, f"“{look.prompt}”", width)
+        paragraph(box, context, f"“{look.prompt}”", faint=True, letters=letters)
     row = box.row()
     row.scale_y = 1.4
     applied = context.scene.vibe.vibed_preset == look.name
     row.operator("vibe.preset_apply", text="Apply Again" if applied else "Apply", icon="CHECKMARK")
     rest = context.window_manager.vibe_presets.rest.splitlines() if applied else []
     for line in rest[:_SHOWN]:
-        _paragraph(box, context, f"Did not fit: {line}", width)
+        paragraph(box, context, f"Did not fit: {line}", faint=True, letters=letters)
     if len(rest) > _SHOWN:
-        _paragraph(box, context, f"… and {len(rest) - _SHOWN} more", width)
+        paragraph(box, context, f"… and {len(rest) - _SHOWN} more", faint=True, letters=letters)
 
 
-def _paragraph(layout: bpy.types.UILayout, context: bpy.types.Context, text: str, width: float) -> None:
-    """Faint text in lines for a width in pixels."""
-    column = layout.column(align=True)
-    column.scale_y, column.active = 0.8, False
-    letters = max(16, int(width / (7.5 * context.preferences.system.ui_scale)) - 6)
-    for line in textwrap.wrap(text, letters, break_on_hyphens=False):
-        column.label(text=line)
-
-
-CLASSES = (VIBE_MT_preset, VIBE_MT_presets, VIBE_PT_preset_grid, VIBE_PT_presets)
+CLASSES = (VIBE_MT_preset, VIBE_MT_presets, VIBE_PT_preset_grid, VIBE_PT_presets, VIBE_RENDER_PT_presets)
