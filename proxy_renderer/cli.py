@@ -88,6 +88,14 @@ def parser() -> argparse.ArgumentParser:
     batch = command("batch", _batch, "Give many scenes many looks, on this machine or on a cluster.")
     add_batch_options(batch)
 
+    flamenco = command("flamenco", _flamenco, "Install the job type that brings looks to a Flamenco farm.")
+    flamenco.add_argument(
+        "action", choices=("install",), metavar="install", help="the only thing to do with it"
+    )
+    flamenco.add_argument(
+        "--scripts", required=True, type=Path, metavar="DIR", help="folder `scripts` of your Flamenco Manager"
+    )
+
     apply = command("apply", _apply, "Give a scene the look that a preset holds, and render it.")
     apply.add_argument(
         "preset", metavar="PRESET", help="a preset.json that `vibe run` has written, or a name: noir"
@@ -169,6 +177,13 @@ def _batch(a: argparse.Namespace) -> int:
     from .batch.command import run
 
     return run(a)
+
+
+def _flamenco(a: argparse.Namespace) -> int:
+    from .batch.flamenco import install
+
+    print(f"Written: {install(a.scripts)}. Restart the Manager, then refresh the job types in Blender.")
+    return 0
 
 
 def _apply(a: argparse.Namespace) -> int:

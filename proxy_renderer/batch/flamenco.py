@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`vibe flamenco install`: the job type that brings a look to a Flamenco render farm."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from ..launch import blender_side
+from ..schema import VibeError
+from .store import write_bytes
+
+NAME = "vibe-render.js"
+
+
+def install(scripts: Path) -> Path:
+    """Copies the job type to where a Flamenco Manager finds it.
+
+    Args:
+        scripts: The folder "scripts" beside the Manager's program; it is made if the Manager's folder is there.
+
+    Returns:
+        The file. It proposes this installation's `batch.py`; who submits a job can name another place.
+
+    Raises:
+        VibeError: There is no such place, or it cannot be written.
+    """
+    scripts = scripts.expanduser().resolve()
+    if not scripts.parent.is_dir():
+        raise VibeError(f"There is no folder {scripts.parent}.", "Name the folder of your Flamenco Manager.")
+    scripts.mkdir(exist_ok=True)
+    source = Path(__file__).with_name("flamenco.js").read_text("utf-8")
+    script = json.dumps(blender_side().as_posix())[1:-1]
+    write_bytes(scripts / NAME, source.replace("{{script}}", script).encode())
+    return scripts / NAME
