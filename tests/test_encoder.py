@@ -13,7 +13,7 @@ import torch
 from huggingface_hub import constants
 from PIL import Image
 
-from proxy_renderer.guidance.encoder import EMBEDDED, Encoder, load_encoder
+from proxy_renderer.guidance.encoder import EMBEDDED, MERGES, Encoder, load_encoder
 from proxy_renderer.language.attributes import ATTRIBUTES
 from proxy_renderer.schema import VibeError
 from proxy_renderer.train import bank, evaluate
@@ -36,9 +36,9 @@ def test_embedded_model_loads_through_open_clip_like_any_other(encoder: Encoder)
     model = open_clip.create_model(f"local-dir:{EMBEDDED}").eval()
     texts = ["a red teapot", "blue fog"]
     with torch.no_grad():
-        own = torch.nn.functional.normalize(
-            model.encode_text(open_clip.get_tokenizer(f"local-dir:{EMBEDDED}")(texts)), dim=-1
-        )
+        own_words = {"bpe_path": str(EMBEDDED / MERGES)} if (EMBEDDED / MERGES).is_file() else {}
+        tokens = open_clip.get_tokenizer(f"local-dir:{EMBEDDED}", **own_words)(texts)
+        own = torch.nn.functional.normalize(model.encode_text(tokens), dim=-1)
     assert torch.allclose(own, encoder.encode_texts(texts), atol=1e-5)
     assert sum(file.stat().st_size for file in EMBEDDED.iterdir()) < 15e6
 
@@ -99,7 +99,7 @@ def test_looks_of_unseen_shapes_are_told_apart(encoder: Encoder) -> None:
     views = [bank.trace(shape(HELD_OUT + 500 + k), np.random.default_rng(k), 128) for k in range(10)]
     layout = bank.fields(128)
     fresh = {name: np.stack([view[name] for view in views]).astype(layout[name][1]) for name in layout}
-    scores = evaluate.judge(encoder, fresh, batches=2)
+    scores = evaluate.judge(encoder, evaluate.shaded(fresh, 2))
     assert scores["attribute_flip"] > 0.62
     assert scores["swap"] > 0.57
     least = {

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from proxy_renderer import cli
+from proxy_renderer import bench, cli
 from proxy_renderer.language import PlanContext, SceneWords, compose, parse, plan
 from proxy_renderer.language.nearest import SURE, nearest, table
 from proxy_renderer.language.user import VARIABLE, extend
@@ -16,7 +16,7 @@ from proxy_renderer.schema import VibeError
 
 UNSEEN = [
     line.split("|")
-    for line in Path(__file__).with_name("unseen_words.txt").read_text("utf-8").splitlines()
+    for line in (Path(bench.__file__).with_name("unseen_words.txt")).read_text("utf-8").splitlines()
     if not line.startswith("#")
 ]
 

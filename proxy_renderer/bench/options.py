@@ -78,6 +78,27 @@ def _batch(sub: argparse.ArgumentParser) -> None:
     )
 
 
+def _encoder(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument(
+        "--encoder", default="embedded", metavar="NAME", help="as for a vibe (default: embedded)"
+    )
+    sub.add_argument("--views", type=int, default=96, metavar="N", help="held-out views (default: 96)")
+    sub.add_argument(
+        "--pairs",
+        type=int,
+        default=30,
+        metavar="N",
+        help="pairs of Cycles pictures; 0 for none (default: 30)",
+    )
+    sub.add_argument(
+        "--cache",
+        dest="cache_folder",
+        default="",
+        metavar="DIR",
+        help="where pictures are kept (default: the folder in VIBE_CACHE, or your cache)",
+    )
+
+
 Options = Callable[[argparse.ArgumentParser], None]
 
 BENCHES: dict[str, tuple[str, Options]] = {
@@ -88,6 +109,7 @@ BENCHES: dict[str, tuple[str, Options]] = {
         _paper,
     ),
     "batch": ("What a batch costs beside its vibes: by workers, and by jobs.", _batch),
+    "encoder": ("How well the encoder reads looks off pictures, and words, that it never saw.", _encoder),
     "gradients": ("Whether the proxy's gradients point where Cycles' pictures go.", _gradients),
 }
 """By name: a summary, and what declares the options, which are the keywords of its module's `run`."""

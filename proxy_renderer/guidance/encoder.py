@@ -20,7 +20,10 @@ from torch import Tensor, nn
 from ..schema.errors import VibeError
 from . import network  # noqa: F401 - makes timm know our picture tower
 
-EMBEDDED = Path(__file__).with_name("embedded")
+EMBEDDED, JUDGE = (Path(__file__).with_name(name) for name in ("embedded", "judge"))
+"""The encoder that guides by default, and another one that only judges results: nothing may be optimised against it."""
+MERGES = "merges.txt.gz"
+"""The merges of a folder's own, smaller vocabulary, read by open_clip's tokenizer."""
 _REMEDY = "Use the embedded encoder (leave --encoder out), or a tag such as ViT-B-32-256/datacomp_s34b_b86k."
 _PATIENCE = 8.0
 """Seconds to wait for the hub's answer."""
@@ -140,7 +143,8 @@ def load_encoder(spec: str | None = None, device: str | torch.device = "cpu") ->
         else:
             source, pretrained = _hub_tag(name)
         model = open_clip.create_model(source, pretrained=pretrained, require_pretrained=True)
-        tokenizer = open_clip.get_tokenizer(source)
+        own = {"bpe_path": str(place / MERGES)} if (place / MERGES).is_file() else {}
+        tokenizer = open_clip.get_tokenizer(source, **own)
     except VibeError:
         raise
     except (

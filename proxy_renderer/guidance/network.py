@@ -8,11 +8,16 @@ patch stem (He et al. 2016) cost half of what open_clip's ModifiedResNet does at
 
 from typing import Any
 
+import torch
 import torch.nn.functional as F
 from timm.models import register_model
 from torch import Tensor, nn
 
-_WIDTHS, _DEPTHS, _PATCH, _GRID = (32, 64, 128, 256), (1, 1, 1, 1), 4, 5
+_PATCH = 4
+_DARK = 0.03
+"""Added before logarithms are taken: black noise says nothing."""
+GRID = 5
+"""Cells along one side of the last grid of features."""
 
 
 class Block(nn.Module):
@@ -27,13 +32,30 @@ class Block(nn.Module):
         self.shortcut = nn.Sequential()
         if inputs != outputs:
             self.shortcut = nn.Sequential(
-                nn.AvgPool2d(stride), nn.Conv2d(inputs, outputs, 1, bias=False), nn.BatchNorm2d(outputs)
+                nn.AvgPool2d(stride, ceil_mode=True),
+                nn.Conv2d(inputs, outputs, 1, bias=False),
+                nn.BatchNorm2d(outputs),
             )
 
     def forward(self, x: Tensor) -> Tensor:
         """(B, inputs, H, W) → (B, outputs, H / stride, W / stride)."""
         inner = F.relu(self.first_norm(self.first(x)), inplace=True)
         return F.relu(self.second_norm(self.second(inner)) + self.shortcut(x))
+
+
+class Stem(nn.Conv2d):
+    """The first convolution, on patches of a picture and of its logarithm.
+
+    In the logarithm light and color add up, so that a shaded side, a cast of the light or a highlight looks alike
+    on every color.
+    """
+
+    def __init__(self, outputs: int) -> None:
+        super().__init__(6, outputs, _PATCH, _PATCH, bias=False)
+
+    def forward(self, x: Tensor) -> Tensor:
+        """(B, 3, H, W) display values, less 0.5 and over 0.25 → (B, outputs, H / 4, W / 4)."""
+        return super().forward(torch.cat([x, torch.log((0.25 * x + 0.5).clamp_min(0) + _DARK) + 1], 1))
 
 
 class Tower(nn.Sequential):
@@ -43,13 +65,18 @@ class Tower(nn.Sequential):
         features: Length of a feature.
         widths: Channels of each stage; each later stage halves the picture.
         depths: Blocks of each stage.
+        logarithm: Whether it sees the logarithm of the picture too.
     """
 
     def __init__(
-        self, features: int, widths: tuple[int, ...] = _WIDTHS, depths: tuple[int, ...] = _DEPTHS
+        self,
+        features: int,
+        widths: tuple[int, ...] = (32, 64, 128, 256),
+        depths: tuple[int, ...] = (1, 1, 1, 1),
+        logarithm: bool = True,
     ) -> None:
         layers: list[nn.Module] = [
-            nn.Conv2d(3, widths[0], _PATCH, _PATCH, bias=False),
+            Stem(widths[0]) if logarithm else nn.Conv2d(3, widths[0], _PATCH, _PATCH, bias=False),
             nn.BatchNorm2d(widths[0]),
             nn.ReLU(inplace=True),
         ]
@@ -58,7 +85,7 @@ class Tower(nn.Sequential):
             for k in range(depth):
                 layers.append(Block(inputs, width, 2 if stage and not k else 1))
                 inputs = width
-        layers += [nn.AdaptiveAvgPool2d(_GRID), nn.Flatten(), nn.Linear(inputs * _GRID**2, features)]
+        layers += [nn.AdaptiveAvgPool2d(GRID), nn.Flatten(), nn.Linear(inputs * GRID**2, features)]
         super().__init__(*layers)
 
 
@@ -66,3 +93,9 @@ class Tower(nn.Sequential):
 def vibe_resnet(pretrained: bool = False, num_classes: int = 192, **unused: Any) -> Tower:
     """What `timm_model_name: "vibe_resnet"` in an open_clip configuration builds; there are no pretrained weights."""
     return Tower(num_classes)
+
+
+@register_model
+def vibe_resnet_judge(pretrained: bool = False, num_classes: int = 128, **unused: Any) -> Tower:
+    """A smaller tower of other proportions, for an encoder that judges results and never guides."""
+    return Tower(num_classes, (24, 64, 96, 160), (2, 1, 2, 1), logarithm=False)

@@ -11,11 +11,12 @@ from pathlib import Path
 import torch
 
 from ..schema.errors import VibeError
-from . import bank
+from . import bank, cycles
+from .model import CONFIG, JUDGE
 from .train import Recipe, train
 
-HELD_OUT = 100_000
-"""Seeds of shapes from here on are never trained on."""
+JUDGED, HELD_OUT = 50_000, 100_000
+"""Seeds of shapes from the first on are the judge's; from the second on nothing is trained on them."""
 
 
 def main() -> None:
@@ -38,7 +39,31 @@ def main() -> None:
     parser.add_argument("--size", type=int, default=160, help="side of a picture in pixels")
     parser.add_argument("--workers", type=int, default=2, help="processes that trace")
     parser.add_argument(
-        "--rate", type=float, default=Recipe.rate, help="learning rate; lower it for the last sitting"
+        "--rate", type=float, default=Recipe.rate, help="learning rate; it falls towards a sitting's end"
+    )
+    parser.add_argument(
+        "--coarse",
+        type=int,
+        default=Recipe.coarse,
+        metavar="N",
+        help="shade every N-th pixel across and down: 2 for the first sittings, 1 for the last",
+    )
+    parser.add_argument(
+        "--from",
+        dest="start",
+        type=Path,
+        metavar="FOLDER",
+        help="go on from an exported model, where there is no checkpoint",
+    )
+    parser.add_argument(
+        "--cycles",
+        type=int,
+        default=0,
+        metavar="N",
+        help="pairs of Cycles pictures to render, if none are there",
+    )
+    parser.add_argument(
+        "--judge", action="store_true", help="train the judge: other architecture, shapes and wordings"
     )
     parser.add_argument("--groups", type=int, default=Recipe.groups, help="groups of four pictures per step")
     parser.add_argument("--seed", type=int, default=Recipe.seed)
@@ -53,16 +78,34 @@ def main() -> None:
 
 
 def _run(options: argparse.Namespace) -> None:
+    first = JUDGED if options.judge else 0
     places = {
-        options.out / "bank": (options.views, options.shapes, 0),
+        options.out / "bank": (options.views, options.shapes, first),
         options.out / "heldout": (240, 48, HELD_OUT),
     }
-    for folder, (views, shapes, first) in places.items():
+    for folder, (views, shapes, seed) in places.items():
         if not folder.exists():
             print(f"tracing {views} views of {shapes} shapes into {folder}", flush=True)
-            bank.build(folder, views, shapes, first, options.size, options.workers)
-    recipe = Recipe(groups=options.groups, rate=options.rate, seed=options.seed)
-    trainer = train(recipe, options.out / "bank", options.out, options.minutes, torch.device(options.device))
+            bank.build(folder, views, shapes, seed, options.size, options.workers)
+    if options.cycles and not (options.out / "cycles").exists():
+        print(f"rendering {options.cycles} pairs of Cycles pictures", flush=True)
+        cycles.build(options.out / "cycles", options.cycles, first, options.size)
+    recipe = Recipe(
+        groups=options.groups,
+        rate=options.rate,
+        seed=options.seed,
+        coarse=options.coarse,
+        split=int(options.judge),
+    )
+    trainer = train(
+        recipe,
+        options.out / "bank",
+        options.out,
+        options.minutes,
+        torch.device(options.device),
+        JUDGE if options.judge else CONFIG,
+        options.start,
+    )
     trainer.export(options.out / "model")
     print(f"step {trainer.step}: the model is in {options.out / 'model'}", flush=True)
     if options.evaluate is not None:

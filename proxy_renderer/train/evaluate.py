@@ -9,7 +9,8 @@ import os
 import random
 import time
 from collections import Counter, defaultdict
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -21,10 +22,10 @@ from ..guidance.encoder import Encoder, load_encoder
 from ..language.attributes import ATTRIBUTES
 from . import bank as banks
 from .captions import caption
-from .data import LOOKS, Batch, make_batch
+from .data import Batch, make_batch
 from .looks import INDEX, NAMES
 from .surfaces import Shape
-from .wording import NOUNS
+from .wording import NOUNS, TRAINED, Split
 
 _GROUPS, _BATCHES, _SEED = 48, 10, 7_000_000
 
@@ -44,7 +45,7 @@ def evaluate(model: Path, held_out: Path, meshes: list[Path], out: Path | None =
     if meshes:
         sets["meshes"] = bank_of(meshes, next(iter(sets.values()))["kind"].shape[-1])
     results: dict = {
-        "sets": {name: judge(encoder, bank) for name, bank in sets.items()},
+        "sets": {name: judge(encoder, shaded(bank)) for name, bank in sets.items()},
         "crops_seconds": cost(encoder),
     }
     results |= {key: results["sets"]["procedural"][key] for key in ("attribute_flip", "swap", "heads_mean")}
@@ -73,13 +74,43 @@ def _write(path: Path, content: dict) -> None:
     os.replace(temporary, path)
 
 
-def judge(encoder: Encoder, bank: dict, batches: int | None = None) -> dict:
-    """Flip, swap and head accuracy on whole pictures of a bank; ``commonest`` is what a blind guess would score."""
+@dataclass(frozen=True)
+class Mistake:
+    """A picture (3, H, W) that was nearer to a false sentence than to the true one."""
+
+    picture: Tensor
+    asked: str
+    true: str
+    false: str
+
+
+Sentence = Callable[[dict[str, str], str, float], str]
+"""Makes a sentence about a thing: attributes that are said, the thing's name, and a number that fixes the wording."""
+
+
+def shaded(bank: dict, batches: int = _BATCHES) -> Iterator[Batch]:
+    """Batches of whole pictures of a bank, as they are judged."""
+    return (make_batch(bank, _GROUPS, _SEED + k, augment=False) for k in range(batches))
+
+
+def judge(
+    encoder: Encoder,
+    batches: Iterable[Batch],
+    sentence: Sentence | None = None,
+    mistakes: list[Mistake] | None = None,
+) -> dict:
+    """Flip, swap and head accuracy on whole pictures; ``commonest`` is what a blind guess would score.
+
+    Args:
+        encoder: To be judged.
+        batches: Pictures; each that is not the first of a group differs from it in one attribute.
+        sentence: Says attributes; by default in training's wordings.
+        mistakes: Gets the comparisons that went wrong.
+    """
     right: dict[str, list[bool]] = defaultdict(list)
     shown: dict[str, list[int]] = defaultdict(list)
     dice = random.Random(_SEED)
-    for k in range(batches or _BATCHES):
-        batch = make_batch(bank, _GROUPS, _SEED + k, augment=False)
+    for batch in batches:
         with torch.no_grad():
             features = encoder.encode_images(batch.pictures.to(encoder.device)).cpu()
             logits = (
@@ -91,13 +122,15 @@ def judge(encoder: Encoder, bank: dict, batches: int | None = None) -> dict:
             known = batch.labels[:, INDEX[name]] >= 0
             right[f"heads/{name}"] += (value.argmax(1) == batch.labels[:, INDEX[name]])[known].tolist()
             shown[name] += batch.labels[known, INDEX[name]].tolist()
-        comparisons = _comparisons(batch, dice)
+        comparisons = _comparisons(batch, dice, sentence or describe)
         true = encoder.encode_texts([said for _, _, said, _ in comparisons]).cpu()
         false = encoder.encode_texts([otherwise for _, _, _, otherwise in comparisons]).cpu()
         closer = (features[[picture for _, picture, _, _ in comparisons]] * (true - false)).sum(1) > 0
-        for comparison, correct in zip(comparisons, closer.tolist(), strict=True):
-            right[comparison[0]].append(correct)
-    share = {key: round(float(np.mean(values)), 4) for key, values in right.items()}
+        for (asked, picture, said, otherwise), correct in zip(comparisons, closer.tolist(), strict=True):
+            right[asked].append(correct)
+            if mistakes is not None and not correct:
+                mistakes.append(Mistake(batch.pictures[picture], asked, said, otherwise))
+    share = {key: round(float(np.mean(values)), 4) for key, values in right.items() if values}
     flips = {name: share[f"flip/{name}"] for name in NAMES if f"flip/{name}" in share}
     heads = {name: share[f"heads/{name}"] for name in NAMES if f"heads/{name}" in share}
     return {
@@ -108,34 +141,36 @@ def judge(encoder: Encoder, bank: dict, batches: int | None = None) -> dict:
     }  # fmt: skip
 
 
-def _comparisons(batch: Batch, dice: random.Random) -> list[tuple[str, int, str, str]]:
+def _comparisons(batch: Batch, dice: random.Random, sentence: Sentence) -> list[tuple[str, int, str, str]]:
     """(what is tested, picture, true sentence, false sentence)."""
-    found = []
+    found, base = [], 0
     for i, labels in enumerate(batch.labels.tolist()):
         noun = dice.choice(NOUNS)
-        first = batch.labels[i - i % LOOKS].tolist()
         flip = int(batch.flipped[i])
+        base = i if flip == -1 else base
+        first = batch.labels[base].tolist()
         if flip >= 0 and labels[flip] >= 0 and first[flip] >= 0 and labels[flip] != first[flip]:
             name, wording = NAMES[flip], dice.random()
-            said, otherwise = (_sentence({name: c[flip]}, noun, wording) for c in (labels, first))
-            found += [(f"flip/{name}", i, said, otherwise), (f"flip/{name}", i - i % LOOKS, otherwise, said)]
+            said, otherwise = (sentence(_named({name: c[flip]}), noun, wording) for c in (labels, first))
+            if said != otherwise:
+                found += [(f"flip/{name}", i, said, otherwise), (f"flip/{name}", base, otherwise, said)]
         a, b = labels[INDEX["subject_color"]], labels[INDEX["surroundings_color"]]
         if a >= 0 and b >= 0 and a != b:
             wording = dice.random()
             pairs = ({"subject_color": x, "surroundings_color": y} for x, y in ((a, b), (b, a)))
-            said, otherwise = (_sentence(pair, noun, wording) for pair in pairs)
+            said, otherwise = (sentence(_named(pair), noun, wording) for pair in pairs)
             found.append(("swap", i, said, otherwise))
     return found
 
 
-def _sentence(classes: dict[str, int], noun: str, wording: float) -> str:
-    """The attributes about one thing, in a wording of its own; the same number gives the same choices."""
-    known = {name: ATTRIBUTES[name][value] for name, value in classes.items()}
-    return (
-        f"{noun}, {caption(known, random.Random(wording))}"
-        if "subject_color" not in known
-        else caption(known, random.Random(wording))
-    )
+def _named(classes: dict[str, int]) -> dict[str, str]:
+    return {name: ATTRIBUTES[name][value] for name, value in classes.items()}
+
+
+def describe(known: dict[str, str], noun: str, wording: float, split: Split = TRAINED) -> str:
+    """The attributes about one thing; the same number gives the same choices of words, as far as there are as many."""
+    said = caption(known, random.Random(wording), split=split)
+    return said if "subject_color" in known else f"{noun}, {said}"
 
 
 def bank_of(meshes: list[Path], size: int, views: int = 24) -> dict[str, np.ndarray]:

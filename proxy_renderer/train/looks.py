@@ -58,26 +58,40 @@ ANCHORS = torch.tensor([_linear(_ANCHORS[name]) for name in COLORS])
 _TINTS = torch.tensor([[1.3, 0.95, 0.55], [1.0, 1.0, 1.0], [0.68, 0.94, 1.35]])
 
 _ODDS = {
-    "subject_color": [2.2, 1.5, 1.8, 1, 1, 1, 1, 1, 1.2, 1, 1, 1],
+    "subject_color": [1.5, 1.5, 1.8, 1, 1, 1, 1, 1, 1.2, 1, 1, 1],
     "surroundings_color": [1.8, 1.6, 2.6, 0.8, 1, 1, 1, 1, 1, 1.2, 1, 1],
     "subject_finish": [1.2, 0.8, 1.3],
-    "subject_metal": [1.6, 1.0],
+    "subject_metal": [1.0, 1.2],
     "light_side": [1, 1, 1, 1.1, 0.9],
-    "fog": [2.4, 1.0, 1.0],
-    "brightness": [1.0, 2.0, 1.1],
+    "fog": [2.4, 1.0, 0.9],
+    "brightness": [0.9, 2.0, 1.1],
     "contrast": [0.7, 2.0, 1.3],
     "saturation": [0.7, 2.4, 1],
     "vignette": [1.7, 1],
 }
+_PLAIN = {"fog": "none", "brightness": "medium", "contrast": "medium"}
+_PLAIN_SHARE = 0.5
+"""So many looks hide nothing of a thing's surface and of its light, which are the hardest to learn."""
+_FLIPPED = {"subject_finish": 2.5, "subject_metal": 2.0, "light_side": 2.0, "light_softness": 2.0}
+
+
+def sample_flips(shape: tuple[int, int], generator: torch.Generator) -> Tensor:
+    """Attributes to flip, the hard ones more often than the others."""
+    odds = torch.tensor([_FLIPPED.get(name, 1.0) for name in NAMES])
+    return torch.multinomial(odds, shape[0] * shape[1], replacement=True, generator=generator).view(shape)
 
 
 def sample_classes(count: int, generator: torch.Generator) -> Tensor:
-    """Classes (count, A) of random looks; black, grey, white and dark come up more often than by chance."""
+    """Classes (count, A) of random looks; black, grey and white, and clear days, come up more often than by chance."""
     columns = []
-    for name, classes in ATTRIBUTES.items():
-        odds = torch.tensor(_ODDS.get(name, [1.0] * len(classes)), dtype=torch.float32)
+    for name, values in ATTRIBUTES.items():
+        odds = torch.tensor(_ODDS.get(name, [1.0] * len(values)), dtype=torch.float32)
         columns.append(torch.multinomial(odds, count, replacement=True, generator=generator))
-    return torch.stack(columns, -1)
+    classes = torch.stack(columns, -1)
+    plain = torch.rand(count, generator=generator) < _PLAIN_SHARE
+    for name, value in _PLAIN.items():
+        classes[plain, INDEX[name]] = ATTRIBUTES[name].index(value)
+    return classes
 
 
 def flip(classes: Tensor, attribute: Tensor, generator: torch.Generator) -> Tensor:
@@ -139,7 +153,7 @@ def parameters(classes: Tensor, noise: Tensor) -> dict[str, Tensor]:
         "fill": uniform(0.0, 0.2) * (1 - silhouette),
         "soft": by_class("light_softness", (0, 0), (1, 1)),
         "backdrop": uniform(0.0, 0.5) + 0.5 * silhouette,
-        "panels": torch.stack([uniform(0.0, 6.0), (uniform(-1.5, 4.0)).clamp_min(0)], -1) * (1 - 0.7 * silhouette)[..., None],
+        "panels": torch.stack([uniform(1.2, 6.0), (uniform(-1.5, 4.0)).clamp_min(0)], -1) * (1 - 0.7 * silhouette)[..., None],
         "panel_turn": torch.stack([uniform(-1.2, 1.2), uniform(-2.6, 2.6)], -1),
         "panel_size": torch.stack([uniform(0.15, 0.7), uniform(0.15, 0.9)], -1),
         "fog": fog,
@@ -179,10 +193,18 @@ def visible(classes: Tensor, look: dict[str, Tensor], picture: Tensor, mask: Ten
     def asked(name: str) -> Tensor:
         return classes[:, INDEX[name]]
 
+    # A thing that is mostly black or blown out, or hardly modelled, tells nothing about its surface or its light.
+    inside = (share > 0.9).float()
+    among = inside.sum((2, 3)).clamp_min(1)[:, 0]
+    middle = ((lab[:, :1] > 7) & (lab[:, :1] < 96)).float()
+    readable = (middle * inside).sum((1, 2, 3)) / among > 0.6
+    off = lab[:, :1] - ((lab[:, :1] * inside).sum((2, 3)) / among[:, None])[..., None, None]
+    modelled = ((off**2 * inside).sum((1, 2, 3)) / among).sqrt() > 3.0
     clear = look["fog"] < 0.9
     tinted = asked("light_temperature") != ATTRIBUTES["light_temperature"].index("neutral")
     back = asked("light_side") == ATTRIBUTES["light_side"].index("back")
-    shown = clear & (subject[:, 0] > 9)
+    dull = asked("subject_finish") == ATTRIBUTES["subject_finish"].index("matte")
+    shown = clear & (subject[:, 0] > 9) & readable & modelled
     strong = shown & (look["ambient"].mean(-1) < 0.3 * look["key"].mean(-1)) & (look["contrast"] > 0.3)
     window = {
         "brightness": ((0, 30), (37, 63), (63, 101)),
@@ -196,10 +218,10 @@ def visible(classes: Tensor, look: dict[str, Tensor], picture: Tensor, mask: Ten
 
     holds = {
         "subject_finish": shown & ~back,
-        "subject_metal": shown & ~back,
+        "subject_metal": shown & ~back & ~dull,
         "light_side": strong | (clear & back),
         "light_softness": strong & ~back,
-        "light_temperature": (lightness > 12) & (look["saturation"] > 0.5),
+        "light_temperature": (lightness > 12) & (lightness < 93) & (look["saturation"] > 0.5),
         "fog": lightness > 10,
         "brightness": measured("brightness", lightness),
         "contrast": measured("contrast", spread),

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """The training loop: resumable bit for bit, logged, and worth exporting at any time.
 
-The learning rate only warms up, and an average of the weights is kept, so that a sitting can end at any
-step; the last one is best run with a lower rate.
+An average of the weights is kept, and towards the end of each sitting the learning rate falls, so that every sitting
+ends with weights worth having.
 """
 
 import copy
 import json
+import math
 import os
 import time
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -16,9 +17,14 @@ from pathlib import Path
 import torch
 
 from . import bank as banks
-from . import captions, shader
-from .data import LOOKS, Batch, make_batch
+from . import captions, cycles, shader
+from .data import Batch, make_batch
 from .model import CONFIG, Student, export
+from .wording import Split
+
+_LOGGED = 50
+_FALLS = 0.5
+"""From this share of a sitting on the learning rate falls."""
 
 
 @dataclass
@@ -32,18 +38,24 @@ class Recipe:
         average: Steps over which weights are averaged.
         heads: Weight of the attributes read off pictures.
         words: Weight of the attributes read off captions.
+        dense: Weight of the maps read off the grid of features.
+        split: Which wordings and shapes are kept back; another number for an encoder that judges this one.
+        coarse: Every how many of the bank's pixels are shaded: small pictures teach four times as fast at first.
         seed: Of the weights and of every batch.
         save: Steps between checkpoints.
     """
 
-    groups: int = 20
+    groups: int = 8
     rate: float = 1.5e-3
-    warmup: int = 150
-    average: int = 250
-    heads: float = 3.0
-    words: float = 0.3
+    warmup: int = 200
+    average: int = 400
+    heads: float = 5.0
+    words: float = 0.5
+    dense: float = 3.0
+    split: int = 0
+    coarse: int = 1
     seed: int = 0
-    save: int = 50
+    save: int = 100
 
 
 class Trainer:
@@ -56,13 +68,14 @@ class Trainer:
         device: torch.device,
         config: dict = CONFIG,
         shade: shader.Shade = shader.shade,
+        real: dict | None = None,
     ) -> None:
-        self.recipe, self.bank, self.device, self.step = recipe, bank, device, 0
-        self._shade = shade
+        self.recipe, self.bank, self.device = recipe, bank, device
+        self.step = self.pictures = 0
+        self._shade, self._real = shade, real
         torch.manual_seed(recipe.seed)
-        self.student = Student(config)
-        self.student.forget_unseen(captions.samples(8000, recipe.seed))
-        self.student.to(device)
+        self.split = Split(recipe.split)
+        self.student = Student(config, captions.samples(8000, recipe.split, self.split)).to(device)
         self.average = copy.deepcopy(self.student.state_dict())
         decayed = [p for n, p in self.student.named_parameters() if p.ndim > 1 and "embedding" not in n]
         other = [p for n, p in self.student.named_parameters() if p.ndim <= 1 or "embedding" in n]
@@ -70,20 +83,22 @@ class Trainer:
         groups = [{"params": decayed, "weight_decay": 0.05}, {"params": other, "weight_decay": 0.0}]
         self.optimizer = torch.optim.AdamW(groups, lr=recipe.rate, betas=(0.9, 0.98), fused=True)
 
-    def advance(self) -> dict[str, float]:
-        """One step on the batch that belongs to it; returns its losses."""
+    def advance(self, share: float = 1.0) -> dict[str, float]:
+        """One step on the batch that belongs to it, at a share of the rate; returns its losses."""
         recipe = self.recipe
         batch = self._batch()
         for group in self.optimizer.param_groups:
-            group["lr"] = recipe.rate * min(1.0, (self.step + 1) / recipe.warmup)
+            group["lr"] = share * recipe.rate * min(1.0, (self.step + 1) / recipe.warmup)
         self.student.train()
         losses = self.student.losses(batch, self.device)
-        total = losses["contrast"] + recipe.heads * losses["heads"] + recipe.words * losses["words"]
+        weights = {"heads": recipe.heads, "words": recipe.words, "dense": recipe.dense}
+        total = torch.stack([weights.get(name, 1.0) * value for name, value in losses.items()]).sum()
         self.optimizer.zero_grad()
         total.backward()
         torch.nn.utils.clip_grad_norm_(self.student.parameters(), 1.0)
         self.optimizer.step()
         self.step += 1
+        self.pictures += len(batch.pictures)
         self._average()
         return {name: round(value.item(), 4) for name, value in losses.items()}
 
@@ -98,7 +113,16 @@ class Trainer:
 
     def _make(self, step: int) -> Batch:
         seed = self.recipe.seed * 1_000_003 + step
-        return make_batch(self.bank, self.recipe.groups, seed, shade=self._shade, device=self.device)
+        return make_batch(
+            self.bank,
+            self.recipe.groups,
+            seed,
+            shade=self._shade,
+            device=self.device,
+            split=self.split,
+            coarse=self.recipe.coarse,
+            real=self._real,
+        )
 
     @torch.no_grad()
     def _average(self) -> None:
@@ -111,7 +135,7 @@ class Trainer:
 
     def save(self, path: Path) -> None:
         """Writes a checkpoint; a crash leaves the old one."""
-        state = {"step": self.step, "student": self.student.state_dict(), "average": self.average,
+        state = {"step": self.step, "pictures": self.pictures, "student": self.student.state_dict(), "average": self.average,
                  "optimizer": self.optimizer.state_dict(), "config": self.student.config, "recipe": asdict(self.recipe)}  # fmt: skip
         temporary = path.with_suffix(".part")
         torch.save(state, temporary)
@@ -123,36 +147,76 @@ class Trainer:
         self.student.load_state_dict(state["student"])
         self.average = state["average"]
         self.optimizer.load_state_dict(state["optimizer"])
-        self.step = state["step"]
+        self.step, self.pictures = state["step"], state["pictures"]
+
+    def start_from(self, folder: Path) -> None:
+        """Takes over the weights of an exported model of the same architecture; its words may differ.
+
+        Raises:
+            VibeError: If the architecture is another one.
+        """
+        self.student.load_export(folder)
+        self.average = copy.deepcopy(self.student.state_dict())
 
     def export(self, folder: Path) -> None:
         """Writes the averaged weights as an open_clip folder."""
         export(self.student, {name: w.cpu() for name, w in self.average.items()}, folder)
 
 
-def train(recipe: Recipe, bank_folder: Path, out: Path, minutes: float, device: torch.device) -> Trainer:
-    """Trains for some minutes into ``out``: ``checkpoint.pt`` and ``log.jsonl``; goes on where it stopped."""
+def train(
+    recipe: Recipe,
+    bank_folder: Path,
+    out: Path,
+    minutes: float,
+    device: torch.device,
+    config: dict = CONFIG,
+    start: Path | None = None,
+) -> Trainer:
+    """Trains for some minutes into ``out``: ``checkpoint.pt`` and ``log.jsonl``; goes on where it stopped.
+
+    Args:
+        recipe: How.
+        bank_folder: Traced views; ``out/cycles``, where it is, adds Cycles pictures.
+        out: Where everything goes.
+        minutes: How long.
+        device: Where.
+        config: The architecture.
+        start: A model's folder, to go on from where there is no checkpoint.
+    """
     out.mkdir(parents=True, exist_ok=True)
-    trainer = Trainer(recipe, banks.load(bank_folder), device, shade=shader.fused())
+    real = cycles.load(out / "cycles") if (out / "cycles").exists() else None
+    trainer = Trainer(recipe, banks.load(bank_folder), device, config, shader.fused(), real)
     if (out / "checkpoint.pt").exists():
         trainer.load(out / "checkpoint.pt")
         print(f"goes on at step {trainer.step}", flush=True)
-    started, last = time.monotonic(), time.monotonic()
-    while time.monotonic() - started < 60 * minutes:
-        losses = trainer.advance()
-        if trainer.step % 10 == 0:
+    elif start:
+        trainer.start_from(start)
+        print(f"goes on from {start}", flush=True)
+    started, seconds, seen = time.monotonic(), 60 * minutes, trainer.pictures
+    last = started
+    while (done := (time.monotonic() - started) / seconds) < 1:
+        losses = trainer.advance(_share(done))
+        if trainer.step % _LOGGED == 0:
             now = time.monotonic()
-            speed = 10 * recipe.groups * LOOKS / (now - last)
-            last = now
+            speed = (trainer.pictures - seen) / (now - last)
+            last, seen = now, trainer.pictures
             row = {
                 "step": trainer.step,
-                "pictures": trainer.step * recipe.groups * LOOKS,
+                "pictures": trainer.pictures,
                 "per_second": round(speed, 1),
                 **losses,
+                "right": {name: round(r / max(n, 1), 3) for name, (r, n) in trainer.student.tally.items()},
             }
+            trainer.student.tally = {name: [0, 0] for name in trainer.student.tally}
             with (out / "log.jsonl").open("a") as log:
                 log.write(json.dumps(row) + "\n")
         if trainer.step % recipe.save == 0:
             trainer.save(out / "checkpoint.pt")
     trainer.save(out / "checkpoint.pt")
     return trainer
+
+
+def _share(done: float) -> float:
+    """The share of the learning rate after a share of the sitting: whole, then half a cosine down to a fiftieth."""
+    late = max(0.0, (done - _FALLS) / (1 - _FALLS))
+    return 0.02 + 0.98 * 0.5 * (1 + math.cos(math.pi * late))

@@ -1,20 +1,49 @@
 # SPDX-License-Identifier: Apache-2.0
 """The words that captions choose from, class by class; the language's own colors and phrases join them."""
 
+import zlib
+from dataclasses import dataclass
 from functools import cache
 
 from ..language.color import basic
-from ..language.vocabulary import default_vocabulary
+from ..language.vocabulary import shipped_vocabulary
 
 Known = dict[str, str]
 """Attribute name → class, for those that a picture shows or a caption mentions."""
+_KEPT_BACK = 6
+"""One wording in so many is kept from training."""
 
 
-def _list(words: str) -> list[str]:
-    return words.split(", ")
+@dataclass(frozen=True)
+class Split:
+    """Which wordings captions choose from: those of training, or those kept back to test with.
+
+    The first of several is a class's plain name, and always trained.
+
+    Attributes:
+        salt: Another number keeps other wordings back.
+        held_out: Whether to choose from what is kept back.
+    """
+
+    salt: int = 0
+    held_out: bool = False
+
+    @cache  # noqa: B019 - there are two or three splits in a process
+    def of(self, words: tuple[str, ...]) -> tuple[str, ...]:
+        """The words that this split may use; all of them where it would have none."""
+        back = {w for w in words[1:] if zlib.crc32(f"{self.salt}:{w}".encode()) % _KEPT_BACK == 0}
+        back -= {words[0]}
+        return tuple(w for w in words if (w in back) == self.held_out) or words
 
 
-def _table(rows: dict[str, str]) -> dict[str, list[str]]:
+TRAINED = Split()
+
+
+def _list(words: str) -> tuple[str, ...]:
+    return tuple(words.split(", "))
+
+
+def _table(rows: dict[str, str]) -> dict[str, tuple[str, ...]]:
     """Class → wordings; one that is listed twice is said twice as often."""
     return {name: _list(words) for name, words in rows.items()}
 
@@ -37,9 +66,9 @@ COLOR_WORDS = _table(
 )
 FINISH_WORDS = _table(
     {
-        "matte": "matte, flat matte, dull, chalky, rough, non-reflective, clay-like, rubbery",
-        "satin": "satin, semi-gloss, eggshell, silky, soft-sheen",
-        "glossy": "glossy, shiny, polished, lacquered, mirror-like, gleaming, reflective, glazed",
+        "matte": "matte, flat matte, dull, chalky, rough, non-reflective, clay-like, rubbery, very matte",
+        "satin": "satin, semi-gloss, eggshell, silky, soft-sheen, slightly glossy, slightly shiny",
+        "glossy": "glossy, shiny, polished, lacquered, mirror-like, gleaming, reflective, glazed, very glossy, very shiny, mirror finish",
     }
 )
 METAL_WORDS = _table(
@@ -62,8 +91,8 @@ NOUNS = _list(
 )
 SIDE_WORDS = _table(
     {
-        "left": "light from the left, strong left light, lit from the left, key light on the left, left-side lighting, light from upper left",
-        "right": "light from the right, strong right light, lit from the right, key light on the right, right-side lighting, light from upper right",
+        "left": "light from the left, strong left light, lit from the left, key light on the left, left-side lighting, light from upper left, light from the upper left",
+        "right": "light from the right, strong right light, lit from the right, key light on the right, right-side lighting, light from upper right, light from the upper right",
         "front": "frontal light, light from the front, lit from the front, front lighting, light from the camera",
         "back": "backlit, light from behind, back light, rim light from behind, backlighting, lit from behind",
         "top": "light from above, top light, overhead light, lit from above, top-down lighting, noon light",
@@ -85,47 +114,47 @@ TEMPERATURE_WORDS = _table(
 FOG_WORDS = _table(
     {
         "none": "no fog, clear air, without fog, clear, no haze, fog-free",
-        "light": "light haze, thin mist, slight fog, hazy, misty, light fog, faint mist",
-        "thick": "thick fog, dense fog, heavy mist, foggy, very foggy, thick haze",
+        "light": "light haze, thin mist, slight fog, hazy, misty, light fog, faint mist, slightly misty, slightly foggy",
+        "thick": "thick fog, dense fog, heavy mist, foggy, very foggy, thick haze, very misty",
     }
 )
 BRIGHTNESS_WORDS = _table(
     {
-        "dark": "dark, dim, dark picture, low-key, underexposed, night, gloomy, shadowy",
+        "dark": "dark, dim, dark picture, low-key, underexposed, night, gloomy, shadowy, very dark",
         "medium": "medium brightness, normal exposure, balanced exposure, evenly exposed",
-        "bright": "bright, high-key, brightly lit, bright picture, airy, luminous, overexposed",
+        "bright": "bright, high-key, brightly lit, bright picture, airy, luminous, overexposed, very bright",
     }
 )
 CONTRAST_WORDS = _table(
     {
-        "low": "low contrast, flat contrast, faded, washed out, soft contrast",
+        "low": "low contrast, flat contrast, faded, washed out, soft contrast, very low contrast",
         "medium": "medium contrast, normal contrast, moderate contrast",
-        "high": "high contrast, bold contrast, strong contrast, dramatic contrast, punchy",
+        "high": "high contrast, bold contrast, strong contrast, dramatic contrast, punchy, very high contrast",
     }
 )
 SATURATION_WORDS = _table(
     {
-        "muted": "muted colors, desaturated, muted, washed-out colors, subdued colors, colorless, monochrome",
+        "muted": "muted colors, desaturated, muted, washed-out colors, subdued colors, colorless, monochrome, very muted colors",
         "natural": "natural colors, realistic colors, normal saturation, natural saturation",
-        "vivid": "vivid colors, vibrant, saturated, vibrant colors, intense colors, highly saturated",
+        "vivid": "vivid colors, vibrant, saturated, vibrant colors, intense colors, highly saturated, very vivid colors",
     }
 )
 VIGNETTE_WORDS = _table(
     {
         "none": "no vignette, without vignette, even corners",
-        "vignette": "vignette, dark corners, strong vignette, vignetted, darkened edges",
+        "vignette": "vignette, dark corners, strong vignette, vignetted, darkened edges, heavy vignette",
     }
 )
 
 
 @cache
-def color_names() -> dict[str, list[str]]:
+def color_names() -> dict[str, tuple[str, ...]]:
     """Basic color → all names that the language calls by it."""
     names: dict[str, list[str]] = {}
-    for name, code in default_vocabulary().colors.items():
+    for name, code in shipped_vocabulary().colors.items():
         if "mist" not in name:  # "misty rose" would speak of fog
             names.setdefault(basic(code), []).append(name)
-    return names
+    return {color: tuple(each) for color, each in names.items()}
 
 
 @cache
@@ -135,7 +164,7 @@ def phrases() -> list[tuple[str, Known]]:
     Phrases that name a color beside what they ask for ("grey steel") would claim too much.
     """
     colors = {word for words in COLOR_WORDS.values() for word in words}
-    entries = default_vocabulary().entries.values()
+    entries = shipped_vocabulary().entries.values()
     return [
         (entry.phrase, entry.heads)
         for entry in entries

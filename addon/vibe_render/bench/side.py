@@ -49,22 +49,22 @@ def _run(
 ) -> int:
     chosen = [name for name in known if fnmatchcase(name, a.only)]
     if not chosen:
-        _say(
+        say(
             "error", message=f"No scene has a name like {a.only!r}.", remedy=f"There are: {', '.join(known)}."
         )
         return 2
-    _say("names", names=chosen)
+    say("names", names=chosen)
     for name in (n for n in chosen if n not in a.skip.split(",")):
-        _say("begin", name=name)
+        say("begin", name=name)
         try:
-            _say("scene", name=name, **make(known[name], a))
+            say("scene", name=name, **make(known[name], a))
         except Exception as error:
             traceback.print_exc()
-            _say("failed", name=name, message=f"{type(error).__name__}: {error}")
+            say("failed", name=name, message=f"{type(error).__name__}: {error}")
     return 0
 
 
-def _say(kind: str, **content: Any) -> None:
+def say(kind: str, **content: Any) -> None:
     """Tells the engine's side of something."""
     print(f"VIBE {json.dumps({'type': kind, **content})}", flush=True)
 

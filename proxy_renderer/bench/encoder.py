@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How well the encoder reads looks off pictures that it never saw, said in words that it never read.
+
+Everything is held out: shapes are traced and rendered from seeds that training never uses, sentences are made of the
+wordings that `train.wording` keeps back. The judge encoder, another one that never guides, is measured beside it.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from rich.console import Console
+from rich.table import Table
+
+from ..guidance.encoder import JUDGE, Encoder, load_encoder
+from ..language import SceneWords, compose, parse
+from ..language.attributes import ATTRIBUTES
+from ..language.nearest import nearest, table
+from ..language.vocabulary import normalize, shipped_vocabulary
+from ..schema import VibeError
+from ..train import bank, cycles
+from ..train.data import LOOKS, WHOLE, Batch
+from ..train.evaluate import Mistake, cost, describe, judge, shaded, skill
+from ..train.looks import INDEX, NAMES
+from ..train.wording import Split
+from . import cache
+from .mistakes import save_mistakes
+
+WORDS = Path(__file__).with_name("unseen_words.txt")
+HELD_OUT = 100_000
+"""Seeds of shapes from here on are never trained on."""
+_SIZE, _SHAPES = 160, 48
+_KEPT = Split(held_out=True)
+
+
+def run(
+    out: Path, encoder: str = "embedded", views: int = 96, pairs: int = 30, cache_folder: str = ""
+) -> dict[str, Any]:
+    """Measures an encoder, and the judge beside it, and writes OUT/results.json and OUT/mistakes.png.
+
+    Args:
+        out: The folder.
+        encoder: As for a vibe.
+        views: How many held-out views are traced; each is shaded under many looks.
+        pairs: How many pairs of Cycles pictures are rendered; 0 to do without Blender.
+        cache_folder: Where both are kept for the next time.
+
+    Returns:
+        `attribute_flip`, `swap` and `synonym` (fractions), `heads` and `flips` by attribute, `crops_seconds`, and the
+        same by set of pictures and for the judge.
+    """
+    place = Path(cache_folder) if cache_folder else cache.folder().with_name("encoder")
+    sets = _pictures(place, views, pairs)
+    asked = load_encoder(encoder)
+    mistakes: list[Mistake] = []
+    results = _measure(asked, sets, mistakes)
+    results["crops_seconds"] = cost(asked)
+    results["synonym"], results["synonym_by_language"] = synonyms(asked, sets["meshes"])
+    if JUDGE.is_dir():
+        results["judge"] = _measure(load_encoder(str(JUDGE)), sets, [])
+    _print(results)
+    out.mkdir(parents=True, exist_ok=True)
+    save_mistakes(mistakes, out / "mistakes.png")
+    part = out / "results.json.part"
+    part.write_text(json.dumps(results, indent=1), encoding="utf-8")
+    os.replace(part, out / "results.json")
+    return results
+
+
+def _pictures(place: Path, views: int, pairs: int) -> dict[str, list[Batch]]:
+    """The sets of pictures: shaded views of held-out meshes, and Cycles pictures."""
+    traced, real = place / f"views-{views}-{_SIZE}", place / f"cycles-{pairs}-{_SIZE}"
+    if not traced.exists():
+        print(f"Tracing {views} views …", flush=True)
+        bank.build(traced, views, _SHAPES, HELD_OUT, _SIZE, os.cpu_count() or 1)
+    if pairs and not real.exists():
+        print(f"Rendering {2 * pairs} Cycles pictures …", flush=True)
+        cycles.build(real, pairs, HELD_OUT, _SIZE)
+    sets = {"meshes": list(shaded(bank.load(traced), max(1, views // 16)))}
+    return sets | ({"cycles": [_batch(cycles.load(real))]} if pairs else {})
+
+
+def _batch(real: dict[str, np.ndarray]) -> Batch:
+    """A bank of Cycles pictures as one batch of whole pictures."""
+    count, none = len(real["labels"]), torch.empty(0)
+    pictures = torch.from_numpy(real["pictures"]).float() / 255
+    labels, flipped = (torch.from_numpy(real[name]) for name in ("labels", "flipped"))
+    return Batch(pictures, labels, [], none, flipped, torch.full((count,), WHOLE), none, none)
+
+
+def _measure(asked: Encoder, sets: dict[str, list[Batch]], mistakes: list[Mistake]) -> dict[str, Any]:
+    """Figures by set; the wordings that training lacks are read by the language first, as a vibe reads them."""
+    found = {name: judge(asked, batches, mistakes=mistakes) for name, batches in sets.items()}
+    found["wordings"] = judge(asked, sets["meshes"], _in_other_words, mistakes)
+    over = {
+        kind: {name: _mean(one[kind].get(name) for one in found.values()) for name in NAMES}
+        for kind in ("flip_by_attribute", "heads")
+    }
+    return {
+        "attribute_flip": _mean(over["flip_by_attribute"].values()),
+        "swap": _mean(one["swap"] for one in found.values()),
+        "flips": over["flip_by_attribute"],
+        "heads": over["heads"],
+        "skill": skill(one for name, one in found.items() if name != "wordings"),
+        "sets": found,
+    }
+
+
+def _mean(values: Any) -> float | None:
+    known = [value for value in values if value is not None]
+    return round(float(np.mean(known)), 4) if known else None
+
+
+def _in_other_words(known: dict[str, str], noun: str, wording: float) -> str:
+    """What the encoder is told when somebody says this in words that no caption of training used."""
+    said = describe(known, noun, wording, _KEPT)
+    try:
+        return compose(parse(said, SceneWords()), shipped_vocabulary()).whole or said
+    except VibeError:  # the language has no word of it
+        return said
+
+
+def synonyms(asked: Encoder, batches: list[Batch]) -> tuple[float, float]:
+    """The share of words unknown to the vocabulary that are understood: by language and encoder, by language alone.
+
+    A word is understood as far as the language finds an entry that is right for it, and, where that entry speaks of
+    what the encoder reads, as far as the encoder tells pictures that show it from their flips by the entry's phrase.
+    """
+    vocabulary, words = shipped_vocabulary(), table()
+    search = nearest(vocabulary)
+    known = {
+        *vocabulary.synonyms,
+        *vocabulary.colors,
+        *vocabulary.adjectives,
+        *vocabulary.nouns,
+        *vocabulary.shades,
+    }
+    known |= {*vocabulary.intensity} | {w for group in vocabulary.lists.values() for w in group}
+    told: dict[str, float] = {}
+    scores, places = [], []
+    for word, right in _unseen():
+        if word in known:
+            continue
+        vector = words.vector(word)
+        entry = search.place(vector)[0] if vector is not None else ""
+        places.append(entry in right)
+        if entry in right and entry not in told:
+            told[entry] = _told_apart(
+                asked, batches, vocabulary.entries[entry].phrase, vocabulary.entries[entry].heads
+            )
+        scores.append(told[entry] if entry in right else 0.0)
+    return round(float(np.mean(scores)), 4), round(float(np.mean(places)), 4)
+
+
+def _unseen() -> Iterator[tuple[str, set[str]]]:
+    """(word, entries that are right for it) of the list beside this module."""
+    for line in WORDS.read_text(encoding="utf-8").splitlines():
+        if not line.startswith("#"):
+            _, word, right = line.split("|")
+            yield normalize(word), {r.strip() for r in right.split(",")}
+
+
+def _told_apart(asked: Encoder, batches: list[Batch], phrase: str, heads: dict[str, str]) -> float:
+    """How often pictures that show what a phrase asks for are nearer to it than their one-attribute flips are; 1 where it asks for nothing."""
+    right: list[bool] = []
+    for name, value in heads.items():
+        column, wanted = INDEX[name], ATTRIBUTES[name].index(value)
+        for batch in batches:
+            flips = (batch.flipped == column).nonzero()[:, 0].tolist()
+            shown = {i: [int(batch.labels[k, column]) for k in (i, i - i % LOOKS)] for i in flips}
+            pairs = [(i, i - i % LOOKS) for i, each in shown.items() if wanted in each and min(each) >= 0]
+            if not pairs:
+                continue
+            text = asked.encode_texts([f"an object, {phrase}"]).cpu()[0]
+            with torch.no_grad():
+                a, b = (
+                    asked.encode_images(batch.pictures[list(rows)]).cpu() @ text
+                    for rows in zip(*pairs, strict=True)
+                )
+            is_it = torch.tensor([int(batch.labels[i, column]) == wanted for i, _ in pairs])
+            right += ((a > b) == is_it).tolist()
+    return float(np.mean(right)) if right else 1.0
+
+
+def _print(results: dict[str, Any]) -> None:
+    columns = {name: results["sets"][name] for name in results["sets"]}
+    shown = Table("attribute", *(f"flip, {name}" for name in columns), "heads", "judge's heads", "skill")
+    for name in NAMES:
+        flips = (one["flip_by_attribute"].get(name) for one in columns.values())
+        judged = results.get("judge", {}).get("heads", {}).get(name)
+        cells = (*flips, results["heads"][name], judged, results["skill"].get(name))
+        shown.add_row(name, *("–" if value is None else f"{value:.2f}" for value in cells))
+    Console().print(shown)
+    for name in ("attribute_flip", "swap", "synonym", "synonym_by_language", "crops_seconds"):
+        print(f"{name}: {results[name]}")
