@@ -542,3 +542,10 @@ def test_lists_and_trailing_words(prompt, entry, kind):
 def test_not_too_qualifies_what_was_said_before():
     strengths = [a.strength for a in parse("dark, but not too dark", SceneWords()).attributes]
     assert strengths == [0.5]
+
+
+def test_a_place_in_the_dark_is_about_what_is_around():
+    parsed = parse("neon pink sign in the dark", SceneWords())
+    assert parsed.objects[0].name == "sign"
+    assert [a.entry for a in parsed.attributes if a.region == "surroundings"] == ["dark surroundings"]
+    assert not parsed.ignored

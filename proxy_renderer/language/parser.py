@@ -21,6 +21,7 @@ _TAG = re.compile(r"</?[a-zA-Z][^<>]{0,200}>|\x1b\[[0-9;]*[A-Za-z]|[\x00-\x08\x0
 _THINGS_STAY = "things are not added, moved or removed, only their look changes."
 _AGAIN = ("make", "give", "keep", "set", "let")
 """A verb that starts a new wish: "remove the chair and make it warm"."""
+_PLACES = ("in", "into", "at", "under", "beneath", "by", "amid")
 _STYLE = (
     "look",
     "style",
@@ -291,6 +292,8 @@ class _Reader:
     def _unknown(self, state: ClauseState, token: Token, following: Token | None) -> None:
         """A word that nobody knows: a name for the subject or for a thing around it, or nothing."""
         before_look = following is not None and following.known and not following.lists
+        if following and following.text.partition(" ")[0] in _PLACES:  # "letters in the dark": they are there
+            before_look = False
         named = any(t.kind == "subject" for t in self.binding.things)
         if before_look or (state.prefix and not state.waiting) or token.text[0].isdigit():
             self.binding.ignored.append(token.text)
