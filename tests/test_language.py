@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -452,6 +453,47 @@ def test_small_parts_keep_their_color():
     plan_ = make_plan("red car", instances, context)
     assert plan_["material/Paint/base_color"].priority == 1
     assert plan_["material/Tyre/base_color"].priority is None
+
+
+def pictured(subject, surroundings):
+    picture = PictureStats({"subject": (subject, 0.0, 0.0), "surroundings": surroundings}, (5.0, 40.0, 95.0))
+    return replace(CONTEXT, picture=picture)
+
+
+def test_a_vignette_is_seen_as_much_on_white_as_on_grey():
+    ends = {}
+    for ground in (50.0, 88.0):
+        entry = make_plan("slight vignette", context=pictured(40.0, (ground, 0.0, 0.0)))["film/vignette"]
+        ends[ground] = entry.lower[0]
+        corner = lightness(radiance(ground, "AgX") * (1 - entry.lower[0]), "AgX")
+        assert 5.0 < ground - corner < 12.0
+    assert ends[88.0] > ends[50.0] + 0.1
+
+
+def test_a_silhouette_stands_before_something_bright():
+    dim, lit = (
+        make_plan("tree silhouette", context=pictured(8.0, (ground, 0.0, 0.0)))["film/exposure"]
+        for ground in (30.0, 70.0)
+    )
+    assert dim.upper[0] > lit.upper[0] + 0.3
+
+
+def test_a_pale_color_is_not_made_vivid_for_anothers_sake():
+    prompt = "glossy teal vase on a pale sand background"
+    pale = make_plan(prompt, context=pictured(50.0, (85.0, 1.0, 9.0)))["film/saturation"]
+    yellow = make_plan(prompt, context=pictured(50.0, (85.0, 3.0, 25.0)))["film/saturation"]
+    assert pale.upper[0] > 1.2
+    assert yellow.priority is None
+
+
+def test_a_muted_tint_tints_less_than_a_vivid_one():
+    scene = SceneWords(objects={"A": "subject", "B": "subject"})
+    spread = []
+    for prompt in ("muted blue", "blue"):
+        entry = make_plan(prompt, scene=scene)["light/Key/color"]
+        middle = [(a + b) / 2 for a, b in zip(entry.lower, entry.upper, strict=True)]
+        spread.append(max(middle) - min(middle))
+    assert spread[0] < 0.75 * spread[1]
 
 
 # ---- input of every kind

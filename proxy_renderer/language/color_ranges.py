@@ -15,7 +15,6 @@ _BLACKEST, _WHITEST = 0.006, 0.85  # no real surface reflects less, or more
 _BRIGHTEST = 2.5  # radiance of a backdrop that has a color
 _DARK = 0.02  # radiance below which a backdrop is black
 _BOX = 0.06  # half the width of a color's box, in steps that look even
-_VIVID = 50.0  # chroma of a color that tints as much as any
 OWN_COLOR = ("base_color", "tint")
 """Parameters that hold a material's color."""
 _NEUTRAL_BOX = 0.02  # the same for white and grey: a little tint makes them another color
@@ -27,7 +26,7 @@ def color_range(effect: Effect, attribute: Attribute, instance: Instance, source
     if effect.mode == "shown" and instance.parameter.kind == "scalar":
         return _shown_strength(srgb, instance, sources)
     if effect.mode == "cast":
-        cast = _cast(to_linear(srgb), (0.06 if instance.parameter.name == "lift" else 0.16) * _purity(srgb))
+        cast = _cast(to_linear(srgb), 0.06 if instance.parameter.name == "lift" else 0.16)
         return tuple(v - 0.02 for v in cast), tuple(v + 0.02 for v in cast)
     if effect.mode == "gel":
         linear = _gel(to_linear(srgb), 0.9 * (_purity(srgb) if attribute.kind == "ambience" else 1.0))
@@ -89,8 +88,8 @@ def _gel(linear: Values, purity: float) -> Values:
 
 
 def _purity(srgb: Values) -> float:
-    """How much of a tint a color makes: muted ones little, though their darkness has strong ratios."""
-    return min(chroma(to_lab(srgb)) / _VIVID, 1.0)
+    """How much of a tint a color makes, 0 to 1: a muted one little, though its linear components differ greatly."""
+    return 1.0 - min(srgb) / max(max(srgb), 1e-6)
 
 
 def _fog_albedo(srgb: Values) -> Values:
