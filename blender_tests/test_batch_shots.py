@@ -12,6 +12,7 @@ from pathlib import Path
 import bpy
 import psutil
 import pytest
+from PIL import Image
 from small_scenes import studio
 
 ROOT = Path(__file__).parents[1]
@@ -48,6 +49,7 @@ def place(tmp_path_factory):
     folder = tmp_path_factory.mktemp("shots")
     bpy.ops.wm.read_factory_settings(use_empty=True)
     studio(bpy.context.scene)
+    bpy.context.scene.cycles.samples = 2
     bpy.context.scene.render.resolution_x, bpy.context.scene.render.resolution_y = 96, 64
     bpy.ops.wm.save_as_mainfile(filepath=str(folder / "shot.blend"))
     (folder / "broken.blend").write_text("no .blend at all")
@@ -83,5 +85,13 @@ def test_ctrl_c_ends_it_cleanly_and_the_next_run_completes_it(place):
         assert row["similarity"] is not None
         for kind in ("before", "after", "compare", "blend", "preset", "report"):
             assert (place / "out" / row[kind]).stat().st_size > 0
+    said, _ = (process := start(place, "--final", "2-3")).communicate(timeout=600)
+    assert process.returncode == 1, said
+    frames = sorted(p.relative_to(place / "out" / "jobs") for p in place.glob("out/jobs/*/frames/*"))
+    done = sorted(Path(row["folder"]).name for row in found.values() if row["status"] == "done")
+    assert frames == [Path(name) / "frames" / f"000{number}.png" for name in done for number in (2, 3)]
+    assert {row["frames"] for row in rows(place) if row["status"] == "done"} == {2}
+    with Image.open(place / "out" / "jobs" / frames[0]) as picture:
+        assert picture.size == (96, 64)  # the scene's own, not that of the small pictures
     logs = [(place / "out" / row["folder"] / "log.txt").read_text() for row in found.values()]
     assert all("opening" in log for log in logs)

@@ -21,6 +21,7 @@ _COMMANDS = {
     "export": ("scene",),
     "apply": ("preset", "scene"),
     "revert": ("scene",),
+    "frames": ("scene",),
     "serve": (),
 }
 
@@ -79,6 +80,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--demo", action="store_true", help="use a scene that is built for it")
     parser.add_argument("--prompt", default="", help="the look")
     parser.add_argument("--out", type=Path, default=None, metavar="DIR", help="folder for what is written")
+    parser.add_argument("--frames", default="", metavar="A-B", help="final frames (default: the scene's own)")
     parser.add_argument("--stage", default="cyclorama", help="what a bare mesh stands on")
     parser.add_argument("--subject", action="append", default=[], metavar="NAME", help="object or collection")
     parser.add_argument("--samples", type=int, default=128, help="Cycles samples of the pictures")

@@ -146,12 +146,26 @@ def revert(a: argparse.Namespace, reporter: Reporter) -> None:
     reporter.result([f"{path.name} is as it was before.", *(f"Could not restore: {line}" for line in lost)])
 
 
+def frames(a: argparse.Namespace, reporter: Reporter) -> None:
+    """Renders frames of a .blend as it stands, with Cycles, to OUT/0001.png and so on; those that are there stay."""
+    scene, _, _ = _open(a, reporter)
+    first, _, last = (a.frames or f"{scene.frame_start}-{scene.frame_end}").partition("-")
+    for number in range(int(first), int(last or first) + 1):
+        path = a.out / f"{number:04}.png"
+        if not path.exists():
+            reporter.stage(f"rendering frame {number}")
+            scene.frame_set(number)
+            rendering.render_final(scene, path)
+    reporter.result([f"Written: {a.out}"])
+
+
 COMMANDS: dict[str, Callable[[argparse.Namespace, Reporter], None]] = {
     "run": vibe,
     "demo": vibe,
     "export": export,
     "apply": apply,
     "revert": revert,
+    "frames": frames,
 }
 
 

@@ -46,6 +46,15 @@ def render(
         _write(scene, path, mode)
 
 
+def render_final(scene: bpy.types.Scene, path: Path) -> None:
+    """Renders the current frame with Cycles as the scene says, at its own size and samples, to a PNG; see `render`."""
+    with (
+        changed(scene.render, engine="CYCLES", use_overwrite=True, use_file_extension=True),
+        _quiet_outputs(scene),
+    ):
+        _write(scene, path, "RGBA" if scene.render.film_transparent else "RGB")
+
+
 def render_layers(
     scene: bpy.types.Scene, layer: bpy.types.ViewLayer, path: Path, size: int, samples: int, seed: int
 ) -> None:

@@ -55,7 +55,8 @@ class Station:
             source, folder = Path(place) / job.source.name, Path(place) / "out"
             source.write_bytes(scene or b"")
             row = self._worker.run(replace(job, source=source), folder)
-            return row, {p.name: p.read_bytes() for p in folder.iterdir() if not p.name.startswith(".")}
+            files = [p for p in folder.rglob("*") if p.is_file() and not p.name.startswith(".")]
+            return row, {p.relative_to(folder).as_posix(): p.read_bytes() for p in files}
 
     def close(self) -> None:
         """Ends what is under way."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -14,8 +15,9 @@ from ..language.user import VARIABLE
 from ..schema import VibeError
 from . import manifest, schedule
 from .estimate import account
+from .finals import Finals
 from .local import Pool, fitting, local_pool
-from .plan import Job, Plan
+from .plan import Job, Jobs, Plan
 from .progress import Progress
 from .sheet import Sheet
 from .store import Row, Store
@@ -33,6 +35,8 @@ def run(a: argparse.Namespace) -> int:
     plan = Plan(wanted.shots)
     if a.workers < 0:
         raise VibeError(f"--workers {a.workers} is out of range.", "Use 1 or more, or leave it out.")
+    if a.final and not re.fullmatch(r"\d+(-\d+)?", a.final):
+        raise VibeError(f"--final {a.final} names no frames.", "Write them as in --final 1-24.")
     if a.dry_run:
         workers = a.workers or fitting(wanted.limits)
         print(account(plan, a.out, 0 if a.ray else workers))
@@ -44,26 +48,36 @@ def run(a: argparse.Namespace) -> int:
 
 def _carry_out(a: argparse.Namespace, plan: Plan, store: Store, limits: manifest.Limits) -> int:
     sheet = Sheet(a.manifest.stem, plan, store)
-    progress = Progress(len(plan), store.count(plan))
+    sheet.write()
+    print(f"{len(plan)} jobs. Watch {store.folder / 'index.html'}", flush=True)
+    pool = _pool(a, store, limits)
+    try:
+        failed = _pass(plan, store, pool, limits, sheet)
+        if a.final is not None:
+            failed += _pass(Finals(plan, store, a.final), store, pool, limits, sheet)
+    finally:
+        with _deaf():
+            pool.close()
+            sheet.write()
+    print(f"Open {store.folder / 'index.html'}", flush=True)
+    return 1 if failed else 0
+
+
+def _pass(jobs: Jobs, store: Store, pool: Pool, limits: manifest.Limits, sheet: Sheet) -> int:
+    """Carries out jobs with their progress shown; returns how many have failed."""
+    progress = Progress(len(jobs), store.count(jobs))
 
     def tell(what: str, job: Job, row: Row) -> None:
         progress.tell(what, job, row)
         if what in ("done", "failed"):
             sheet.update()
 
-    sheet.write()
-    progress.note(f"{len(plan)} jobs. Watch {store.folder / 'index.html'}")
-    pool = _pool(a, store, limits)
     try:
         with progress:
-            schedule.run(plan, store, pool, limits, tell)
+            schedule.run(jobs, store, pool, limits, tell)
     finally:
-        with _deaf():
-            pool.close()
-            sheet.write()
-            progress.note(progress.summary())
-    progress.note(f"Open {store.folder / 'index.html'}")
-    return 1 if progress.counts["failed"] else 0
+        progress.note(progress.summary())
+    return progress.counts["failed"]
 
 
 def _pool(a: argparse.Namespace, store: Store, limits: manifest.Limits) -> Pool:

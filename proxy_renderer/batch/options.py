@@ -17,6 +17,13 @@ def add_batch_options(sub: argparse.ArgumentParser) -> None:
         "--dry-run", action="store_true", help="only say what would be done, and how long it takes"
     )
     sub.add_argument(
+        "--final",
+        nargs="?",
+        const="",
+        metavar="A-B",
+        help="then render these frames of every result with Cycles (without A-B: the scene's own frames)",
+    )
+    sub.add_argument(
         "--workers", type=int, default=0, metavar="N",
         help="jobs at a time (default: as many as cores, memory and graphics cards hold)",
     )  # fmt: skip

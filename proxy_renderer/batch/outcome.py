@@ -11,7 +11,7 @@ from PIL import Image
 
 from ..schema import VibeError
 from .plan import Job
-from .store import DONE, Row, head, read_json, unwritable, write_bytes, write_json
+from .store import DONE, FINAL, FRAMES, Row, head, read_json, unwritable, write_bytes, write_json
 
 _THUMB = 480  # pixels, the longer side
 _ENGINE, _CYCLES = "engine: loop", ("render before", "render after")
@@ -41,6 +41,15 @@ def leave(job: Job, folder: Path, memory_gb: float, seconds: float) -> Row:
         "memory_gb": memory_gb,
     }
     write_json(folder / DONE, row)
+    return row
+
+
+def leave_frames(job: Job, folder: Path, memory_gb: float, seconds: float) -> Row:
+    """Completes a job's folder after its final frames have been rendered."""
+    count = sum(1 for _ in (folder / FRAMES).glob("*.png"))
+    row = head(job) | {"status": "done", "wanted": job.frames, "frames": count}
+    row |= {"seconds": round(seconds, 2), "memory_gb": memory_gb}
+    write_json(folder / FINAL, row)
     return row
 
 

@@ -9,6 +9,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
 from .. import __version__
 from ..schema import schema_hash
@@ -28,6 +29,7 @@ class Job:
         prompt: The look.
         seed: Of every random choice.
         arguments: Options for Blender's side, with prompt and seed.
+        frames: None for a vibe; else which final frames of its result are wanted: "1-24", "" for the scene's own.
     """
 
     name: str
@@ -36,6 +38,15 @@ class Job:
     prompt: str
     seed: int
     arguments: tuple[str, ...]
+    frames: str | None = None
+
+
+class Jobs(Protocol):
+    """Jobs that are made when they are asked for, again and again."""
+
+    def __len__(self) -> int: ...
+
+    def __iter__(self) -> Iterator[Job]: ...
 
 
 class Plan:

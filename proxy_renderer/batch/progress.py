@@ -87,7 +87,9 @@ class Progress:
     def _line(self, what: str, job: Job, row: Row) -> str:
         ended = self.counts["done"] + self.counts["failed"]
         who = f"{job.scene} · {job.prompt} · {job.seed}"
-        if what == "done":
+        if what == "done" and job.frames is not None:
+            how = f"{row['seconds']:.0f} s, {row['frames']} frames"
+        elif what == "done":
             how = f"{row['seconds']:.0f} s, delta E {row['delta_e']:.1f}"
         elif what == "lost":
             how = "its machine is lost; it will be done elsewhere"

@@ -8,14 +8,14 @@ from collections.abc import Callable, Iterator
 
 from .local import Pool
 from .manifest import Limits
-from .plan import Job, Plan
+from .plan import Job, Jobs
 from .store import Row, Store, head
 
 _LOSSES = 5
 """Times that a worker may be lost in a job before the job is blamed for it."""
 
 
-def run(plan: Plan, store: Store, pool: Pool, limits: Limits, tell: Callable[[str, Job, Row], None]) -> None:
+def run(plan: Jobs, store: Store, pool: Pool, limits: Limits, tell: Callable[[str, Job, Row], None]) -> None:
     """Carries out what is not done yet. Jobs are made only when there is a worker for them.
 
     Args:

@@ -3,6 +3,7 @@
 
 DIR/jobs/NAME/done.json       the job is done: written last, atomically, by whoever has done it
 DIR/jobs/NAME/failed.json     its last attempt has failed; the next run of the batch tries it again
+DIR/jobs/NAME/final.json      how the rendering of its final frames went; they are in frames/
 DIR/index.html, results.csv, results.jsonl
 """
 
@@ -27,6 +28,7 @@ from .plan import Job
 
 Row = dict[str, Any]
 DONE, FAILED, LOG = "done.json", "failed.json", "log.txt"
+FINAL, FRAMES = "final.json", "frames"
 TOKEN = "batch.json"
 """Names this results folder, so that other machines can tell whether they see the same one."""
 
@@ -68,10 +70,14 @@ class Store:
         self._lock.release()
 
     def done(self, job: Job) -> bool:
-        """Whether there is a result of it."""
-        return os.path.exists(
-            f"{self.jobs}/{job.name}/{DONE}"
-        )  # quicker than a Path, a hundred thousand times
+        """Whether there is a result of it; for final frames, whether these have been rendered."""
+        if job.frames is not None:
+            final = read_json(self.jobs / job.name / FINAL) or {}
+            return final.get("status") == "done" and final.get("wanted") == job.frames
+        try:  # no Path: a hundred thousand of them take seconds. A machine that lost its power leaves empty files.
+            return os.stat(f"{self.jobs}/{job.name}/{DONE}").st_size > 0
+        except OSError:
+            return False
 
     def count(self, plan: Iterable[Job]) -> int:
         """How many jobs are done."""
@@ -82,7 +88,8 @@ class Store:
         """What is known of a job: its result, its failure, or that it waits."""
         for name in (DONE, FAILED):
             if row := read_json(self.jobs / job.name / name):
-                return row
+                final = read_json(self.jobs / job.name / FINAL) or {}
+                return row | {key: final[key] for key in ("frames", "final_error") if key in final}
         return head(job) | {"status": "waiting"}
 
     def rows(self, plan: Iterable[Job]) -> Iterator[Row]:
@@ -93,13 +100,17 @@ class Store:
         """Records that an attempt has failed."""
         folder = self.jobs / job.name
         folder.mkdir(exist_ok=True)
-        write_json(folder / FAILED, row)
+        if job.frames is not None:
+            write_json(folder / FINAL, row | {"final_error": row["error"]})
+        else:
+            write_json(folder / FAILED, row)
 
     def receive(self, job: Job, files: dict[str, bytes]) -> None:
         """Takes the files of a job that another machine has done; the mark that it is done comes last."""
         folder = self.jobs / job.name
         folder.mkdir(exist_ok=True)
-        for name in sorted(files, key=lambda name: name == DONE):
+        for name in sorted(files, key=lambda name: name in (DONE, FINAL)):
+            (folder / name).parent.mkdir(exist_ok=True)
             write_bytes(folder / name, files[name])
 
     def check_space(self, free_gb: float) -> None:
@@ -161,6 +172,6 @@ def unwritable(path: Path, error: OSError) -> VibeError:
 def tidy(folder: Path) -> None:
     """Makes a job's folder ready for another attempt: what was cut off in the last one is removed."""
     folder.mkdir(parents=True, exist_ok=True)
-    for left in folder.glob(".*part-*"):
+    for left in (*folder.glob(".*part-*"), *folder.glob(f"{FRAMES}/.*")):
         left.unlink(missing_ok=True)
     (folder / FAILED).unlink(missing_ok=True)

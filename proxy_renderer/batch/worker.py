@@ -25,9 +25,9 @@ import psutil
 from ..launch import blender_side, environment
 from ..schema import VibeError
 from .manifest import Limits
-from .outcome import leave
+from .outcome import leave, leave_frames
 from .plan import Job
-from .store import LOG, Row, head, tidy
+from .store import FRAMES, LOG, Row, head, tidy
 
 _MARK = "VIBE "
 _TICK = 0.5
@@ -81,8 +81,9 @@ class Worker:
         watch = _Watch(self._setup.limits)
         try:
             with (folder / LOG).open("a", encoding="utf-8") as log:
-                self._carry_out(["run", str(job.source), *job.arguments, f"--out={folder}"], log, watch)
-            return leave(job, folder, watch.peak_gb, time.monotonic() - start)
+                self._carry_out(_order(job, folder), log, watch)
+            complete = leave if job.frames is None else leave_frames
+            return complete(job, folder, watch.peak_gb, time.monotonic() - start)
         except VibeError as error:
             if self._closed:
                 raise Interrupted from error
@@ -162,6 +163,13 @@ class Worker:
         assert process.stdin is not None
         with contextlib.suppress(OSError):
             process.stdin.close()
+
+
+def _order(job: Job, folder: Path) -> list[str]:
+    """The command line of Blender's side."""
+    if job.frames is not None:
+        return ["frames", str(job.source), f"--frames={job.frames}", f"--out={folder / FRAMES}"]
+    return ["run", str(job.source), *job.arguments, f"--out={folder}"]
 
 
 class _Watch:
