@@ -180,6 +180,16 @@ def test_attributes_of_what_cannot_be_seen_count_nothing():
     assert ours.whole == 0 < theirs.whole
 
 
+@pytest.mark.parametrize("mask", [np.zeros((SIDE, SIDE)), np.ones((SIDE, SIDE))])
+def test_a_subject_that_has_left_or_fills_the_picture_scores_nothing(mask):
+    asked = pair(
+        "subject: red", "subject: silhouetted", "picture: vignetted", "picture: misty", "Ball: glossy"
+    )
+    before = lit(-1, 1, 1)
+    gone = replace(painted("#ff0000", "#ff0000"), mask=mask)
+    assert verdict.alone(asked, verdict.read(asked, gone, before)).whole == 0
+
+
 def test_the_judge_is_one_ask_among_them():
     asked = pair("subject: glossy")
     ours, _ = verdict.compare(asked, reading(20.0, judge=0.3), reading(20.0, judge=0.0))

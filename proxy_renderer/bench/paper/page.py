@@ -10,9 +10,10 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
+from ...language.color import from_lab
 from . import figures
 from .measures import MEASURES
-from .pairs import COMPARED, Pair
+from .pairs import COMPARED, Ask, Pair
 from .runs import BASELINE, OURS, Run
 from .verdict import RULE
 
@@ -115,7 +116,7 @@ def _table(pair: Pair, seeds: Sequence[Mapping[str, Any]], compared: bool) -> st
         measure = "color" if ask.lab else ask.trait.measure
         unit = "ΔE" if ask.lab else MEASURES[measure].unit
         cells = "".join(_cell([s[side]["asks"][ask.text] for s in seeds], unit) for side in sides)
-        body += f"<tr><td>{escape(ask.text)}<small>{measure.replace('_', ' ')}</small></td>{cells}</tr>"
+        body += f"<tr><td>{_chip(ask)}{escape(ask.text)}<small>{measure.replace('_', ' ')}</small></td>{cells}</tr>"
     seen = "".join(
         _cell(
             [{"amount": s[side]["visibility"], "score": _product(s[side]["visibility"])} for s in seeds], ""
@@ -123,6 +124,14 @@ def _table(pair: Pair, seeds: Sequence[Mapping[str, Any]], compared: bool) -> st
         for side in sides
     )
     return f"<table><tr><th></th>{head}</tr>{body}<tr><td>subject visible<small>outline × detail × frame</small></td>{seen}</tr></table>"
+
+
+def _chip(ask: Ask) -> str:
+    """A spot of the color that is asked for."""
+    if ask.lab is None:
+        return ""
+    red, green, blue = (round(255 * v) for v in from_lab(ask.lab))
+    return f'<i class="chip" style="background:rgb({red} {green} {blue})"></i>'
 
 
 def _cell(found: Sequence[Mapping[str, Any]], unit: str) -> str:

@@ -15,6 +15,7 @@ from .visible import Visibility, visibility
 BAND = 0.05
 """Scores that differ by less are a tie."""
 
+_LEAST = 16  # pixels that can be measured
 _COLOR_NOTICE = 2.3  # CIEDE2000, the usual just noticeable difference
 
 RULE = (
@@ -112,6 +113,10 @@ def wilson(wins: int, count: int, z: float = 1.96) -> tuple[float, float]:
 
 
 def _amount(ask: Ask, after: Shot, before: Shot) -> float:
+    """What is measured; nothing of a trait where there is not enough of the picture's parts left to have it."""
+    parts = {ask.region, "subject", "surroundings"}
+    if any(picture.region(part).sum() < _LEAST for picture in (after, before) for part in parts):
+        return ask.trait.none
     if ask.lab is not None:
         return color_error(after, ask.region, ask.lab)
     take = MEASURES[ask.trait.measure].take
@@ -122,5 +127,5 @@ def _pair_of(none: float, full: float, least: float, ours: float, theirs: float)
     """How much of a trait two pictures have, each in [0, 1]; the same for both where nobody sees a difference."""
     if abs(ours - theirs) < least:
         ours = theirs = (ours + theirs) / 2
-    a, b = (min(max((x - none) / (full - none), 0.0), 1.0) for x in (ours, theirs))
+    a, b = (min(max(0.0, (x - none) / (full - none)), 1.0) for x in (ours, theirs))
     return a, b
