@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from model_server import MODEL, says, serving
 from PIL import Image
 
 from proxy_renderer.bench.paper import experiment, measures, page, pairs, runs, verdict
@@ -13,6 +14,7 @@ from proxy_renderer.bench.paper.shot import Shot
 from proxy_renderer.bench.paper.visible import Visibility, visibility
 from proxy_renderer.language.color import from_hex, to_lab
 from proxy_renderer.schema import VibeError
+from proxy_renderer.vlm import judge
 
 SIDE = 64
 _LINE = (np.arange(SIDE) + 0.5) / SIDE * 2 - 1
@@ -281,3 +283,25 @@ def test_a_half_done_experiment_is_summed_up_and_shown(tmp_path, monkeypatch):
     assert "one &amp; &lt;b&gt;red&lt;/b&gt;" in text
     assert "http" not in text
     assert "<b>red</b>" not in text
+
+
+def test_a_model_is_asked_by_the_papers_prompt(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    known = [replace(pair("subject: red"), name=n, group="benchmark") for n in judge.PAPER]
+    planned = runs.plan([replace(p, prompt=p.name) for p in known], Budget(seeds=1), tmp_path, None)
+    for run in planned:
+        finished(run, "#777777" if run.baseline else "#e50000")
+    words = [says("WINNER = OURS\nREASON = Red."), says("WINNER = TIE\nREASON = Even."), (401, {}, {})]
+    with serving(lambda body, n: words[min(n - 1, 2)]) as model:
+        monkeypatch.setenv("VIBE_VLM_MODEL", MODEL)
+        monkeypatch.setenv("VIBE_VLM_URL", model.url)
+        monkeypatch.setenv("VIBE_VLM_TIMEOUT", "3")
+        results = experiment.summary(planned, Budget(seeds=1))
+    assert model.asked[0]["messages"][0]["content"] == judge.INSTRUCTIONS
+    said = results["judge"]
+    assert said["figure"] == {"winner": "OURS", "reason": "Red."}
+    assert said["pairs"]["Dolphin"]["winner"] == "TIE"
+    assert "error" in said["pairs"]["Tree"]
+    assert (said["win"], said["tie"], said["loss"]) == (0, 1, 0)
+    assert "Red." in page.render(results, planned, tmp_path)
+    experiment._print(results)

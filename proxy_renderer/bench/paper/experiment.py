@@ -6,7 +6,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ from .pairs import COMPARED, Pair, read_pairs
 from .runs import BASELINE, OURS, Budget, Run
 
 _QUICK = Budget(rounds=2, steps=8, size=160, samples=16, seeds=1, anchor=False)
+_WINNERS = {"OURS": "win", "TIE": "tie", "CLIP-ONLY": "loss"}
 _ABLATIONS = ("concrete_vs_abstract", "prompt_extension")
 
 
@@ -168,22 +169,30 @@ def _figures(planned: Sequence[Run], out: Path) -> None:
 
 
 def _model(planned: Sequence[Run]) -> dict[str, Any]:
-    """A vision-language model's verdicts by the paper's own prompt; empty where none is configured."""
+    """A vision-language model's verdicts by the paper's own prompt; empty where none is configured.
+
+    Returns:
+        `model`; `figure`, its word on the paper's figure; `pairs`, its word on each; `win`, `tie` and `loss` of these;
+        and what it cost.
+    """
     endpoint = find_endpoint(Options())
     if endpoint is None:
         return {}
     client = Client(endpoint)
-    found: dict[str, Any] = {"model": endpoint.model}
-    benchmark = _rows(planned, "benchmark")
-    asked = {"figure": benchmark} if benchmark else {}
-    asked |= {row[0].name: [row] for group in COMPARED for row in _rows(planned, group)}
-    for name, rows in asked.items():
+
+    def said(rows: Sequence[tuple[Pair, Path, Path]]) -> dict[str, str]:
         try:
-            said = ask_model(client, figures.columns(rows))
-            found[name] = {"winner": said.winner, "reason": said.reason}
+            return asdict(ask_model(client, figures.columns(rows)))
         except VibeError as error:
-            found[name] = {"error": str(error)}
-    return found | client.usage.account()
+            return {"error": str(error)}
+
+    found: dict[str, Any] = {"model": endpoint.model}
+    if benchmark := _rows(planned, "benchmark"):
+        found["figure"] = said(benchmark)
+    found["pairs"] = {row[0].name: said([row]) for group in COMPARED for row in _rows(planned, group)}
+    winners = [word.get("winner") for word in found["pairs"].values()]
+    counts = {kind: winners.count(name) for name, kind in _WINNERS.items()}
+    return found | counts | client.usage.account()
 
 
 def _print(results: Mapping[str, Any]) -> None:
@@ -192,6 +201,10 @@ def _print(results: Mapping[str, Any]) -> None:
     ):
         print(
             f"{row['verdict']:>5}  {row['ours']:.2f} : {row['clip_only']:.2f}  {name}: {row['prompt'][:70]}"
+        )
+    if said := results["judge"]:
+        print(
+            f"{said['model']} by the paper's prompt: {said['win']} won, {said['tie']} tied, {said['loss']} lost."
         )
     low, high = results["interval"]
     print(

@@ -71,7 +71,7 @@ def _model(results: Mapping[str, Any]) -> str:
     said = results["judge"].get("figure", {})
     if not said:
         return ""
-    text = f"{said['winner']}: {said['reason']}" if "winner" in said else said["error"]
+    text = f"{said['winner']}. {said['reason']}" if "winner" in said else said["error"]
     return f'<section><h2>The judge</h2><p class="lead">{escape(results["judge"]["model"])}: {escape(text)}</p></section>'
 
 
@@ -96,9 +96,9 @@ def _card(pair: Pair, row: Mapping[str, Any], results: Mapping[str, Any], planne
         for label, folder, which in panels
     )
     badge = f'<span class="badge {row["verdict"]}">{_SAID[row["verdict"]]}</span>' if compared else ""
-    said = results["judge"].get(pair.name, {}) if compared else {}
+    said = results["judge"].get("pairs", {}).get(pair.name, {}) if compared else {}
     model = (
-        f'<p class="said">{escape(said.get("winner", ""))}: {escape(said.get("reason", ""))}</p>'
+        f'<p class="said">The model: {escape(said.get("winner", ""))}. {escape(said.get("reason", ""))}</p>'
         if "winner" in said
         else ""
     )
