@@ -2,6 +2,8 @@
 """Looks carried from one scene to another, and preset files that must be refused."""
 
 import json
+import sys
+from contextlib import contextmanager
 
 import bpy
 import pytest
@@ -112,12 +114,38 @@ def test_presets_that_are_refused(tmp_path, change, said):
         presets.load(tmp_path / "p.json")
 
 
+@contextmanager
+def watched():
+    """What Python opens, runs or reaches meanwhile, by its own audit events."""
+    seen, on = [], [True]
+    kinds = ("open", "exec", "compile", "import", "socket", "subprocess", "os.system", "urllib", "ctypes")
+
+    def hear(event, given):
+        if on and event.startswith(kinds):
+            seen.append((event, str(given[0])))
+
+    sys.addaudithook(hear)  # there for good, and silent afterwards
+    try:
+        yield seen
+    finally:
+        on.clear()
+
+
+def test_the_watch_sees_what_is_opened_and_run(tmp_path):
+    with watched() as seen:
+        exec("1")
+        (tmp_path / "x").write_text("")
+    assert [event for event, _ in seen] == ["compile", "exec", "open"]
+
+
 def test_a_prompt_may_hold_anything_and_nothing_of_it_is_done(tmp_path):
     """A path, a URL and Python in texts stay texts; control characters go, for panels show them."""
     prompt = "__import__('os').system('touch x')\n\x1b[31m https://example.org/x ../../etc/passwd"
     raw = {"format": "vibe-preset", "version": VERSION, "name": prompt, "prompt": prompt, "roles": {}}
     (tmp_path / "p.json").write_text(json.dumps(raw))
-    look = presets.load(tmp_path / "p.json")
+    with watched() as seen:
+        look = presets.load(tmp_path / "p.json")
+    assert seen == [("open", str(tmp_path / "p.json"))]
     assert look.prompt == prompt.replace("\n\x1b", " ")
     assert len(look.name) <= preset.LONGEST_NAME
     assert [path.name for path in tmp_path.iterdir()] == ["p.json"]

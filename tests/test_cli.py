@@ -11,7 +11,7 @@ import pytest
 
 from proxy_renderer import check
 from proxy_renderer.cli import parser
-from proxy_renderer.schema import BUDGETS
+from proxy_renderer.schema import BUDGETS, VibeError
 
 ROOT = Path(__file__).parents[1]
 MESH = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n"
@@ -110,6 +110,17 @@ def test_a_stage_for_a_blend(tmp_path):
     assert_refused(
         vibe("run", "a.blend", "--prompt", "teal", "--out", "o", "--stage", "floor", cwd=tmp_path), "--stage"
     )
+
+
+def test_presets_are_files_or_names(tmp_path, monkeypatch):
+    """Which names there are, the Blender side knows."""
+    monkeypatch.chdir(tmp_path)
+    assert check.preset("golden hour") == "golden hour"
+    Path("golden hour").write_text("{}")
+    assert check.preset("golden hour") == str(tmp_path / "golden hour")
+    for name in ("", "-x", "looks/noir", "noir.json"):
+        with pytest.raises(VibeError):
+            check.preset(name)
 
 
 def test_other_commands_refuse_too(tmp_path, mesh):

@@ -73,7 +73,13 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--events", action="store_true", help="print events for the vibe command")
     parser.add_argument("--scene", default="", help="a .blend or a mesh (default: the open file)")
-    parser.add_argument("--apply", dest="preset", default="", metavar="PRESET", help="apply a preset instead")
+    parser.add_argument(
+        "--apply",
+        dest="preset",
+        default="",
+        metavar="PRESET",
+        help="apply a preset instead: a file, or a name",
+    )
     parser.add_argument(
         "--revert", action="store_true", help="take every vibe out of the file again, in place"
     )
