@@ -23,6 +23,9 @@ _FLOOR = 0.004
 _HIGHLIGHTS = (0.03, 0.06)
 """How far the sides of a highlight are, in roots of a region's area."""
 
+_BEND = 0.5
+"""Cosine between normals beyond which two places do not lie on one surface, but on both sides of an edge."""
+
 _SPOT = 0.002
 """The share of a region that the sharpest highlight fills at least."""
 
@@ -62,20 +65,25 @@ def gloss(shot: Shot, region: str) -> float:
     rise = np.zeros(where.shape)
     for share in _HIGHLIGHTS:
         away = max(1, round(share * math.sqrt(where.sum())))
-        for step in ((0, away), (away, 0), (away, away), (away, -away)):
-            sides = [_beside(light, where, step), _beside(light, where, (-step[0], -step[1]))]
+        for row, column in ((0, away), (away, 0), (away, away), (away, -away)):
+            sides = [_beside(shot, light, where, step) for step in ((row, column), (-row, -column))]
             rise = np.maximum(rise, light - np.maximum(*sides))
     spots = np.sort(rise[where])
     return float(spots[-max(4, round(_SPOT * len(spots))) :].mean())
 
 
-def _beside(light: Array, where: np.ndarray, step: tuple[int, int]) -> Array:
-    """The light a step away; infinite where that is out of the region."""
-    inside = np.where(where, light, np.inf)
-    padded = np.pad(inside, max(map(abs, step)), constant_values=np.inf)
-    edge = max(map(abs, step))
-    rows, columns = (slice(edge + by, edge + by + n) for by, n in zip(step, light.shape, strict=True))
-    return padded[rows, columns]
+def _beside(shot: Shot, light: Array, where: np.ndarray, step: tuple[int, int]) -> Array:
+    """The light a step away; infinite where that is out of the region, of another material, or around a corner."""
+
+    def moved(field: np.ndarray, outside: float) -> np.ndarray:
+        reach = max(map(abs, step))
+        margin = [(reach, reach)] * 2 + [(0, 0)] * (field.ndim - 2)
+        rows, columns = (slice(reach + by, reach + by + n) for by, n in zip(step, light.shape, strict=True))
+        return np.pad(field, margin, constant_values=outside)[rows, columns]
+
+    same = moved(shot.material, -2) == shot.material
+    bent = (moved(shot.normal, 0.0) * shot.normal).sum(-1) < _BEND
+    return np.where(moved(where, False) & same & ~bent, moved(light, np.inf), np.inf)
 
 
 def fog(shot: Shot, region: str) -> float:
