@@ -9,7 +9,7 @@ import torch
 from proxy_renderer.render.directions import texels
 from proxy_renderer.render.environment import Environment, Sky
 from proxy_renderer.render.lights import arrival
-from proxy_renderer.render.suns import without_suns
+from proxy_renderer.render.suns import split
 
 
 def picture(height=128, sky=0.5, sun=200.0, radius=3.0, azimuth=40.0, elevation=35.0):
@@ -32,7 +32,8 @@ def test_texels_cover_the_sphere():
 @pytest.mark.parametrize("radius", [1.5, 3.0, 8.0])
 def test_a_sun_is_found_where_it_is(radius):
     image, place, energy = picture(radius=radius)
-    rest, suns = without_suns(image)
+    parts = split(image)
+    rest, suns = parts.rest, parts.suns
     assert len(suns) == 1
     assert suns[0].toward @ place > math.cos(math.radians(0.5))
     torch.testing.assert_close(suns[0].color, energy, rtol=0.05, atol=0.0)
@@ -43,20 +44,19 @@ def test_a_sun_is_found_where_it_is(radius):
 def test_an_even_sky_and_a_dark_one_have_none():
     for level in (0.7, 0.0):
         image = torch.full((1, 3, 64, 128), level)
-        rest, suns = without_suns(image)
-        assert not suns
-        assert torch.equal(rest, image)
+        parts = split(image)
+        assert not parts.suns
+        assert torch.equal(parts.rest, image)
 
 
 def test_a_small_light_stays_in_the_picture():
-    assert not without_suns(picture(sun=1.0)[0])[1]
+    assert not split(picture(sun=1.0)[0]).suns
 
 
 def sky_with(image, turn):
     environment = Environment.__new__(Environment)
-    rest, environment.suns = without_suns(image)
-    environment.levels = [rest]
-    environment.whole = None
+    environment.suns = split(image).suns
+    environment.whole = image
     return Sky(environment, torch.ones(3), turn)
 
 
@@ -83,6 +83,6 @@ def test_a_sun_turns_with_the_picture(degrees):
 @pytest.mark.parametrize("height", [1, 2, 4, 16, 64])
 def test_an_even_sky_has_no_sun(height: int) -> None:
     picture = torch.tensor([1.0, 0.0, 1.0])[None, :, None, None].expand(1, 3, height, 2 * height)
-    rest, suns = without_suns(picture)
-    assert not suns
-    assert torch.equal(rest, picture)
+    parts = split(picture)
+    assert not parts.suns
+    assert torch.equal(parts.rest, picture)

@@ -9,16 +9,18 @@ a sample costs one small dot product forwards and backwards. Integrated once by 
 from __future__ import annotations
 
 import functools
-import math
 
 import torch
 from torch import Tensor
+
+from .microfacets import mirrored, unshadowed, visible_normals
 
 _POWERS = (0, 1, 2, 3, 5, 8, 14)
 """Powers of (1 - cosine) that make the basis."""
 _ROUGHNESS = 17
 _CONTRAST = 17
-_COSINES = 24
+COSINES = tuple((torch.linspace(0.0, 1.0, 24) ** 1.25 * 0.99 + 0.01).tolist())
+"""Cosines that `fit` wants functions at: denser towards grazing angles, where albedos bend."""
 
 
 def basis(cosine: Tensor) -> Tensor:
@@ -79,8 +81,8 @@ SCHLICK_CURVE = tuple(float(p == 5) for p in _POWERS)
 @functools.cache
 def edge_curve() -> Tensor:
     """Coefficients (7,) of c (1 - c)^6, by which the F82 model tints a metal's edge."""
-    cosine = _cosines()
-    return _fit(cosine * (1 - cosine) ** 6)
+    cosine = torch.tensor(COSINES)
+    return fit(cosine * (1 - cosine) ** 6)
 
 
 def weigh(coefficients: Tensor, basis_: Tensor) -> Tensor:
@@ -114,14 +116,9 @@ def _between(table: Tensor, place: Tensor) -> Tensor:
     return p1 + 0.5 * t * (p2 - p0 + t * (2 * p0 - 5 * p1 + 4 * p2 - p3 + t * (3 * (p1 - p2) + p3 - p0)))
 
 
-def _cosines() -> Tensor:
-    """Denser towards grazing angles, where albedos bend."""
-    return torch.linspace(0.0, 1.0, _COSINES) ** 1.25 * 0.99 + 0.01
-
-
-def _fit(values: Tensor) -> Tensor:
-    """Least-squares coefficients (..., 7) of functions given at `_cosines` (..., 24)."""
-    matrix = basis(_cosines()).T.double()
+def fit(values: Tensor) -> Tensor:
+    """Least-squares coefficients (..., 7) of functions given at `COSINES` (..., 24)."""
+    matrix = basis(torch.tensor(COSINES)).T.double()
     return (torch.linalg.pinv(matrix) @ values.double()[..., None])[..., 0].float()
 
 
@@ -129,45 +126,30 @@ def _fit(values: Tensor) -> Tensor:
 def _tables() -> tuple[Tensor, ...]:
     """Energy (R, 7), its mean (R,), Schlick share (R, 7), dielectric share (Z, R, 7) and curve (Z, 7), edge (R, 7)."""
     roughness = torch.linspace(0, 1, _ROUGHNESS).clamp_min(0.02)
-    cosine = _cosines()
+    cosine = torch.tensor(COSINES)
     weight, at_half = _visible_normals(cosine, roughness)
     e = weight.mean(-1)
     schlick = ((1 - at_half) ** 5 * weight).mean(-1) / e
     fine = torch.linspace(0, 1, 257)[1:] - 1 / 512
     edge = (at_half * (1 - at_half) ** 6 * weight).mean(-1) / e
-    coefficients = _fit(e)
+    coefficients = fit(e)
     mean = (coefficients @ basis(fine) * (2 * fine)).mean(-1)
     contrast = torch.linspace(0, 1, _CONTRAST).clamp(0.01, 0.99) ** 2
     shares, curves = [], []
     for ior in (1 + contrast) / (1 - contrast):
         f0 = f0_of(ior)
         share = (((fresnel(at_half, ior) - f0) / (1 - f0)) * weight).mean(-1) / e
-        shares.append(_fit(share))
-        curves.append(_fit((fresnel(cosine, ior) - f0) / (1 - f0)))
-    return coefficients, mean, _fit(schlick), torch.stack(shares), torch.stack(curves), _fit(edge)
+        shares.append(fit(share))
+        curves.append(fit((fresnel(cosine, ior) - f0) / (1 - f0)))
+    return coefficients, mean, fit(schlick), torch.stack(shares), torch.stack(curves), fit(edge)
 
 
 def _visible_normals(cosine: Tensor, roughness: Tensor) -> tuple[Tensor, Tensor]:
-    """Weights G2/G1 and half-vector cosines (R, C, S) of normals drawn as a viewer sees them (Heitz 2018)."""
+    """Weights G2/G1 and half-vector cosines (R, C, S) of normals drawn as a viewer sees them."""
     side = 12
     grid = (torch.arange(side) + 0.5) / side
-    u, v = (g.flatten() for g in torch.meshgrid(grid, grid, indexing="ij"))
+    uv = torch.stack(torch.meshgrid(grid, grid, indexing="ij")).flatten(1)
     alpha = (roughness * roughness)[:, None, None]
-    c = cosine[None, :, None]
-    s = (1 - c * c).sqrt()
-    length = ((alpha * s) ** 2 + c * c).sqrt()
-    vx, vz = alpha * s / length, c / length
-    radius, angle = u.sqrt(), 2 * math.pi * v
-    t1, t2 = radius * angle.cos(), radius * angle.sin()
-    t2 = (1 - (1 + vz) / 2) * (1 - t1 * t1).sqrt() + (1 + vz) / 2 * t2
-    t3 = (1 - t1 * t1 - t2 * t2).clamp_min(0.0).sqrt()
-    # The view lies in the x-z plane: the tangent frame is (0, 1, 0) and (-vz, 0, vx).
-    hx, hy, hz = alpha * (t3 * vx - t2 * vz), alpha * t1, (t3 * vz + t2 * vx).clamp_min(1e-6)
-    norm = (hx * hx + hy * hy + hz * hz).sqrt()
-    hx, hz = hx / norm, hz / norm
-    at_half = (s * hx + c * hz).clamp(0.0, 1.0)
-    lz = 2 * at_half * hz - c
-    tan_l = 1 / lz.clamp(1e-4, 1.0) ** 2 - 1
-    root_v = (1 + alpha**2 * (1 / (c * c) - 1)).sqrt()
-    root_l = (1 + alpha**2 * tan_l).sqrt()
-    return torch.where(lz > 0, (1 + root_v) / (root_v + root_l), 0.0), at_half
+    viewer = cosine[None, :, None]
+    toward, at_half = mirrored(viewer, visible_normals(viewer, alpha, uv[:, None, None]))
+    return unshadowed(viewer, alpha, toward[2]), at_half

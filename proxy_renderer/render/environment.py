@@ -11,31 +11,35 @@ from torch import Tensor
 from torch.nn.functional import grid_sample, interpolate
 
 from ..scene import SceneData
+from . import prefilter
 from .directions import texels
 from .lights import Lamp
 from .settings import Settings
-from .suns import Sun, without_suns
+from .suns import Sun, split
+from .vectors import dot, unit
 
-ROUGHNESS = (0.0, 0.15, 0.3, 0.5, 0.75, 1.0)
-"""Roughness of the blurred copies of an environment picture."""
-_BLURRED_HEIGHT = 48
+_ROUGH_HEIGHT = 48
 _SHARP_HEIGHT = 512
+_SOFT = 0.5
+"""Roughness that the world is blurred by where a few directions stand for all."""
 
 
 class Environment:
     """The parts of the world that no vibe changes.
 
     Attributes:
-        levels: One picture (1, 3, H, W) per entry of `ROUGHNESS`; empty for a plain color.
-        whole: The picture with its suns; None for a plain color. `levels` and `harmonics` are without.
-        suns: Its bright parts.
+        whole: The picture (1, 3, H, W), one more column at both sides; None for a plain color.
+        sharp: The same without the suns that are not wide.
+        blurred: Copies of that, blurred to several degrees: see `prefilter.stack`.
+        suns: Its bright parts, which `soft` and `harmonics` are without.
+        soft: A blurred copy.
         harmonics: (9, 3) spherical harmonics of the radiance; a plain color has only the first.
     """
 
     def __init__(self, scene: SceneData, device: torch.device) -> None:
-        self.levels: list[Tensor] = []
         self.suns: list[Sun] = []
         self.whole: Tensor | None = None
+        self.sharp = self.blurred = self.soft = torch.zeros(0, device=device)
         image = scene.world.image
         if scene.world.kind != "environment" or image is None:
             white = torch.full((1, 3), 2 * math.sqrt(math.pi), device=device)
@@ -44,15 +48,14 @@ class Environment:
         picture = torch.from_numpy(image).to(device).permute(2, 0, 1)[None]
         size = (min(_SHARP_HEIGHT, picture.shape[2]), min(2 * _SHARP_HEIGHT, picture.shape[3]))
         sharp = interpolate(picture, size, mode="area")
-        self.whole = _padded(sharp)
-        sharp, self.suns = without_suns(sharp)
-        small = interpolate(sharp, (_BLURRED_HEIGHT, 2 * _BLURRED_HEIGHT), mode="area")[0].flatten(1)
-        grid, solid = texels(_BLURRED_HEIGHT, 2 * _BLURRED_HEIGHT, device)
-        self.harmonics = harmonics(grid).mul(solid) @ small.T
-        self.levels = [_padded(sharp)]
-        for roughness in ROUGHNESS[1:]:
-            blurred = small @ _blur(grid, solid, roughness)
-            self.levels.append(_padded(blurred.view(1, 3, _BLURRED_HEIGHT, -1)))
+        parts = split(sharp)
+        self.suns = parts.suns
+        small = interpolate(parts.rest, (_ROUGH_HEIGHT, 2 * _ROUGH_HEIGHT), mode="area")[0]
+        grid, solid = texels(_ROUGH_HEIGHT, 2 * _ROUGH_HEIGHT, device)
+        self.harmonics = harmonics(grid).mul(solid) @ small.flatten(1).T
+        self.whole, self.sharp = _padded(sharp), _padded(parts.shown)
+        self.blurred = prefilter.stack(parts.shown)
+        self.soft = _padded(prefilter.blurred(small, _SOFT)[None])
 
 
 @dataclass(frozen=True)
@@ -72,18 +75,45 @@ class Sky:
     @property
     def plain(self) -> bool:
         """Whether it looks the same everywhere."""
-        return not self.environment.levels
+        return self.environment.whole is None
 
     def signature(self) -> tuple[float, ...]:
         """Numbers that change when what a direction sees does, color and strength aside."""
         return () if self.plain else (float(self.turn.detach()),)
 
-    def levels(self, toward: Tensor, roughness: tuple[float, ...]) -> list[Tensor]:
-        """Uncolored radiance (3, N) in unit directions (3, N), one per level of `ROUGHNESS` asked for."""
+    def mirror(self, toward: Tensor) -> Tensor:
+        """Uncolored radiance (3, N) in unit directions (3, N), as mirrors show it beside highlights."""
+        return (
+            torch.ones_like(toward) if self.plain else _look_up(self.environment.sharp, self._place(toward))
+        )
+
+    def soft(self, toward: Tensor) -> Tensor:
+        """Uncolored, blurred radiance (3, N) around unit directions (3, N), without suns."""
+        return torch.ones_like(toward) if self.plain else _look_up(self.environment.soft, self._place(toward))
+
+    def reflected(self, mirrored: Tensor, normal: Tensor, view: Tensor, roughness: float) -> Tensor:
+        """What a rough surface reflects of the world, uncolored, beside highlights.
+
+        Args:
+            mirrored: (3, N) mirror directions.
+            normal: (3, N) unit normals.
+            view: (7, N) albedo basis at the viewing cosine.
+            roughness: Of the surface, of which there should be few.
+
+        Returns:
+            Radiance (3, N).
+        """
         if self.plain:
-            return [torch.ones_like(toward) for _ in roughness]
-        place = self._place(toward)
-        return [_look_up(self.environment.levels[ROUGHNESS.index(r)], place) for r in roughness]
+            return torch.ones_like(mirrored)
+        leans, widths = torch.einsum("pkb,bn->pkn", prefilter.taps(roughness).to(view), view)
+        upwards = normal - mirrored * dot(normal, mirrored)
+        parts = [
+            prefilter.look_up(
+                self.environment.blurred, self._place(unit(mirrored + upwards * lean))[0, 0], width
+            )
+            for lean, width in zip(leans, widths, strict=True)
+        ]
+        return torch.stack(parts).mean(0)
 
     def seen(self, toward: Tensor) -> Tensor:
         """Uncolored radiance (3, N) of the world itself in unit directions (3, N), suns included."""
@@ -130,7 +160,7 @@ class Sky:
 def sky_of(environment: Environment, settings: Settings) -> Sky:
     """The world at a render's values."""
     strength = settings.scalar("world/strength", 1.0)
-    if environment.levels:
+    if environment.whole is not None:
         turn = torch.deg2rad(settings.scalar("world/rotation"))
         return Sky(environment, settings.color("world/tint", 1.0) * strength, turn)
     color = settings.color("world/color", 0.0)
@@ -147,16 +177,6 @@ def harmonics(toward: Tensor) -> Tensor:
     linear = 0.488603 * y, 0.488603 * z, 0.488603 * x
     mixed = 1.092548 * x * y, 1.092548 * y * z, 0.315392 * (3 * z * z - 1)
     return torch.stack((one, *linear, *mixed, 1.092548 * x * z, 0.546274 * (x * x - y * y)))
-
-
-def _blur(toward: Tensor, solid: Tensor, roughness: float) -> Tensor:
-    """(T, T) weights that average a picture over the reflected GGX lobe seen head on (n = v = r)."""
-    alpha2 = roughness**4
-    cosine = (toward.T @ toward).clamp(-1.0, 1.0)
-    half2 = (1 + cosine) / 2  # squared cosine between the normal and the half vector
-    lobe = cosine.clamp_min(0.0) / (half2 * (alpha2 - 1) + 1) ** 2
-    weights = lobe * solid[:, None]
-    return weights / weights.sum(0, keepdim=True)
 
 
 def _padded(picture: Tensor) -> Tensor:

@@ -10,7 +10,7 @@ A lamp's outline is carried to slope space and treated as one of the two there.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import torch
 from torch import Tensor
@@ -21,6 +21,7 @@ from .settings import wanted
 from .vectors import dot, unit
 
 _LEAST_ALPHA = 2e-3
+_PAIRS = ((0, 0), (1, 1), (0, 1))
 _LEAST_UP = 0.08
 """Least cosine between half vector and normal: lamps at the horizon opposite to a grazing eye go to infinite slopes."""
 
@@ -33,8 +34,8 @@ class Highlight:
         strength: (N,) the lamp's radiance times (h.v) / (n.v n.h), 0 below the horizon.
         curve: (7, N) albedo basis at the half vector, for Fresnel.
         slope_in, slope_out: (N,) squared tangents of the lamp's and the viewer's angle to the normal.
-        outline: (2, N) squared slope and squared radius of a disc, or (4, N) left, right, bottom and top
-            of a rectangle seen from the mirror direction, in slopes.
+        outline: (4, N) left, right, bottom and top of a rectangle seen from the mirror direction, in slopes; or
+            (5, N) for an ellipse, see `_round_place`.
     """
 
     strength: Tensor
@@ -48,12 +49,19 @@ class Highlight:
         """The points at an index."""
         parts = self.strength, self.curve, self.slope_in, self.slope_out, self.outline
         strength, curve, slope_in, slope_out, outline = (p[..., index] for p in parts)
-        return Highlight(strength, curve, slope_in, slope_out, outline)
+        return replace(
+            self,
+            strength=strength,
+            curve=curve,
+            slope_in=slope_in,
+            slope_out=slope_out,
+            outline=outline,
+            _lobes={},
+        )
 
     def times(self, visible: Tensor) -> Highlight:
         """The same, shadowed by visible shares (N,)."""
-        strength = self.strength * visible
-        return Highlight(strength, self.curve, self.slope_in, self.slope_out, self.outline)
+        return replace(self, strength=self.strength * visible, _lobes={})
 
     def lobe(self, roughness: Tensor) -> Tensor:
         """Reflected radiance (N,) per unit of the lamp's color, Fresnel aside, for a roughness () or (N,).
@@ -72,7 +80,7 @@ class Highlight:
     def _lobe(self, roughness: Tensor) -> Tensor:
         alpha2 = (roughness * roughness).clamp_min(_LEAST_ALPHA) ** 2
         masked = (1 + alpha2 * self.slope_in).sqrt() + (1 + alpha2 * self.slope_out).sqrt()
-        covered = _disc(self.outline, alpha2) if len(self.outline) == 2 else _box(self.outline, alpha2)
+        covered = _box(self.outline, alpha2) if len(self.outline) == 4 else _ellipse(self.outline, alpha2)
         return self.strength * covered * (2 / masked)
 
 
@@ -90,22 +98,43 @@ def highlight(lamp: Lamp, arriving: Arrival, points: Tensor, normal: Tensor, vie
     front = (dot(normal, arriving.toward) > 0) | (2 * at_half * up > out)
     radiance = torch.where(front, arriving.frontal / arriving.solid_angle, 0.0)
     tan_in, tan_out = (1 / (c * c) - 1 for c in (into, out))
-    return Highlight(radiance * at_half / (out * up), basis(at_half), tan_in, tan_out, outline)
+    strength = radiance * at_half / (out * up)
+    return Highlight(strength, basis(at_half), tan_in, tan_out, outline)
 
 
 def _round_place(
     _lamp: Lamp, arriving: Arrival, _points: Tensor, normal: Tensor, view: Tensor, out: Tensor
 ) -> tuple[Tensor, Tensor, Tensor]:
-    """A round lamp in slope space: outline; squared slope of its nearest point, and h.v there over h.n."""
+    """A round lamp in slope space: outline; squared slope of its nearest point, and h.v there over h.n.
+
+    The flatter the surface is seen, the longer is the ellipse across the plane of reflection. The outline is: the
+    squared slope of its middle; its squared radius from there towards the mirror direction; the squared slope where
+    that meets the mirror direction at best; its squared area relative to a disc of that radius; and the sum of its
+    squared half axes.
+    """
     half = unit(arriving.toward + view, 1e-4)
     up = dot(half, normal).clamp_min(_LEAST_UP)
     aside = dot(half, view).clamp(1e-3, 1.0)
     squared = (1 / (up * up) - 1).clamp_min(0.0)
-    radius2 = arriving.solid_angle / (4 * math.pi * aside * up**3)
     slope = squared.clamp_min(1e-8).sqrt()
+    across, upwards = tangents(normal)
+    x, y = dot(half, across) / up, dot(half, upwards) / up
+    # How the half vector's slope follows the edge of the lamp's disc, along two directions of that.
+    sides = [
+        ((dot(e, across) - x * dot(e, normal)), (dot(e, upwards) - y * dot(e, normal)))
+        for e in tangents(arriving.toward)
+    ]
+    scale = arriving.solid_angle / (4 * math.pi * (aside * up) ** 2)
+    xx, yy, xy = (scale * (sides[0][i] * sides[0][k] + sides[1][i] * sides[1][k]) for i, k in _PAIRS)
+    product = arriving.solid_angle / (4 * math.pi * aside * up**3)  # of both half axes
+    length2 = x * x + y * y
+    head_on = length2 < 1e-8
+    x, y = torch.where(head_on, slope, x), torch.where(head_on, 0.0, y)
+    radius2 = product * product * slope * slope / (yy * x * x - 2 * xy * x * y + xx * y * y).clamp_min(1e-20)
     nearest = (slope - radius2.sqrt()).clamp_min(0.0)
     along = (aside / up - out) / slope  # the view's component along the lamp's slope
-    return torch.stack((squared, radius2)), nearest * nearest, out + nearest * along
+    outline = torch.stack((squared, radius2, nearest * nearest, (product / radius2) ** 2, xx + yy))
+    return outline, nearest * nearest, out + nearest * along
 
 
 def _box_place(
@@ -138,9 +167,25 @@ def _box_place(
     return outline, x * x + y * y, out + along
 
 
-def _disc(outline: Tensor, alpha2: Tensor) -> Tensor:
-    """The lobe's integral over a disc: the view factor of a parallel disc, written without cancellation."""
-    d, a = outline[0] / alpha2, outline[1] / alpha2
+def _ellipse(outline: Tensor, alpha2: Tensor) -> Tensor:
+    """The lobe's integral over an ellipse: exact around the mirror direction and far from it.
+
+    In between that over the disc that reaches as far towards the mirror direction, times the part of the lobe's
+    width that it fills.
+    """
+    near = 1 + outline[2] / alpha2
+    radius2, axes2 = outline[1] / alpha2, outline[4] / alpha2
+    share = outline[3] * (radius2 + near) ** 2 / (outline[3] * radius2 * radius2 + near * (axes2 + near))
+    return _disc(outline[0] / alpha2, radius2) * share.sqrt()
+
+
+def _disc(d: Tensor, a: Tensor) -> Tensor:
+    """The lobe's integral over a disc: the view factor of a parallel disc, written without cancellation.
+
+    Args:
+        d: (N,) squared distance of its middle, in units of the lobe's width.
+        a: (N,) squared radius.
+    """
     total = 1 + d + a
     q = (total * total - 4 * a * d).clamp_min(1e-12).sqrt()
     inside = a > 1 + d

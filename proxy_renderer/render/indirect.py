@@ -21,15 +21,16 @@ from .far import Far, Table
 from .fog import Fog, Ways
 from .lights import Lamp, tangents
 from .maps import Maps
+from .microfacets import visible_normals
 from .murk import Murk
+from .prefilter import GLOSSY
 from .samples import Samples
-from .vectors import length
+from .vectors import cross, dot, length, unit
 from .visibility import Geometry, Surface, sphere_points
 
-GLOSSY = 0.4
-"""Roughness of the blurred reflection between the mirror image and the diffuse light."""
 _DIFFUSE_RAYS = 16
 _GLOSSY_RAYS = 8
+_LEAST_COSINE = 0.02
 
 
 @dataclass(frozen=True)
@@ -182,14 +183,15 @@ def _diffuse_rays(points: Surface, generator: torch.Generator) -> Tensor:
 
 
 def _glossy_rays(points: Surface, toward: Tensor, generator: torch.Generator) -> Tensor:
-    """Rays reflected by GGX-distributed microfacets (Walter et al. 2007, equations 35 and 36)."""
+    """Rays (3, N) reflected by the GGX microfacets that the camera's rays (3, A) meet."""
     count = points.position.shape[1]
     uv = sphere_points(_GLOSSY_RAYS, count, generator).to(points.position.device).flatten(1)
     normal = points.normal.repeat_interleave(_GLOSSY_RAYS, 1)
     facet = points.facet.repeat_interleave(_GLOSSY_RAYS, 1)
-    tangent2 = GLOSSY**4 * uv[0] / (1 - uv[0]).clamp_min(1e-4)
-    cosine = (1 / (1 + tangent2)).sqrt()
-    sine, angle = (1 - cosine * cosine).clamp_min(0.0).sqrt(), 2 * math.pi * uv[1]
-    across, up = tangents(normal)
-    half = across * (sine * angle.cos()) + up * (sine * angle.sin()) + normal * cosine
-    return above(reflect(toward.repeat_interleave(_GLOSSY_RAYS, 1), half), facet)
+    toward = toward.repeat_interleave(_GLOSSY_RAYS, 1)
+    cosine = (-dot(toward, normal)).clamp(_LEAST_COSINE, 1.0)
+    x, y, z = visible_normals(cosine, GLOSSY**2, uv)
+    level = -toward - normal * cosine
+    head_on = dot(level, level) < 1e-8
+    across = torch.where(head_on, tangents(normal)[0], unit(level))
+    return above(reflect(toward, across * x + cross(normal, across) * y + normal * z), facet)

@@ -58,7 +58,8 @@ class Lamp:
         axes: (3, 3) columns x, y, z of the lamp; it shines along -z.
         size: () radius of a point or spot, width of an area light, angle of a sun in radians.
         of_world: Whether it is a bright part of the world's picture.
-        glow: What it is as a part of a glowing surface, whose images reflections show; None for a lamp.
+        glow: What it is as a part of a glowing surface; None for a lamp.
+        wide: Whether it is a large part of the world's picture.
     """
 
     light: Light
@@ -68,6 +69,7 @@ class Lamp:
     size: Tensor
     of_world: bool = False
     glow: Glow | None = None
+    wide: bool = False
 
     @property
     def owner(self) -> str:
@@ -75,6 +77,11 @@ class Lamp:
         if self.glow:
             return ""
         return "world" if self.of_world else f"light/{self.light.name}"
+
+    @property
+    def pictured(self) -> bool:
+        """Whether reflections show its image, so that it has no highlight."""
+        return self.wide or self.glow is not None
 
     @property
     def moving(self) -> bool:

@@ -198,7 +198,7 @@ class MurkRays:
         lobe = phase(torch.einsum("cd,cpr->dpr", ways, self._toward), fog.anisotropy)
         lobe = lobe * WEIGHTS.to(ways)[:, None, None]
         lobe = lobe / lobe.sum(0)
-        world = (sky.color[:, None] * sky.levels(ways, (0.5,))[0]).expand(3, -1)
+        world = (sky.color[:, None] * sky.soft(ways)).expand(3, -1)
         return torch.einsum("cd,dpr->cpr", world, reaching * lobe)
 
 

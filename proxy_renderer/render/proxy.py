@@ -23,10 +23,11 @@ from .environment import Environment, Sky, sky_of
 from .far import Table
 from .film import Film
 from .fog import Fog
-from .indirect import GLOSSY, Gathered
+from .indirect import Gathered
 from .lights import Lamp, lamps_of
 from .lobes import Light, Reflected
 from .paint import Paint, paint_of, used
+from .prefilter import GLOSSY, SATIN
 from .principled import shade
 from .settings import Settings, wanted
 from .vectors import within
@@ -203,7 +204,7 @@ class Proxy:
         table = _table(frame)
         gathered = cache.indirect.following(self._gather(frame, table), table, frame.lamps)
         irradiance = gathered.irradiance
-        bare = sum(1 for lamp in frame.lamps if lamp.glow is None)
+        bare = sum(1 for lamp in frame.lamps if not lamp.pictured)
         if beams[bare:]:
             irradiance = irradiance + frame.colors[bare:].T @ _irradiances(beams[bare:])
         around = irradiance / math.pi
@@ -250,7 +251,7 @@ class Proxy:
     def _through_fog(self, frame: Frame, view: View, radiance: Tensor) -> Tensor:
         """Adds the light that fog scatters to the eye, takes what it extinguishes."""
         sky, samples = frame.sky, frame.cache.samples
-        world = sky.color[:, None] * sky.levels(DIRECTIONS.to(self.device), (0.5,))[0]
+        world = sky.color[:, None] * sky.soft(DIRECTIONS.to(self.device))
         haze = self.volume.scatter(frame.fog, view, self._near, frame.lamps, world)
         light, passing = haze.look_up(samples.place, samples.hits.distance)
         lit = radiance[:3] * passing + light
@@ -353,7 +354,7 @@ def _images(
     # Between the two, surfaces are half of either; the world has a level of its own.
     opening = (gathered.open_mirror + gathered.open_glossy) / 2
     between = (gathered.mirror + gathered.glossy) / 2 + worlds[1] * opening
-    return (0.0, GLOSSY / 2, GLOSSY, 1.0), [first, between, last, around]
+    return (0.0, SATIN, GLOSSY, 1.0), [first, between, last, around]
 
 
 def _table(frame: Frame) -> Table:

@@ -12,15 +12,21 @@ from dataclasses import dataclass
 
 import torch
 from torch import Tensor
-from torch.nn.functional import interpolate
+from torch.nn.functional import interpolate, max_pool2d, pad
 
 from ..scene import Light
 from .directions import texels
 from .lights import Lamp, tangents
 
-_MOST = 2
+_MOST, _TRIED = 3, 6
+_REGION = 0.25
+"""Brightness of the texels that belong to a sun, relative to the brightest one that they lie around."""
+_WIDE = math.radians(12.0)
+"""Diameter from which a sun is too large to pass for a disc in a mirror."""
 _LEAST_SHARE = 0.12
 """Least irradiance of a sun in parts of what a surface gets from the whole world on average."""
+_LEAST_CONTRAST = 3.0
+"""Least radiance of a sun, as a disc, relative to the mean of the world."""
 _RADII = (3.0, 6.0, 12.0, 20.0)
 """Degrees around a peak within which a sun may lie."""
 _MOST_OF = 0.8
@@ -42,6 +48,11 @@ class Sun:
     color: Tensor
     angle: float
 
+    @property
+    def wide(self) -> bool:
+        """Whether reflections show its picture, not the highlight of a disc."""
+        return self.angle > _WIDE
+
     def lamp(self, number: int, tint: Tensor, turn: Tensor) -> Lamp:
         """It as a lamp, in a world of color `tint` (3,) whose picture is turned by `turn` () radians."""
         c, s, zero = turn.cos(), turn.sin(), torch.zeros_like(turn)
@@ -52,30 +63,73 @@ class Sun:
         identity = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
         light = Light(f"world/{number}", "SUN", identity, (0.0, 0.0, 0.0))
         place, size = torch.zeros_like(self.toward), torch.full_like(turn.detach(), self.angle)
-        return Lamp(light, self.color * tint, place, axes, size, of_world=True)
+        return Lamp(light, self.color * tint, place, axes, size, of_world=True, wide=self.wide)
 
 
-def without_suns(picture: Tensor) -> tuple[Tensor, list[Sun]]:
-    """Splits an equirectangular picture (1, 3, H, W), bottom row first, into the rest and its suns."""
+@dataclass(frozen=True)
+class Split:
+    """A picture of the world, equirectangular and bottom row first, in parts.
+
+    Attributes:
+        shown: (1, 3, H, W) without the suns that are not wide: what is reflected.
+        rest: (1, 3, H, W) without any sun.
+        suns: The wide ones last.
+    """
+
+    shown: Tensor
+    rest: Tensor
+    suns: list[Sun]
+
+
+def split(picture: Tensor) -> Split:
+    """Takes the suns out of a picture (1, 3, H, W)."""
     height = min(_SEARCH_HEIGHT, picture.shape[2])
     small = interpolate(picture, (height, 2 * height), mode="area")[0].flatten(1)
     toward, solid = texels(height, 2 * height, picture.device)
     fine, _ = texels(picture.shape[2], picture.shape[3], picture.device)
     weights = picture.new_tensor(_LUMINANCE)
-    least = _LEAST_SHARE * float(weights @ small @ solid) / 4
-    suns: list[Sun] = []
-    while len(suns) < _MOST:
-        peak = toward[:, int((weights @ small).argmax())]
+    mean = float(weights @ small @ solid) / (4 * math.pi)
+    flat = picture[0].flatten(1)
+    found: list[tuple[Sun, Tensor]] = []
+    for _ in range(_TRIED):
+        peak = _middle(weights @ small, toward, solid)
         radius, level = _extent(small, toward, solid, peak, weights)
         excess = _excess(small, toward, peak, radius, level)
-        color = excess @ solid
-        if not float(weights @ color) > least:
+        if not float(weights @ excess @ solid) > 0:
             break
-        suns.append(_sun(weights @ excess * solid, toward, color))
-        small = small - excess
-        flat = picture[0].flatten(1)
-        picture = (flat - _excess(flat, fine, peak, radius, level)).view_as(picture)
-    return picture, suns
+        part = _excess(flat, fine, peak, radius, level)
+        found.append((_sun(excess @ solid, weights @ excess * solid, toward), part))
+        small, flat = small - excess, flat - part
+    found = [pair for pair in found if _counts(pair[0], float(weights @ pair[0].color), mean)]
+    kept = sorted(found, key=lambda pair: -float(weights @ pair[0].color))[:_MOST]
+    nothing = torch.zeros_like(picture)
+    rest = sum((part.view_as(picture) for _, part in kept), nothing)
+    discs = sum((part.view_as(picture) for sun, part in kept if not sun.wide), nothing)
+    return Split(picture - discs, picture - rest, sorted((sun for sun, _ in kept), key=lambda sun: sun.wide))
+
+
+def _counts(sun: Sun, light: float, mean: float) -> bool:
+    """Whether a sun's irradiance is worth a lamp in a world of this mean radiance."""
+    radiance = light / (math.pi * max(sun.angle / 2, 1e-4) ** 2)
+    return light > _LEAST_SHARE * math.pi * mean and radiance > _LEAST_CONTRAST * mean
+
+
+def _middle(light: Tensor, toward: Tensor, solid: Tensor) -> Tensor:
+    """Direction (3,) of the middle of the bright region (T,) around the brightest texel."""
+    height = round(math.sqrt(len(light) / 2))
+    brightest = int(light.argmax())
+    bright = light >= light[brightest] * _REGION
+    bright &= toward[:, brightest] @ toward > math.cos(math.radians(2 * _RADII[-1]))
+    region = torch.zeros_like(bright)
+    region[brightest] = True
+    for _ in range(2 * height):  # as far as a region can reach
+        wide = pad(region.to(light.dtype).view(1, 1, height, -1), (1, 1, 0, 0), mode="circular")
+        grown = (max_pool2d(wide, 3, 1, (1, 0)).flatten() > 0) & bright
+        if torch.equal(grown, region):
+            break
+        region = grown
+    middle = toward @ (light * solid * region)
+    return middle / middle.norm().clamp_min(1e-20)
 
 
 def _extent(
@@ -101,7 +155,7 @@ def _excess(picture: Tensor, toward: Tensor, peak: Tensor, radius: float, level:
     return (picture - level[:, None]).clamp_min(0.0) * near
 
 
-def _sun(light: Tensor, toward: Tensor, color: Tensor) -> Sun:
+def _sun(color: Tensor, light: Tensor, toward: Tensor) -> Sun:
     """From the luminous irradiance (T,) of texels: its centroid, and the disc of the same second moment."""
     center = toward @ light
     center = center / center.norm()

@@ -22,6 +22,7 @@ from .indirect import Indirect
 from .lights import Arrival, Lamp, arrival
 from .maps import Maps
 from .murk import MurkRays
+from .prefilter import GLOSSY, SATIN
 from .refraction import through
 from .samples import take
 from .settings import wanted
@@ -33,10 +34,6 @@ from .visibility import Geometry, Surface, facing
 
 _SMALL_STEP = 0.02
 """Part of a lamp's distance by which a gradient loop may move it before bounced light is traced again."""
-_BLURRED = 0.5
-"""Level of the world's picture that glossy reflections see."""
-_SATIN = 0.15
-"""Level that reflections half as rough as those see."""
 
 _LEAST_ALIKE = 0.1
 """Cosine between a mapped and the true normal below which the map cannot be meant."""
@@ -80,7 +77,7 @@ class Sight:
 class Beam:
     """A lamp's shadowed irradiance (N,) and highlight at all samples, per unit of its color, and its ways to them.
 
-    Glowing surfaces have no highlight: reflections show them.
+    Glowing surfaces and wide suns have no highlight: reflections show them.
     """
 
     irradiance: Tensor
@@ -106,7 +103,7 @@ class Beam:
         """From what arrives unshadowed, and the share (N,) of the lamp that is seen."""
         point, normal = sight.surface.position, sight.surface.normal
         shine = None
-        if not lamp.glow:
+        if not lamp.pictured:
             shine = highlight(lamp, met, point, normal, sight.toward_eye).times(visible)
         ways = Ways(point, met.toward, met.distance)
         return Beam(met.irradiance * visible, shine, ways)
@@ -339,8 +336,9 @@ class ViewCache:
 
 
 def _worlds(sky: Sky, sight: Sight) -> tuple[Tensor, ...]:
-    levels = (0.0, _BLURRED) if sky.plain else (0.0, _SATIN, _BLURRED)
-    return *sky.levels(sight.mirrored, levels), sky.seen(sight.beyond)
+    rough = (GLOSSY,) if sky.plain else (SATIN, GLOSSY)
+    lobes = [sky.reflected(sight.mirrored, sight.surface.normal, sight.basis, r) for r in rough]
+    return sky.mirror(sight.mirrored), *lobes, sky.seen(sight.beyond)
 
 
 def _mean(material: Material, device: torch.device) -> Tensor:
