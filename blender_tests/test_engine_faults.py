@@ -121,7 +121,6 @@ def test_the_vibe_of_one_scene_stays_out_of_another(addon):
     bpy.data.scenes.remove(addon)
     assert "is gone" in fails(running)
     assert not snapshot.exists(other)
-    addon = None
 
 
 def test_another_file_ends_the_vibe_before_it_is_opened(addon, tmp_path):

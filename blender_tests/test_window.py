@@ -71,6 +71,7 @@ def walked(tmp_path_factory):
         ["bash", TOOL, "run", *command, *driver],
         cwd=REPOSITORY, env=environment, capture_output=True, text=True, timeout=2400,
     )  # fmt: skip
+    (out / "blender.log").write_text(done.stdout + done.stderr)
     report = out / "steps.json"
     assert report.is_file(), done.stdout[-3000:] + done.stderr[-3000:]
     return json.loads(report.read_text()), out
@@ -80,6 +81,7 @@ def test_whole_way(walked):
     """Nothing on the way failed, and there is a screenshot of each step."""
     seen, out = walked
     assert "error" not in seen, seen["error"]
+    assert "finished" in seen, (out / "blender.log").read_text()[-3000:]
     assert len(list(out.glob("*.png"))) >= 15
 
 

@@ -12,7 +12,7 @@ from . import drawing, history, operators, panel_result, preferences, preview
 from .contract import schema
 from .drawing import paragraph
 from .engine_place import place
-from .session import LOOKING, SILENT, Session, desk
+from .session import LOOKING, PAUSING, SILENT, Session, desk
 
 _PLACES = {
     "VIBE_PT": {"bl_space_type": "VIEW_3D", "bl_region_type": "UI", "bl_category": "Vibe"},
@@ -94,7 +94,8 @@ def _draw_running(layout: bpy.types.UILayout, context: bpy.types.Context, sessio
     row.operator("vibe.cancel", text="Cancel" if session.question else "", icon="X")
     hint = box.row()
     hint.active, hint.alignment = False, "CENTER"
-    hint.label(text="Esc stops and uses the best" if session.can_stop else "Esc cancels")
+    esc = "Esc stops and uses the best" if session.can_stop else "Esc cancels"
+    hint.label(text="Blender pauses for a moment" if session.stage in PAUSING else esc)
 
 
 def _stage(session: Session) -> str:

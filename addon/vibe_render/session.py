@@ -21,7 +21,10 @@ from .model_notes import failure_note
 from .subject import Choice
 
 LOOKING = "Looking for the look"
+READING = "Reading the scene"
 ANCHORING = "Rendering an anchor"
+PAUSING = (READING, ANCHORING)
+"""While these go on, Blender is not free: for long where the scene is large."""
 SILENT = 30.0  # seconds without a word from the engine that are worth a note
 _LOST = 900.0  # and that mean that it hangs
 
@@ -150,7 +153,7 @@ class Session:
             yield self.stage
         for _ in aside.wait(self._engine.start):  # it may have died of the last one
             yield self.stage
-        self.stage = "Reading the scene"
+        self.stage = READING
         yield self.stage
         scene = self._find_scene()
         vibed, start = snapshot.exists(scene), snapshot.mark(scene)
@@ -182,7 +185,7 @@ class Session:
             self.stage = "Waiting for your answer"
             while self.question:
                 yield self.stage
-            self.stage = "Reading the scene"
+            self.stage = READING
             yield self.stage
             scene = self._find_scene()
         if self.shared == "SINGLE":
@@ -203,6 +206,7 @@ class Session:
         while self._found is None:
             yield self.stage
             self._check_silence()
+            self._find_scene()  # there is no use in going on without it
             for message in self._engine.poll():
                 self._heard = time.monotonic()
                 if isinstance(message, messages.Anchor):
