@@ -41,6 +41,8 @@ def test_zip_holds_the_schema_and_what_the_engine_runs_from(built):
     names = zipfile.ZipFile(built).namelist()
     assert {"blender_manifest.toml", "__init__.py", "schema/parameters.py", "engine.txt"} <= set(names)
     assert {"engine/requirements.txt", "engine/proxy_renderer/worker.py"} <= set(names)
+    assert {"looks/noir.json", "looks/noir.jpg"} <= set(names)
+    assert not {"looks/prompts.toml", "make_looks.py"} & set(names)
     assert not [n for n in names if "__pycache__" in n or "/bench/" in n or "/train/" in n or "tests/" in n]
 
 
