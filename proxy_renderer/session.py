@@ -203,7 +203,7 @@ class Session:
                 "targets": parsed.targets,
                 "ignored": parsed.ignored,
                 "guesses": parsed.guesses,
-                "notes": [*parsed.conflicts, *outcome.plan.notes],
+                "notes": list(dict.fromkeys([*parsed.conflicts, *outcome.plan.notes])),
             },
             "versions": report.versions(),
         }

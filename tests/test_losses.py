@@ -32,6 +32,22 @@ def test_equation_3_and_4():
     assert L.negative_loss(features, text, 0.9).item() == 0.0
 
 
+def test_the_direction_is_that_of_the_words_not_just_away_from_the_start():
+    axes = torch.eye(4)
+    start, plain, text = axes[0], axes[1:2], F.normalize(axes[1:2] + axes[2:3], dim=1)
+    words = F.normalize(start + F.normalize(text - plain, dim=1)[0], dim=0)
+    elsewhere = F.normalize(start + axes[3], dim=0)
+    still, right, wrong = (
+        L.direction_loss(f[None], start, text, plain).item() for f in (start, words, elsewhere)
+    )
+    assert still == pytest.approx(1.0, abs=1e-3)
+    assert right < 0.5
+    assert wrong > right + 0.4
+    moving = start.clone()[None].requires_grad_()
+    L.direction_loss(moving, start, text, plain).backward()
+    assert moving.grad.isfinite().all()
+
+
 def test_the_color_term_moves_a_region_towards_its_color_and_leaves_the_other():
     mask = disk()
     display = picture([0.6, 0.3, 0.3], [0.5, 0.5, 0.5], mask).requires_grad_()

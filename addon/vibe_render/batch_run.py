@@ -39,6 +39,7 @@ from .model_notes import model_lines
 from .outputs import Outputs
 from .subject import Choice
 from .survey import Survey
+from .word_notes import word_notes
 
 _SHOWN = 8
 
@@ -260,7 +261,7 @@ def _summary(
 ) -> list[str]:
     values = {k: v for k, v in found.values.items() if k not in skipped}
     near, s = measured.delta_e, measured.similarity
-    lines = [f"Note: {warning}" for warning in _warnings(job, found)[:4]]
+    lines = [f"Note: {warning}" for warning in [*word_notes(found.report)[:6], *_warnings(job, found)[:4]]]
     lines += _listed(job.instances, values)
     if found.variants:
         lines.append(

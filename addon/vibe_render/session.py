@@ -19,6 +19,7 @@ from .contract import messages, schema
 from .engine import Engine
 from .model_notes import failure_note
 from .subject import Choice
+from .word_notes import word_notes
 
 LOOKING = "Looking for the look"
 READING = "Reading the scene"
@@ -104,10 +105,7 @@ class Session:
     @property
     def remarks(self) -> list[str]:
         """What the artist should know about the words: which were left out, guessed, or in each other's way."""
-        understood = self._found.report.get("understood", {}) if self._found else {}
-        ignored = ", ".join(dict.fromkeys(understood.get("ignored", [])))
-        guesses = [f"“{word}” was taken for “{near}”" for word, near in understood.get("guesses", {}).items()]
-        return [*([f"Left out: {ignored}"] if ignored else []), *guesses, *understood.get("notes", [])]
+        return word_notes(self._found.report) if self._found else []
 
     def advance(self) -> bool:
         """Does the next bit; False when the vibe is in the scene.

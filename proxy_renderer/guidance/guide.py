@@ -14,7 +14,15 @@ from torch import Tensor
 from ..language.types import Lab, Prompts, Region
 from ..render.color import srgb_to_lab
 from . import regions
-from .losses import border_loss, color_loss, form_loss, negative_loss, positive_loss, visibility_loss
+from .losses import (
+    border_loss,
+    color_loss,
+    direction_loss,
+    form_loss,
+    negative_loss,
+    positive_loss,
+    visibility_loss,
+)
 
 if TYPE_CHECKING:
     from .encoder import AttributeHeads, Encoder
@@ -25,6 +33,7 @@ _LIT, _DIM = (
     50.0,
     20.0,
 )  # least lightness of the subject or of what is around it; the latter for dark pictures
+_PLAIN = "a picture of an object"  # says nothing of its look
 _FULL_FRAME = ("vignette", "brightness")  # attributes that a crop changes
 
 
@@ -36,6 +45,7 @@ class Weights:
         subject: λ_fg.
         surroundings: λ_bg.
         whole: λ_full.
+        direction: Change of the whole picture in the direction of the words.
         negative: λ_neg.
         color: Named colors; the paper's for the background's, used for the subject's too.
         attributes: Cross-entropy of the attribute heads.
@@ -48,6 +58,7 @@ class Weights:
     subject: float = 1.0
     surroundings: float = 1.0
     whole: float = 0.25
+    direction: float = 0.2
     negative: float = 0.8
     color: float = 0.6
     attributes: float = 0.5
@@ -101,6 +112,8 @@ class Guide:
         self.negative = {r: _texts(encoder, texts) for r, texts in zip(_REGIONS, negatives, strict=True)}
         with torch.no_grad():
             features = self._features(*start, torch.Generator().manual_seed(0))
+        self.plain = _texts(encoder, (_PLAIN,))
+        self.start = features["whole"].mean(0)
         self.margins = {r: self._margin(features[r], r) for r in _REGIONS}
 
     def __call__(self, display: Tensor, mask: Tensor, generator: torch.Generator) -> dict[str, Tensor]:
@@ -120,6 +133,9 @@ class Guide:
             if len(self.negative[region]):
                 loss = negative_loss(features[region], self.negative[region], self.margins[region])
                 terms[f"{region} negative"] = w.negative * loss
+        if len(self.positive["whole"]):
+            toward = direction_loss(features["whole"], self.start, self.positive["whole"], self.plain)
+            terms["direction"] = w.direction * toward
         if self.targets and self.heads is not None:
             seen = self._head_features(display, features["whole"], generator)
             terms["attributes"] = w.attributes * self._attribute_loss(seen)

@@ -26,6 +26,25 @@ def negative_loss(features: Tensor, texts: Tensor, margin: float) -> Tensor:
     return F.relu((features @ texts.T).mean(0) - margin).max()
 
 
+def direction_loss(
+    features: Tensor, start: Tensor, text: Tensor, plain: Tensor, least: float = 0.1
+) -> Tensor:
+    """1 − cos(ΔI, ΔT): the picture should change in the direction in which the words differ from a plain caption.
+
+    What makes the picture like the words by making it unlike any picture goes another way (StyleGAN-NADA).
+
+    Args:
+        features: (views, D) unit features of the picture.
+        start: (D,) mean unit features of the starting picture.
+        text: (1, D) unit features of the words.
+        plain: (1, D) unit features of a caption without any look.
+        least: Length of ΔI below which its direction says little.
+    """
+    moved = features.mean(0) - start
+    length = (moved.square().sum() + 1e-8).sqrt()
+    return 1.0 - (moved @ F.normalize(text - plain, dim=1)[0]) / (length + least)
+
+
 def color_loss(lab: Tensor, mask: Tensor, target: tuple[float, float, float]) -> Tensor:
     """How far a region's mean color is from a named one, 1 being opposite; 0 within a small distance.
 
