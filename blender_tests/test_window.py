@@ -14,6 +14,7 @@ from proxy_renderer import extension
 REPOSITORY = Path(__file__).resolve().parents[1]
 TOOL = REPOSITORY.parent / "shared" / "tools" / "blender-window"
 pytestmark = pytest.mark.timeout(2500)  # minutes where others use the machine too
+_ATTEMPTS = 3
 _BUNDLED = ("numpy", "requests")  # official builds bring them along; Debian's minimal one does not
 
 
@@ -67,10 +68,13 @@ def walked(tmp_path_factory):
         "--offline-mode",
     ]
     driver = ["--python", REPOSITORY / "blender_tests" / "window_driver.py", "--", extension.build(out), out]
-    done = subprocess.run(
-        ["bash", TOOL, "run", *command, *driver],
-        cwd=REPOSITORY, env=environment, capture_output=True, text=True, timeout=2400,
-    )  # fmt: skip
+    for _ in range(_ATTEMPTS):
+        done = subprocess.run(
+            ["bash", TOOL, "run", *command, *driver],
+            cwd=REPOSITORY, env=environment, capture_output=True, text=True, timeout=2400,
+        )  # fmt: skip
+        if "libgallium" not in done.stderr:  # Mesa's drawing in software crashes at times, before any of ours
+            break
     (out / "blender.log").write_text(done.stdout + done.stderr)
     report = out / "steps.json"
     assert report.is_file(), done.stdout[-3000:] + done.stderr[-3000:]
