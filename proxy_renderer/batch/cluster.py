@@ -9,10 +9,9 @@ from __future__ import annotations
 
 import contextlib
 import os
+import socket
 import tempfile
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -26,6 +25,7 @@ from .worker import Interrupted, Setup, Worker
 
 _LOOK = 2.0  # seconds between two looks at the cluster's nodes
 _KEPT = 8  # scenes that are kept in the object store
+_PATIENCE = 5  # looks at a head that does not answer
 _FAREWELL = 10.0  # seconds that workers get to end their processes
 
 
@@ -83,6 +83,7 @@ class RayPool:
         self._out: dict[Any, tuple[Any, Job]] = {}
         self._scenes: dict[Path, Any] = {}
         self._next = 0.0
+        self._lost = False
 
     def capacity(self) -> int:
         return len(self._ready)
@@ -93,23 +94,24 @@ class RayPool:
         self._out[station.run.remote(job, scene)] = (station, job)
 
     def wait(self, seconds: float) -> list[tuple[Job, Row | None]]:
-        with _cluster_errors():
-            self._look()
-            waiting = [*self._coming, *self._out]
-            if not waiting:
-                time.sleep(seconds)
-                return []
-            ended, _ = self._ray.wait(waiting, num_returns=1, timeout=seconds)
-            for reference in ended:
-                if reference in self._coming:
-                    self._arrive(reference)
-            return [self._end(reference) for reference in ended if reference in self._out]
+        self._look()
+        waiting = [*self._coming, *self._out]
+        if not waiting:
+            time.sleep(seconds)
+            return []
+        ended, _ = self._ray.wait(waiting, num_returns=1, timeout=seconds)
+        for reference in ended:
+            if reference in self._coming:
+                self._arrive(reference)
+        return [self._end(reference) for reference in ended if reference in self._out]
 
     def close(self) -> None:
         stations = [s for group in self._nodes.values() for s in group]
         with contextlib.suppress(Exception):  # the cluster may be gone, and takes them with it
             farewells = [station.close.remote() for station in stations]
             self._ray.wait(farewells, num_returns=len(farewells), timeout=_FAREWELL)
+            if self._lost:
+                return  # the rest would wait for the head
             for station in stations:
                 self._ray.kill(station)
         self._ray.shutdown()
@@ -119,19 +121,35 @@ class RayPool:
         if time.monotonic() < self._next:
             return
         self._next = time.monotonic() + _LOOK
+        self._check_head()
         alive = {node["NodeID"]: node["Resources"] for node in self._ray.nodes() if node["Alive"]}
         for gone in set(self._nodes) - set(alive):
-            for station in self._nodes.pop(gone):
+            for station in list(self._nodes[gone]):
                 self._forget(station)
+            del self._nodes[gone]
         for node, resources in alive.items():
-            if node not in self._nodes:
-                self._nodes[node] = [self._start(node, resources) for _ in range(self._room(resources))]
+            group = self._nodes.setdefault(node, [])
+            for _ in range(fitting(resources, self._setup.limits) - len(group)):
+                if not self._most or sum(map(len, self._nodes.values())) < self._most:
+                    group.append(self._start(node, resources))
 
-    def _room(self, resources: dict[str, float]) -> int:
-        """How many more stations a node holds."""
-        room = fitting(resources, self._setup.limits)
-        taken = sum(map(len, self._nodes.values()))
-        return min(room, self._most - taken) if self._most else room
+    def _check_head(self) -> None:
+        """Notices that the head is gone before Ray does, which then ends this process without a word of ours.
+
+        Raises:
+            VibeError: It has not answered several times in a row.
+        """
+        host, port = self._ray.get_runtime_context().gcs_address.rsplit(":", 1)
+        for _ in range(_PATIENCE):
+            try:
+                return socket.create_connection((host, int(port)), _LOOK).close()
+            except OSError:
+                time.sleep(_LOOK)
+        self._lost = True
+        raise VibeError(
+            "The cluster's head is lost.",
+            "Bring it back, then run the same command again: it continues with what is done.",
+        )
 
     def _start(self, node: str, resources: dict[str, float]) -> Any:
         from ray.util.scheduling_strategies import NodeAffinitySchedulingStrategy
@@ -147,11 +165,17 @@ class RayPool:
 
     def _arrive(self, reference: Any) -> None:
         station = self._coming.pop(reference)
-        with contextlib.suppress(self._ray.exceptions.RayError):  # gone before it came
+        try:
             self._ready[station] = self._ray.get(reference)
             self._idle.append(station)
+        except self._ray.exceptions.RayError:  # gone before it came
+            self._forget(station)
 
     def _forget(self, station: Any) -> None:
+        """A station has died; the next look at its node, if that is there, starts another."""
+        for group in self._nodes.values():
+            if station in group:
+                group.remove(station)
         self._ready.pop(station, None)
         if station in self._idle:
             self._idle.remove(station)
@@ -214,17 +238,3 @@ def fitting(resources: dict[str, float], limits: Limits) -> int:
     if cards := resources.get("GPU"):
         fits.append(int(cards * PER_GPU))
     return min(fits)
-
-
-@contextmanager
-def _cluster_errors() -> Iterator[None]:
-    """A head that is lost is one clear line."""
-    from ray.exceptions import RaySystemError, RpcError
-
-    try:
-        yield
-    except (RaySystemError, RpcError, ConnectionError) as error:
-        raise VibeError(
-            "The cluster's head is lost.",
-            "Bring it back, then run the same command again: it continues with what is done.",
-        ) from error
