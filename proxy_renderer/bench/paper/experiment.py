@@ -42,8 +42,9 @@ def run(
     """
     budget = _budget(quick, seeds)
     meshes = runs.find_meshes(mesh_folder)
-    pairs = [pair for pair in read_pairs(only) if pair.set or meshes]
-    if meshes is None:
+    asked = read_pairs(only)
+    pairs = [pair for pair in asked if pair.set or meshes]
+    if len(pairs) < len(asked):
         print(
             "The paper's own meshes are not here, so its pairs are left out: name their folder by --meshes."
         )
