@@ -40,7 +40,7 @@ def test_embedded_model_loads_through_open_clip_like_any_other(encoder: Encoder)
         tokens = open_clip.get_tokenizer(f"local-dir:{EMBEDDED}", **own_words)(texts)
         own = torch.nn.functional.normalize(model.encode_text(tokens), dim=-1)
     assert torch.allclose(own, encoder.encode_texts(texts), atol=1e-5)
-    assert sum(file.stat().st_size for file in EMBEDDED.iterdir()) < 15e6
+    assert sum(file.stat().st_size for file in EMBEDDED.iterdir()) < 4e6
 
 
 @pytest.mark.parametrize("size", [(128, 128), (512, 512), (90, 200)])
@@ -101,13 +101,13 @@ def test_looks_of_unseen_shapes_are_told_apart(encoder: Encoder) -> None:
     fresh = {name: np.stack([view[name] for view in views]).astype(layout[name][1]) for name in layout}
     scores = evaluate.judge(encoder, evaluate.shaded(fresh, 2))
     assert scores["attribute_flip"] > 0.62
-    assert scores["swap"] > 0.57
+    assert scores["swap"] > 0.72
     least = {
-        "subject_color": 0.6,
+        "subject_color": 0.7,
         "surroundings_color": 0.85,
         "brightness": 0.85,
         "saturation": 0.8,
-        "vignette": 0.7,
+        "vignette": 0.85,
     }
     assert all(scores["heads"][name] > share for name, share in least.items()), scores["heads"]
 

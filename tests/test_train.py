@@ -125,16 +125,16 @@ def test_no_picture_contradicts_its_own_caption_and_flips_contradict_their_base(
     assert batch.pictures.max() <= 1
 
 
-def test_wordings_kept_back_are_in_no_caption_of_training() -> None:
-    said = " ".join(captions.samples(3000, 0))
-    kept = wording.Split(held_out=True)
-    for table in (wording.FINISH_WORDS, wording.SIDE_WORDS, wording.FOG_WORDS):
-        for words in table.values():
+def test_wordings_kept_back_are_not_those_of_training() -> None:
+    kept, dice = wording.Split(held_out=True), random.Random(0)
+    for name, table in (("subject_finish", wording.FINISH_WORDS), ("fog", wording.FOG_WORDS)):
+        for value, words in table.items():
             trained, back = wording.TRAINED.of(words), kept.of(words)
             assert words[0] in trained
-            assert not {*trained} & {*back} or back == words
-            assert not any(f" {word}," in said for word in back if back != words)
-    assert wording.Split(1).of(wording.NOUNS) != wording.TRAINED.of(wording.NOUNS)
+            assert back == words or not {*trained} & {*back}
+            said = [captions.caption({name: value}, dice, split=kept) for _ in range(20)]
+            assert all(any(word in sentence for word in back) for sentence in said)
+    assert wording.Split(wording.JUDGES).of(wording.NOUNS) != wording.TRAINED.of(wording.NOUNS)
 
 
 def test_maps_are_cut_and_mirrored_with_their_pictures(bank: dict[str, np.ndarray]) -> None:
@@ -210,7 +210,8 @@ def test_training_resumes_bit_for_bit_and_exports(bank: dict[str, np.ndarray], t
         assert torch.equal(value, resumed.average[name]), name
     assert not torch.equal(before, straight.student.clip.visual.conv1.weight)
     assert 0.1 < unseen.float().mean() < 0.9
-    assert (straight.average["clip.token_embedding.weight"][unseen] == 0).all()
+    still = (straight.average["clip.token_embedding.weight"][unseen] == 0).all(1)
+    assert still.float().mean() > 0.9  # all but parts of names that nobody knows
     straight.export(tmp_path / "model")
     fresh = Trainer(recipe, bank, device, TINY)
     fresh.start_from(tmp_path / "model")  # checkpoints do not outlive a machine, exported weights do
@@ -240,4 +241,5 @@ def test_losses_fall_on_a_batch_that_is_seen_again(bank: dict[str, np.ndarray]) 
 def test_skill_is_what_a_head_knows_beyond_a_blind_guess():
     one = {"heads": {"fog": 0.75, "vignette": 0.4}, "commonest": {"fog": 0.5, "vignette": 0.6}}
     other = {"heads": {"fog": 1.0}, "commonest": {"fog": 0.5}}
-    assert skill([one, other]) == {"fog": 0.5, "vignette": 0.0}
+    uniform = {"heads": {"fog": 0.9}, "commonest": {"fog": 0.9}}
+    assert skill([one, other, uniform]) == {"fog": 0.5, "vignette": 0.0}

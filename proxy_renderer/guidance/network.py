@@ -71,9 +71,9 @@ class Tower(nn.Sequential):
     def __init__(
         self,
         features: int,
-        widths: tuple[int, ...] = (32, 64, 128, 256),
-        depths: tuple[int, ...] = (1, 1, 1, 1),
-        logarithm: bool = True,
+        widths: tuple[int, ...] = (24, 64, 96, 160),
+        depths: tuple[int, ...] = (2, 1, 2, 1),
+        logarithm: bool = False,
     ) -> None:
         layers: list[nn.Module] = [
             Stem(widths[0]) if logarithm else nn.Conv2d(3, widths[0], _PATCH, _PATCH, bias=False),
@@ -90,12 +90,12 @@ class Tower(nn.Sequential):
 
 
 @register_model
-def vibe_resnet(pretrained: bool = False, num_classes: int = 192, **unused: Any) -> Tower:
+def vibe_resnet(pretrained: bool = False, num_classes: int = 128, **unused: Any) -> Tower:
     """What `timm_model_name: "vibe_resnet"` in an open_clip configuration builds; there are no pretrained weights."""
     return Tower(num_classes)
 
 
 @register_model
-def vibe_resnet_judge(pretrained: bool = False, num_classes: int = 128, **unused: Any) -> Tower:
-    """A smaller tower of other proportions, for an encoder that judges results and never guides."""
-    return Tower(num_classes, (24, 64, 96, 160), (2, 1, 2, 1), logarithm=False)
+def vibe_resnet_judge(pretrained: bool = False, num_classes: int = 192, **unused: Any) -> Tower:
+    """A larger tower of other proportions and another input, for an encoder that judges results and never guides."""
+    return Tower(num_classes, (32, 64, 128, 256), (1, 1, 1, 1), logarithm=True)

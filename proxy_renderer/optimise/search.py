@@ -28,8 +28,8 @@ from .plan import carry, feasible_ranges, lock, top_k
 from .progress import Clock, Watch
 from .vector import ParameterVector, project
 
-INNER_SIZE = 256
-"""Greatest longer side of the pictures inside the loop, in pixels."""
+INNER_SIZE, _LEAST_SIZE = 256, 192
+"""Greatest longer side of the pictures inside the loop, in pixels, and the least however small the encoder's are."""
 
 
 @dataclass
@@ -218,7 +218,8 @@ def pull(plan: Plan, vector: ParameterVector, chosen: list[str]) -> Tensor:
 def inner_size(scene: SceneData, options: Options, encoder: Encoder) -> tuple[int, int]:
     """Width and height of the pictures inside the loop; the prediction has the full size.
 
-    Crops are at least three quarters of the picture, so one and a half times what the encoder looks
-    at is enough: 192 pixels for the embedded one.
+    Crops are at least three quarters of the picture, so one and a half times what the encoder looks at is enough;
+    but highlights and shadows have to be there, however little it looks at.
     """
-    return context.picture_size(scene.resolution, min(options.size, INNER_SIZE, encoder.size * 3 // 2))
+    enough = max(_LEAST_SIZE, encoder.size * 3 // 2)
+    return context.picture_size(scene.resolution, min(options.size, INNER_SIZE, enough))

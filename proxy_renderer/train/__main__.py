@@ -14,9 +14,10 @@ from ..schema.errors import VibeError
 from . import bank, cycles
 from .model import CONFIG, JUDGE
 from .train import Recipe, train
+from .wording import GUIDES, JUDGES
 
-JUDGED, HELD_OUT = 50_000, 100_000
-"""Seeds of shapes from the first on are the judge's; from the second on nothing is trained on them."""
+GUIDE, HELD_OUT = 50_000, 100_000
+"""Seeds of shapes from the first on are the guide's, those before are the judge's; from the second on, nobody's."""
 
 
 def main() -> None:
@@ -44,9 +45,9 @@ def main() -> None:
     parser.add_argument(
         "--coarse",
         type=int,
-        default=Recipe.coarse,
+        default=2,
         metavar="N",
-        help="shade every N-th pixel across and down: 2 for the first sittings, 1 for the last",
+        help="shade every N-th pixel across and down (default: 2, what the encoder looks at)",
     )
     parser.add_argument(
         "--from",
@@ -78,7 +79,7 @@ def main() -> None:
 
 
 def _run(options: argparse.Namespace) -> None:
-    first = JUDGED if options.judge else 0
+    first = 0 if options.judge else GUIDE
     places = {
         options.out / "bank": (options.views, options.shapes, first),
         options.out / "heldout": (240, 48, HELD_OUT),
@@ -95,7 +96,7 @@ def _run(options: argparse.Namespace) -> None:
         rate=options.rate,
         seed=options.seed,
         coarse=options.coarse,
-        split=int(options.judge),
+        split=JUDGES if options.judge else GUIDES,
     )
     trainer = train(
         recipe,

@@ -28,6 +28,7 @@ from .surfaces import Shape
 from .wording import NOUNS, TRAINED, Split
 
 _GROUPS, _BATCHES, _SEED = 48, 10, 7_000_000
+_UNIFORM = 0.8
 
 
 def evaluate(model: Path, held_out: Path, meshes: list[Path], out: Path | None = None) -> dict:
@@ -57,11 +58,16 @@ def evaluate(model: Path, held_out: Path, meshes: list[Path], out: Path | None =
 
 
 def skill(sets: Iterable[dict]) -> dict[str, float]:
-    """Attribute -> skill in [0, 1] of its head, the worst over all sets: (right - blind) / (1 - blind)."""
+    """Attribute -> skill in [0, 1] of its head, the worst over all sets: (right - blind) / (1 - blind).
+
+    A set in which one class is nearly all there is says nothing of that attribute.
+    """
     found: dict[str, float] = {}
     for one in sets:
         for name, right in one["heads"].items():
             blind = one["commonest"][name]
+            if blind > _UNIFORM:
+                continue
             found[name] = min(
                 found.get(name, 1.0), round(max(right - blind, 0.0) / max(1.0 - blind, 1e-6), 3)
             )

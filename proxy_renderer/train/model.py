@@ -24,19 +24,19 @@ from .data import LOOKS, Batch, contradicts
 from .dense import Reader
 
 CONFIG = {
-    "embed_dim": 192,
-    "vision_cfg": {"image_size": 160, "timm_model_name": "vibe_resnet", "timm_pool": "", "timm_proj": ""},
-    "text_cfg": {"context_length": 40, "width": 96, "heads": 4, "layers": 3},
+    "embed_dim": 128,
+    "vision_cfg": {"image_size": 80, "timm_model_name": "vibe_resnet", "timm_pool": "", "timm_proj": ""},
+    "text_cfg": {"context_length": 40, "width": 64, "heads": 4, "layers": 2},
 }
 JUDGE = {
-    "embed_dim": 128,
+    "embed_dim": 192,
     "vision_cfg": {
         "image_size": 80,
         "timm_model_name": "vibe_resnet_judge",
         "timm_pool": "",
         "timm_proj": "",
     },
-    "text_cfg": {"context_length": 40, "width": 64, "heads": 4, "layers": 2},
+    "text_cfg": {"context_length": 40, "width": 96, "heads": 4, "layers": 3},
 }
 """An encoder that only ever judges results: another architecture, to be trained on other shapes, views and wordings."""
 PREPROCESS = {

@@ -20,7 +20,7 @@ from . import bank as banks
 from . import captions, cycles, shader
 from .data import Batch, make_batch
 from .model import CONFIG, Student, export
-from .wording import Split
+from .wording import GUIDES, Split
 
 _LOGGED = 50
 _FALLS = 0.5
@@ -45,14 +45,14 @@ class Recipe:
         save: Steps between checkpoints.
     """
 
-    groups: int = 8
+    groups: int = 12
     rate: float = 1.5e-3
     warmup: int = 200
     average: int = 400
     heads: float = 5.0
     words: float = 0.5
     dense: float = 3.0
-    split: int = 0
+    split: int = GUIDES
     coarse: int = 1
     seed: int = 0
     save: int = 100

@@ -10,6 +10,8 @@ from ..language.vocabulary import shipped_vocabulary
 
 Known = dict[str, str]
 """Attribute name → class, for those that a picture shows or a caption mentions."""
+GUIDES, JUDGES = 1, 0
+"""Salts of the wordings that the guide and the judge learn from."""
 _KEPT_BACK = 6
 """One wording in so many is kept from training."""
 
@@ -25,7 +27,7 @@ class Split:
         held_out: Whether to choose from what is kept back.
     """
 
-    salt: int = 0
+    salt: int = GUIDES
     held_out: bool = False
 
     @cache  # noqa: B019 - there are two or three splits in a process
