@@ -81,6 +81,10 @@ class Student(nn.Module):
 
     def load_export(self, folder: Path) -> None:
         """Takes over an exported model's weights, word by word; raises `VibeError` if its architecture is another one."""
+        if not (folder / "open_clip_config.json").is_file():
+            raise VibeError(
+                f"There is no exported model in {str(folder)!r}.", "Leave --from out to start from nothing."
+            )
         config = json.loads((folder / "open_clip_config.json").read_text())["model_cfg"]
         own, theirs = (c | {"text_cfg": c["text_cfg"] | {"vocab_size": 0}} for c in (self.config, config))
         if own != theirs or not (folder / MERGES).is_file():
