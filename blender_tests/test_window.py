@@ -54,6 +54,7 @@ def walked(tmp_path_factory):
         **os.environ,
         "BLENDER_WINDOW_BIND": ":".join(map(str, places)),
         "BLENDER_USER_RESOURCES": str(user),
+        "MESA_SHADER_CACHE_DIR": str(user),  # not one that other programs map and cut meanwhile
         "PYTHONPATH": str(REPOSITORY),  # for the engine; Blender itself must not need it
     }
     environment.setdefault("VIBE_ENGINE", sys.executable)
