@@ -92,6 +92,17 @@ def test_things_of_the_same_sort_are_matched_to_names_in_the_scene():
     assert "dragon" not in parse("red dragon", scene).guesses
 
 
+def test_one_thing_is_not_guessed_to_be_several():
+    wheels = tuple(f"Wheel {i}" for i in range(4))
+    scene = SceneWords(
+        objects=dict.fromkeys(("Shell", *wheels), "subject"),
+        materials={"Paint": "subject", "Rubber": "subject"},
+        object_materials={"Shell": ("Paint",), **dict.fromkeys(wheels, ("Rubber",))},
+    )
+    assert {a.owners for a in parse("candy apple red car", scene).attributes} == {()}
+    assert {a.owners for a in parse("golden tires", scene).attributes} == {("Rubber",)}
+
+
 @pytest.mark.parametrize(
     "prompt",
     [

@@ -72,6 +72,7 @@ class SceneName:
     name: str
     region: str
     materials: tuple[str, ...] = ()
+    several: bool = False  # objects that differ in a number only: wheels, chairs
 
 
 @dataclass
@@ -142,7 +143,9 @@ def scene_names(words: SceneWords) -> dict[str, SceneName]:
                 and merged.materials
             ):
                 both = tuple(dict.fromkeys((*merged.materials, *thing.materials)))
-                names[spoken] = SceneName(merged.name, merged.region, both)  # "the chairs": Chair, Chair.001
+                # "the chairs": Chair, Chair.001
+                several = merged.several or thing.name != merged.name
+                names[spoken] = SceneName(merged.name, merged.region, both, several)
             elif len(spoken) > 2:
                 names.setdefault(spoken, thing)
     return names
@@ -254,7 +257,10 @@ class Lexer:
 
     def _guess(self, token: Token) -> Token:
         """The nearest known word, where it can only be a slip of the keyboard."""
-        if same := table().same_sort(token.text, self.names):
+        one = not token.text.endswith("s")  # "a red car" is none of its four wheels
+        if same := table().same_sort(
+            token.text, [name for name, thing in self.names.items() if not (one and thing.several)]
+        ):
             token.scene, token.guess, token.name = self.names[same], self.names[same].name, same
             return token
         token.near = nearest(self.vocabulary).guess(token.text)
