@@ -130,8 +130,12 @@ def _round_place(
     length2 = x * x + y * y
     head_on = length2 < 1e-8
     x, y = torch.where(head_on, slope, x), torch.where(head_on, 0.0, y)
-    radius2 = product * product * slope * slope / (yy * x * x - 2 * xy * x * y + xx * y * y).clamp_min(1e-20)
-    nearest = (slope - radius2.sqrt()).clamp_min(0.0)
+    radius = product * slope * (yy * x * x - 2 * xy * x * y + xx * y * y).clamp_min(1e-20).rsqrt()
+    radius = radius / (
+        1 + radius * slope / (1 + squared)
+    )  # slopes are tangents: towards the normal they shrink
+    radius2 = radius * radius
+    nearest = (slope - radius).clamp_min(0.0)
     along = (aside / up - out) / slope  # the view's component along the lamp's slope
     outline = torch.stack((squared, radius2, nearest * nearest, (product / radius2) ** 2, xx + yy))
     return outline, nearest * nearest, out + nearest * along
