@@ -250,7 +250,7 @@ def the_way():
     yield from wait(lambda: snapshot.exists(bpy.context.scene), 60, "redo")
     yield 0.7
     seen["redo_restores"] = values() == after
-    yield from with_the_result(screen, desk, before, after)
+    yield from with_the_result(screen, before, after)
 
     yield from screen.click_on("vibe.revert")
     yield from wait(lambda: not snapshot.exists(bpy.context.scene), 60, "revert")
@@ -278,27 +278,14 @@ def preferences(screen, place):
     yield 0.5
 
 
-def with_the_result(screen, desk, before, after):
-    """Before and after, another variant, a lock, and the panel in the properties editor."""
+def with_the_result(screen, before, after):
+    """Before and after, as rendered, and the panel in the properties editor."""
     scene = bpy.context.scene
     yield from screen.click_on("show_original")
     yield from wait(lambda: scene.vibe.show_original, 60, "Before is pressed")
     seen["compare_shows_before"] = same(values(), before, after)
     screen.shoot("compare")
-    yield from screen.click_on("show_original")
-    yield from wait(lambda: not scene.vibe.show_original, 60, "After is pressed")
-    if len(desk.session.variants) > 1:
-        yield from screen.click_on("vibe.variant(number=1)")
-        yield from wait(lambda: bpy.context.scene.vibe.variant == 1, 60, "the variant is chosen")
-        yield 0.5
-        screen.shoot("variant")
-        yield from screen.undo()
-        yield from wait(lambda: bpy.context.scene.vibe.variant == 0, 30, "and taken back")
-        yield 0.7
-        seen["variant_undo_restores"] = values() == after
-    yield from screen.click_on("vibe.lock")
-    yield from wait(lambda: bpy.context.scene.vibe.locks, 60, "a value is locked")
-    seen["locked"] = list(bpy.context.scene.vibe.locks.keys())
+    scene.vibe.show_original = False
     shading = screen.area.spaces.active.shading
     shading.type = "RENDERED"
     yield 6.0
@@ -311,7 +298,7 @@ def with_the_result(screen, desk, before, after):
 
 
 def shared_materials(screen, desk):
-    """A material that the floor has too is asked about; Cancel answers nothing."""
+    """A material that the floor has too is asked about; Esc answers nothing."""
     floor, monkey = bpy.data.objects["Plane"], bpy.data.objects["Suzanne"]
     own, floor.data.materials[0] = floor.data.materials[0], monkey.data.materials[0]
     bpy.ops.ed.undo_push(message="Share")
@@ -320,8 +307,8 @@ def shared_materials(screen, desk):
     yield 0.5
     screen.shoot("shared")
     seen["asked_about"] = list(desk.session.question)
-    yield from screen.click_on("vibe.cancel")
-    yield from wait(lambda: not desk.running, 60, "Cancel ends the question")
+    screen.press("Escape")
+    yield from wait(lambda: not desk.running, 60, "Esc ends the question")
     floor.data.materials[0] = own
 
 
