@@ -257,8 +257,6 @@ def the_way():
     yield 0.5
     screen.shoot("reverted")
     seen["revert_restores"] = values() == before and not snapshot.exists(bpy.context.scene)
-    yield from shared_materials(screen, desk)
-    yield from another_file(screen, desk)
 
 
 def preferences(screen, place):
@@ -295,41 +293,6 @@ def with_the_result(screen, before, after):
     editor.spaces.active.context = "RENDER"
     yield 1.0
     screen.shoot("properties")
-
-
-def shared_materials(screen, desk):
-    """A material that the floor has too is asked about; Esc answers nothing."""
-    floor, monkey = bpy.data.objects["Plane"], bpy.data.objects["Suzanne"]
-    own, floor.data.materials[0] = floor.data.materials[0], monkey.data.materials[0]
-    bpy.ops.ed.undo_push(message="Share")
-    yield from screen.click_on("vibe.run")
-    yield from wait(lambda: desk.session and desk.session.question, 60, "the question")
-    yield 0.5
-    screen.shoot("shared")
-    seen["asked_about"] = list(desk.session.question)
-    screen.press("Escape")
-    yield from wait(lambda: not desk.running, 60, "Esc ends the question")
-    floor.data.materials[0] = own
-
-
-def another_file(screen, desk):
-    """Another file is opened, and then Blender is closed, while a vibe runs."""
-    small(100, 1000)
-    yield from screen.click_on("vibe.run")
-    yield from wait(lambda: desk.session and desk.session.progress, 900, "progress before another file")
-    with bpy.context.temp_override(window=screen.window, area=screen.area, region=screen.view):
-        bpy.ops.wm.read_homefile(use_factory_startup=True, load_ui=False)
-    yield 1.0
-    seen["load_ends_it"] = not desk.running and not desk.failure
-    seen["engine_pid"] = desk._engine._process.pid
-    screen.shoot("another_file")
-    with bpy.context.temp_override(window=screen.window, area=screen.area, region=screen.view):
-        a_scene()
-    bpy.context.scene.vibe.prompt = PROMPT
-    small(100, 1000)
-    yield 0.5
-    yield from screen.click_on("vibe.run")
-    yield from wait(lambda: desk.session and desk.session.progress, 900, "progress before the end")
 
 
 def small(rounds, steps):
