@@ -14,7 +14,8 @@ from proxy_renderer.language.attributes import ATTRIBUTES
 from proxy_renderer.schema import VibeError
 from proxy_renderer.train import bank as banks
 from proxy_renderer.train import captions, dense, looks, shader, wording
-from proxy_renderer.train.data import EMPTY, LOOKS, WHOLE, contradicts, gather, make_batch
+from proxy_renderer.train.augment import EMPTY, WHOLE
+from proxy_renderer.train.data import LOOKS, contradicts, gather, make_batch
 from proxy_renderer.train.evaluate import skill
 from proxy_renderer.train.shapes import FAMILIES, shape
 from proxy_renderer.train.train import Recipe, Trainer

@@ -25,7 +25,8 @@ from ..language.nearest import nearest, table
 from ..language.vocabulary import normalize, shipped_vocabulary
 from ..schema import VibeError
 from ..train import bank, cycles
-from ..train.data import LOOKS, WHOLE, Batch
+from ..train.augment import WHOLE
+from ..train.data import LOOKS, Batch
 from ..train.evaluate import Mistake, cost, describe, judge, shaded, skill
 from ..train.looks import INDEX, NAMES
 from ..train.wording import Split

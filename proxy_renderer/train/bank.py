@@ -26,10 +26,10 @@ VOID, SUBJECT, STAGE = 0, 1, 2
 FAR = 8.0
 """Distance at which nothing is seen, in camera distances."""
 SIDES = {
-    "left": (-80, 30, 25, 15),
-    "front": (0, 25, 35, 20),
-    "right": (80, 30, 25, 15),
-    "back": (180, 40, 30, 15),
+    "left": (-72, 22, 28, 14),
+    "front": (0, 18, 32, 15),
+    "right": (72, 22, 28, 14),
+    "back": (180, 30, 30, 15),
     "top": (0, 180, 78, 8),
 }
 """Light side → azimuth ± spread, elevation ± spread, in degrees relative to the camera."""
@@ -106,7 +106,7 @@ def _coverage(view: dict[str, np.ndarray]) -> float:
 
 def _trace(subject: Shape, rng: Random, size: int) -> dict[str, np.ndarray]:
     camera, tangent, origin, rays = _camera(subject, rng, size)
-    stage = [None, _floor(rng), _cyclorama(rng)][rng.choice(3, p=[0.3, 0.35, 0.35])]
+    stage = [None, _floor(rng), _cyclorama(rng)][rng.choice(3, p=[0.2, 0.4, 0.4])]
     parts = [subject] if stage is None else [subject, stage]
     everything, alone = _scene(parts), _scene([subject])
 
@@ -172,7 +172,7 @@ def _camera(subject: Shape, rng: Random, size: int) -> tuple[np.ndarray, float, 
     tangent = np.tan(np.radians(rng.uniform(22, 55)) / 2)
     axes = np.array(frame(0.0, rng.uniform(-4, 40) if rng.random() < 0.9 else rng.uniform(40, 75)))
     spread = np.abs((subject.triangles.reshape(-1, 3) - pivot) @ axes).max(0)
-    distance = max(spread[0], spread[1]) / (tangent * rng.uniform(0.48, 1.0)) + spread[2]
+    distance = max(spread[0], spread[1]) / (tangent * rng.uniform(0.65, 1.08)) + spread[2]
     drift = rng.uniform(-0.2, 0.2, 2) * tangent * distance
     origin = pivot + axes @ np.array([*drift, distance])
     origin[2] = max(origin[2], 0.08)

@@ -6,30 +6,20 @@ the subject cut out, because those are the pictures that guidance compares with 
 """
 
 import random
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 import torch
-import torch.nn.functional as F
 from torch import Tensor
 
 from ..language.attributes import ATTRIBUTES
 from . import captions, dense, looks, shader
+from .augment import ALONE, EMPTY, WHOLE, cut, frame, wear
 from .bank import SUBJECT
 from .wording import NOUNS, TRAINED, Split
 
 LOOKS = 4
 """Looks per group: a base, two one-attribute flips, a swap of the two colors."""
-WHOLE, ALONE, EMPTY = 0, 1, 2
-_SEEN_ALONE = (
-    "subject_color",
-    "subject_finish",
-    "subject_metal",
-    "light_side",
-    "light_softness",
-    "light_temperature",
-)
-_SEEN_EMPTY = ("surroundings_color",)
 _NOTICED = 0.012
 """Mean difference of display values from which a change of one attribute can be seen."""
 _GROUPS_AT_ONCE = 4
@@ -86,6 +76,74 @@ def make_batch(
     """
     generator = torch.Generator().manual_seed(seed)
     dice = random.Random(seed)
+    made = _looks_of_views(bank, groups, generator, dice, shade, device, coarse)
+    if real is not None:
+        made = made.after(_real_group(real, generator, coarse, made))
+    odds = torch.tensor([0.66, 0.26, 0.08] if augment else [1.0, 0, 0])
+    variant = torch.multinomial(odds, len(made.pictures), True, generator=generator)
+    truth = []
+    for g, kind in enumerate(variant.tolist()):
+        pairs = (slice(0, 2), slice(2, 4)) if real is not None and not g else (slice(0, LOOKS),)
+        truth += [made.cut_and_frame(g, part, kind, augment, generator, dice) for part in pairs]
+    maps = torch.cat(truth)
+    if augment:
+        made.pictures = wear(made.pictures, generator)
+    texts, mentioned = _describe(made.labels, made.flipped, variant, dice, split)
+    each = variant.repeat_interleave(LOOKS)
+    seen = each.to(maps.device)[:, None, None, None]
+    told = torch.where(seen == WHOLE, 1.0, torch.where(seen == ALONE, maps[:, :1], 1 - maps[:, :1]))
+    if real is not None:
+        told[:LOOKS] = 0.0  # nobody traced these
+    pictures, labels = made.pictures.flatten(0, 1), made.labels.flatten(0, 1)
+    return Batch(pictures, labels, texts, mentioned, made.flipped.flatten(), each, maps, told)
+
+
+@dataclass
+class _Groups:
+    """Pictures in groups, before they are cut and told.
+
+    Attributes:
+        pictures: (G, LOOKS, 3, H, W).
+        labels: (G, LOOKS, A).
+        flipped: (G, LOOKS).
+        masks: (G, LOOKS, H, W) where the subject is.
+        maps: (G, LOOKS, CHANNELS, 40, 40).
+    """
+
+    pictures: Tensor
+    labels: Tensor
+    flipped: Tensor
+    masks: Tensor
+    maps: Tensor
+
+    def after(self, first: "_Groups") -> "_Groups":
+        """Another's groups, then these."""
+        return _Groups(
+            *(torch.cat([getattr(g, field.name) for g in (first, self)]) for field in fields(self))
+        )
+
+    def cut_and_frame(
+        self, g: int, part: slice, kind: int, augment: bool, generator: torch.Generator, dice: random.Random
+    ) -> Tensor:
+        """Cuts and frames pictures of one view alike, in place; returns their maps, framed the same way."""
+        mask, box, mirrored = self.masks[g, part.start], (0.0, 0.0, 1.0), False
+        pictures, labels = cut(self.pictures[g, part], self.labels[g, part], mask, kind, generator)
+        if augment:
+            pictures, labels, box, mirrored = frame(pictures, labels, mask, kind, dice)
+        self.pictures[g, part], self.labels[g, part] = pictures, labels
+        return dense.framed(self.maps[g, part], box, mirrored)
+
+
+def _looks_of_views(
+    bank: dict[str, np.ndarray],
+    groups: int,
+    generator: torch.Generator,
+    dice: random.Random,
+    shade: shader.Shade,
+    device: torch.device | str,
+    coarse: int,
+) -> _Groups:
+    """Random views of the bank under random looks."""
     rows = torch.randint(len(bank["kind"]), (groups,), generator=generator)
     classes, flipped = _group_classes(groups, generator)
     noise = torch.rand(groups, 1, looks.NOISE, generator=generator).expand(-1, LOOKS, -1)
@@ -96,53 +154,7 @@ def make_batch(
         classes.flatten(0, 1), flat, pictures.flatten(0, 1), masks.repeat_interleave(LOOKS, 0)
     )
     labels = _noticed(pictures, masks, labels.view(groups, LOOKS, -1), flipped)
-    masks = masks[:, None].expand(-1, LOOKS, -1, -1)
-    if real is not None:
-        more = _real_group(real, generator, coarse, pictures)
-        pictures, labels, flipped, masks = (
-            torch.cat([one[None].to(all_), all_])
-            for one, all_ in zip(more, (pictures, labels, flipped, masks), strict=True)
-        )
-        maps = torch.cat([torch.zeros_like(maps[:1]), maps])
-    variant = torch.multinomial(
-        torch.tensor([0.66, 0.26, 0.08]) if augment else torch.tensor([1.0, 0, 0]),
-        len(pictures),
-        True,
-        generator=generator,
-    )
-    told = []
-    for g in range(len(pictures)):
-        pairs = (slice(0, 2), slice(2, 4)) if real is not None and not g else (slice(0, LOOKS),)
-        for part in pairs:  # pictures of one view are cut alike
-            mask, kind = masks[g, part.start], int(variant[g])
-            pictures[g, part], labels[g, part] = _cut(
-                pictures[g, part], labels[g, part], mask, kind, generator
-            )
-            box, mirrored = (0.0, 0.0, 1.0), False
-            if augment:
-                pictures[g, part], labels[g, part], box, mirrored = _frame(
-                    pictures[g, part], labels[g, part], mask, kind, dice
-                )
-            told.append(dense.framed(maps[g, part], box, mirrored))
-    if augment:
-        pictures = _wear(pictures, generator)
-    texts, mentioned = _describe(labels, flipped, variant, dice, split)
-    truth = torch.cat(told)
-    each = variant.repeat_interleave(LOOKS).to(truth.device)[:, None, None, None]
-    inside = truth[:, :1]
-    weight = torch.where(each == WHOLE, 1.0, torch.where(each == ALONE, inside, 1 - inside))
-    if real is not None:
-        weight[:LOOKS] = 0.0  # nobody traced these
-    return Batch(
-        pictures.flatten(0, 1),
-        labels.flatten(0, 1),
-        texts,
-        mentioned,
-        flipped.flatten(),
-        variant.repeat_interleave(LOOKS),
-        truth,
-        weight,
-    )
+    return _Groups(pictures, labels, flipped, masks[:, None].expand(-1, LOOKS, -1, -1), maps)
 
 
 def _group_classes(groups: int, generator: torch.Generator) -> tuple[Tensor, Tensor]:
@@ -184,16 +196,23 @@ def _shade_all(
 
 
 def _real_group(
-    real: dict[str, np.ndarray], generator: torch.Generator, coarse: int, like: Tensor
-) -> tuple[Tensor, Tensor, Tensor, Tensor]:
-    """Two pairs of Cycles pictures: pictures, labels, flipped and masks of `LOOKS`; a pair is a look and its flip."""
+    real: dict[str, np.ndarray], generator: torch.Generator, coarse: int, like: _Groups
+) -> _Groups:
+    """One group of two pairs of Cycles pictures; a pair is a look and its flip."""
     pairs = torch.randint(len(real["labels"]) // 2, (LOOKS // 2,), generator=generator).tolist()
     rows = [row for pair in pairs for row in (2 * pair, 2 * pair + 1)]
     pictures, masks = (
-        torch.from_numpy(real[name][rows][..., ::coarse, ::coarse].copy()) for name in ("pictures", "masks")
+        torch.from_numpy(real[name][rows][..., ::coarse, ::coarse].copy())[None]
+        for name in ("pictures", "masks")
     )
-    labels, flipped = (torch.from_numpy(real[name][rows]) for name in ("labels", "flipped"))
-    return pictures.to(like) / 255, labels, flipped, masks > 127
+    labels, flipped = (torch.from_numpy(real[name][rows])[None] for name in ("labels", "flipped"))
+    return _Groups(
+        pictures.to(like.pictures) / 255,
+        labels,
+        flipped,
+        (masks > 127).to(like.masks.device),
+        torch.zeros_like(like.maps[:1]),
+    )
 
 
 def _thinned(field: np.ndarray, coarse: int) -> np.ndarray:
@@ -230,82 +249,6 @@ def gather(view: dict[str, Tensor], classes: Tensor) -> dict[str, Tensor]:
         "light": view["lights"][each, side],
         "shadow": view["shadow"][each, side, soft].float() / 255,
     }
-
-
-def _cut(
-    pictures: Tensor, labels: Tensor, mask: Tensor, variant: int, generator: torch.Generator
-) -> tuple[Tensor, Tensor]:
-    """Leaves one region of the pictures (LOOKS, 3, H, W), and only the labels that it can show."""
-    if variant == WHOLE:
-        return pictures, labels
-    seen = _SEEN_ALONE if variant == ALONE else _SEEN_EMPTY
-    hidden = torch.tensor([name not in seen for name in looks.NAMES])
-    labels = labels.masked_fill(hidden, looks.UNKNOWN)
-    rest = (~mask).float()
-    mean = (pictures * rest).sum((2, 3), keepdim=True) / rest.sum().clamp_min(1)
-    chance = torch.rand((), generator=generator)
-    if variant == EMPTY:
-        fill = mean if chance < 0.8 else 0 * mean
-        if chance < 0.3:
-            fill = torch.rand(3, 1, 1, generator=generator).to(pictures)
-        return torch.where(mask, fill, pictures), labels
-    if chance < 0.35:
-        return torch.where(mask, pictures, mean), labels
-    cells = (1, 1, 2, 5, 12)[int(torch.randint(5, (), generator=generator))]
-    coarse = torch.rand(len(pictures), 3, cells, cells, generator=generator)
-    if cells == 1 and torch.rand((), generator=generator) < 0.4:
-        coarse = coarse[:, :1].expand(-1, 3, -1, -1)
-    background = F.interpolate(coarse.to(pictures), pictures.shape[-2:], mode="bilinear", align_corners=False)
-    return torch.where(mask, pictures, background), labels
-
-
-def _frame(
-    pictures: Tensor, labels: Tensor, mask: Tensor, variant: int, dice: random.Random
-) -> tuple[Tensor, Tensor, tuple[float, float, float], bool]:
-    """A random crop around the subject, and a mirror image with the light's sides exchanged.
-
-    Returns:
-        Pictures, labels, the crop's top, left and side as shares of the picture, and whether it was mirrored.
-    """
-    labels, box = labels.clone(), (0.0, 0.0, 1.0)
-    size = pictures.shape[-1]
-    if dice.random() < (0.4 if variant == WHOLE else 0.7):
-        rows, columns = (torch.nonzero(mask.any(axis))[:, 0].float() for axis in (1, 0))
-        center = [(axis[0] + axis[-1]).item() / 2 for axis in (rows, columns)]
-        side = int(size * dice.uniform(0.55, 0.97))
-        if variant == ALONE:  # guidance frames a lone subject closely
-            extent = max((axis[-1] - axis[0]).item() for axis in (rows, columns))
-            side = int(min(max(extent * dice.uniform(0.85, 1.35), 0.45 * size), size))
-        if variant == EMPTY:
-            center = [dice.uniform(0, size), dice.uniform(0, size)]
-        top, left = (
-            int(min(max(c - side / 2 + dice.uniform(-0.12, 0.12) * side, 0), size - side)) for c in center
-        )
-        crop = pictures[:, :, top : top + side, left : left + side]
-        pictures = F.interpolate(crop, (size, size), mode="bilinear", align_corners=False)
-        box = (top / size, left / size, side / size)
-        if side < 0.85 * size:
-            labels[:, looks.INDEX["vignette"]] = looks.UNKNOWN
-    mirrored = dice.random() < 0.5
-    if mirrored:
-        pictures = pictures.flip(-1)
-        sides = labels[:, looks.INDEX["light_side"]]
-        left, right = (ATTRIBUTES["light_side"].index(name) for name in ("left", "right"))
-        labels[:, looks.INDEX["light_side"]] = torch.where(
-            sides == left, right, torch.where(sides == right, left, sides)
-        )
-    return pictures, labels, box, mirrored
-
-
-def _wear(pictures: Tensor, generator: torch.Generator) -> Tensor:
-    """A little blur for some groups: renders differ in sharpness."""
-    share, worn = torch.rand(2, len(pictures), generator=generator).unbind()
-    for g in torch.nonzero(worn < 0.6)[:, 0].tolist():
-        soft = F.pad(pictures[g], (1, 1, 1, 1), mode="replicate")  # slices are ten times faster than a pool
-        soft = soft[..., :-2, :] + soft[..., 1:-1, :] + soft[..., 2:, :]
-        soft = (soft[..., :-2] + soft[..., 1:-1] + soft[..., 2:]) / 9
-        pictures[g] = torch.lerp(pictures[g], soft, share[g].item())
-    return pictures
 
 
 def _describe(

@@ -135,7 +135,7 @@ def parameters(classes: Tensor, noise: Tensor) -> dict[str, Tensor]:
     tint = _TINTS[classes[..., INDEX["light_temperature"]]] ** uniform(0.7, 1.25)[..., None]
     surroundings = color("surroundings_color")
     share = uniform(0, 1)
-    ambient = torch.where(share < 0.7, uniform(0.06, 0.3), uniform(0.3, 0.65)) * (1 - 0.85 * silhouette)
+    ambient = torch.where(share < 0.8, uniform(0.03, 0.2), uniform(0.2, 0.5)) * (1 - 0.85 * silhouette)
     subject = color("subject_color")
     metal = by_class("subject_metal", (0, 0), (1, 1))
     world = surroundings * uniform(0.6, 1.0)[..., None] * (1 + 0.3 * (tint - 1))
@@ -148,17 +148,17 @@ def parameters(classes: Tensor, noise: Tensor) -> dict[str, Tensor]:
         "roughness": by_class("subject_finish", (0.62, 1.0), (0.3, 0.45), (0.03, 0.16)),
         "specular": by_class("subject_finish", (0.0, 0.03), (0.03, 0.05), (0.04, 0.09)),
         "metal": metal,
-        "key": tint * (uniform(0.9, 1.5) * (1 + 0.6 * back))[..., None],
+        "key": tint * (uniform(1.3, 2.2) * (1 + 0.6 * back))[..., None],
         "ambient": ambient[..., None] * torch.lerp(torch.ones(3), surroundings, uniform(0.1, 0.6)[..., None]) * tint**0.5,
-        "fill": uniform(0.0, 0.2) * (1 - silhouette),
+        "fill": uniform(0.0, 0.12) * (1 - silhouette),
         "soft": by_class("light_softness", (0, 0), (1, 1)),
-        "backdrop": uniform(0.0, 0.5) + 0.5 * silhouette,
-        "panels": torch.stack([uniform(1.2, 6.0), (uniform(-1.5, 4.0)).clamp_min(0)], -1) * (1 - 0.7 * silhouette)[..., None],
-        "panel_turn": torch.stack([uniform(-1.2, 1.2), uniform(-2.6, 2.6)], -1),
+        "backdrop": uniform(0.0, 0.2) + 0.5 * silhouette,
+        "panels": torch.stack([uniform(3.0, 14.0), (uniform(-3.0, 4.0)).clamp_min(0)], -1) * (1 - 0.7 * silhouette)[..., None],
+        "panel_turn": torch.stack([uniform(-0.5, 0.5), uniform(-2.6, 2.6)], -1),
         "panel_size": torch.stack([uniform(0.15, 0.7), uniform(0.15, 0.9)], -1),
         "fog": fog,
         "fog_color": torch.lerp(world, world.mean(-1, keepdim=True).expand_as(world), uniform(0, 0.4)[..., None]) * uniform(0.8, 1.2)[..., None],
-        "exposure": by_class("brightness", (0.1, 0.32), (0.8, 1.3), (1.8, 3.2)),
+        "exposure": by_class("brightness", (0.08, 0.26), (0.65, 1.1), (1.5, 2.8)),
         "contrast": by_class("contrast", (0.45, 0.68), (0.92, 1.15), (1.5, 2.1)),
         "saturation": by_class("saturation", (0.0, 0.35), (0.9, 1.15), (1.5, 2.2)),
         "vignette": by_class("vignette", (0, 0), (0.55, 1.0)),
@@ -199,7 +199,7 @@ def visible(classes: Tensor, look: dict[str, Tensor], picture: Tensor, mask: Ten
     middle = ((lab[:, :1] > 7) & (lab[:, :1] < 96)).float()
     readable = (middle * inside).sum((1, 2, 3)) / among > 0.6
     off = lab[:, :1] - ((lab[:, :1] * inside).sum((2, 3)) / among[:, None])[..., None, None]
-    modelled = ((off**2 * inside).sum((1, 2, 3)) / among).sqrt() > 3.0
+    modelled = ((off**2 * inside).sum((1, 2, 3)) / among).sqrt() > 6.0
     clear = look["fog"] < 0.9
     tinted = asked("light_temperature") != ATTRIBUTES["light_temperature"].index("neutral")
     back = asked("light_side") == ATTRIBUTES["light_side"].index("back")
