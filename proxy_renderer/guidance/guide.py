@@ -33,6 +33,7 @@ _LIT, _DIM = (
     50.0,
     20.0,
 )  # least lightness of the subject or of what is around it; the latter for dark pictures
+_FORM = 0.55  # lightness of a subject's best-lit tenth, as a share of that
 _PLAIN = "a picture of an object"  # says nothing of its look
 _FULL_FRAME = ("vignette", "brightness")  # attributes that a crop changes
 
@@ -65,7 +66,7 @@ class Weights:
     border: float = 0.5
     visibility: float = 1.0
     prior: float = 0.5
-    leash: float = 0.5
+    leash: float = 2.0
 
 
 class Guide:
@@ -147,7 +148,7 @@ class Guide:
         terms["border"] = w.border * border_loss(mask)
         terms["visibility"] = w.visibility * visibility_loss(lab, mask, light=self._light)
         if not self.silhouette:
-            terms["form"] = w.visibility * form_loss(lab, mask)
+            terms["form"] = w.visibility * form_loss(lab, mask, _FORM * self._light)
         return terms
 
     def measure(self, display: Tensor) -> dict[str, float]:

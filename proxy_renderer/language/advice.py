@@ -8,10 +8,12 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from ..schema import Instance
+from .meaning import forget_parts
 from .parser import parse
 from .planner import plan
 from .prompts import compose
 from .types import Parsed, Plan, PlanContext, Prompts, SceneWords
+from .vocabulary import default_vocabulary
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,8 @@ class OfflineAdvisor:
 
     def advise(self, display: Any, instances: Mapping[str, Instance], context: PlanContext) -> Advice:
         """Raises VibeError if no word of the prompt is known."""
-        parsed = parse(self.prompt, self.words)
+        vocabulary = default_vocabulary()
+        parsed = parse(self.prompt, self.words, vocabulary)
+        forget_parts(parsed, context.material_share, vocabulary)
         prompts = compose(parsed)
         return Advice(parsed, prompts, plan(parsed, prompts, dict(instances), context))

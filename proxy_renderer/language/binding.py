@@ -129,12 +129,16 @@ class Binding:
         rest = [a for a in self.attributes if a not in loose and not a.cause]
         if any(a.slot in BOUND_SLOTS or a.kind == "subject" for a in rest) or self.things:
             return
-        airy = any(a.slot in ("mood", "atmosphere") for a in rest)
+        air = next((a for a in rest if a.slot == "atmosphere" and not a.negated), None)
+        airy = air or any(a.slot == "mood" for a in rest)
         for i in self._loose:
             attribute = self.attributes[i]
             toned = bool(set(attribute.entry.split()[:-1]) & set(_TONED))
             if attribute.color and (airy or toned or several):
                 self.attributes[i] = replace(attribute, region="whole", kind="ambience", thing="tint")
+            if attribute.color and air:  # "underwater, murky green": so is the water
+                said = replace(attribute, region="whole", kind=air.kind, thing=air.thing)
+                self.attributes.append(said)
 
     def _bind_word(self, word: Word, thing: Thing) -> bool:
         token = word.token

@@ -6,12 +6,13 @@ from __future__ import annotations
 from ..schema import Instance, Values
 from .color import chroma, from_hex, luminance, shade, to_lab, to_linear
 from .meaning import fog_color
+from .measured import measured
 from .sources import Range, Sources
 from .types import Attribute
 from .view import radiance, reachable
 from .vocabulary import Effect, default_vocabulary
 
-_BLACKEST, _WHITEST = 0.006, 0.85  # no real surface reflects less, or more
+_BLACKEST, _WHITEST = 0.016, 0.85  # hardly a real surface reflects less, or more
 _BRIGHTEST = 2.5  # radiance of a backdrop that has a color
 _DARK = 0.02  # radiance below which a backdrop is black
 _BOX = 0.06  # half the width of a color's box, in steps that look even
@@ -24,7 +25,8 @@ def color_range(effect: Effect, attribute: Attribute, instance: Instance, source
     """The range that an effect with a color asks for; not clipped."""
     srgb, view = _named(effect, attribute, sources), sources.context.view
     if effect.mode == "shown" and instance.parameter.kind == "scalar":
-        return _shown_strength(srgb, instance, sources)
+        glows = instance.parameter.group == "material"
+        return _lit_up(srgb, instance, sources) if glows else _shown_strength(srgb, instance, sources)
     if effect.mode == "cast":
         cast = _cast(to_linear(srgb), 0.06 if instance.parameter.name == "lift" else 0.16)
         return tuple(v - 0.02 for v in cast), tuple(v + 0.02 for v in cast)
@@ -40,6 +42,8 @@ def color_range(effect: Effect, attribute: Attribute, instance: Instance, source
     if instance.parameter.family == "material/tint":
         texture = max(sources.context.texture_luminance.get(instance.owner, 0.4), 0.02)
         linear = tuple(v / texture for v in linear)
+    if effect.mode == "color" and sources.plain:
+        linear = measured(linear, srgb, instance, sources.context)
     if attribute.strength < 0.8:
         linear = tuple(a + (b - a) * attribute.strength for a, b in zip(instance.value, linear, strict=True))
     return _box(linear)
@@ -103,6 +107,20 @@ def _cast(linear: Values, amount: float) -> Values:
     gel = _gel(linear, 1.0)
     mean = sum(gel) / 3
     return tuple(1 + amount * (v - mean) / max(mean, 0.2) for v in gel)
+
+
+def _lit_up(srgb: Values, instance: Instance, sources: Sources) -> Range:
+    """Emission by which pale surroundings come to look as named: lamps alone would burn the subject too."""
+    context = sources.context
+    goal = min(to_lab(srgb)[0], 92.0)
+    now = instance.value[0]
+    shown = context.picture.materials.get(instance.owner) if context.picture else None
+    lit = _WHITEST * luminance(to_linear(srgb)) * sources.illumination
+    if shown and context.values:
+        now = context.values.get(instance.key, instance.value)[0]
+        lit = radiance(shown[0], context.view) - now
+    ends = (max(radiance(end, context.view) - max(lit, 0.0), 0.0) for end in (goal - 4.0, goal))
+    return tuple((min(v, _BRIGHTEST) / 2**sources.exposure,) for v in ends)  # type: ignore[return-value]
 
 
 def _shown_strength(srgb: Values, instance: Instance, sources: Sources) -> Range:

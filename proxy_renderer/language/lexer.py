@@ -9,70 +9,13 @@ from difflib import get_close_matches
 
 from ..schema import Values
 from .color import shade
+from .names import SceneName, scene_names
 from .nearest import Guess, nearest, table
 from .types import SceneWords
 from .vocabulary import Vocabulary, normalize
 
 _LONGEST = 5  # words in a phrase
 _BREAK = re.compile(r"[.,;:!?()\[\]{}<>|\n\"*#=+]|\s[-–—/]\s|/")
-
-
-_PIPELINE = frozenset(
-    [
-        "low",
-        "high",
-        "hi",
-        "lo",
-        "lod",
-        "lp",
-        "hp",
-        "sm",
-        "sk",
-        "geo",
-        "geom",
-        "mesh",
-        "obj",
-        "object",
-        "grp",
-        "group",
-        "mat",
-        "mtl",
-        "material",
-        "shader",
-        "mid",
-        "final",
-        "copy",
-        "new",
-        "test",
-        "tmp",
-        "proxy",
-        "collision",
-        "col",
-        "export",
-        "inst",
-        "instance",
-        "part",
-        "prim",
-        "poly",
-        "lowpoly",
-        "highpoly",
-        "master",
-        "base",
-        "body",
-        "main",
-    ]
-)
-"""What names say about how a thing was made, not what it is."""
-
-
-@dataclass(frozen=True)
-class SceneName:
-    """Something in the scene that a word of the prompt names."""
-
-    name: str
-    region: str
-    materials: tuple[str, ...] = ()
-    several: bool = False  # objects that differ in a number only: wheels, chairs
 
 
 @dataclass
@@ -112,43 +55,6 @@ class Token:
         """Whether it plays any role."""
         look = self.entry or self.color or self.adjective or self.noun or self.scene
         return bool(look or self.strength or self.lists)
-
-
-def _plain_name(name: str) -> str:
-    """A name as somebody would say it: "WoodTable.001" -> "wood table", "SM_Cup.001_low" -> "cup"."""
-    spaced = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|_", " ", re.sub(r"\.\d+", " ", name))
-    words = normalize(re.sub(r"[^\w\s]|\d+", " ", spaced)).split()
-    return " ".join([w for w in words if w not in _PIPELINE and len(w) > 1] or words)
-
-
-def scene_names(words: SceneWords) -> dict[str, SceneName]:
-    """Spoken name -> what it names; objects come before materials, whole names before last words."""
-    things = [
-        SceneName(name, region, words.object_materials.get(name, ()))
-        for name, region in words.objects.items()
-    ]
-    things += [SceneName(name, region, (name,)) for name, region in words.materials.items()]
-    names: dict[str, SceneName] = {}
-    if words.subject:
-        names[_plain_name(words.subject)] = SceneName(_plain_name(words.subject), "subject")
-    for whole in (True, False):
-        for thing in things:
-            spoken = _plain_name(thing.name)
-            spoken = spoken if whole else spoken.rpartition(" ")[2]
-            merged = names.get(spoken)
-            if (
-                merged
-                and thing.name not in words.materials
-                and merged.region == thing.region
-                and merged.materials
-            ):
-                both = tuple(dict.fromkeys((*merged.materials, *thing.materials)))
-                # "the chairs": Chair, Chair.001
-                several = merged.several or thing.name != merged.name
-                names[spoken] = SceneName(merged.name, merged.region, both, several)
-            elif len(spoken) > 2:
-                names.setdefault(spoken, thing)
-    return names
 
 
 class Lexer:

@@ -16,6 +16,8 @@ _COLORED = {
     "fog": "atmosphere",
     "glow": "material",
 }
+_BLACK = 12.0  # L* of a black thing whose form can be seen
+_MAIN = 0.5  # share of its region above which a thing's color is the region's
 Named = tuple[str, Region, tuple[str, ...]]
 
 
@@ -24,7 +26,7 @@ def complete(parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[
     parsed.attributes = _qualified(parsed.attributes)
     parsed.objects = _objects(parsed.attributes, subject, things)
     _settle_targets(parsed, vocabulary)
-    _region_colors(parsed)
+    _region_colors(parsed, parsed.attributes)
     for region in ("subject", "surroundings"):
         if region in parsed.colors and f"{region}_color" not in parsed.targets:
             named = next(a for a in parsed.attributes if a.color and _region_of(a) == region)
@@ -46,7 +48,8 @@ def _settle_targets(parsed: Parsed, vocabulary: Vocabulary) -> None:
                     parsed.targets[head] = value
                 continue
             usual = attribute.slot == "material" and head == "subject_finish"  # matte ceramic
-            if settled != value and not (attribute.cause or usual or head.endswith("_color")):
+            apart = attribute.owners and first.owners and not {*attribute.owners} & {*first.owners}
+            if settled != value and not (attribute.cause or usual or apart or head.endswith("_color")):
                 lost += 1
                 parsed.conflicts.append(
                     f"'{attribute.word}' contradicts '{first.cause or first.word}' on {_readable(head)}: "
@@ -78,7 +81,7 @@ def display_color(color: tuple[float, ...], region: Region) -> Lab:
     if chroma((light, a, b)) > 20:
         return min(max(light, 22.0), 74.0), 0.8 * a, 0.8 * b
     ceiling = 95.0 if region == "surroundings" else 86.0
-    return min(max(light, 8.0), ceiling), a, b
+    return min(max(light, _BLACK), ceiling), a, b
 
 
 def fog_color(srgb: Values) -> Values:
@@ -110,7 +113,7 @@ def _heads(attribute: Attribute, vocabulary: Vocabulary) -> dict[str, str]:
         "fill",
     ):  # the heads speak of the key light
         heads = {head: value for head, value in heads.items() if not head.startswith("light_")}
-    if attribute.region == "surroundings":
+    if attribute.region == "surroundings" or attribute.kind in ("light", "fog", "tone", "shadow"):
         heads = {head: value for head, value in heads.items() if not head.startswith("subject_")}
     if attribute.strength < 0.8:
         heads = {head: _softer(head, value) for head, value in heads.items()}
@@ -124,10 +127,32 @@ def _softer(head: str, value: str) -> str:
     return value if head in ("light_side", "light_temperature", "vignette", "subject_color") else ""
 
 
-def _region_colors(parsed: Parsed) -> None:
+def forget_parts(parsed: Parsed, shares: dict[str, float], vocabulary: Vocabulary) -> None:
+    """A region's targets are those of what makes it up: a black book makes no still life black.
+
+    Args:
+        parsed: Complete; changed.
+        shares: Material -> fraction of its region's pixels.
+        vocabulary: What words mean.
+    """
+    parts = [a for a in parsed.attributes if a.owners and sum(shares.get(n, 1.0) for n in a.owners) < _MAIN]
+    mine: set[str] = set()
+    for attribute in parts:
+        region = _region_of(attribute)
+        heads = {h for h in _heads(attribute, vocabulary) if h.startswith("subject_")}
+        mine |= heads | ({f"{region}_color"} if attribute.color else set())
+        if region and attribute.color:
+            parsed.colors.pop(region, None)
+    kept = [a for a in parsed.attributes if a not in parts]
+    spoken = {h for a in kept for h in _heads(a, vocabulary)}
+    parsed.targets = {head: value for head, value in parsed.targets.items() if head not in mine - spoken}
+    _region_colors(parsed, kept)
+
+
+def _region_colors(parsed: Parsed, attributes: list[Attribute]) -> None:
     """Lab targets: from the color words of the subject and of what lies around it, fog last."""
     for kind in ("subject", "surroundings", "sky", "fog"):
-        named = [a for a in parsed.attributes if a.kind == kind and a.color and not a.negated]
+        named = [a for a in attributes if a.kind == kind and a.color and not a.negated]
         named.sort(key=lambda a: (bool(a.cause), bool(a.owners) and kind == "subject"))
         for attribute in named:
             region = _region_of(attribute)

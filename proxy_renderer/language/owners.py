@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from ..schema import Instance
 from .color import luminance
+from .names import is_detail, kind_of
 from .types import Attribute, Parsed, PlanContext
 from .vocabulary import OWNERS, Effect
 
@@ -53,13 +54,23 @@ class Owners:
         if effect.owner == "surroundings" and attribute.kind == "sky":
             return []
         if attribute.owners and region == attribute.region:
-            return list(attribute.owners)
+            return self._whole(list(attribute.owners))
         names = self.materials(region if region in ("subject", "surroundings") else "subject")
         if attribute.slot == "lighting":  # light falls on parts too: no part of a silhouette is lit
             return names
-        shares = self.context.material_share
-        large = [n for n in names if shares.get(n, 1.0) >= _PART]
-        return large or sorted(names, key=lambda n: -shares.get(n, 0.0))[:1]
+        return self._whole(names)
+
+    def _whole(self, names: list[str]) -> list[str]:
+        """Of the materials of a thing those that make it up: "red car" means neither its tyres nor a screw."""
+        shares: dict[str, float] = {}
+        for name in names:  # all of a kind, or none: not the one tyre that is seen best
+            kind = kind_of(name)
+            shares[kind] = shares.get(kind, 0.0) + self.context.material_share.get(name, 1.0)
+        made_up = [n for n in names if not is_detail(n)] or names
+        least = _PART * sum(shares.values())
+        large = [n for n in made_up if shares[kind_of(n)] >= least]
+        most = max(made_up, key=lambda n: shares[kind_of(n)], default="")
+        return large or [n for n in made_up if kind_of(n) == kind_of(most)]
 
     def world_is_hidden(self) -> bool:
         """Whether surfaces fill all that the camera sees."""

@@ -3,42 +3,39 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ..schema import FAMILIES, Instance, Values
 from .color import to_lab, to_srgb
+from .demands import Demand, lacking, listed, reason_of
 from .illumination import expected, veil
 from .owners import Owners
 from .ranges import clip, effect_range
 from .sources import Range, Sources
 from .support import supports
 from .types import Attribute, Parsed, Plan, PlanContext, PlanEntry, Prompts
-from .view import lightness, radiance
+from .vignette import seen_vignette
 from .vocabulary import OWNERS, Effect, Vocabulary, default_vocabulary
 
+_CASTS = {
+    *("color", "temperature", "tint", "power", "strength"),
+    *(
+        "gain",
+        "midtone",
+        "lift",
+        "saturation",
+        "hue",
+        "exposure",
+        "grade_exposure",
+        "contrast",
+        "gamma",
+        "grade_gamma",
+    ),
+}
+"""Of lights, world, fog or film: what changes how colors look."""
+_NOTICED = 0.7  # exponent of a weak vignette's strength: half of it is not noticed at all
 _NOT = 0.6  # "not glossy" asks for a mild "matte"
-_FINISH = ("roughness", "specular", "coat", "coat_roughness", "sheen")
-_GREY = 50.0  # L* of the surroundings that a vignette's range is meant for
 _SECOND = 6  # how much later a mood's own words come than the prompt's
-
-
-@dataclass(frozen=True)
-class Demand:
-    """What one word wants of one parameter instance."""
-
-    key: str
-    lower: tuple[float, ...]
-    upper: tuple[float, ...]
-    attribute: Attribute
-    reason: str
-    weak: bool
-    priority: int
-
-    @property
-    def rank(self) -> tuple[bool, bool, bool]:
-        """Words of the prompt before those that a mood stands for, a finish before a material's usual one; defaults last."""
-        usual = self.attribute.slot == "material" and self.key.rpartition("/")[2] in _FINISH
-        return self.weak, bool(self.attribute.cause), usual
 
 
 def plan(
@@ -67,7 +64,7 @@ class _Planner:
         self.parsed, self.instances, self.vocabulary = parsed, instances, vocabulary
         self.owners = Owners(parsed, instances, context)
         stops = [i.value[0] for i in instances.values() if i.parameter.name in ("exposure", "grade_exposure")]
-        self.sources = Sources(context, exposure=sum(stops))
+        self.sources = Sources(context, exposure=sum(stops), plain=self._plain())
         self.notes = list(parsed.conflicts)
         self.demands: dict[str, list[Demand]] = {}
         self.settled: dict[str, tuple[Range, list[Demand]]] = {}
@@ -88,24 +85,36 @@ class _Planner:
         entries = {key: self._entry(instance) for key, instance in self.instances.items()}
         for (loser, winner), lost in self.beaten.items():
             self.notes.append(
-                f"'{loser}' gives way to '{winner}' on {_listed(list(lost))}: "
+                f"'{loser}' gives way to '{winner}' on {listed(list(lost))}: "
                 "they contradict each other, and the first one named counts."
             )
         self.notes += self._unmet(wishes)
         for reason, keys in self.kept.items():
-            self.notes.append(f"The words ask for {_listed(keys)}, but: {reason}.")
+            self.notes.append(f"The words ask for {listed(keys)}, but: {reason}.")
         return entries
+
+    def _plain(self) -> bool:
+        """Whether no word changes how colors look: dusk, blue light, sepia."""
+        said = [a for a in self.parsed.attributes if a not in self.parsed.overruled]
+        strong = (
+            e
+            for a in said
+            if a.kind not in ("subject", "surroundings")
+            for e in self._effects(a)
+            if not e.weak
+        )
+        return not any(e.name in _CASTS and OWNERS[e.owner] != "material" for e in strong)
 
     def _unmet(self, wishes: list[tuple[Attribute, Effect]]) -> list[str]:
         """Words whose main wish no part of the scene can fulfil: a rim light where there is only one light."""
-        lacking: dict[str, str] = {}
+        missing: dict[str, str] = {}
         for attribute in self.parsed.attributes:
             strong = [e for a, e in wishes if a == attribute and not e.weak]
             most = min((e.priority for e in strong), default=0)
             main = [e for e in strong if e.priority == most]
             if main and not any(self.owners.of(e, attribute) for e in main):
-                lacking.setdefault(attribute.cause or attribute.word, _lacking(main[0].owner))
-        return [f"'{word}' is not fully possible here: {what}." for word, what in lacking.items()]
+                missing.setdefault(attribute.cause or attribute.word, lacking(main[0].owner))
+        return [f"'{word}' is not fully possible here: {what}." for word, what in missing.items()]
 
     def _attributes(self) -> list[Attribute]:
         """What is not overruled, with "red and blue lights" shared out: the first color to the key, the next to the others."""
@@ -137,6 +146,8 @@ class _Planner:
     def _demands(self, attribute: Attribute, effect: Effect) -> list[Demand]:
         shown = self.vocabulary.entries.get(attribute.entry)
         strength = attribute.strength
+        if effect.name == "vignette" and strength < 1.0:
+            strength **= _NOTICED
         if attribute.negated and shown and not shown.never and shown.opposite:
             strength = _NOT
         demands = []
@@ -152,25 +163,15 @@ class _Planner:
             priority = effect.priority + (2 if effect.weak else 0) + (_SECOND if attribute.cause else 0)
             priority += 2 * (effect.owner == "lights" and instance.owner not in self.owners.key)
             if effect.name == "vignette":
-                lower, upper = clip(*self._vignette((lower, upper)), instance)
-            reason = _reason(attribute, shown.phrase if shown else "")
+                lower, upper = clip(*self._seen_vignette((lower, upper)), instance)
+            reason = reason_of(attribute, shown.phrase if shown else "")
             demands.append(Demand(instance.key, lower, upper, attribute, reason, effect.weak, priority))
         return demands
 
-    def _vignette(self, ends: Range) -> Range:
-        """A vignette that is seen as much on these surroundings as the range is on mid-grey ones.
-
-        The view swallows what darkens highlights, and dark corners soon are black.
-        """
+    def _seen_vignette(self, ends: Range) -> Range:
         context, named = self.sources.context, self.parsed.colors.get("surroundings")
         shown = named or (context.picture.lab.get("surroundings") if context.picture else None)
-        light, view = (min(max(shown[0], 10.0), 92.0) if shown else _GREY), context.view
-        seen = []
-        for ((amount,),) in zip(ends, strict=True):
-            drop = _GREY - lightness(radiance(_GREY, view) * (1 - amount), view)
-            goal = light - drop * min(light / _GREY, 1.0)
-            seen.append((1 - radiance(goal, view) / radiance(light, view) if amount > 0.02 else amount,))
-        return seen[0], seen[1]
+        return seen_vignette(ends, shown[0] if shown else None, context.view)
 
     def _settle(self, demands: list[Demand]) -> None:
         """Intersects what the words want; where they contradict each other, the first one has its way."""
@@ -243,22 +244,11 @@ class _Planner:
         return PlanEntry(lower, upper, min(d.priority for d in winners), reason, prior=0.0)
 
 
-def _listed(keys: list[str]) -> str:
-    return ", ".join(keys[:3]) + (f" and {len(keys) - 3} more" if len(keys) > 3 else "")
-
-
-def _lacking(owner: str) -> str:
-    """What a scene has not got, for an effect's owner."""
-    if owner in ("rim", "fill", "others"):
-        return f"the scene has no light that could be the {'second' if owner == 'others' else owner} light; add one"
-    return f"the scene has no {OWNERS[owner]} whose values may change so"
-
-
 def _stage(effect: Effect) -> int:
     """What has to wait for what: the world's strength for its color, surfaces for the light, glows for surfaces."""
     if effect.color == "own":
         return 3
-    if effect.mode == "color" and OWNERS[effect.owner] == "material":
+    if effect.mode in ("color", "shown") and OWNERS[effect.owner] == "material":
         return 2
     return 1 if effect.owner == "world" and effect.name == "strength" else 0
 
@@ -267,15 +257,3 @@ def _neutral(effect: Effect) -> float | None:
     """The value at which an effect does nothing, where a parameter has one."""
     measured = effect.mode == "" and len(effect.lower) == 1 and OWNERS[effect.owner] != "light"
     return FAMILIES[effect.family].default if measured else None
-
-
-def _reason(attribute: Attribute, phrase: str) -> str:
-    """Quotes the word: "'glossy': glossy, with bright reflections", "'warm' in 'cosy'"."""
-    if attribute.cause:
-        return f"'{attribute.cause}' means '{attribute.word}'"
-    what = f" on the {attribute.thing}" if attribute.color and attribute.thing else ""
-    return f"'{attribute.word}'{what}" + (
-        f" ({phrase})"
-        if phrase and not (attribute.negated or attribute.shades) and phrase != attribute.word
-        else ""
-    )

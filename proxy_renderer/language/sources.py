@@ -23,6 +23,7 @@ class Sources:
         illumination: Radiance, after exposure, of a white surface where the effect acts.
         veil: Radiance that the surface mirrors all over, whatever its color.
         environment: Whether the world is a linked picture.
+        plain: Whether no word is about light, air, film or mood: then a color should look as it is named.
     """
 
     context: PlanContext
@@ -32,3 +33,4 @@ class Sources:
     illumination: float = 1.0
     veil: float = 0.0
     environment: bool = False
+    plain: bool = False

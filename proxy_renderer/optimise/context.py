@@ -3,14 +3,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 import torch
+import torch.nn.functional as F
 from torch import Tensor
 
 from ..guidance import regions
-from ..language.types import PictureStats, PlanContext, Region, SceneWords
+from ..language.types import Lab, PictureStats, PlanContext, Region, SceneWords
 from ..render.camera import view_of
 from ..render.color import LUMA, srgb_to_lab
 from ..render.settings import Settings
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
     from ..render.proxy import Proxy, Render
 
 _GRID = 64  # rays along each side of the picture
+_SEEN = 16  # rays that a material's color is measured from, at least
 
 
 def scene_words(scene: SceneData) -> SceneWords:
@@ -42,7 +45,8 @@ def scene_words(scene: SceneData) -> SceneWords:
 def plan_context(proxy: Proxy, values: dict[str, Values], picture: Render) -> PlanContext:
     """What the planner knows: the scene, where its values are now, and what that looks like."""
     scene = proxy.scene
-    world, materials = coverage(proxy, values)
+    seen = _look(proxy, values)
+    world, materials = coverage(scene, *seen)
     textures = {m.name: m.texture.image for m in scene.materials if m.texture is not None}
     return PlanContext(
         camera_azimuth=values["camera/azimuth"][0] if "camera/azimuth" in values else 0.0,
@@ -56,7 +60,7 @@ def plan_context(proxy: Proxy, values: dict[str, Values], picture: Render) -> Pl
             name: float((image @ np.asarray(LUMA, np.float32)).mean()) for name, image in textures.items()
         },
         values=values,
-        picture=picture_stats(picture),
+        picture=replace(picture_stats(picture), materials=_material_colors(scene, seen[0], picture)),
     )
 
 
@@ -84,28 +88,50 @@ def picture_stats(picture: Render) -> PictureStats:
     )
 
 
-def coverage(proxy: Proxy, values: dict[str, Values]) -> tuple[float | None, dict[str, float]]:
-    """What the camera sees, from a coarse grid of rays.
+def _look(proxy: Proxy, values: dict[str, Values]) -> tuple[Tensor, Tensor]:
+    """What a coarse grid of rays meets.
 
     Returns:
-        The share of the surroundings that is the world (None if there are no surroundings), and the
-        share of its region, subject or surroundings, that each material covers.
+        (rays,) index of the material, -1 for the world, and whether it is on the subject.
     """
     scene, geometry = proxy.scene, proxy.geometry
     cameras = {k: torch.tensor(v) for k, v in values.items() if k.startswith("camera/")}
     view = view_of(scene, Settings(scene, cameras, geometry.device), (_GRID, _GRID))
     y, x = torch.meshgrid(torch.arange(_GRID), torch.arange(_GRID), indexing="ij")
     hits = geometry.first_hits(*view.rays(torch.stack((x.flatten(), y.flatten())).to(geometry.device) + 0.5))
-    triangle = hits.triangle[hits.hit].cpu()
-    owner, material = geometry.object.cpu()[triangle], geometry.material.cpu()[triangle]
-    mine = torch.tensor([o.subject for o in scene.objects])[owner]
-    missed = _GRID * _GRID - len(triangle)
-    around = missed + int((~mine).sum())
+    triangle, hit = hits.triangle.cpu().clamp_min(0), hits.hit.cpu()
+    material = torch.where(hit, geometry.material.cpu()[triangle].long(), -1)
+    subjects = torch.tensor([o.subject for o in scene.objects])
+    return material, subjects[geometry.object.cpu()[triangle].long()] & hit
+
+
+def coverage(scene: SceneData, material: Tensor, mine: Tensor) -> tuple[float | None, dict[str, float]]:
+    """What the camera sees, of rays as in `_look`.
+
+    Returns:
+        The share of the surroundings that is the world (None if there are no surroundings), and the
+        share of its region, subject or surroundings, that each material covers.
+    """
+    around = int((~mine).sum())
     shares = {}
     for index, m in enumerate(scene.materials):
-        region, total = (mine, int(mine.sum())) if m.role == "subject" else (~mine, around)
-        shares[m.name] = float((region & (material == index)).sum()) / max(total, 1)
-    return (missed / around if around else None), shares
+        region = mine if m.role == "subject" else ~mine
+        shares[m.name] = float((region & (material == index)).sum()) / max(int(region.sum()), 1)
+    return (float((material < 0).sum()) / around if around else None), shares
+
+
+def _material_colors(scene: SceneData, material: Tensor, picture: Render) -> dict[str, Lab]:
+    """Mean display color of what rays as in `_look` see of each material."""
+    display = picture.display.detach().cpu().permute(2, 0, 1)[None]
+    small = F.interpolate(display, (_GRID, _GRID), mode="area")[0].permute(1, 2, 0)
+    lab = srgb_to_lab(small).reshape(-1, 3)
+    found: dict[str, Lab] = {}
+    for index, m in enumerate(scene.materials):
+        here = material == index
+        if int(here.sum()) >= _SEEN:
+            light, a, b = lab[here].mean(0).tolist()
+            found[m.name] = (light, a, b)
+    return found
 
 
 def picture_size(resolution: tuple[int, int], longest: int) -> tuple[int, int]:

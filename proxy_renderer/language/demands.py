@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What one word wants of one parameter, and how that is said."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .types import Attribute
+from .vocabulary import OWNERS
+
+_USUAL = {
+    "material": ("roughness", "specular", "coat", "coat_roughness", "sheen"),
+    "atmosphere": ("color", "tint", "gain", "midtone"),
+}
+"""What other words may say better than a word of this slot."""
+
+
+@dataclass(frozen=True)
+class Demand:
+    """What one word wants of one parameter instance."""
+
+    key: str
+    lower: tuple[float, ...]
+    upper: tuple[float, ...]
+    attribute: Attribute
+    reason: str
+    weak: bool
+    priority: int
+
+    @property
+    def rank(self) -> tuple[bool, bool, bool]:
+        """Words of the prompt before those that a mood stands for, a finish or a color before the usual one of a
+        material or of an atmosphere; defaults last."""
+        usual = self.key.rpartition("/")[2] in _USUAL.get(self.attribute.slot, ())
+        return self.weak, bool(self.attribute.cause), usual
+
+
+def listed(keys: list[str]) -> str:
+    """Keys for a note, not too many."""
+    return ", ".join(keys[:3]) + (f" and {len(keys) - 3} more" if len(keys) > 3 else "")
+
+
+def lacking(owner: str) -> str:
+    """What a scene has not got, for an effect's owner."""
+    if owner in ("rim", "fill", "others"):
+        return f"the scene has no light that could be the {'second' if owner == 'others' else owner} light; add one"
+    return f"the scene has no {OWNERS[owner]} whose values may change so"
+
+
+def reason_of(attribute: Attribute, phrase: str) -> str:
+    """Quotes the word: "'glossy': glossy, with bright reflections", "'warm' in 'cosy'"."""
+    if attribute.cause:
+        return f"'{attribute.cause}' means '{attribute.word}'"
+    what = f" on the {attribute.thing}" if attribute.color and attribute.thing else ""
+    return f"'{attribute.word}'{what}" + (
+        f" ({phrase})"
+        if phrase and not (attribute.negated or attribute.shades) and phrase != attribute.word
+        else ""
+    )

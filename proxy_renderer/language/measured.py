@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Colors corrected by what the picture shows: light, bounces and the view never do quite what a formula says."""
+
+from __future__ import annotations
+
+import math
+
+from ..schema import Instance, Values
+from .color import chroma, from_lab, to_lab
+from .meaning import display_color
+from .types import PlanContext, Region
+from .view import scene_color
+
+_NEAR = math.log(2.5)  # how far the value may be from the formula's for the picture to tell
+_DAMPED = 0.8  # share of the error that is mended at once
+_MOST = math.log(1.8)  # by which lightness changes at most, and so does a component against the others
+_FLOOR = 0.01  # radiance below which there is nothing to measure
+_BLACKEST, _WHITEST = 0.006, 0.85
+
+
+def measured(formula: Values, srgb: Values, instance: Instance, context: PlanContext) -> Values:
+    """A surface's linear color that would be displayed as named, judged by how its present one is displayed.
+
+    Args:
+        formula: What it would be by the light that is expected; kept where the picture cannot tell.
+        srgb: The named color.
+        instance: The material's color, or its tint.
+        context: The picture, and the values that it shows.
+    """
+    now = context.values.get(instance.key)
+    shown = context.picture.materials.get(instance.owner) if context.picture else None
+    named = to_lab(srgb)
+    if not (now and shown) or named[0] < 20 or not _near(now, formula):
+        return formula
+    region: Region = "subject" if instance.role == "subject" else "surroundings"
+    wanted = scene_color(from_lab(display_color(srgb, region)), context.view)
+    seen = scene_color(from_lab(shown), context.view)
+    logs = [_DAMPED * math.log(max(w, _FLOOR) / max(s, _FLOOR)) for w, s in zip(wanted, seen, strict=True)]
+    gain = sum(logs) / 3
+    found = [v * math.exp(_held(gain) + _held(log - gain)) for v, log in zip(now, logs, strict=True)]
+    if named[0] > 93 and chroma(named) < 4:  # a cast is taken out of white, not light
+        return tuple(max(_WHITEST * v / max(found), 0.8 * _WHITEST) for v in found)
+    top = max(max(found) / _WHITEST, 1.0) if instance.parameter.name == "base_color" else 1.0
+    return tuple(max(v / top, _BLACKEST) for v in found)
+
+
+def _held(change: float) -> float:
+    return min(max(change, -_MOST), _MOST)
+
+
+def _near(now: Values, formula: Values) -> bool:
+    return all(abs(math.log((a + 0.03) / (b + 0.03))) < _NEAR for a, b in zip(now, formula, strict=True))

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What plans learn from the picture: colors by how they are displayed, whites that shine, parts that are not the region."""
+
+import math
+from dataclasses import replace
+
+from proxy_renderer.language import SceneWords, parse, plan
+from proxy_renderer.language.color import from_lab
+from proxy_renderer.language.meaning import display_color, forget_parts
+from proxy_renderer.language.measured import measured
+from proxy_renderer.language.prompts import compose
+from proxy_renderer.language.types import PictureStats, PlanContext
+from proxy_renderer.language.view import radiance, scene_color
+from proxy_renderer.language.vocabulary import default_vocabulary
+from proxy_renderer.schema import FAMILIES, Instance
+
+GREEN = (0.08, 0.63, 0.13)
+WHITE = (1.0, 1.0, 1.0)
+COLOR = Instance(FAMILIES["material/base_color"], "Body", (0.5, 0.5, 0.5), 1.0, "subject")
+
+
+def seen(lab, value, key=COLOR.key, material="Body"):
+    return PlanContext(values={key: value}, picture=PictureStats({}, None, {material: lab}))
+
+
+def displayed(albedo, light):
+    """Lab of a plain surface in colored light, as far as the view's own table knows: the inverse of `scene_color`."""
+    goal = tuple(a * b for a, b in zip(albedo, light, strict=True))
+    best = (50.0, 0.0, 0.0)
+    for step in (16.0, 4.0, 1.0, 0.3):
+        near = [
+            (best[0] + i * step, best[1] + j * step, best[2] + k * step)
+            for i in range(-4, 5)
+            for j in range(-4, 5)
+            for k in range(-4, 5)
+        ]
+        best = min(near, key=lambda lab: math.dist(scene_color(from_lab(lab), "AgX"), goal))
+    return best
+
+
+def test_a_color_in_colored_light_comes_to_look_as_named():
+    wanted = display_color(GREEN, "subject")
+    light, albedo = (0.9, 0.6, 0.45), (0.06, 0.3, 0.07)
+    errors = []
+    for _ in range(4):
+        lab = displayed(albedo, light)
+        errors.append(math.dist(lab, wanted))
+        albedo = measured(albedo, GREEN, COLOR, seen(lab, albedo))
+    assert errors[-1] < 0.5 * errors[0]
+    assert errors[-1] < 12
+
+
+def test_white_loses_a_cast_and_stays_light():
+    red, green, blue = measured((0.85,) * 3, WHITE, COLOR, seen((70.0, -8.0, 3.0), (0.85, 0.85, 0.85)))
+    assert max(red, green, blue) == 0.85
+    assert green < red
+
+
+def test_what_is_far_from_the_formula_or_not_seen_is_left_to_it():
+    formula = (0.02, 0.3, 0.02)
+    assert measured(formula, GREEN, COLOR, seen((50.0, 40.0, 0.0), (0.5, 0.5, 0.5))) == formula
+    assert measured(formula, GREEN, COLOR, PlanContext()) == formula
+
+
+def make(prompt, context):
+    families = {n: FAMILIES[f"material/{n}"] for n in ("base_color", "emission", "emission_color")}
+    instances = [
+        Instance(
+            family,
+            owner,
+            (0.5,) * family.components if n == "base_color" else (family.default,) * family.components,
+            1.0,
+            role,
+        )
+        for owner, role in (("Body", "subject"), ("Wall", "surroundings"))
+        for n, family in families.items()
+    ]
+    parsed = parse(prompt, SceneWords())
+    return plan(parsed, compose(parsed), {i.key: i for i in instances}, context)
+
+
+def test_white_surroundings_shine_as_much_as_the_light_lacks():
+    picture = PictureStats({"surroundings": (60.0, 0.0, 0.0)}, None, {"Wall": (60.0, 0.0, 0.0)})
+    values = {"material/Wall/emission": (0.0,), "material/Wall/base_color": (0.85, 0.85, 0.85)}
+    context = PlanContext(world_share=0.0, picture=picture, values=values)
+    entry = make("white background", context)["material/Wall/emission"]
+    assert entry.lower[0] + radiance(60.0, "AgX") > 0.9 * radiance(88.0, "AgX")
+    lit = replace(picture, materials={"Wall": (93.0, 0.0, 0.0)})
+    assert make("white background", replace(context, picture=lit))["material/Wall/emission"].upper[0] == 0.0
+    assert make("dark red background", context)["material/Wall/emission"].priority is None
+
+
+def test_a_part_is_not_its_region():
+    scene = SceneWords(
+        "", {"Book": "subject", "Vase": "subject"}, {"Cover": "subject", "Clay": "subject"},
+        {"Book": ("Cover",), "Vase": ("Clay",)},
+    )  # fmt: skip
+    parsed = parse("black book, metallic vase", scene)
+    assert parsed.targets["subject_color"] == "black"
+    forget_parts(parsed, {"Cover": 0.2, "Clay": 0.8}, default_vocabulary())
+    assert parsed.colors == {}
+    assert "subject_color" not in parsed.targets
+    assert parsed.targets["subject_metal"] == "metal"
