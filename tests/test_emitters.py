@@ -10,9 +10,9 @@ import torch
 import trimesh
 
 from proxy_renderer.bench.scenes import balls
+from proxy_renderer.render.arrival import arrival
 from proxy_renderer.render.camera import view_of
 from proxy_renderer.render.emitters import Emitters, clusters_of
-from proxy_renderer.render.lights import arrival
 from proxy_renderer.render.paint import paint_of
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.render.settings import Settings

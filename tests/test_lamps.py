@@ -7,8 +7,10 @@ from dataclasses import replace
 import pytest
 import torch
 
-from proxy_renderer.render import lights
-from proxy_renderer.render.lights import Lamp, arrival
+from proxy_renderer.render import cones
+from proxy_renderer.render.arrival import arrival
+from proxy_renderer.render.lamps import Lamp, half_axes
+from proxy_renderer.render.vectors import tangents
 from proxy_renderer.scene import Light
 
 DOWN = torch.eye(3)
@@ -32,13 +34,13 @@ def test_the_rim_of_a_large_spot_is_the_mean_over_its_disc(size, blend):
     points = floor()
     found = arrival(spot, points, UP.expand_as(points))
     plain = arrival(lamp("POINT", size), points, UP.expand_as(points))
-    across, up = lights.tangents(found.toward)
+    across, up = tangents(found.toward)
     torch.manual_seed(0)
     total = torch.zeros(points.shape[1])
     for _ in range(4000):
         radius, angle = size * math.sqrt(torch.rand(())), 2 * math.pi * float(torch.rand(()))
         target = PLACE[:, None] + radius * (across * math.cos(angle) + up * math.sin(angle)) - points
-        total += lights._spot_cone(spot, target / target.norm(dim=0))
+        total += cones.spot_cone(spot, target / target.norm(dim=0))
     torch.testing.assert_close(found.irradiance / plain.irradiance, total / 4000, atol=0.05, rtol=0.05)
 
 
@@ -50,14 +52,14 @@ def test_a_focused_area_light_is_the_sum_over_its_area(degrees, shape):
     normals = UP.expand_as(points)
     found = arrival(focused, points, normals).irradiance
     torch.manual_seed(0)
-    u, v = lights.half_axes(focused)
+    u, v = half_axes(focused)
     total = torch.zeros(points.shape[1])
     for _ in range(4000):
         x, y = (2 * torch.rand(2) - 1).tolist()
         offset = PLACE[:, None] + u * x + v * y - points
         squared = (offset * offset).sum(0)
         cosine = offset[2] / squared.sqrt()
-        total += cosine * cosine / squared * lights._spread(focused, cosine)
+        total += cosine * cosine / squared * cones.spread(focused, cosine)
     wanted = total / 4000 / math.pi  # radiance 1 / (pi area), times the area
     torch.testing.assert_close(found, wanted, atol=0.06 * float(wanted.max()), rtol=0.05)
 

@@ -9,7 +9,7 @@ from proxy_renderer.render import murk
 from proxy_renderer.render.camera import view_of
 from proxy_renderer.render.environment import Environment, sky_of
 from proxy_renderer.render.fog import Fog
-from proxy_renderer.render.lights import lamps_of
+from proxy_renderer.render.lamps import lamps_of
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.render.settings import Settings
 from proxy_renderer.render.view_cache import ViewCache

@@ -9,10 +9,10 @@ import pytest
 import torch
 
 from proxy_renderer.render import albedo, prefilter
+from proxy_renderer.render.arrival import arrival
 from proxy_renderer.render.directions import reflect, texels
 from proxy_renderer.render.environment import Environment, Sky
 from proxy_renderer.render.highlight import _ellipse, highlight
-from proxy_renderer.render.lights import arrival
 from proxy_renderer.render.microfacets import mirrored, unshadowed, visible_normals
 from proxy_renderer.render.suns import Sun, split
 

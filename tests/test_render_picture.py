@@ -11,8 +11,9 @@ import pytest
 import torch
 
 from proxy_renderer.bench.scenes import balls
+from proxy_renderer.render.arrival import arrival
 from proxy_renderer.render.camera import frame, view_of
-from proxy_renderer.render.lights import arrival, lamps_of
+from proxy_renderer.render.lamps import lamps_of
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.render.settings import Settings
 from proxy_renderer.scene import SceneData, World

@@ -6,9 +6,9 @@ import math
 import pytest
 import torch
 
+from proxy_renderer.render.arrival import arrival
 from proxy_renderer.render.directions import texels
 from proxy_renderer.render.environment import Environment, Sky
-from proxy_renderer.render.lights import arrival
 from proxy_renderer.render.suns import split
 
 

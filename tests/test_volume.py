@@ -10,7 +10,7 @@ from tiny_job import write_job
 
 from proxy_renderer.render.camera import view_of
 from proxy_renderer.render.fog import Fog
-from proxy_renderer.render.lights import lamps_of
+from proxy_renderer.render.lamps import lamps_of
 from proxy_renderer.render.settings import Settings
 from proxy_renderer.render.volume import DIRECTIONS, Volume
 from proxy_renderer.scene import load_scene

@@ -14,7 +14,7 @@ import numpy as np
 from torch import Tensor
 
 from ..render.camera import view_of
-from ..render.lights import Lamp, half_axes, lamps_of
+from ..render.lamps import Lamp, half_axes, lamps_of
 from ..render.settings import Settings
 from ..scene import SceneData
 from ..schema import VibeError

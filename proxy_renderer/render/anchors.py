@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from .samples import Samples, last_of
+from .layers import last_of
+from .samples import Samples
 from .visibility import Surface
 
 _ANCHORS_ACROSS = 96

@@ -8,8 +8,7 @@ import math
 import torch
 from torch import Tensor
 
-from .lights import tangents
-from .vectors import dot, unit
+from .vectors import dot, tangents, unit
 
 
 def reflect(toward: Tensor, normal: Tensor) -> Tensor:

@@ -20,7 +20,7 @@ from torch import Tensor
 from ..scene import Light
 from .color import luma
 from .directions import cosine_directions
-from .lights import Glow, Lamp
+from .lamps import Glow, Lamp
 from .paint import Paint
 from .vectors import cross, unit
 from .visibility import Geometry, sphere_points

@@ -13,7 +13,7 @@ from torch.nn.functional import grid_sample, interpolate
 from ..scene import SceneData
 from . import prefilter
 from .directions import texels
-from .lights import Lamp
+from .lamps import Lamp
 from .settings import Settings
 from .suns import Sun, split
 from .vectors import dot, unit

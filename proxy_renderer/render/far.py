@@ -14,9 +14,10 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
+from .arrival import Arrival, arrival
 from .directions import above, cosine_directions, reflect
 from .environment import harmonics
-from .lights import Arrival, Lamp, arrival
+from .lamps import Lamp
 from .maps import Maps
 from .vectors import dot, unit
 from .visibility import Geometry, Surface

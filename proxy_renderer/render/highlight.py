@@ -16,9 +16,10 @@ import torch
 from torch import Tensor
 
 from .albedo import basis
-from .lights import Arrival, Lamp, half_axes, tangents
+from .arrival import Arrival
+from .lamps import Lamp, half_axes
 from .settings import wanted
-from .vectors import dot, unit
+from .vectors import dot, tangents, unit
 
 _LEAST_ALPHA = 2e-3
 _PAIRS = ((0, 0), (1, 1), (0, 1))

@@ -19,13 +19,13 @@ from .camera import View
 from .directions import above, cosine_directions, reflect
 from .far import Far, Table
 from .fog import Fog, Ways
-from .lights import Lamp, tangents
+from .lamps import Lamp
 from .maps import Maps
 from .microfacets import visible_normals
 from .murk import Murk
 from .prefilter import GLOSSY
 from .samples import Samples
-from .vectors import cross, dot, length, unit
+from .vectors import cross, dot, length, tangents, unit
 from .visibility import Geometry, Surface, sphere_points
 
 _DIFFUSE_RAYS = 16

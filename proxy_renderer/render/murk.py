@@ -20,7 +20,7 @@ from .directions import above, cosine_directions, reflect
 from .environment import Sky
 from .far import lit
 from .fog import Fog
-from .lights import Lamp
+from .lamps import Lamp
 from .samples import Samples
 from .vectors import dot
 from .visibility import Geometry, Surface, sphere_points

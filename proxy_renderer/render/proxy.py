@@ -3,44 +3,34 @@
 
 from __future__ import annotations
 
-import functools
-import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 import torch
 from torch import Tensor
 
 from ..scene import SceneData
 from ..schema import FAMILIES, VibeError
-from . import albedo
+from . import surfaces
 from .camera import View, view_of
-from .color import luma
 from .correction import Correction
 from .cycles import CyclesPicture
 from .emitters import Emitters
-from .environment import Environment, Sky, sky_of
+from .environment import Environment, sky_of
 from .far import Table
 from .film import Film
 from .fog import Fog
+from .frame import Frame, glassy, mirroring, sharp
 from .indirect import Gathered
-from .lights import Lamp, lamps_of
-from .lobes import Light, Reflected
-from .paint import Paint, paint_of, used
-from .prefilter import GLOSSY, SATIN
-from .principled import shade
-from .settings import Settings, wanted
-from .vectors import within
-from .view_cache import Beam, Sight, ViewCache
+from .lamps import lamps_of
+from .paint import Paint, paint_of
+from .settings import Settings
+from .surfaces import beams_of, table_of
+from .view_cache import ViewCache
 from .visibility import Geometry
 from .volume import DIRECTIONS, Volume
 
 _FILM_KEYS = tuple(key for key, p in FAMILIES.items() if p.group == "film")
-_BENT = 0.02
-"""Difference of IOR over which refracted pictures are compared."""
-_SMOOTH = 0.25
-"""Roughness below which reflections are sharp."""
-_LEAST_COAT = 0.05
 
 
 @dataclass(frozen=True)
@@ -169,8 +159,8 @@ class Proxy:
 
     def _cache_of(self, view: View, paints: list[Paint]) -> ViewCache:
         """What is traced for a view; anew if it, a mirror or a glass has changed, or something begun to glow."""
-        metals = torch.stack([_mirroring(p) for p in paints])
-        if self.geometry.let_through(torch.stack([_glassy(p) for p in paints])):
+        metals = torch.stack([mirroring(p) for p in paints])
+        if self.geometry.let_through(torch.stack([glassy(p) for p in paints])):
             self._cache, self.volume = None, Volume(self.geometry.clear)
             self.emitters = Emitters(self.geometry, self._near)
         if self.emitters.notice(paints):
@@ -178,7 +168,7 @@ class Proxy:
         lamps = len(self.scene.lights) + len(self.environment.suns) + len(self.emitters.lamps(paints))
         kept = self._cache
         if kept is None or kept.signature != view.signature() or not torch.equal(kept.metals, metals):
-            smooth = torch.stack([_smooth(p) & self.fine for p in paints])
+            smooth = torch.stack([sharp(p) & self.fine for p in paints])
             shape = metals, smooth, lamps, self.emitters.materials
             kept = self._cache = ViewCache(self.scene, self.geometry, view, *shape, self.seed)
         return kept
@@ -189,52 +179,10 @@ class Proxy:
 
     def _light(self, frame: Frame) -> Tensor:
         """Radiance of all samples as the camera gets it: (3 or, with a transparent film, 4, N)."""
-        radiance = self._radiance(frame, frame.view)
+        beams, table = beams_of(frame), table_of(frame)
+        gathered = self._gather(frame, table)
+        radiance = surfaces.radiance(frame, beams, table, gathered, self.scene.film.transparent)
         return self._through_fog(frame, frame.view, radiance) if frame.fog.active else radiance
-
-    def _radiance(self, frame: Frame, view: View) -> Tensor:
-        """Radiance (3, N + B) of all samples: surfaces in the order of their materials, then background.
-
-        A transparent film has a fourth row: how much of what is behind it a sample covers.
-        """
-        cache, sight, sky = frame.cache, frame.sight, frame.sky
-        beams = [cache.beam(i, lamp, sight, view) for i, lamp in enumerate(frame.lamps)]
-        if frame.fog.active:
-            beams = [beam.through(frame.fog) for beam in beams]
-        table = _table(frame)
-        gathered = cache.indirect.following(self._gather(frame, table), table, frame.lamps)
-        irradiance = gathered.irradiance
-        bare = sum(1 for lamp in frame.lamps if not lamp.pictured)
-        if beams[bare:]:
-            irradiance = irradiance + frame.colors[bare:].T @ _irradiances(beams[bare:])
-        around = irradiance / math.pi
-        beams = beams[:bare]
-        if beams:
-            irradiance = irradiance + frame.colors[:bare].T @ _irradiances(beams)
-        *levels, behind = cache.worlds(sky, sight)
-        tint = sky.color[:, None]
-        knots, images = _images(gathered, [level * tint for level in levels], around)
-        # One split backs up as one concatenation; a slice for every material would as a picture of zeros each.
-        sizes = [stop - start for _, start, stop in cache.samples.slices]
-        shares = zip(*(field.split(sizes, 1) for field in (irradiance, *images)), strict=True)
-        pieces = []
-        for (material, start, stop), (lit, *seen) in zip(cache.samples.slices, shares, strict=True):
-            part, paint = slice(start, stop), frame.paints[material]
-            incoming = Light(
-                irradiance=lit,
-                lamps=frame.colors[:bare],
-                highlights=[beam.part(part) for beam in beams],
-                view=sight.basis[:, part],
-                reflected=Reflected(knots, seen),
-                behind=_behind(frame, table, gathered, material, part) if used(paint.transmission) else None,
-            )
-            varying = dict(cache.inputs(material, part, sight))
-            texture = varying.pop("base_color", None)
-            pieces.append(shade(paint.varied(varying), incoming, texture))
-        if not self.scene.film.transparent:
-            return torch.cat((*pieces, behind * tint), 1)
-        shown = torch.cat((*pieces, torch.zeros_like(behind)), 1)
-        return torch.cat((shown, cache.covered))
 
     @property
     def _near(self) -> float:
@@ -258,74 +206,6 @@ class Proxy:
         return lit if len(radiance) == 3 else torch.cat((lit, 1 - passing * (1 - radiance[3:])))
 
 
-@dataclass(frozen=True)
-class Frame:
-    """All that one render is made of."""
-
-    view: View
-    cache: ViewCache
-    sight: Sight
-    lamps: list[Lamp]
-    sky: Sky
-    paints: list[Paint]
-    fog: Fog
-
-    @functools.cached_property
-    def colors(self) -> Tensor:
-        """(L, 3) colors of the lamps."""
-        return (
-            torch.stack([lamp.color for lamp in self.lamps])
-            if self.lamps
-            else self.sky.color.new_zeros((0, 3))
-        )
-
-    @property
-    def owners(self) -> dict[str, Tensor]:
-        """Owner, "light/NAME" or "world", to the color (3,) of its light."""
-        return {**{lamp.owner: lamp.color for lamp in self.lamps if not lamp.glow}, "world": self.sky.color}
-
-    def only(self, owner: str) -> Frame:
-        """The same with the light of one owner, "" for none, besides what surfaces emit."""
-        dark = torch.zeros_like(self.sky.color)
-        return replace(
-            self,
-            lamps=[lamp if lamp.owner in (owner, "") else replace(lamp, color=dark) for lamp in self.lamps],
-            sky=self.sky if owner == "world" else replace(self.sky, color=dark),
-        )
-
-
-def _irradiances(beams: list[Beam]) -> Tensor:
-    return torch.stack([beam.irradiance for beam in beams])
-
-
-_GLASS_STEPS = 8
-"""Steps in which light through glass changes: shadows are traced again at each."""
-
-
-def _mirroring(paint: Paint) -> Tensor:
-    """How much like a mirror () a material is where other surfaces show it, in coarse steps; 0 if it is no metal."""
-    smooth = (1 - paint.roughness.detach()) * (paint.metallic.detach() > 0.5)
-    return (smooth * 4).ceil() / 4
-
-
-def _smooth(paint: Paint) -> Tensor:
-    """Whether () a material shows reflections sharp enough for several samples in every pixel."""
-    shines = (paint.metallic > 0) | (paint.specular > 0) | (paint.transmission > 0)
-    coated = (paint.coat > _LEAST_COAT) & (paint.coat_roughness < _SMOOTH)
-    return (coated | (shines & (paint.roughness < _SMOOTH))).reshape(())
-
-
-def _glassy(paint: Paint) -> Tensor:
-    """Share () of light that passes a surface of a material's glass, in coarse steps and grey.
-
-    Cycles finds such light by chance, as caustics. Here it goes straight on, which is right on average. A
-    Principled BSDF tints it with the root of its base color at each surface (kernel/svm/closure.h).
-    """
-    solid = paint.transmission * (1 - paint.metallic)
-    through = solid * (1 - albedo.f0_of(paint.ior)) * luma(paint.base.clamp(0, 1)).sqrt()
-    return (through.detach() * _GLASS_STEPS).round().reshape(()) / _GLASS_STEPS
-
-
 def _resolve(frame: Frame, radiance: Tensor) -> tuple[Tensor, Tensor]:
     """Linear picture (3 or, with alpha, 4, P) and mask (H, W) from the radiance of all samples."""
     view, cache = frame.view, frame.cache
@@ -334,57 +214,3 @@ def _resolve(frame: Frame, radiance: Tensor) -> tuple[Tensor, Tensor]:
         term = cache.outlines().term(view, torch.cat((radiance, cache.inside)), picture.shape[1])
         picture, mask = picture + term[:-1], mask + term[-1].view(mask.shape)
     return picture, mask
-
-
-def _images(
-    gathered: Gathered, worlds: Sequence[Tensor], around: Tensor
-) -> tuple[tuple[float, ...], list[Tensor]]:
-    """What surfaces of increasing roughness reflect: the roughnesses, and for each the radiance (3, N).
-
-    Args:
-        gathered: The light of surfaces.
-        worlds: The world (3, N) in the mirror direction: sharp, a little blurred if it is a picture, and blurred.
-        around: (3, N) what the roughest surface reflects.
-    """
-    sharp, blurred = worlds[0], worlds[-1]
-    first = gathered.mirror + sharp * gathered.open_mirror
-    last = gathered.glossy + blurred * gathered.open_glossy
-    if len(worlds) == 2:
-        return (0.0, GLOSSY, 1.0), [first, last, around]
-    # Between the two, surfaces are half of either; the world has a level of its own.
-    opening = (gathered.open_mirror + gathered.open_glossy) / 2
-    between = (gathered.mirror + gathered.glossy) / 2 + worlds[1] * opening
-    return (0.0, SATIN, GLOSSY, 1.0), [first, between, last, around]
-
-
-def _table(frame: Frame) -> Table:
-    """Radiances of what secondary rays meet."""
-    rows = zip(frame.paints, frame.cache.mean_texture, strict=True)
-    albedos = torch.stack([p.base * mean * (1 - p.transmission) for p, mean in rows])
-    glow = torch.stack([p.emission for p in frame.paints])
-    sky = frame.sky
-    metallic = torch.stack([p.metallic for p in frame.paints])
-    return Table.of(within(albedos, 0.0, 1.0), metallic, glow, frame.colors, sky.halves, sky.coefficients())
-
-
-def _behind(frame: Frame, table: Table, gathered: Gathered, material: int, part: slice) -> Tensor:
-    """Radiance (3, n) seen through a transparent material.
-
-    Another IOR bends rays to other places, over edges too: its gradient is a secant between two traced pictures.
-    """
-    ior = frame.paints[material].ior
-    here = float(ior.detach())
-
-    def seen(side: int) -> Tensor:
-        behind = frame.cache.behind(material, side, part, max(here + side * _BENT, 1.0), frame.lamps)
-        world = frame.sky.seen(behind.toward) * frame.sky.color[:, None]
-        return behind.far.image(table, behind.ambient(gathered.anchors).T) + world * behind.far.open
-
-    straight = seen(0)
-    if not wanted(ior):
-        return straight
-    with torch.no_grad():
-        # Where a bright lamp comes into view, the picture saturates: the slope is that of x / (1 + x).
-        low, high = (light / (1 + light) for light in (seen(-1), seen(1)))
-        slope = (high - low) * (1 + straight) ** 2 / (here + _BENT - max(here - _BENT, 1.0))
-    return straight + slope * (ior - ior.detach())

@@ -9,6 +9,7 @@ import torch
 from torch import Tensor
 
 from .camera import View
+from .layers import Layers, follow, last_of
 from .vectors import dot
 from .visibility import Geometry, Hits, Surface
 
@@ -109,7 +110,7 @@ def take(geometry: Geometry, view: View, smooth: Tensor) -> Samples:
     y, x = torch.meshgrid(torch.arange(height), torch.arange(width), indexing="ij")
     centers = torch.stack((x.flatten(), y.flatten())).to(geometry.device, torch.float32) + 0.5
     origin, toward = view.rays(centers)
-    layers = _layers(geometry, view, origin, toward)
+    layers = follow(geometry, view, origin, toward)
     center_hits = layers.strongest(len(origin[0]))
     edge = _edges(geometry, center_hits, toward, width, height)
     if geometry.opacity is not None:
@@ -119,7 +120,7 @@ def take(geometry: Geometry, view: View, smooth: Tensor) -> Samples:
     jitter = _filter_points(geometry.device)
     places = (centers[:, busy, None] + jitter[:, None, :]).flatten(1)
     more_origin, more_toward = view.rays(places)
-    more = _layers(geometry, view, more_origin, more_toward)
+    more = follow(geometry, view, more_origin, more_toward)
     kept = (~edge)[layers.ray]
     few = Layers(layers.ray[kept], layers.number[kept], layers.hits.pick(kept), layers.weight[kept])
     owner = busy.repeat_interleave(EDGE_SAMPLES)
@@ -139,76 +140,6 @@ def take(geometry: Geometry, view: View, smooth: Tensor) -> Samples:
             torch.cat((toward[:, few.ray], more_toward[:, more.ray]), 1),
         ),
     )
-
-
-@dataclass(frozen=True)
-class Layers:
-    """What rays pass through and end on, nearest first.
-
-    Attributes:
-        ray: (N,) index of the ray.
-        number: (N,) how many surfaces it has met before.
-        hits: (N,) what it meets there.
-        weight: (N,) the share of the ray that is seen there; the shares of a ray sum to 1.
-    """
-
-    ray: Tensor
-    number: Tensor
-    hits: Hits
-    weight: Tensor
-
-    def strongest(self, count: int) -> Hits:
-        """For every ray (count,) the hit that it shows most of."""
-        return self.hits.pick(last_of(self.ray, torch.argsort(self.weight, stable=True), count))
-
-    def nearest(self, count: int) -> Hits:
-        """For every ray (count,) the first hit that counts."""
-        index = torch.arange(len(self.ray), device=self.ray.device).flip(0)
-        return self.hits.pick(last_of(self.ray, index, count))
-
-
-_FAINT = 0.004
-"""Share of a ray below which it is not followed, and a hit does not count."""
-_MOST_LAYERS = 8
-
-
-def _layers(geometry: Geometry, view: View, origin: Tensor, toward: Tensor) -> Layers:
-    """Follows the camera's rays (3, N) from its near to its far plane, through transparent surfaces."""
-    index = torch.arange(origin.shape[1], device=geometry.device)
-    left = torch.ones(len(index), device=geometry.device)
-    near, far = view.span(toward)
-    hits = geometry.nearest(origin + toward * near, toward)
-    hits = _before(far, Hits(hits.triangle, hits.u, hits.v, hits.distance + near))
-    if geometry.opacity is None:
-        return Layers(index, torch.zeros_like(index), hits, left)
-    found: list[tuple[Tensor, Hits, Tensor]] = []
-    for number in range(_MOST_LAYERS):
-        alpha = geometry.opacity.at(geometry.surface(hits, toward[:, index]), seen=number == 0)
-        alpha = torch.where(hits.hit, alpha, 1.0)
-        rest = left * (1 - alpha)
-        ends = (rest < _FAINT) | (number == _MOST_LAYERS - 1)
-        share = torch.where(ends, left, left * alpha)
-        counts = share >= _FAINT
-        found.append((index[counts], hits.pick(counts), share[counts]))
-        # What is too faint to count is given to what comes after it.
-        rest = torch.where(counts, rest, left)
-        onward = ~ends
-        if not bool(onward.any()):
-            break
-        index, left = index[onward], rest[onward]
-        further = geometry.onward(hits.pick(onward), origin[:, index], toward[:, index])
-        hits = _before(far[index], further)
-    numbers = [torch.full_like(rays, i) for i, (rays, _, _) in enumerate(found)]
-    rays, met, shares = zip(*found, strict=True)
-    merged = Hits(*(torch.cat(p) for p in zip(*(h.parts for h in met), strict=True)))
-    return Layers(torch.cat(rays), torch.cat(numbers), merged, torch.cat(shares))
-
-
-def _before(far: Tensor, hits: Hits) -> Hits:
-    """Hits (N,) with those beyond distances (N,) turned into misses."""
-    seen = hits.distance <= far
-    distance = torch.where(seen, hits.distance, torch.inf)
-    return Hits(torch.where(seen, hits.triangle, -1), hits.u, hits.v, distance)
 
 
 def _sorted(
@@ -253,20 +184,6 @@ def _sorted(
         origin=rays[0][:, order],
         toward=rays[1][:, order],
     )
-
-
-def last_of(group: Tensor, order: Tensor, count: int) -> Tensor:
-    """The member (count,) of every group that comes last in an order.
-
-    Args:
-        group: (N,) int64 in [0, count); every group must have a member.
-        order: (N,) a permutation of the N members.
-        count: How many groups there are.
-    """
-    rank = torch.arange(len(order), device=order.device)
-    last = torch.zeros(count, dtype=torch.int64, device=order.device)
-    # Not by assignment: which of several writes to one place wins is not defined.
-    return order[last.scatter_reduce(0, group[order], rank, "amax")]
 
 
 def _edges(geometry: Geometry, hits: Hits, toward: Tensor, width: int, height: int) -> Tensor:

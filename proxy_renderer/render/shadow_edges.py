@@ -16,8 +16,9 @@ import torch
 from torch import Tensor
 from torch.nn.functional import max_pool2d
 
+from .arrival import arrival
 from .camera import View
-from .lights import Lamp, arrival, outline
+from .lamps import Lamp, outline
 from .samples import Samples
 from .vectors import dot
 from .visibility import Geometry, Surface

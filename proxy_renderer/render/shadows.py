@@ -8,7 +8,8 @@ import math
 import torch
 from torch import Tensor
 
-from .lights import Arrival, Lamp, outline
+from .arrival import Arrival
+from .lamps import Lamp, outline
 from .samples import Samples
 from .vectors import dot
 from .visibility import Geometry, Surface, sphere_points

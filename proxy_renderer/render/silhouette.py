@@ -16,7 +16,8 @@ import torch
 from torch import Tensor
 
 from .camera import View
-from .samples import Samples, last_of
+from .layers import last_of
+from .samples import Samples
 from .visibility import Surface
 
 _WINDOW = 2  # pixels around a pair from which the contour's direction is estimated

@@ -16,7 +16,8 @@ from torch.nn.functional import interpolate, max_pool2d, pad
 
 from ..scene import Light
 from .directions import texels
-from .lights import Lamp, tangents
+from .lamps import Lamp
+from .vectors import tangents
 
 _MOST, _TRIED = 3, 6
 _REGION = 0.25

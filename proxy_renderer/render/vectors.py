@@ -63,3 +63,15 @@ def damped(value: Tensor, share: Tensor) -> Tensor:
 def within(value: Tensor, low: float, high: float) -> Tensor:
     """Clamps; unlike `torch.clamp`, a value that lies on a bound keeps its gradient."""
     return torch.where(value < low, low, torch.where(value > high, high, value))
+
+
+def tangents(normal: Tensor) -> tuple[Tensor, Tensor]:
+    """Two unit vectors (3, N) that make a right-handed frame with unit vectors (3, N).
+
+    Duff et al., "Building an Orthonormal Basis, Revisited", 2017.
+    """
+    x, y, z = normal.unbind(0)
+    sign = torch.where(z < 0, -1.0, 1.0).to(z.dtype)
+    a = -1.0 / (sign + z)
+    b = x * y * a
+    return torch.stack((1 + sign * x * x * a, sign * b, -sign * x)), torch.stack((b, sign + y * y * a, -y))

@@ -4,22 +4,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import torch
 from torch import Tensor
 
 from ..scene import Material, SceneData
-from . import albedo
 from .anchors import Spread
+from .arrival import Arrival, arrival
 from .camera import View
-from .directions import above, reflect
 from .environment import Sky
 from .far import Far
-from .fog import Fog, Ways
-from .highlight import Highlight, highlight
 from .indirect import Indirect
-from .lights import Arrival, Lamp, arrival
+from .lamps import Lamp
 from .maps import Maps
 from .murk import MurkRays
 from .prefilter import GLOSSY, SATIN
@@ -28,6 +25,7 @@ from .samples import take
 from .settings import wanted
 from .shadow_edges import ShadowEdges
 from .shadows import Smoothing, shadow
+from .sight import Beam, Sight
 from .silhouette import Silhouettes
 from .vectors import dot, unit
 from .visibility import Geometry, Surface, facing
@@ -38,75 +36,6 @@ _SMALL_STEP = 0.02
 _LEAST_ALIKE = 0.1
 """Cosine between a mapped and the true normal below which the map cannot be meant."""
 _GEOMETRIC = ("alpha", "normal", "far")
-
-
-@dataclass(frozen=True)
-class Sight:
-    """The samples as one eye sees them; differentiable when the camera is.
-
-    Attributes:
-        surface: What N samples meet.
-        toward_eye: (3, N) unit vectors.
-        basis: (7, N) albedo basis of the viewing cosine.
-        mirrored: (3, N) mirror directions.
-        beyond: (3, B) directions of the samples that meet nothing.
-    """
-
-    surface: Surface
-    toward_eye: Tensor
-    basis: Tensor
-    mirrored: Tensor
-    beyond: Tensor
-
-    @staticmethod
-    def of(surface: Surface, toward: Tensor) -> Sight:
-        """From the surface at the first N of the rays (3, N + B)."""
-        n = surface.position.shape[1]
-        cosine = -dot(surface.normal, toward[:, :n])
-        mirrored = above(reflect(toward[:, :n], surface.normal), surface.facet)
-        return Sight(surface, -toward[:, :n], albedo.basis(cosine.clamp(1e-3, 1.0)), mirrored, toward[:, n:])
-
-    @property
-    def moving(self) -> bool:
-        """Whether gradients with respect to the camera are wanted."""
-        # A camera that only comes nearer turns no ray.
-        return wanted(self.toward_eye, self.surface.position)
-
-
-@dataclass(frozen=True)
-class Beam:
-    """A lamp's shadowed irradiance (N,) and highlight at all samples, per unit of its color, and its ways to them.
-
-    Glowing surfaces and wide suns have no highlight: reflections show them.
-    """
-
-    irradiance: Tensor
-    highlight: Highlight | None
-    ways: Ways
-    _parts: dict[int, Highlight] = field(default_factory=dict, repr=False, compare=False)
-
-    def part(self, samples: slice) -> Highlight:
-        """The highlight at the samples of one material; the same object every time, for what it keeps."""
-        assert self.highlight
-        if samples.start not in self._parts:
-            self._parts[samples.start] = self.highlight.pick(samples)
-        return self._parts[samples.start]
-
-    def through(self, fog: Fog) -> Beam:
-        """The beam after the fog between lamp and samples."""
-        passing = self.ways.transmittance(fog)
-        shine = self.highlight and self.highlight.times(passing)
-        return Beam(self.irradiance * passing, shine, self.ways)
-
-    @staticmethod
-    def of(lamp: Lamp, sight: Sight, met: Arrival, visible: Tensor) -> Beam:
-        """From what arrives unshadowed, and the share (N,) of the lamp that is seen."""
-        point, normal = sight.surface.position, sight.surface.normal
-        shine = None
-        if not lamp.pictured:
-            shine = highlight(lamp, met, point, normal, sight.toward_eye).times(visible)
-        ways = Ways(point, met.toward, met.distance)
-        return Beam(met.irradiance * visible, shine, ways)
 
 
 @dataclass

@@ -19,8 +19,9 @@ from torch import Tensor
 from torch.nn import functional
 
 from .camera import View
+from .cones import spot_cone, spread
 from .fog import Fog
-from .lights import Lamp, _spot_cone, _spread
+from .lamps import Lamp
 from .vectors import length
 from .view import look_up
 
@@ -250,13 +251,13 @@ def _intensity(lamp: Lamp, to_lamp: Tensor) -> Tensor:
     flat = to_lamp.flatten(1)
     if lamp.light.type == "AREA":
         facing = (lamp.axes[:, 2] @ flat).clamp_min(0)
-        strength = facing * _spread(lamp, facing) * ((1.0 if lamp.light.normalize else lamp.area) / math.pi)
+        strength = facing * spread(lamp, facing) * ((1.0 if lamp.light.normalize else lamp.area) / math.pi)
     else:
         strength = (
             (1.0 if lamp.light.normalize else 4 * math.pi * size) / (4 * math.pi) * torch.ones_like(flat[0])
         )
         if lamp.light.type == "SPOT":
-            strength = strength * _spot_cone(lamp, flat)
+            strength = strength * spot_cone(lamp, flat)
         if lamp.glow:
             strength = strength * lamp.glow.toward(-flat)
     return strength.view(to_lamp.shape[1:])
