@@ -218,8 +218,11 @@ def test_training_resumes_bit_for_bit_and_exports(bank: dict[str, np.ndarray], t
     fresh.start_from(tmp_path / "model")  # checkpoints do not outlive a machine, exported weights do
     shipped = {n: w.half() for n, w in straight.average.items() if n.startswith(("clip.", "heads."))}
     assert all(torch.equal(fresh.student.state_dict()[n].half(), w) for n, w in shipped.items())
+    other = Trainer(recipe, bank, device, TINY | {"embed_dim": 16})
     with pytest.raises(VibeError, match="another architecture"):
-        Trainer(recipe, bank, device, TINY | {"embed_dim": 16}).start_from(tmp_path / "model")
+        other.start_from(tmp_path / "model")
+    with pytest.raises(VibeError, match="another architecture or vocabulary"):
+        other.load(tmp_path / "checkpoint.pt")
     encoder = load_encoder(str(tmp_path / "model"))
     assert encoder.size == SIZE
     assert encoder.heads is not None

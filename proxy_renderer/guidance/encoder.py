@@ -54,13 +54,13 @@ class AttributeHeads(nn.Module):
         )
         return dict(zip(self.names, parts, strict=True))
 
-    def loss(self, features: Tensor, labels: Tensor) -> Tensor:
-        """Mean cross-entropy against classes (B, A), -100 where an attribute cannot be seen."""
+    def loss(self, features: Tensor, labels: Tensor, stress: Tensor) -> Tensor:
+        """Mean cross-entropy against classes (B, A), -100 where an attribute cannot be seen; attributes weigh as `stress` (A,)."""
         terms = [
             F.cross_entropy(logits, labels[:, i], reduction="sum") / (labels[:, i] >= 0).sum().clamp_min(1)
             for i, logits in enumerate(self.logits(features).values())
         ]
-        return torch.stack(terms).mean()
+        return (torch.stack(terms) * stress).sum() / stress.sum()
 
 
 class Encoder:

@@ -72,13 +72,20 @@ _ODDS = {
 _PLAIN = {"fog": "none", "brightness": "medium", "contrast": "medium"}
 _PLAIN_SHARE = 0.5
 """So many looks hide nothing of a thing's surface and of its light, which are the hardest to learn."""
-_FLIPPED = {"subject_finish": 2.5, "subject_metal": 2.0, "light_side": 2.0, "light_softness": 2.0}
+_HARD = {
+    "subject_finish": 4.0,
+    "light_softness": 4.0,
+    "subject_metal": 2.0,
+    "light_side": 2.0,
+    "light_temperature": 2.0,
+}
+STRESS = torch.tensor([_HARD.get(name, 1.0) for name in NAMES])
+"""How often each attribute is flipped, and how much its head counts: what is hard to see is taught more."""
 
 
 def sample_flips(shape: tuple[int, int], generator: torch.Generator) -> Tensor:
     """Attributes to flip, the hard ones more often than the others."""
-    odds = torch.tensor([_FLIPPED.get(name, 1.0) for name in NAMES])
-    return torch.multinomial(odds, shape[0] * shape[1], replacement=True, generator=generator).view(shape)
+    return torch.multinomial(STRESS, shape[0] * shape[1], replacement=True, generator=generator).view(shape)
 
 
 def sample_classes(count: int, generator: torch.Generator) -> Tensor:

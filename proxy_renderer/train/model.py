@@ -22,6 +22,7 @@ from ..language.attributes import ATTRIBUTES
 from ..schema import VibeError
 from .data import LOOKS, Batch, contradicts
 from .dense import Reader
+from .looks import STRESS
 
 CONFIG = {
     "embed_dim": 128,
@@ -126,15 +127,15 @@ class Student(nn.Module):
         logits = logits.masked_fill(~rival, float("-inf"))
         speaks = (mentioned >= 0).any(1)
         self._count(image.detach(), batch.labels)
-        truth, weight = batch.maps.to(device), batch.told.to(device)
+        truth, weight, stress = batch.maps.to(device), batch.told.to(device), STRESS.to(device)
         return {
             "dense": self.dense.loss(truth, weight),
             "contrast": (
                 F.cross_entropy(logits[speaks], own[speaks]) + F.cross_entropy(logits.T[speaks], own[speaks])
             )
             / 2,
-            "heads": self.heads.loss(image, labels),
-            "words": self.heads.loss(text, mentioned.masked_fill(mentioned < 0, -100)),
+            "heads": self.heads.loss(image, labels, stress),
+            "words": self.heads.loss(text, mentioned.masked_fill(mentioned < 0, -100), stress),
         }
 
     @torch.no_grad()

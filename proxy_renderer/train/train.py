@@ -16,6 +16,7 @@ from pathlib import Path
 
 import torch
 
+from ..schema import VibeError
 from . import bank as banks
 from . import captions, cycles, shader
 from .data import Batch, make_batch
@@ -49,7 +50,7 @@ class Recipe:
     rate: float = 1.5e-3
     warmup: int = 200
     average: int = 400
-    heads: float = 5.0
+    heads: float = 8.0
     words: float = 0.5
     dense: float = 3.0
     split: int = GUIDES
@@ -142,9 +143,19 @@ class Trainer:
         os.replace(temporary, path)
 
     def load(self, path: Path) -> None:
-        """Goes on from a checkpoint of the same architecture."""
+        """Goes on from a checkpoint of the same architecture and vocabulary.
+
+        Raises:
+            VibeError: It is of another one.
+        """
         state = torch.load(path, map_location=self.device, weights_only=True)
-        self.student.load_state_dict(state["student"])
+        try:
+            self.student.load_state_dict(state["student"])
+        except RuntimeError as error:
+            raise VibeError(
+                f"{str(path)!r} was made with another architecture or vocabulary.",
+                "Train in a new --out, with --from its model folder to keep what it has learned.",
+            ) from error
         self.average = state["average"]
         self.optimizer.load_state_dict(state["optimizer"])
         self.step, self.pictures = state["step"], state["pictures"]
