@@ -47,7 +47,7 @@ def render(bank: dict[str, np.ndarray], row: int, wanted: torch.Tensor) -> torch
     """The picture (3, H, W) of one view under one look with middling noise."""
     view = {name: torch.from_numpy(np.stack([values[row]])) for name, values in bank.items()}
     look = looks.parameters(wanted[None], torch.full((1, 1, looks.NOISE), 0.45))
-    return shader.shade(gather(view, wanted[None]), look, agx=False)[0, 0]
+    return shader.shade(gather(view, wanted[None]), look, agx=False)[0, 0, :3]
 
 
 @pytest.mark.parametrize("family", range(len(FAMILIES)))

@@ -22,6 +22,10 @@ LOOKS = 4
 """Looks per group: a base, two one-attribute flips, a swap of the two colors."""
 _NOTICED = 0.012
 """Mean difference of display values from which a change of one attribute can be seen."""
+_GLEAMS = 0.12
+"""Standard deviation over the subject of the gleam's share from which a finish can be seen."""
+_EDGES = 0.02
+"""Mean difference between hard and soft shadows from which the light's softness can be seen."""
 _GROUPS_AT_ONCE = 4
 
 
@@ -148,12 +152,15 @@ def _looks_of_views(
     classes, flipped = _group_classes(groups, generator)
     noise = torch.rand(groups, 1, looks.NOISE, generator=generator).expand(-1, LOOKS, -1)
     look = looks.parameters(classes, noise)
-    pictures, masks, maps = _shade_all(bank, rows.tolist(), classes, look, dice, shade, device, coarse)
+    pictures, masks, maps, shown = _shade_all(bank, rows.tolist(), classes, look, dice, shade, device, coarse)
     flat = {name: value.flatten(0, 1) for name, value in look.items()}
     labels = looks.visible(
         classes.flatten(0, 1), flat, pictures.flatten(0, 1), masks.repeat_interleave(LOOKS, 0)
     )
-    labels = _noticed(pictures, masks, labels.view(groups, LOOKS, -1), flipped)
+    labels = labels.view(groups, LOOKS, -1)
+    for name, clear in shown.items():
+        labels[..., looks.INDEX[name]].masked_fill_(~clear, looks.UNKNOWN)
+    labels = _noticed(pictures, masks, labels, flipped)
     return _Groups(pictures, labels, flipped, masks[:, None].expand(-1, LOOKS, -1, -1), maps)
 
 
@@ -178,9 +185,9 @@ def _shade_all(
     shade: shader.Shade,
     device: torch.device | str,
     coarse: int,
-) -> tuple[Tensor, Tensor, Tensor]:
-    """Pictures (G, LOOKS, 3, H, W), subject masks (G, H, W) and `dense.maps`, a few groups at a time to stay in the cache."""
-    pictures, masks, maps = [], [], []
+) -> tuple[Tensor, Tensor, Tensor, dict[str, Tensor]]:
+    """Pictures (G, LOOKS, 3, H, W), subject masks (G, H, W), `dense.maps`, and `shown`; a few groups at a time to stay in the cache."""
+    pictures, masks, maps, clear = [], [], [], []
     for start in range(0, len(rows), _GROUPS_AT_ONCE):
         part = slice(start, start + _GROUPS_AT_ONCE)
         view = {
@@ -189,10 +196,28 @@ def _shade_all(
         }
         chosen = {name: value[part].to(device) for name, value in look.items()}
         fields = gather(view, classes[part])
-        pictures.append(shade(fields, chosen, dice.random() < 0.6))
+        picture, gleam = shade(fields, chosen, dice.random() < 0.6).split([3, 1], 2)
+        pictures.append(picture)
         masks.append(view["kind"] == SUBJECT)
-        maps.append(dense.maps(fields, chosen))
-    return torch.cat(pictures), torch.cat(masks), torch.cat(maps)
+        maps.append(dense.maps(fields, chosen, gleam))
+        clear.append(_shown(view, classes[part], gleam[:, :, 0]))
+    shown = {name: torch.cat([each[name] for each in clear]) for name in clear[0]}
+    return torch.cat(pictures), torch.cat(masks), torch.cat(maps), shown
+
+
+def _shown(view: dict[str, Tensor], classes: Tensor, gleam: Tensor) -> dict[str, Tensor]:
+    """Attribute → (G, LOOKS) whether a finish gleams anywhere, and whether the edge of a shadow is in the picture."""
+    finish, side = classes[..., looks.INDEX["subject_finish"]], classes[..., looks.INDEX["light_side"]]
+    mask = (view["kind"] == SUBJECT)[:, None].float()
+    count = mask.sum((2, 3)).clamp_min(1)
+    mean = (gleam * mask).sum((2, 3)) / count
+    uneven = (((gleam - mean[..., None, None]) ** 2 * mask).sum((2, 3)) / count).sqrt()
+    edges = (view["shadow"][:, :, 0].float() - view["shadow"][:, :, 1].float()).abs().mean((2, 3)) / 255
+    matte = finish == ATTRIBUTES["subject_finish"].index("matte")
+    return {
+        "subject_finish": matte | (uneven.cpu() > _GLEAMS),
+        "light_softness": edges.cpu().gather(1, side) > _EDGES,
+    }
 
 
 def _real_group(

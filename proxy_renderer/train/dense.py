@@ -14,12 +14,12 @@ from .bank import SUBJECT
 GRID = 10
 """Cells along one side of the maps."""
 _FINE = 40
-CHANNELS = 9
-"""Subject, normal as the camera sees it (3), light received, albedo (3), how clear the air is."""
+CHANNELS = 10
+"""Subject, normal as the camera sees it (3), light received, albedo (3), how clear the air is, the share of gleam."""
 
 
-def maps(view: dict[str, Tensor], look: dict[str, Tensor]) -> Tensor:
-    """The truth of every picture, (G, K, CHANNELS, 40, 40), from what `shader.shade` takes."""
+def maps(view: dict[str, Tensor], look: dict[str, Tensor], gleam: Tensor) -> Tensor:
+    """The truth of every picture, (G, K, CHANNELS, 40, 40), from what `shader.shade` takes, and the gleam that it gives."""
     kind = view["kind"]
     count = look["metal"].shape[1]
     subject, surface = (kind == SUBJECT)[:, :, None].float(), (kind > 0)[:, :, None].float()
@@ -32,7 +32,7 @@ def maps(view: dict[str, Tensor], look: dict[str, Tensor]) -> Tensor:
     lit = (normal * towards[..., None, None]).sum(2, keepdim=True).clamp_min(0) * free
     albedo = torch.lerp(look["surroundings"][..., None, None], look["subject"][..., None, None], subject)
     clear = torch.exp(-look["fog"][..., None, None, None] * depth)
-    parts = [subject, normal, lit, albedo.clamp_min(0).sqrt(), clear]
+    parts = [subject, normal, lit, albedo.clamp_min(0).sqrt(), clear, _pool(gleam)]
     return torch.cat([part.expand(-1, count, -1, -1, -1) for part in parts], 2)
 
 

@@ -18,7 +18,7 @@ Shade = Callable[[Buffers, Buffers, bool], Tensor]
 
 
 def shade(view: Buffers, look: dict[str, Tensor], agx: bool) -> Tensor:
-    """Display pictures (G, K, 3, H, W) in 0..1.
+    """Pictures (G, K, 4, H, W) in 0..1: display values, and which share of the light is gleam, not body color.
 
     Args:
         view: kind, depth, occlusion, mirror (G, 1, H, W); normal (G, 1, 3, H, W); camera (G, 1, 3, 3),
@@ -31,12 +31,14 @@ def shade(view: Buffers, look: dict[str, Tensor], agx: bool) -> Tensor:
     stage = (view["kind"] == STAGE)[:, :, None].float()
     depth = view["depth"][:, :, None].clamp_max(FAR)
     reach = 1 / (1 + _scalar(look["falloff"]) * (depth - 1).clamp_min(0) ** 2)  # lamps are near the subject
-    color = _surface(view, look, rays, subject, stage) * (subject + stage * reach)
+    body, gleam = _surface(view, look, rays, subject, stage)
+    color = (body + gleam) * (subject + stage * reach)
     up = rays[:, :, 2:3]
     color = color + _vector(look["world"]) * (1 + _scalar(look["gradient"]) * up) * (1 - subject - stage)
     clear = torch.exp(-_scalar(look["fog"]) * depth)
     color = color * clear + _vector(look["fog_color"]) * (1 - clear)
-    return view_transform(_grade(color, look), agx)
+    share = _luma(gleam) / (_luma(body + gleam) + 1e-3)
+    return torch.cat([view_transform(_grade(color, look), agx), share], 2)
 
 
 @functools.cache
@@ -59,8 +61,10 @@ def _rays(view: Buffers) -> Tensor:
     return _unit(torch.einsum("gkij,gkjhw->gkihw", view["camera"], local))
 
 
-def _surface(view: Buffers, look: dict[str, Tensor], rays: Tensor, subject: Tensor, stage: Tensor) -> Tensor:
-    """Diffuse, GGX highlight of the key light, and mirrored surroundings with two light panels."""
+def _surface(
+    view: Buffers, look: dict[str, Tensor], rays: Tensor, subject: Tensor, stage: Tensor
+) -> tuple[Tensor, Tensor]:
+    """Diffuse light; the GGX highlight of the key light, and mirrored surroundings with two light panels."""
     normal, shadow, free = view["normal"], view["shadow"][:, :, None], view["occlusion"][:, :, None]
     key, soft = _vector(look["key"]), _scalar(look["soft"])
     towards = _vector(view["light"])
@@ -87,7 +91,7 @@ def _surface(view: Buffers, look: dict[str, Tensor], rays: Tensor, subject: Tens
     mirror = rays + 2 * facing * normal
     fresnel = f0 + ((1 - rough).clamp_min(0) * (1 - f0)).clamp_min(0) * (1 - facing) ** 5
     seen = _mirrored(view, look, mirror, rough) * (1 - 0.75 * view["mirror"][:, :, None]) * (0.3 + 0.7 * free)
-    return diffuse + subject * (highlight + fresnel * seen)
+    return diffuse, subject * (highlight + fresnel * seen)
 
 
 def _mirrored(view: Buffers, look: dict[str, Tensor], way: Tensor, rough: Tensor) -> Tensor:
@@ -124,8 +128,7 @@ def _grade(color: Tensor, look: dict[str, Tensor]) -> Tensor:
     color = (color * _scalar(look["exposure"])).clamp(1e-5, 60)
     contrast = _scalar(look["contrast"])
     color = torch.exp2(torch.log2(color / 0.18) * contrast) * 0.18
-    luma = 0.2126 * color[:, :, 0:1] + 0.7152 * color[:, :, 1:2] + 0.0722 * color[:, :, 2:3]
-    color = torch.lerp(luma, color, _scalar(look["saturation"])).clamp_min(0)
+    color = torch.lerp(_luma(color), color, _scalar(look["saturation"])).clamp_min(0)
     axis = _axis(color.shape[-1], color.device)
     radius = torch.sqrt((axis[:, None] ** 2 + axis[None, :] ** 2) / 2)
     t = ((radius - 0.3) / 0.7).clamp(0, 1)
@@ -160,6 +163,10 @@ def view_transform(color: Tensor, agx: bool) -> Tensor:
     x4 = x2 * x2
     x = 15.5 * x4 * x2 - 40.14 * x4 * x + 31.96 * x4 - 6.868 * x2 * x + 0.4298 * x2 + 0.1191 * x - 0.00232
     return torch.einsum("ij,...jhw->...ihw", _AGX_OUT.to(x), x).clamp(0, 1)
+
+
+def _luma(color: Tensor) -> Tensor:
+    return 0.2126 * color[:, :, 0:1] + 0.7152 * color[:, :, 1:2] + 0.0722 * color[:, :, 2:3]
 
 
 def _scalar(value: Tensor) -> Tensor:
