@@ -37,6 +37,12 @@ _VOCABULARY = (
 _ENCODER = "an open_clip model such as ViT-B-32-256/datacomp_s34b_b86k, or a local checkpoint (default: the embedded one)"
 _ANCHOR = "do not let small Cycles pictures correct the prediction meanwhile: quicker, and less exact"
 
+_CAMERAS = "names of cameras (default: the scene's own)"
+_FRAMES = (
+    "frames, as in 1,50,100-102 (default: the one that the scene was saved at); what is animated stays so"
+)
+_GRADE = "each shot gets an exposure and a grade of its own, and a .blend of its own"
+
 _MODEL = (
     "a vision-language model that plans and judges, such as qwen2.5vl:7b or gpt-5-mini; off for none "
     "(default: VIBE_VLM_MODEL, else none)"
@@ -67,6 +73,23 @@ def add_scene(sub: argparse.ArgumentParser, optional: bool = False) -> None:
     count: dict[str, str] = {"nargs": "?", "default": ""} if optional else {}
     sub.add_argument("scene", metavar="SCENE", help="a .blend, or a mesh: .obj .glb .gltf .ply .stl", **count)  # type: ignore[arg-type]
     sub.add_argument("--subject", action="append", default=[], metavar="NAME", help=_SUBJECT)
+
+
+def add_shots(sub: argparse.ArgumentParser) -> None:
+    """Several cameras, frames and scenes for one look."""
+    shots = sub.add_argument_group(
+        "shots that share a look: each scene, through each camera, at each frame, and one set of values for all"
+    )
+    shots.add_argument("--cameras", action="append", default=[], metavar="A,B", help=_CAMERAS)
+    shots.add_argument("--frames", default="", metavar="1,50,100", help=_FRAMES)
+    shots.add_argument("--grade-each", action="store_true", help=_GRADE)
+
+
+def shot_arguments(a: argparse.Namespace) -> list[str]:
+    """The same options again, for the command line of Blender's side."""
+    options = [f"--cameras={names}" for names in a.cameras]
+    options += [f"--frames={a.frames}"] if a.frames else []
+    return options + ["--grade-each"] * a.grade_each
 
 
 def add_vocabulary(sub: argparse._ActionsContainer) -> None:

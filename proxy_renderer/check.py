@@ -10,7 +10,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from .schema import GROUPS, VibeError, budgets
+from .schema import GROUPS, VibeError, budgets, frame_numbers
 
 STAGES = ("none", "floor", "cyclorama")
 SCENES = (".blend", ".obj", ".glb", ".gltf", ".ply", ".stl")
@@ -48,6 +48,24 @@ def scene(name: str) -> Path:
     if path.suffix.lower() not in SCENES:
         raise VibeError(f"{name} is not a scene that can be opened.", f"Use one of: {' '.join(SCENES)}.")
     return path
+
+
+def shots(scenes: Sequence[Path], arguments: argparse.Namespace) -> list[Path]:
+    """Scenes, cameras and frames that can share a look: what is named once.
+
+    Raises:
+        VibeError: Bare meshes among several scenes, frames that are none, or a camera that would have to move.
+    """
+    frames = frame_numbers(arguments.frames)
+    cameras = [name for part in arguments.cameras for name in part.split(",") if name.strip()]
+    several = max(len(scenes), len(frames), len(cameras)) > 1
+    if several and any(path.suffix.lower() != ".blend" for path in scenes):
+        raise VibeError("Only .blends can share a look.", "Give bare meshes one at a time.")
+    if several and "camera" in groups(arguments.groups):
+        raise VibeError("Shots that share a look keep their cameras.", "Leave camera out of --groups.")
+    if arguments.grade_each and not several:
+        raise VibeError("--grade-each is for several shots.", "Name --cameras, --frames or more scenes.")
+    return list(dict.fromkeys(scenes))
 
 
 def preset(name: str) -> str:

@@ -14,8 +14,10 @@ from .arguments import (
     Parser,
     add_render_options,
     add_scene,
+    add_shots,
     add_vibe_options,
     add_vocabulary,
+    shot_arguments,
     vibe_arguments,
 )
 from .batch.options import add_batch_options
@@ -69,6 +71,7 @@ def parser() -> argparse.ArgumentParser:
 
     run = command("run", _run, "Give a scene the look that the words describe.")
     add_scene(run)
+    run.add_argument("more", nargs="*", metavar="SCENE", help="more .blends that are to have the same look")
     run.add_argument(
         "--prompt", required=True, metavar="TEXT", help='the look: "misty, cool blue fog, vignette"'
     )
@@ -76,6 +79,7 @@ def parser() -> argparse.ArgumentParser:
         "--out", required=True, type=Path, metavar="DIR", help="folder for pictures, .blend and report"
     )
     run.add_argument("--stage", choices=check.STAGES, help="what a bare mesh is put on (default: cyclorama)")
+    add_shots(run)
     add_vibe_options(run)
 
     demo = command("demo", _demo, "See it work on a scene that it builds itself.")
@@ -146,7 +150,8 @@ def _run(a: argparse.Namespace) -> int:
     if a.stage and scene.suffix.lower() == ".blend":
         raise VibeError("--stage is for bare meshes; a .blend brings its own.", "Leave --stage out.")
     stage = [f"--stage={a.stage}"] if a.stage else []
-    return _vibe(a, ["run", str(scene), *stage, *_subjects(a)])
+    scenes = check.shots([scene, *map(check.scene, a.more)], a)
+    return _vibe(a, ["run", *map(str, scenes), *stage, *_subjects(a), *shot_arguments(a)])
 
 
 def _subjects(a: argparse.Namespace) -> list[str]:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import os
 import platform
 import textwrap
+from collections.abc import Sequence
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,8 +20,9 @@ from .schema import Values
 if TYPE_CHECKING:
     from torch import Tensor
 
-    from .optimise.anchoring import Anchoring, Blender
+    from .optimise.anchoring import Blender
     from .optimise.pipeline import Outcome
+    from .optimise.shots import Shot
 
 _PANEL = 512
 _MARGIN = 24
@@ -45,23 +47,27 @@ def parameter_records(outcome: Outcome) -> dict[str, dict[str, Any]]:
     }
 
 
-def changed_values(outcome: Outcome) -> dict[str, list[float]]:
-    """Key -> components, of what differs from the artist's scene."""
-    after = outcome.vector.values(outcome.u)
-    return {k: list(v) for k, v in after.items() if v != outcome.vector.instances[k].value}
+def changed_values(outcome: Outcome, shot: Shot | None = None) -> dict[str, list[float]]:
+    """Key -> components, of what differs from the artist's scene; in one of several shots, under its names."""
+    vector = (shot or outcome).vector
+    return {k: list(v) for k, v in vector.changes(outcome.u).items()}
 
 
-def anchored(anchoring: Anchoring, blender: Blender | None) -> dict[str, Any]:
-    """How the proxy was corrected; nothing if it was not to be.
+def anchored(outcome: Outcome, blenders: Sequence[Blender]) -> dict[str, Any]:
+    """How the proxies were corrected, one for each shot.
 
     `predicted` is the mean CIEDE2000 between what was predicted and what the next picture of Cycles showed, the
-    last time.
+    last time; of several shots, their mean.
     """
-    if blender is None:
-        return {}
-    records = [{**r, "seconds": s} for r, s in zip(anchoring.records, blender.seconds, strict=True)]
-    predicted = {"predicted": records[-1]["delta_e"]} if records else {}
-    return {"anchored": {"pictures": records, **predicted, "notes": blender.notes}}
+    pictures, predicted, notes = [], [], []
+    for shot, blender in zip(outcome.shots, blenders, strict=True):
+        pairs = zip(shot.anchoring.records, blender.seconds, strict=True)
+        records = [{**record, "seconds": seconds} for record, seconds in pairs]
+        pictures += records
+        predicted += [records[-1]["delta_e"]] if records else []
+        notes += blender.notes
+    mean = {"predicted": round(sum(predicted) / len(predicted), 3)} if predicted else {}
+    return {"anchored": {"pictures": pictures, **mean, "notes": list(dict.fromkeys(notes))}}
 
 
 def plain(values: Values) -> float | list[float]:
@@ -100,28 +106,36 @@ def load_picture(path: Path) -> np.ndarray:
     return np.asarray(flat.convert("RGB"), np.float32) / 255.0
 
 
-def compare(panels: list[tuple[str, Image.Image]], prompt: str) -> Image.Image:
-    """Labelled panels side by side, the prompt below.
+def compare(rows: Sequence[Sequence[tuple[str, Image.Image]]], prompt: str) -> Image.Image:
+    """Labelled panels side by side, rows of them one below the other, the prompt at the foot.
 
     Args:
-        panels: (label, picture), from left to right; all of one shape.
+        rows: (label, picture), from left to right; all in a row of one shape.
         prompt: Long ones are wrapped, and cut after four lines.
     """
-    width, height = panels[0][1].size
-    scale = _PANEL / max(width, height)
-    size = (max(round(width * scale), 1), max(round(height * scale), 1))
     title, label = ImageFont.load_default(26), ImageFont.load_default(18)
-    total = len(panels) * (size[0] + _MARGIN) + _MARGIN
+    sizes = [_fitted(row[0][1]) for row in rows]
+    total = max(len(row) * (size[0] + _MARGIN) for row, size in zip(rows, sizes, strict=True)) + _MARGIN
     lines = textwrap.wrap(
         f"“{prompt}”", max(int((total - 2 * _MARGIN) / 12.5), 20), max_lines=4, placeholder=" …"
     )
-    top = 2 * _MARGIN + 8
-    sheet = Image.new("RGB", (total, top + size[1] + _MARGIN + 36 * len(lines) + _MARGIN), _PAPER)
-    draw = ImageDraw.Draw(sheet)
-    for i, (name, picture) in enumerate(panels):
-        x = _MARGIN + i * (size[0] + _MARGIN)
-        draw.text((x + size[0] / 2, top / 2 + 2), name, _FAINT, label, anchor="mm")
-        sheet.paste(picture.convert("RGB").resize(size, Image.Resampling.LANCZOS), (x, top))
+    head = 2 * _MARGIN + 8
+    height = sum(head + size[1] for size in sizes)
+    sheet = Image.new("RGB", (total, height + _MARGIN + 36 * len(lines) + _MARGIN), _PAPER)
+    draw, top = ImageDraw.Draw(sheet), 0
+    for row, size in zip(rows, sizes, strict=True):
+        for i, (name, picture) in enumerate(row):
+            x = _MARGIN + i * (size[0] + _MARGIN)
+            draw.text((x + size[0] / 2, top + head / 2 + 2), name, _FAINT, label, anchor="mm")
+            sheet.paste(picture.convert("RGB").resize(size, Image.Resampling.LANCZOS), (x, top + head))
+        top += head + size[1]
     for i, line in enumerate(lines):
-        draw.text((total / 2, top + size[1] + _MARGIN + 18 + 36 * i), line, _INK, title, anchor="mm")
+        draw.text((total / 2, top + _MARGIN + 18 + 36 * i), line, _INK, title, anchor="mm")
     return sheet
+
+
+def _fitted(picture: Image.Image) -> tuple[int, int]:
+    """Width and height of a panel that shows a picture."""
+    width, height = picture.size
+    scale = _PANEL / max(width, height)
+    return max(round(width * scale), 1), max(round(height * scale), 1)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from .optimise import context, pipeline
 from .optimise.anchoring import Blender
 from .optimise.objective import draw
 from .optimise.progress import Watch
+from .optimise.shots import View
 from .render.color import mean_difference
 from .render.proxy import Proxy
 from .scene import SceneData, load_scene
@@ -37,7 +39,7 @@ class Session:
     """A vibe's state between its result and its measure.
 
     Args:
-        job: The job folder that the scene was exported to; pictures are written there too.
+        shots: The job folders that the scene was exported to, one or several; pictures are written there too.
         prompt: What the artist typed.
         options: Of the vibe.
         watch: Follows it.
@@ -45,14 +47,20 @@ class Session:
     """
 
     def __init__(
-        self, job: Path, prompt: str, options: messages.Options, watch: Watch, vlm_key: str = ""
+        self,
+        shots: Sequence[messages.Shot],
+        prompt: str,
+        options: messages.Options,
+        watch: Watch,
+        vlm_key: str = "",
     ) -> None:
-        self.job, self.prompt, self.options, self._watch = job, prompt, options, watch
+        self.shots, self.prompt, self.options, self._watch = shots, prompt, options, watch
         self._caption = prompt
         self._encoder: Encoder | None = None
         endpoint = find_endpoint(options, vlm_key)
         self._model = Client(endpoint, watch.stopped) if endpoint and not options.baseline else None
         self._others: list[str] = []
+        self._rows: list[list[tuple[str, Image.Image]]] = []  # of compare.png: one for each shot
 
     def run(self) -> messages.Result:
         """Finds the values, draws the prediction and says how it went."""
@@ -63,32 +71,33 @@ class Session:
         heads = encoder if encoder.heads is not None else _embedded(device)
         clock.lap("load encoder")
         self._watch.stage("loading the scene")
-        scene = load_scene(self.job)
+        scenes = [load_scene(Path(shot.job)) for shot in self.shots]
         clock.lap("load scene")
-        advisor = self._advisor(scene)
-        blender = Blender(scene, self._watch.ask, self.options.seed) if self.options.anchor else None
-        outcome = pipeline.run(
-            scene, self.prompt, self.options, encoder, heads, self._watch, advisor, blender
-        )
+        advisor = self._advisor(scenes)
+        ask, seed = self._watch.ask, self.options.seed
+        blenders = [Blender(scene, ask, seed, number) for number, scene in enumerate(scenes)]
+        views = [
+            View(scene, blender if self.options.anchor else None, shot.file)
+            for scene, blender, shot in zip(scenes, blenders, self.shots, strict=True)
+        ]
+        outcome = pipeline.run(views, self.prompt, self.options, encoder, heads, self._watch, advisor)
         clock.lap("loop")
         self._watch.stage("drawing the prediction")
-        proxy = Proxy(
-            scene,
-            context.picture_size(scene.resolution, self.options.size),
-            device,
-            self.options.seed,
-            fine=True,
-        )
-        self._predict(proxy, outcome)
-        variants = self._variants(proxy, outcome)
+        variants: list[messages.Variant] = []
+        for number, shot in enumerate(outcome.shots):
+            size = context.picture_size(shot.scene.resolution, self.options.size)
+            proxy = Proxy(shot.scene, size, device, self.options.seed, fine=True)
+            self._predict(proxy, outcome, number)
+            variants = variants or self._variants(proxy, outcome)
         clock.lap("prediction")
         self._caption = outcome.prompts.whole or self.prompt
+        values = [report.changed_values(outcome, shot) for shot in outcome.shots]
         return messages.Result(
-            values=report.changed_values(outcome),
+            values=values[0],
             report={
                 **self._facts(outcome, encoder),
                 **({"vlm": advisor.account()} if advisor else {}),
-                **report.anchored(outcome.anchoring, blender),
+                **(report.anchored(outcome, blenders) if self.options.anchor else {}),
                 **(
                     {"variants": [{"score": v.score, "values": v.values} for v in variants]}
                     if variants
@@ -99,27 +108,30 @@ class Session:
             prediction=PREDICTION,
             stopped=outcome.stopped,
             variants=variants,
+            shots=values if len(values) > 1 else [],
         )
 
     def _variants(self, proxy: Proxy, outcome: pipeline.Outcome) -> list[messages.Variant]:
-        """The looks to choose from, each with a picture, and all of them on one sheet."""
+        """The looks to choose from, each with a picture of the first shot, and all of them on one sheet."""
         variants, pictures = [], []
+        job = Path(self.shots[0].job)
         for number, found in enumerate(outcome.variants, start=1):
-            proxy.correction, *_ = found.anchor
+            proxy.correction, *_ = found.anchors[0]
             with torch.no_grad():
                 picture = draw(proxy, found.vector, found.u)
             name = f"variant-{number}.png"
-            report.save_picture(picture.display, self.job / name)
-            with Image.open(self.job / name) as image:
+            report.save_picture(picture.display, job / name)
+            with Image.open(job / name) as image:
                 pictures.append((str(number), image.convert("RGB")))
             variants.append(messages.Variant(report.changed_values(found), name, round(found.loss, 4)))
         if pictures:
-            report.save_image(report.compare(pictures, self.prompt), self.job / messages.VARIANTS)
+            report.save_image(report.compare([pictures], self.prompt), job / messages.VARIANTS)
         return variants
 
-    def _predict(self, proxy: Proxy, outcome: pipeline.Outcome) -> None:
-        """Draws the values found at full size, and what would have been predicted without the last anchor."""
-        anchoring = outcome.anchoring
+    def _predict(self, proxy: Proxy, outcome: pipeline.Outcome, number: int) -> None:
+        """Draws a shot of the values found at full size, and what would have been predicted without the last anchor."""
+        job, shot = Path(self.shots[number].job), outcome.shots[number]
+        anchoring = shot.anchoring
         last = anchoring.proxy.correction
         corrections = {PREDICTION: last}
         if last is not None:
@@ -128,35 +140,43 @@ class Session:
         for name, correction in corrections.items():
             proxy.correction = correction
             with torch.no_grad():
-                picture = draw(proxy, outcome.vector, outcome.u)
-            report.save_picture(picture.display, self.job / name)
-        report.save_picture(picture.mask, self.job / MASK)
+                picture = draw(proxy, shot.vector, outcome.u)
+            report.save_picture(picture.display, job / name)
+        report.save_picture(picture.mask, job / MASK)
 
     def finish(self, request: messages.Finish) -> messages.Finished:
         """Measures Cycles' pictures against the prediction and the words, and composes them."""
         if self._encoder is None:
             raise VibeError("There is nothing to finish.", "Send a vibe first.")
         before, after = (report.load_picture(Path(p)) for p in (request.before, request.after))
-        shape = (after.shape[1], after.shape[0])
-        predicted = self._drawn(PREDICTION, shape)
+        shape, shot = (after.shape[1], after.shape[0]), self.shots[request.shot]
+        job = Path(shot.job)
+        predicted = _drawn(job / PREDICTION, shape)
         panels = [("before", before), ("the proxy's prediction", predicted), ("after (Cycles)", after)]
-        images = [(label, Image.fromarray((p * 255.0 + 0.5).astype(np.uint8))) for label, p in panels]
-        report.save_image(report.compare(images, self.prompt), Path(request.compare_out))
+        images = [
+            (
+                f"{label} · {shot.name}" if shot.name else label,
+                Image.fromarray((p * 255.0 + 0.5).astype(np.uint8)),
+            )
+            for label, p in panels
+        ]
+        self._rows = [*self._rows[: request.shot], images]
+        report.save_image(report.compare(self._rows, self.prompt), Path(request.compare_out))
         if request.mask_out:
-            with Image.open(self.job / MASK) as mask:
+            with Image.open(job / MASK) as mask:
                 report.save_image(mask.resize(shape, Image.Resampling.LANCZOS), Path(request.mask_out))
         return messages.Finished(
             delta_e=_delta_e(predicted, after),
-            others={name: _delta_e(self._drawn(OTHERS[name], shape), after) for name in self._others},
+            others={name: _delta_e(_drawn(job / OTHERS[name], shape), after) for name in self._others},
             similarity={"before": self._similarity(before), "after": self._similarity(after)},
             judge=self._judge(images[0][1], images[2][1]),
         )
 
-    def _advisor(self, scene: SceneData) -> ModelAdvisor | None:
+    def _advisor(self, scenes: Sequence[SceneData]) -> ModelAdvisor | None:
         """The model as parser and confiner; None for the offline planner."""
         if self._model is None:
             return None
-        return ModelAdvisor(self.prompt, context.scene_words(scene), self._model, self._watch.stage)
+        return ModelAdvisor(self.prompt, context.scene_words(*scenes), self._model, self._watch.stage)
 
     def _judge(self, before: Image.Image, after: Image.Image) -> dict[str, Any]:
         """The model's verdict on Cycles' two pictures, or why there is none."""
@@ -170,12 +190,6 @@ class Session:
         except VibeError as error:
             verdict = {"error": str(error)}
         return {"model": model.endpoint.model, **verdict, **model.usage.account()}
-
-    def _drawn(self, name: str, shape: tuple[int, int]) -> np.ndarray:
-        """A prediction (H, W, 3) at another width and height."""
-        with Image.open(self.job / name) as image:
-            resized = image.convert("RGB").resize(shape, Image.Resampling.LANCZOS)
-        return np.asarray(resized, np.float32) / 255.0
 
     def _similarity(self, picture: np.ndarray) -> float:
         """Cosine of a picture (H, W, 3) and the caption of the whole (equation 2)."""
@@ -207,6 +221,13 @@ class Session:
             },
             "versions": report.versions(),
         }
+
+
+def _drawn(path: Path, shape: tuple[int, int]) -> np.ndarray:
+    """A prediction (H, W, 3) at another width and height."""
+    with Image.open(path) as image:
+        resized = image.convert("RGB").resize(shape, Image.Resampling.LANCZOS)
+    return np.asarray(resized, np.float32) / 255.0
 
 
 def _delta_e(a: np.ndarray, b: np.ndarray) -> float:

@@ -180,7 +180,8 @@ def _vibe(wire: Wire, request: messages.Vibe) -> Session:
     watch.stage("loading the engine")
     from .session import Session
 
-    session = Session(job, request.prompt, options, watch, request.vlm_key)
+    shots = request.shots or [messages.Shot(request.job, "", "")]
+    session = Session(shots, request.prompt, options, watch, request.vlm_key)
     wire.send(session.run())
     return session
 

@@ -24,8 +24,12 @@ def say(**event):
     print(f"VIBE {json.dumps(event)}", flush=True)
 
 
+def numbered(name, number):
+    return f"{name}-{number + 1}.png" if number else f"{name}.png"
+
+
 def carry_out(arguments):
-    options = dict(a[2:].split("=", 1) for a in arguments if a.startswith("--"))
+    options = dict(a[2:].split("=", 1) for a in arguments if a.startswith("--") and "=" in a)
     prompt, out = options["prompt"], Path(options["out"])
     say(type="stage", name=f"working as process {os.getpid()}")
     if "slow" in prompt:
@@ -44,11 +48,17 @@ def carry_out(arguments):
         eaten = b"x" * 400_000_000
         time.sleep(600)
         return eaten
-    for name, level in (("before", 90), ("after", 30 + int(options["seed"]) % 200), ("compare", 60)):
-        Image.new("RGB", (24, 16), (level, level, 120)).save(out / f"{name}.png")
+    cameras = options.get("cameras", "").split(",")
+    for number, _ in enumerate(cameras):
+        for name, level in (("before", 90), ("after", 30 + int(options["seed"]) % 200), ("compare", 60)):
+            Image.new("RGB", (24, 16), (level, level, 120)).save(out / numbered(name, number))
     (out / "preset.json").write_text(json.dumps({"prompt": prompt, "seed": options["seed"]}))
     (out / "vibed.blend").write_bytes(b"BLENDER")
-    (out / "report.json").write_text(json.dumps(REPORT))
+    shots = [
+        {"name": c, **{kind: numbered(kind, i) for kind in ("before", "after")}}
+        for i, c in enumerate(cameras)
+    ]
+    (out / "report.json").write_text(json.dumps(REPORT | ({"shots": shots} if len(shots) > 1 else {})))
     say(type="result", lines=[])
 
 

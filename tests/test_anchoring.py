@@ -13,6 +13,7 @@ from tiny_job import write_job
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimise import anchoring, pipeline
 from proxy_renderer.optimise.anchoring import Anchoring, Blender
+from proxy_renderer.optimise.shots import View
 from proxy_renderer.optimise.vector import ParameterVector
 from proxy_renderer.render.cycles import CyclesPicture
 from proxy_renderer.render.proxy import Proxy
@@ -47,23 +48,25 @@ class Elsewhere:
 def run(scene, source, **options):
     encoder = load_encoder(None, "cpu")
     chosen = Options(**{"rounds": 2, "steps": 4, "size": 48, **options})
-    return pipeline.run(scene, PROMPT, chosen, encoder, encoder, Silent(), source=source)
+    return pipeline.run([View(scene, source)], PROMPT, chosen, encoder, encoder, Silent())
 
 
 def test_every_round_starts_from_a_picture_and_so_does_the_prediction(scene):
     source = Elsewhere(scene)
     outcome = run(scene, source)
     assert source.asked[0] == {}
-    assert {r["round"] for r in outcome.anchoring.records} == {1, 2}
+    assert {r["round"] for r in outcome.shots[0].anchoring.records} == {1, 2}
     last = {
         k: list(v)
         for k, v in outcome.vector.values(outcome.u).items()
         if v != outcome.vector.instances[k].value
     }
     assert source.asked[-1] == last
-    assert len(source.asked) == len(outcome.anchoring.records) <= 6
-    assert outcome.anchoring.proxy.correction is not None
-    assert outcome.anchoring.records[0]["delta_e"] > outcome.anchoring.records[-1]["delta_e"]
+    assert len(source.asked) == len(outcome.shots[0].anchoring.records) <= 6
+    assert outcome.shots[0].anchoring.proxy.correction is not None
+    assert (
+        outcome.shots[0].anchoring.records[0]["delta_e"] > outcome.shots[0].anchoring.records[-1]["delta_e"]
+    )
 
 
 def test_pictures_steer_the_loop_and_are_reproducible(scene):
@@ -75,7 +78,7 @@ def test_pictures_steer_the_loop_and_are_reproducible(scene):
 def test_a_loop_without_pictures_is_the_proxys_own(scene):
     plain, without = run(scene, None), run(scene, lambda values, size: None)
     assert torch.equal(plain.u, without.u)
-    assert without.anchoring.records == []
+    assert without.shots[0].anchoring.records == []
 
 
 def test_an_old_correction_is_kept_near_and_dropped_far(scene):

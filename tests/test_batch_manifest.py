@@ -100,6 +100,54 @@ def test_results_are_no_scenes(place):
     assert [j.scene for j in jobs] == ["shots/a.blend", "shots/b.blend"]
 
 
+TOGETHER = """
+prompts = ["noir"]
+[[shots]]
+name = "cup"
+scenes = ["shots/a.blend"]
+cameras = "Wide"
+[[shots]]
+name = "hall"
+scenes = ["shots/*.blend"]
+frames = [1, 50]
+grade_each = true
+size = 128
+"""
+
+
+def test_shots_that_share_a_look_are_one_job(place):
+    cup, hall = read(place, TOGETHER)
+    assert (cup.scene, cup.source.name, cup.more) == ("cup", "a.blend", ())
+    assert "--cameras=Wide" in cup.arguments
+    assert (hall.source.name, [p.name for p in hall.more]) == ("a.blend", ["b.blend"])
+    assert {"--frames=1,50", "--grade-each", "--size=128"} <= set(hall.arguments)
+    (place / "shots" / "b.blend").write_text("other content")
+    again = read(place, TOGETHER)
+    assert again[0].name == cup.name
+    assert again[1].name != hall.name
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "words"),
+    [
+        ('name = "hall"', "", 7, ["a name of their own"]),
+        ('name = "hall"', 'name = "cup"', 7, ["a name of their own"]),
+        ("[1, 50]", '["x"]', 10, ["'x' names no frames"]),
+        ("[1, 50]", "1.5", 10, ["frames = [1, 50, 100]"]),
+        ("size = 128", "sice = 128", 12, ["'sice'", "cameras"]),
+        ("size = 128", 'groups = "camera"', 7, ["keep their cameras"]),
+        ("shots/*.blend", "cup.obj", 7, ["Only .blends"]),
+        ("shots/*.blend", "hall/*.blend", 9, ["'hall/*.blend'"]),
+    ],
+)
+def test_mistakes_in_shots_are_found_with_their_line(place, old, new, line, words):
+    assert old in TOGETHER
+    with pytest.raises(VibeError) as caught:
+        read(place, TOGETHER.replace(old, new))
+    assert f"m.toml, line {line}:" in caught.value.message, caught.value.message
+    assert all(word in str(caught.value) for word in words), str(caught.value)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "line", "words"),
     [

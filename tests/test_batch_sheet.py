@@ -2,11 +2,13 @@
 """The contact sheet in a real browser, from disk and offline: what an art director would do with it."""
 
 import shutil
+from pathlib import Path
 
 import pytest
 from batch_parts import carry_out, plan_of
 
-from proxy_renderer.batch.manifest import Limits
+from proxy_renderer.batch.manifest import Limits, Shot
+from proxy_renderer.batch.plan import Plan
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 HOSTILE = "noir </script><script>document.title = 'broken'</script> & <b>bold</b>"
@@ -138,3 +140,24 @@ def test_the_keyboard_does_everything(page):
     assert words(page) == [HOSTILE]
     page.keyboard.press("/")
     assert page.evaluate("document.activeElement.id") == "find"
+
+
+def test_shots_that_share_a_look_are_all_shown_and_slide_together(browser, tmp_path):
+    """A card with four pictures, and one slider for all of them."""
+    shot = Shot("kitchen", Path("a.blend"), "digest", ("noir",), (0,), ("--cameras=Wide,Close,Top,Door",))
+    carry_out(tmp_path, Plan([shot]), Limits(free_gb=0))
+    page = browser.new_context(viewport={"width": 1400, "height": 900}, offline=True).new_page()
+    page.goto((tmp_path / "index.html").as_uri())
+    assert page.locator(".card .shots .name").all_inner_texts() == ["Wide", "Close", "Top", "Door"]
+    page.wait_for_function("[...document.querySelectorAll('.after')].every(i => i.naturalWidth > 0)")
+    assert [Path(i.get_attribute("src")).name for i in page.locator(".after").all()][1] == "after-2.jpg"
+    cards(page).first.click()
+    area = page.locator("#view .frame").nth(1).bounding_box()
+    page.mouse.move(area["x"] + area["width"] * 0.75, area["y"] + 20)
+    page.mouse.down()
+    page.mouse.up()
+    assert cut(page, "#view") == "75%"
+    edge = "e => getComputedStyle(e).getPropertyValue('--cut')"
+    assert {one.evaluate(edge) for one in page.locator("#view .frame").all()} == {"75%"}
+    page.context.close()
+    assert "Wide | Close | Top | Door" in (tmp_path / "results.csv").read_text()

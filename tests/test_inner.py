@@ -12,15 +12,17 @@ from proxy_renderer.optimise.inner import Settings, descend, promise
 class Bowl:
     """Distance to a target, with noise from the views; not finite where `broken` says so."""
 
+    shots = 1
+
     def __init__(self, target, noise=0.0, broken=lambda u: False):
         self.target, self.noise, self.broken = torch.tensor(target, dtype=torch.float64), noise, broken
         self.seen = []
 
-    def render(self, u):
+    def render(self, u, shot):
         self.seen.append(u.detach().clone())
         return u * math.nan if self.broken(u) else u
 
-    def loss(self, picture, u, generator):
+    def loss(self, picture, u, generator, shot):
         shake = self.noise * torch.randn(len(u), generator=generator, dtype=torch.float64)
         return (picture - self.target + shake).square().sum()
 
@@ -75,7 +77,7 @@ def test_the_best_is_judged_on_fixed_views():
     bowl = Bowl([0.5] * 4, noise=0.5)
     found = run(bowl, [0.1] * 4, [0.0] * 4, [1.0] * 4)
     fixed = torch.Generator().manual_seed(12345)
-    assert float(bowl.loss(found.u, found.u, fixed)) == found.loss
+    assert float(bowl.loss(found.u, found.u, fixed, 0)) == found.loss
     assert found.loss <= found.start_loss
 
 
@@ -90,6 +92,24 @@ def test_same_seed_same_result_bit_for_bit():
 def test_it_ends_when_told_and_when_nothing_improves():
     assert run(Bowl([0.9]), [0.1], [0.0], [1.0], end=lambda step: step == 3).steps == 3
     assert run(Bowl([0.5]), [0.5], [0.0], [1.0], steps=200).steps < 60
+
+
+class Bowls(Bowl):
+    """Two shots of one u, each with a target of its own."""
+
+    shots = 2
+
+    def loss(self, picture, u, generator, shot):
+        return (picture - self.target[shot]).square().sum()
+
+
+def test_shots_meet_in_the_middle_and_are_judged_together():
+    bowls = Bowls([[0.2], [0.6]])
+    found = run(bowls, [0.9], [0.0], [1.0], steps=80)
+    assert found.u.item() == pytest.approx(0.4, abs=0.05)
+    assert found.loss == pytest.approx(0.04, abs=0.005)  # the mean of both
+    slopes = promise(bowls, torch.tensor([0.5], dtype=torch.float64), torch.zeros(1), torch.ones(1))
+    assert slopes.item() == pytest.approx(0.5 * 0.2)
 
 
 def test_promise_is_the_slope_times_the_room_that_is_left():

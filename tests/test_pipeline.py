@@ -8,6 +8,7 @@ from tiny_job import write_job
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimise import context, pipeline
 from proxy_renderer.optimise.objective import draw
+from proxy_renderer.optimise.shots import View
 from proxy_renderer.render.color import srgb_to_lab
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.report import changed_values, parameter_records
@@ -50,7 +51,7 @@ def scene(tmp_path_factory):
 
 def vibe(scene, encoder, prompt=PROMPT, watch=None, **options):
     chosen = Options(**{"rounds": 2, "steps": 8, "size": 64, **options})
-    return pipeline.run(scene, prompt, chosen, encoder, encoder, watch or Silent())
+    return pipeline.run([View(scene)], prompt, chosen, encoder, encoder, watch or Silent())
 
 
 @pytest.fixture(scope="module")

@@ -10,6 +10,7 @@ from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.language.types import Plan, PlanEntry
 from proxy_renderer.optimise import pipeline, starts
 from proxy_renderer.optimise.objective import draw
+from proxy_renderer.optimise.shots import View
 from proxy_renderer.optimise.vector import ParameterVector
 from proxy_renderer.report import changed_values, parameter_records
 from proxy_renderer.scene import load_scene
@@ -86,7 +87,7 @@ def test_lights_roam_as_one_where_the_words_leave_them_open(vector):
 def variants(scene):
     encoder = load_encoder(None, "cpu")
     options = Options(rounds=2, steps=3, size=48, variants=3, lock=("material/Floor",))
-    return pipeline.run(scene, "glossy teal ball", options, encoder, encoder, Silent())
+    return pipeline.run([View(scene)], "glossy teal ball", options, encoder, encoder, Silent())
 
 
 def test_variants_differ_in_their_pictures_and_keep_to_words_and_locks(scene, variants):
@@ -94,7 +95,7 @@ def test_variants_differ_in_their_pictures_and_keep_to_words_and_locks(scene, va
     assert len(found) == 3
     assert found[0] is variants
     assert [v.loss for v in found] == sorted(v.loss for v in found)
-    proxy = variants.anchoring.proxy
+    proxy = variants.shots[0].proxy
     with torch.no_grad():
         pictures = [draw(proxy, v.vector, v.u).display for v in found]
     apart = [starts.distance(a, b) for i, a in enumerate(pictures) for b in pictures[:i]]

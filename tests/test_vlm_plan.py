@@ -14,6 +14,7 @@ from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.language import ATTRIBUTES
 from proxy_renderer.language.types import Parsed, Plan, PlanContext, Prompts, SceneWords
 from proxy_renderer.optimise import context, pipeline
+from proxy_renderer.optimise.shots import View
 from proxy_renderer.report import changed_values, parameter_records
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import FAMILIES, Instance, VibeError
@@ -326,7 +327,7 @@ def vibe(scene, encoder, model, prompt=PROMPT, **options):
     client = Client(Endpoint(MODEL, model.url, KEY, 5.0))
     advisor = ModelAdvisor(prompt, context.scene_words(scene), client, watch.stage)
     chosen = Options(**{"rounds": 2, "steps": 2, "size": 48, **options})
-    outcome = pipeline.run(scene, prompt, chosen, encoder, encoder, watch, advisor)
+    outcome = pipeline.run([View(scene)], prompt, chosen, encoder, encoder, watch, advisor)
     return outcome, advisor.account(), watch.seen
 
 
@@ -374,7 +375,9 @@ class TestLoop:
     def test_every_failure_falls_back_to_the_offline_plan(self, scene, encoder, answer):
         with serving(lambda body, n: answer) as model:
             outcome, account, _ = vibe(scene, encoder, model)
-        offline = pipeline.run(scene, PROMPT, Options(rounds=2, steps=2, size=48), encoder, encoder, Silent())
+        offline = pipeline.run(
+            [View(scene)], PROMPT, Options(rounds=2, steps=2, size=48), encoder, encoder, Silent()
+        )
         assert torch.equal(outcome.u, offline.u)
         assert all(r["advice"].startswith("offline planner: ") for r in outcome.rounds)
         assert account["failures"]

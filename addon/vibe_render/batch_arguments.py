@@ -24,6 +24,7 @@ _COMMANDS = {
     "frames": ("scene",),
     "serve": (),
 }
+_SEVERAL = ("run", "frames")  # commands that take one scene or several
 
 
 class _Parser(argparse.ArgumentParser):
@@ -34,12 +35,13 @@ class _Parser(argparse.ArgumentParser):
 def parse(argv: Sequence[str]) -> argparse.Namespace:
     """Reads the arguments that follow "--".
 
-    What to do is said either by words, as the `vibe` command does (`run SCENE`, `demo`, `export SCENE`,
+    What to do is said either by words, as the `vibe` command does (`run SCENE...`, `demo`, `export SCENE`,
     `apply PRESET SCENE`, `revert FILE`), or by options for the file that Blender has open (`--apply PRESET`,
     `--revert`, `--demo`, `--scene FILE`). `serve` takes any number of such command lines from the standard input.
 
     Returns:
-        A namespace with `command`, `scene` (a path, "" for the open file), `preset`, and the options.
+        A namespace with `command`, `scene` (a path, "" for the open file; `scenes` are all of them), `preset`, and
+        the options.
 
     Raises:
         VibeError: For every mistake in them.
@@ -50,10 +52,13 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
     if a.words:
         a.command = a.words[0]
         names = _COMMANDS.get(a.command)
-        if names is None or len(a.words) != len(names) + 1:
+        more = a.command in _SEVERAL and len(a.words) > 1
+        if names is None or (len(a.words) != len(names) + 1 and not more):
             raise schema.VibeError(f"Unknown command {' '.join(a.words)!r}.", f"Use {', '.join(_COMMANDS)}.")
-        for name, word in zip(names, a.words[1:], strict=True):
+        for name, word in zip(names, a.words[1:]):  # noqa: B905  those of several follow
             setattr(a, name, word)
+    a.scenes = a.words[1:] if a.command in _SEVERAL and a.words else [a.scene]
+    a.cameras, a.frames = _listed(a.cameras), schema.frame_numbers(a.frames)
     if a.command in ("run", "demo"):
         _check_prompt(a.prompt)
         a.groups = _names(a.groups)
@@ -86,7 +91,11 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--demo", action="store_true", help="use a scene that is built for it")
     parser.add_argument("--prompt", default="", help="the look")
     parser.add_argument("--out", type=Path, default=None, metavar="DIR", help="folder for what is written")
-    parser.add_argument("--frames", default="", metavar="A-B", help="final frames (default: the scene's own)")
+    parser.add_argument(
+        "--cameras", action="append", default=[], metavar="A,B", help="solve for all of these"
+    )
+    parser.add_argument("--frames", default="", metavar="A,B-C", help="solve for these, or render these")
+    parser.add_argument("--grade-each", action="store_true", help="each shot has its own grade")
     parser.add_argument("--stage", default="cyclorama", help="what a bare mesh stands on")
     parser.add_argument("--subject", action="append", default=[], metavar="NAME", help="object or collection")
     parser.add_argument("--samples", type=int, default=128, help="Cycles samples of the pictures")
@@ -124,6 +133,7 @@ def engine_options(a: argparse.Namespace, free_camera: bool, online: bool) -> me
         "vlm_model",
         "vlm_url",
         "anchor",
+        "grade_each",
     )
     chosen = {name: getattr(a, name) for name in names}
     return messages.Options(
@@ -148,6 +158,11 @@ def _check_prompt(prompt: str) -> None:
 
 def _names(given: Sequence[str]) -> list[str]:
     return [name for part in given for name in re.split(r"[,\s]+", part) if name]
+
+
+def _listed(given: Sequence[str]) -> list[str]:
+    """Names from "A,B" lists; a name may hold spaces."""
+    return list(dict.fromkeys(name.strip() for part in given for name in part.split(",") if name.strip()))
 
 
 def _check_groups(groups: Sequence[str], locks: Sequence[str]) -> None:

@@ -9,7 +9,7 @@ infinitely far away, altogether. Inside, with z above the box's origin, which is
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from bpy.types import Material, NodeTree, Object, Scene
@@ -49,24 +49,44 @@ def find(scene: Scene) -> Object | None:
     return owned.find(scene.objects, NAME)
 
 
-def domain(cast: roster.Cast) -> Domain:
+_PLANNED: dict[int, Domain] = {}
+"""Boxes that are not there yet, of scenes that are seen by several cameras or at several frames."""
+
+
+def plan(scene: Scene, shape: Domain) -> None:
+    """Has this be the box that is made, whatever the camera and the frame are then."""
+    _PLANNED[scene.session_uid] = shape
+
+
+def planned(scene: Scene) -> Domain | None:
+    """The box that `plan` has been told; None if it has not."""
+    return _PLANNED.get(scene.session_uid)
+
+
+def domain(cast: roster.Cast, eyes: Sequence[Vector] = ()) -> Domain:
     """The box that is there, or the one that would be made.
 
     It holds the camera, and as much of the visible scene as lies within four camera distances:
     beyond, fog would hide it, but a longer way through fog would put out the world's light.
+
+    Args:
+        cast: The scene.
+        eyes: Where other cameras stand that it is to hold.
     """
     box = find(cast.scene)
     if box is not None:
         low, high = (box.matrix_world @ Vector(box.bound_box[i]) for i in (0, 6))
         return Domain((low + high) / 2.0, (high - low) / 2.0, box.matrix_world.translation.z)
+    if shape := planned(cast.scene):
+        return shape
     view = roster.references(cast)["view_distance"]
     low, high = roster.bounds(cast.scene, roster.meshes(cast.scene))
     base = roster.bounds(cast.scene, cast.subject or roster.meshes(cast.scene))[0].z
     reach, least = Vector((4.0, 4.0, 4.0)) * view, Vector((1.5, 1.5, 0.0)) * view
     camera = cast.scene.camera.matrix_world.translation if cast.scene.camera else cast.pivot
     margin = Vector((0.25, 0.25, 0.25)) * view
-    low = _each(min, _each(max, low, cast.pivot - reach), cast.pivot - least, camera) - margin
-    high = _each(max, _each(min, high, cast.pivot + reach), cast.pivot + least, camera) + margin
+    low = _each(min, _each(max, low, cast.pivot - reach), cast.pivot - least, camera, *eyes) - margin
+    high = _each(max, _each(min, high, cast.pivot + reach), cast.pivot + least, camera, *eyes) + margin
     return Domain((low + high) / 2.0, (high - low) / 2.0, base)
 
 

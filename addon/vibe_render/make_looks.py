@@ -24,7 +24,16 @@ if not __package__:
 import bpy
 import numpy as np
 
-from vibe_render import batch_arguments, batch_run, demo, library, presets, stage_parts, thumbnail
+from vibe_render import (
+    batch_arguments,
+    batch_run,
+    batch_scene,
+    demo,
+    library,
+    presets,
+    stage_parts,
+    thumbnail,
+)
 from vibe_render.batch_report import Reporter
 from vibe_render.contract import preset, schema
 from vibe_render.conversation import Conversation
@@ -95,7 +104,7 @@ def build_stage(path: Path) -> None:
     paint.inputs["Base Color"].default_value = (0.62, 0.16, 0.07, 1.0)
     pivot = np.array([0.0, 0.0, 0.86])
     stage_parts.area_light(scene, "Fill", (80.0, 18.0), 4.5, 3.0, 0.2, pivot)
-    batch_run.save_blend(path)
+    batch_scene.save_blend(path)
 
 
 if __name__ == "__main__":

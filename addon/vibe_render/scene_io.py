@@ -10,14 +10,15 @@ from pathlib import Path
 from typing import TypeVar
 
 import bpy
+from mathutils import Vector as Vector3
 
-from . import snapshot
+from . import fog, roster, snapshot
 from .contract import schema
 from .export import Job, known
 from .export import export as write_job
 from .prepare import prepare
 from .subject import Choice, named
-from .survey import Survey, refuse, survey
+from .survey import Survey, like, refuse, survey
 
 Vector = tuple[float, float, float]
 Read = TypeVar("Read")
@@ -36,9 +37,32 @@ def export(scene: bpy.types.Scene, folder: Path, choice: Choice) -> tuple[Sequen
     return job.survey.objects, job.survey.pivot
 
 
-def open_job(scene: bpy.types.Scene, folder: Path, choice: Choice) -> Job:
-    """The same, returning all that is known about the scene."""
-    return _opened(scene, choice, lambda found: write_job(found, folder))
+def open_job(
+    scene: bpy.types.Scene,
+    folder: Path,
+    choice: Choice,
+    around: Survey | None = None,
+    eyes: Sequence[Vector3] = (),
+) -> Job:
+    """The same, returning all that is known about the scene.
+
+    Args:
+        around: Of an earlier shot of this scene: the same things are the subject, and lights turn around where it was.
+        eyes: Where the cameras of all its shots stand: the same fog holds them all.
+    """
+
+    def write(found: Survey) -> Job:
+        if eyes:
+            fog.plan(scene, fog.domain(roster.Cast(scene, found.objects, Vector3(found.pivot)), eyes))
+        return write_job(like(found, around) if around else found, folder)
+
+    return _opened(scene, choice, write)
+
+
+def ready(scene: bpy.types.Scene, choice: Choice) -> None:
+    """Adds what the scene lacks, as it was when the scene was exported."""
+    prepare(scene, named(scene, choice))
+    snapshot.take(scene)
 
 
 @dataclass(frozen=True)

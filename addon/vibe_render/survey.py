@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
@@ -86,3 +86,20 @@ def survey(scene: bpy.types.Scene, choice: subject.Choice) -> Survey:
     return Survey(
         scene, geometry, seen, chosen, objects, tuple(points.min(0).tolist()), tuple(points.max(0).tolist())
     )
+
+
+def like(found: Survey, earlier: Survey) -> Survey:
+    """A look at another shot of a scene, with the subject and the pivot of an earlier one.
+
+    Raises:
+        VibeError: The subject is hidden in this shot.
+    """
+    names = {o.name_full for o in earlier.objects}
+    objects = found.geometry.objects
+    chosen = np.array([name in names or parent in names for name, parent in objects])
+    if not chosen.any():
+        raise schema.VibeError(
+            f"The subject ({', '.join(sorted(names))}) is hidden at frame {found.scene.frame_current}.",
+            "Choose other frames, or name another --subject.",
+        )
+    return replace(found, chosen=chosen, objects=earlier.objects, low=earlier.low, high=earlier.high)

@@ -47,20 +47,33 @@ class Station:
         """Whether this machine sees the results folder."""
         return self._shares
 
-    def run(self, job: Job, scene: bytes | None) -> tuple[Row, dict[str, bytes]]:
-        """Carries out a job; its files are returned where they could not be put into the results folder."""
+    def run(self, job: Job, *scenes: bytes) -> tuple[Row, dict[str, bytes]]:
+        """Carries out a job; its files are returned where they could not be put into the results folder.
+
+        Args:
+            job: The job.
+            scenes: What is in its scenes' files, if this machine does not see them.
+        """
         if self._shares:
             return self._worker.run(job, self._jobs / job.name), {}
         with tempfile.TemporaryDirectory(prefix="vibe-batch-") as place:
-            source, folder = Path(place) / job.source.name, Path(place) / "out"
-            source.write_bytes(scene or b"")
-            row = self._worker.run(replace(job, source=source), folder)
+            folder = Path(place) / "out"
+            sources = [_put(Path(place) / str(i), job, i, content) for i, content in enumerate(scenes)]
+            row = self._worker.run(replace(job, source=sources[0], more=tuple(sources[1:])), folder)
             files = [p for p in folder.rglob("*") if p.is_file() and not p.name.startswith(".")]
             return row, {p.relative_to(folder).as_posix(): p.read_bytes() for p in files}
 
     def close(self) -> None:
         """Ends what is under way."""
         self._worker.close()
+
+
+def _put(folder: Path, job: Job, number: int, content: bytes) -> Path:
+    """A scene that has been sent, under its own name."""
+    path = folder / (job.source, *job.more)[number].name
+    path.parent.mkdir()
+    path.write_bytes(content)
+    return path
 
 
 class RayPool:
@@ -90,8 +103,8 @@ class RayPool:
 
     def submit(self, job: Job) -> None:
         station = self._idle.pop()
-        scene = None if self._ready[station] else self._scene(job.source)
-        self._out[station.run.remote(job, scene)] = (station, job)
+        sources = () if self._ready[station] else (job.source, *job.more)
+        self._out[station.run.remote(job, *map(self._scene, sources))] = (station, job)
 
     def wait(self, seconds: float) -> list[tuple[Job, Row | None]]:
         self._look()

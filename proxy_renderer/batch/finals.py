@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 from .plan import Job, Jobs
 from .store import Store
@@ -29,4 +30,11 @@ class Finals:
 
     def __iter__(self) -> Iterator[Job]:
         for job in filter(self._store.done, self._plan):
-            yield replace(job, source=self._store.jobs / job.name / "vibed.blend", frames=self._frames)
+            first, *more = results(self._store.jobs / job.name)
+            yield replace(job, source=first, more=tuple(more), frames=self._frames)
+
+
+def results(folder: Path) -> list[Path]:
+    """The .blends that a vibe has left: one, or one for each scene of several."""
+    first = folder / "vibed.blend"
+    return [first, *sorted(folder.glob("vibed-*.blend"), key=lambda path: int(path.stem.partition("-")[2]))]

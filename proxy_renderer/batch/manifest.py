@@ -17,30 +17,31 @@ minutes = 30
 prompts = ["noir"]
 subject = ["Hero"]
 samples = 256
+
+[[shots]]                                           # solved together: one look holds in all of them
+name = "kitchen"
+scenes = ["kitchen/*.blend"]                        # each through each of the cameras, at each of the frames
+cameras = ["Wide", "Close"]
+frames = [1, 50, 100]
+grade_each = true                                   # an exposure and a grade for each; and all that a scene may have
 """
 
 from __future__ import annotations
 
-import argparse
 import fnmatch
-import glob
 import hashlib
-import os
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
 from .. import check
-from ..arguments import add_vibe_options, vibe_arguments
-from ..language.user import user_file
-from ..schema import VibeError, budgets
+from ..schema import VibeError
+from .manifest_files import Files, digest
+from .manifest_options import OF_SCENE, OF_SHOTS, OptionReader, texts
 from .toml_source import Source
 
-_OF_SCENE = {"subject": [], "stage": ""}
-"""What a scene may have besides the options of a vibe."""
-
-_ELSEWHERE = {"seed": "Write seeds = [0, 1] at the top."}
+_KNOWN = ("scenes", "prompts", "seeds", "files", "options", "limits", "scene", "shots")
 
 
 @dataclass(frozen=True)
@@ -64,15 +65,16 @@ class Limits:
 
 @dataclass(frozen=True)
 class Shot:
-    """A scene of the manifest.
+    """A scene of the manifest, or several that are to share a look.
 
     Attributes:
-        name: Its path from the manifest's folder, with forward slashes.
+        name: Its path from the manifest's folder, with forward slashes; or what the manifest calls them.
         source: Where it is now.
         digest: Of its content, and of what else the result depends on.
         prompts: To be tried on it.
         seeds: Likewise.
         arguments: Options for Blender's side, without prompt and seed.
+        more: Where the other scenes are.
     """
 
     name: str
@@ -81,6 +83,7 @@ class Shot:
     prompts: tuple[str, ...]
     seeds: tuple[int, ...]
     arguments: tuple[str, ...]
+    more: tuple[Path, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -103,41 +106,66 @@ def load(path: Path, out: Path) -> Manifest:
 
 class _Reader:
     def __init__(self, source: Source, out: Path) -> None:
-        self._source, self._out = source, out
-        self._base = source.path.parent.resolve()
-        parser = argparse.ArgumentParser(add_help=False)
-        add_vibe_options(parser)
-        self._defaults = vars(parser.parse_args([]))
-        self._choices = {a.dest: tuple(a.choices or ()) for a in parser._actions} | {"stage": check.STAGES}
+        self._problem, self._content = source.problem, source.content
+        self._files = Files(source, out)
+        self._options = OptionReader(source, self._files.base)
 
     def manifest(self) -> Manifest:
-        content = self._source.content
-        known = ("scenes", "prompts", "seeds", "files", "options", "limits", "scene")
+        content = self._content
         for key in content:
-            if key not in known:
-                raise self._problem(f"Unknown key {key!r}.", f"Use {', '.join(known)}.", key)
+            if key not in _KNOWN:
+                raise self._problem(f"Unknown key {key!r}.", f"Use {', '.join(_KNOWN)}.", key)
         limits = self._limits(content.get("limits", {}))
-        options = self._options(self._table(content, "options"), ("options",), {})
-        seeds = self._seeds(content.get("seeds", [0]), "seeds")
-        everything = self._common(options)
-        named = self._table(content, "scene")
-        found = dict(self._scenes())
+        common = self._options.read(self._table(content, "options"), ("options",))
+        everything = self._files.common(content.get("files", []), common.get("vocabulary", ""))
+        shots = [*self._single(common, everything), *self._together(common, everything)]
+        return Manifest(tuple(shots), limits)
+
+    def _single(self, common: dict[str, Any], everything: str) -> Iterator[Shot]:
+        """The scenes, each for itself."""
+        if "scenes" not in self._content and "shots" in self._content:
+            return
+        found = dict(self._files.scenes(self._content.get("scenes"), "scenes"))
+        named = self._table(self._content, "scene")
         for pattern in named:
             if not fnmatch.filter(found, pattern):
                 remedy = f"Scenes are named as in {next(iter(found))}."
                 raise self._problem(f"No scene matches {pattern!r}.", remedy, "scene", pattern)
-        shots = []
         for name, place in found.items():
-            own = {k: v for pattern, table in named.items() if fnmatch.fnmatch(name, pattern)
-                   for k, v in self._own(pattern, table, options).items()}  # fmt: skip
-            arguments = self._arguments(options | own, place)
-            prompts = own.get("prompts") or self._prompts(content.get("prompts"), options, "prompts")
-            digest = hashlib.sha256(f"{_digest(place)} {everything}".encode()).hexdigest()
-            shots.append(Shot(name, place, digest, prompts, own.get("seeds") or seeds, arguments))
-        return Manifest(tuple(shots), limits)
+            own: dict[str, Any] = {}
+            for pattern, table in named.items():
+                if fnmatch.fnmatch(name, pattern):
+                    own |= self._own(table, common, OF_SCENE, "scene", pattern)
+            yield self._shot(name, [place], common, own, everything)
 
-    def _problem(self, what: str, remedy: str, *keys: str, quoted: str = "") -> VibeError:
-        return self._source.problem(what, remedy, *keys, quoted=quoted)
+    def _together(self, common: dict[str, Any], everything: str) -> Iterator[Shot]:
+        """The groups of shots that share a look."""
+        names: set[str] = set()
+        for number, table in enumerate(self._content.get("shots", [])):
+            keys = ("shots", str(number))
+            name = table.get("name") if isinstance(table, dict) else None
+            if not isinstance(name, str) or not name.strip() or name in names:
+                raise self._problem(
+                    "Shots that share a look need a name of their own.", 'Write name = "kitchen".', *keys
+                )
+            names.add(name)
+            scenes = [place for _, place in self._files.scenes(table.get("scenes"), *keys, "scenes")]
+            rest = {k: v for k, v in table.items() if k not in ("name", "scenes")}
+            own = self._own(rest, common, OF_SHOTS, *keys)
+            try:
+                yield self._shot(name, scenes, common, own, everything)
+            except VibeError as error:
+                raise self._problem(error.message, error.remedy, *keys) from error
+
+    def _shot(
+        self, name: str, scenes: list[Path], common: dict[str, Any], own: dict[str, Any], everything: str
+    ) -> Shot:
+        arguments = self._options.arguments(common | own, scenes)
+        prompts = own.get("prompts") or self._prompts(self._content.get("prompts"), common, "prompts")
+        seeds = own.get("seeds") or self._seeds(self._content.get("seeds", [0]), "seeds")
+        content = " ".join([*map(digest, scenes), everything])
+        mark = hashlib.sha256(content.encode()).hexdigest()
+        return Shot(name, scenes[0], mark, prompts, seeds, arguments, tuple(scenes[1:]))
 
     def _table(self, content: dict[str, Any], key: str) -> dict[str, Any]:
         table = content.get(key, {})
@@ -145,36 +173,16 @@ class _Reader:
             raise self._problem(f"{key!r} is not a table.", f"Write [{key}] above its rows.", key)
         return table
 
-    def _scenes(self) -> Iterator[tuple[str, Path]]:
-        """Names and places, in the order of the manifest."""
-        patterns = self._source.content.get("scenes")
-        if not _texts(patterns):
-            raise self._problem("There are no scenes.", 'Write scenes = ["shots/*.blend"].', "scenes")
-        for pattern in patterns:  # type: ignore[union-attr]
-            places = sorted(glob.glob(pattern, root_dir=self._base, recursive=True))
-            if glob.has_magic(pattern):
-                places = [p for p in places if Path(p).suffix.lower() in check.SCENES]
-            places = [p for p in places if not (self._base / p).resolve().is_relative_to(self._out)]
-            if not places:
-                remedy = f"It is looked for from {self._base}; scenes are {' '.join(check.SCENES)} files."
-                raise self._problem(f"No scene matches {pattern!r}.", remedy, "scenes", quoted=pattern)
-            for place in places:
-                try:
-                    found = check.scene(str(self._base / place))
-                except VibeError as error:
-                    raise self._problem(error.message, error.remedy, "scenes", quoted=pattern) from error
-                yield Path(os.path.relpath(self._base / place, self._base)).as_posix(), found
-
     def _prompts(self, given: Any, options: dict[str, Any], *keys: str) -> tuple[str, ...]:
         """Prompts from a list, or from a file with one on each line."""
         if isinstance(given, str):
-            return self._prompts_of_file(self._file(given, "list of prompts", *keys), options)
-        if not _texts(given):
+            return self._prompts_of_file(self._files.named(given, "list of prompts", *keys), options)
+        if not texts(given):
             remedy = 'Write prompts = ["noir", "misty"], or prompts = "prompts.txt".'
             raise self._problem("There are no prompts.", remedy, *keys)
         for prompt in given:
             try:
-                self._check_prompt(prompt, options)
+                self._options.prompt(prompt, options)
             except VibeError as error:
                 raise self._problem(error.message, error.remedy, *keys, quoted=prompt) from error
         return tuple(dict.fromkeys(given))
@@ -186,7 +194,7 @@ class _Reader:
             if not prompt or prompt.startswith("#"):
                 continue
             try:
-                self._check_prompt(prompt, options)
+                self._options.prompt(prompt, options)
             except VibeError as error:
                 raise VibeError(f"{path}, line {number}: {error.message}", error.remedy) from error
             found[prompt] = None
@@ -194,74 +202,25 @@ class _Reader:
             raise VibeError(f"{path} holds no prompt.", "Write one on each line.")
         return tuple(found)
 
-    def _check_prompt(self, prompt: str, options: dict[str, Any]) -> None:
-        check.prompt(prompt)
-        if not check.model(argparse.Namespace(**self._defaults | options)):
-            check.words(prompt)
-
     def _seeds(self, given: Any, *keys: str) -> tuple[int, ...]:
         whole = isinstance(given, list) and given and all(type(s) is int and 0 <= s < 2**31 for s in given)
         if not whole:
             raise self._problem("These are not seeds.", "Write numbers from 0: seeds = [0, 1].", *keys)
         return tuple(dict.fromkeys(given))
 
-    def _own(self, pattern: str, table: Any, options: dict[str, Any]) -> dict[str, Any]:
-        """What a table says for some scenes."""
-        keys = ("scene", pattern)
+    def _own(self, table: Any, options: dict[str, Any], more: dict[str, Any], *keys: str) -> dict[str, Any]:
+        """What a table says for some scenes, which may have `more` than the options of a vibe."""
         if not isinstance(table, dict):
-            raise self._problem("This is not a table.", f'Write [scene."{pattern}"].', *keys)
+            raise self._problem("This is not a table.", f'Write [scene."{keys[-1]}"].', *keys)
         rest = {k: v for k, v in table.items() if k not in ("prompts", "seeds")}
         if "vocabulary" in rest:
             raise self._problem("A scene has no vocabulary of its own.", "Put it under [options].", *keys)
-        own = self._options(rest, keys, _OF_SCENE)
+        own = self._options.read(rest, keys, more)
         if "prompts" in table:
             own["prompts"] = self._prompts(table["prompts"], options | own, *keys, "prompts")
         if "seeds" in table:
             own["seeds"] = self._seeds(table["seeds"], *keys, "seeds")
         return own
-
-    def _options(self, table: dict[str, Any], keys: tuple[str, ...], more: dict[str, Any]) -> dict[str, Any]:
-        """Options of a vibe, each of the type of its default, and good."""
-        defaults = {k: v for k, v in self._defaults.items() if k not in _ELSEWHERE} | more
-        found: dict[str, Any] = {}
-        for key, value in table.items():
-            name = key.replace("-", "_")
-            if name not in defaults:
-                remedy = _ELSEWHERE.get(name, f"Use {', '.join(sorted(defaults))}.")
-                raise self._problem(f"Unknown option {key!r}.", remedy, *keys, key)
-            default, choices = defaults[name], self._choices.get(name)
-            if isinstance(default, list) and isinstance(value, str):
-                value = [value]
-            kind = int if default is None else type(default)
-            if type(value) is not kind or (isinstance(value, list) and not _texts(value)):
-                remedy = f"Write it as in {name} = {_example(name, default)}."
-                raise self._problem(f"{key} cannot be {value!r}.", remedy, *keys, key)
-            if choices and value not in choices:
-                raise self._problem(f"{key} cannot be {value!r}.", f"Use {', '.join(choices)}.", *keys, key)
-            try:
-                self._check_options(self._defaults | {name: value})
-            except VibeError as error:
-                raise self._problem(error.message, error.remedy, *keys, key) from error
-            found[name] = value
-        return found
-
-    def _check_options(self, options: dict[str, Any]) -> None:
-        given = argparse.Namespace(**options)
-        check.numbers(given)
-        check.groups(given.groups)
-        check.locks(given.lock)
-        check.device(given.device)
-        if given.vocabulary:
-            check.vocabulary(str(self._base / given.vocabulary))
-
-    def _arguments(self, options: dict[str, Any], scene: Path) -> tuple[str, ...]:
-        given = argparse.Namespace(**self._defaults | options)
-        check.numbers(given)
-        arguments = vibe_arguments(given, check.groups(given.groups))
-        more = [f"--subject={name}" for name in options.get("subject", ())]
-        stage = options.get("stage") if scene.suffix.lower() != ".blend" else ""
-        more += [f"--stage={stage}"] if stage else []
-        return tuple(a for a in [*arguments, *more] if not a.startswith("--seed="))
 
     def _limits(self, table: Any) -> Limits:
         known = {f.name: f.default for f in fields(Limits)}
@@ -276,42 +235,3 @@ class _Reader:
                 remedy = f"Write a {'whole number' if whole else 'number'}, as in {key} = {known[key]}."
                 raise self._problem(f"{key} cannot be {value!r}.", remedy, "limits", key)
         return Limits(**self._table({"limits": table}, "limits"))
-
-    def _common(self, options: dict[str, Any]) -> str:
-        """Digest of what every result depends on: linked files and the artist's own words."""
-        patterns = self._source.content.get("files", [])
-        if patterns and not _texts(patterns):
-            raise self._problem("These are not files.", 'Write files = ["textures/**"].', "files")
-        linked = []
-        for pattern in patterns:
-            found = sorted(glob.glob(pattern, root_dir=self._base, recursive=True))
-            linked += [p for p in found if (self._base / p).is_file()]
-            if not found:
-                remedy = f"It is looked for from {self._base}."
-                raise self._problem(f"No file matches {pattern!r}.", remedy, "files", quoted=pattern)
-        if "vocabulary" in options:
-            self._file(options["vocabulary"], "vocabulary", "options", "vocabulary")
-        words = user_file()
-        lines = [f"{p} {_digest(self._base / p)}" for p in linked] + ([_digest(words)] if words else [])
-        return hashlib.sha256("\n".join(lines).encode()).hexdigest()
-
-    def _file(self, name: str, what: str, *keys: str) -> Path:
-        try:
-            return check.file(str(self._base / name), what)
-        except VibeError as error:
-            raise self._problem(error.message, error.remedy, *keys) from error
-
-
-def _texts(given: Any) -> bool:
-    return isinstance(given, list) and bool(given) and all(isinstance(text, str) for text in given)
-
-
-def _example(name: str, default: Any) -> str:
-    if default is None:
-        return str(getattr(budgets.STANDARD, name))
-    return {bool: "false", list: '["a", "b"]', str: '"text"'}.get(type(default), str(default))
-
-
-def _digest(path: Path) -> str:
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()

@@ -14,6 +14,7 @@ from .plan import Job
 from .store import DONE, FINAL, FRAMES, Row, head, read_json, unwritable, write_bytes, write_json
 
 _THUMB = 480  # pixels, the longer side
+_PICTURES = ("before", "after")
 _ENGINE, _CYCLES = "engine: loop", ("render before", "render after")
 
 
@@ -26,7 +27,8 @@ def leave(job: Job, folder: Path, memory_gb: float, seconds: float) -> Row:
     report = read_json(folder / "report.json")
     if report is None:
         raise VibeError(f"{folder.name} holds no report.", "See the job's log.")
-    for name in ("before", "after"):
+    shots = report.get("shots", [])
+    for name in [Path(shot[kind]).stem for shot in shots for kind in ("before", "after")] or _PICTURES:
         _thumb(folder, name)
     write_bytes(folder / "details.js", _details(job, report))
     laps = report.get("timings", {})
@@ -40,13 +42,14 @@ def leave(job: Job, folder: Path, memory_gb: float, seconds: float) -> Row:
         "seconds_cycles": round(sum(laps.get(name, 0.0) for name in _CYCLES), 2),
         "memory_gb": memory_gb,
     }
+    row |= {"shots": [shot["name"] for shot in shots]} if shots else {}
     write_json(folder / DONE, row)
     return row
 
 
 def leave_frames(job: Job, folder: Path, memory_gb: float, seconds: float) -> Row:
     """Completes a job's folder after its final frames have been rendered."""
-    count = sum(1 for _ in (folder / FRAMES).glob("*.png"))
+    count = sum(1 for _ in (folder / FRAMES).rglob("*.png"))
     row = head(job) | {"status": "done", "wanted": job.frames, "frames": count}
     row |= {"seconds": round(seconds, 2), "memory_gb": memory_gb}
     write_json(folder / FINAL, row)

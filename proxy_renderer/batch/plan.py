@@ -29,6 +29,7 @@ class Job:
         prompt: The look.
         seed: Of every random choice.
         arguments: Options for Blender's side, with prompt and seed.
+        more: Where the other scenes are that are to have the same look.
         frames: None for a vibe; else which final frames of its result are wanted: "1-24", "" for the scene's own.
     """
 
@@ -38,6 +39,7 @@ class Job:
     prompt: str
     seed: int
     arguments: tuple[str, ...]
+    more: tuple[Path, ...] = ()
     frames: str | None = None
 
 
@@ -70,7 +72,7 @@ class Plan:
                     digest.update(f" {seed} {prompt}".encode())
                     arguments = (f"--prompt={prompt}", f"--seed={seed}", *shot.arguments)
                     name = f"{stem}-{words}-{seed}-{digest.hexdigest()[:_DIGEST]}"
-                    yield Job(name, shot.name, shot.source, prompt, seed, arguments)
+                    yield Job(name, shot.name, shot.source, prompt, seed, arguments, shot.more)
 
 
 def _slug(text: str) -> str:

@@ -19,7 +19,7 @@ from .store import Row, Store, unwritable
 
 FIELDS = (
     "name", "scene", "prompt", "seed", "status", "similarity", "similarity_before", "delta_e",
-    "seconds", "seconds_loop", "seconds_cycles", "memory_gb", "attempts", "frames", "final_error", "error", "remedy", "folder",
+    "seconds", "seconds_loop", "seconds_cycles", "memory_gb", "attempts", "frames", "shots", "final_error", "error", "remedy", "folder",
 )  # fmt: skip
 FILES = {
     "before": "before.png",
@@ -72,7 +72,8 @@ class Sheet:
             table.writeheader()
             page.write(before)
             for row in self._store.rows(self._plan):
-                table.writerow(full := complete(row))
+                full = complete(row)
+                table.writerow(full | {"shots": " | ".join(full["shots"] or [])})
                 lines.write(json.dumps(full, ensure_ascii=False) + "\n")
                 page.write(_in_script(row) + ",\n")
             page.write(after)

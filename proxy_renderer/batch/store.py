@@ -110,7 +110,7 @@ class Store:
         folder = self.jobs / job.name
         folder.mkdir(exist_ok=True)
         for name in sorted(files, key=lambda name: name in (DONE, FINAL)):
-            (folder / name).parent.mkdir(exist_ok=True)
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
             write_bytes(folder / name, files[name])
 
     def check_space(self, free_gb: float) -> None:
@@ -172,6 +172,6 @@ def unwritable(path: Path, error: OSError) -> VibeError:
 def tidy(folder: Path) -> None:
     """Makes a job's folder ready for another attempt: what was cut off in the last one is removed."""
     folder.mkdir(parents=True, exist_ok=True)
-    for left in (*folder.glob(".*part-*"), *folder.glob(f"{FRAMES}/.*")):
+    for left in (*folder.glob(".*part-*"), *folder.glob(f"{FRAMES}/**/.*")):
         left.unlink(missing_ok=True)
     (folder / FAILED).unlink(missing_ok=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -40,11 +41,18 @@ class Source:
         self._lines = text.splitlines()
 
     def line(self, *keys: str, quoted: str = "") -> int:
-        """The number, from 1, of the line that has a key; or of the first one after it with a text."""
+        """The number, from 1, of the line that has a key; or of the first one after it with a text.
+
+        Tables of a list, [[shots]], are counted: ("shots", "0", "frames").
+        """
         table: tuple[str, ...] = ()
+        seen: Counter[tuple[str, ...]] = Counter()
         for number, line in enumerate(self._lines):
             if _TABLE.match(line):
                 table = found = _names(line)
+                if line.lstrip().startswith("[["):
+                    table = found = (*table, str(seen[table]))
+                    seen[table[:-1]] += 1
             elif key := _KEY.match(line):
                 found = table + _names(f"{key.group(1)} = 0")
             else:

@@ -167,9 +167,10 @@ class Worker:
 
 def _order(job: Job, folder: Path) -> list[str]:
     """The command line of Blender's side."""
+    sources = [str(job.source), *map(str, job.more)]
     if job.frames is not None:
-        return ["frames", str(job.source), f"--frames={job.frames}", f"--out={folder / FRAMES}"]
-    return ["run", str(job.source), *job.arguments, f"--out={folder}"]
+        return ["frames", *sources, f"--frames={job.frames}", f"--out={folder / FRAMES}"]
+    return ["run", *sources, *job.arguments, f"--out={folder}"]
 
 
 class _Watch:

@@ -40,14 +40,15 @@ class Blender:
         scene: The exported scene.
         ask: Sends a request.
         seed: Of Cycles' sampling pattern.
+        shot: Which of a vibe's shots it is.
 
     Attributes:
         seconds: How long Blender took for each picture.
         notes: What went wrong, in words for the artist.
     """
 
-    def __init__(self, scene: SceneData, ask: Ask, seed: int) -> None:
-        self._scene, self._ask, self._seed = scene, ask, seed
+    def __init__(self, scene: SceneData, ask: Ask, seed: int, shot: int = 0) -> None:
+        self._scene, self._ask, self._seed, self._shot = scene, ask, seed, shot
         self._number = self._failures = 0
         self._over = False
         self.seconds: list[float] = []
@@ -58,7 +59,7 @@ class Blender:
         if self._over:
             return None
         self._number += 1
-        request = messages.Anchor(self._number, values, max(size), SAMPLES, self._seed)
+        request = messages.Anchor(self._number, values, max(size), SAMPLES, self._seed, self._shot)
         answer = self._ask(request)
         if answer is None:
             return None
@@ -132,11 +133,7 @@ class Anchoring:
         """
         if self.source is None or self._distance(u) <= slack:
             return
-        changed = {
-            key: list(value)
-            for key, value in self.vector.values(u).items()
-            if value != self.vector.instances[key].value
-        }
+        changed = {key: list(value) for key, value in self.vector.changes(u).items()}
         picture = self.source(changed, self.proxy.size)
         if picture is None:
             if self._distance(u) > _NEAR:
@@ -149,6 +146,10 @@ class Anchoring:
             difference = mean_difference(predicted, draw(self.proxy, self.vector, u).display)
         self._where = u.clone()
         self.records.append({"round": number + 1, "delta_e": round(float(difference), 3)})
+
+    def expire(self) -> None:
+        """The newest picture shows other values than u says; another one is due."""
+        self._where = None
 
     @property
     def newest(self) -> Anchor:

@@ -26,19 +26,24 @@ _GRID = 64  # rays along each side of the picture
 _SEEN = 16  # rays that a material's color is measured from, at least
 
 
-def scene_words(scene: SceneData) -> SceneWords:
-    """The names in the scene that a prompt may mean."""
-    mesh = scene.mesh
-    pairs = np.unique(np.stack([mesh.object, mesh.material], 1), axis=0)
-    worn: dict[str, list[str]] = {o.name: [] for o in scene.objects}
-    for o, m in pairs.tolist():
-        worn[scene.objects[o].name].append(scene.materials[m].name)
-    subjects = [o.name for o in scene.objects if o.subject]
+def scene_words(*scenes: SceneData) -> SceneWords:
+    """The names in the scene, or in all shots of it, that a prompt may mean."""
+    objects: dict[str, Region] = {}
+    materials: dict[str, Region] = {}
+    worn: dict[str, list[str]] = {}
+    for scene in scenes:
+        objects |= {o.name: "subject" if o.subject else "surroundings" for o in scene.objects}
+        materials |= {m.name: "subject" if m.role == "subject" else "surroundings" for m in scene.materials}
+        pairs = np.unique(np.stack([scene.mesh.object, scene.mesh.material], 1), axis=0)
+        for o, m in pairs.tolist():
+            names = worn.setdefault(scene.objects[o].name, [])
+            names += [scene.materials[m].name] * (scene.materials[m].name not in names)
+    subjects = [name for name, region in objects.items() if region == "subject"]
     return SceneWords(
         subject=subjects[0] if len(subjects) == 1 else "",
-        objects={o.name: "subject" if o.subject else "surroundings" for o in scene.objects},
-        materials={m.name: "subject" if m.role == "subject" else "surroundings" for m in scene.materials},
-        object_materials={name: tuple(materials) for name, materials in worn.items()},
+        objects=objects,
+        materials=materials,
+        object_materials={name: tuple(worn.get(name, ())) for name in objects},
     )
 
 

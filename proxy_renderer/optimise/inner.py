@@ -15,13 +15,20 @@ from .vector import project
 
 
 class Objective(Protocol):
-    """A picture of u, and how far it is from the words."""
+    """Pictures of u, and how far they are from the words.
 
-    def render(self, u: Tensor) -> Any:
-        """The picture of u (N,), differentiable in what may move."""
+    Attributes:
+        shots: How many pictures there are: steps take them in turn, points are judged on all of them.
+    """
 
-    def loss(self, picture: Any, u: Tensor, generator: torch.Generator) -> Tensor:
-        """A scalar; the generator chooses the views."""
+    @property
+    def shots(self) -> int: ...
+
+    def render(self, u: Tensor, shot: int) -> Any:
+        """A picture of u (N,), differentiable in what may move."""
+
+    def loss(self, picture: Any, u: Tensor, generator: torch.Generator, shot: int) -> Tensor:
+        """A scalar for that shot's picture; the generator chooses the views."""
 
 
 @dataclass(frozen=True)
@@ -98,25 +105,30 @@ def descend(
         """u with the chosen components at these positions within their ranges."""
         return u.index_put((chosen.nonzero(as_tuple=True)[0],), lower[chosen] + span * position)
 
-    def judge(point: Tensor, picture: Any) -> float:
+    def judge(point: Tensor, picture: Any, drawn: int) -> float:
+        """The mean loss over all shots, of which one is drawn already."""
+        losses = []
         with torch.no_grad():
-            return float(objective.loss(picture, point, fixed_views()))
+            for shot in range(objective.shots):
+                seen = picture if shot == drawn else objective.render(point, shot)
+                losses.append(float(objective.loss(seen, point, fixed_views(), shot)))
+        return sum(losses) / len(losses)
 
     best = Descent(u.clone(), math.inf, math.inf)
     position, optimiser = _restart(((u - lower)[chosen] / span).clone(), settings.rate)
     stale = 0
     for step in range(1, steps + 2):  # the last turn only judges
-        point = place(position)
-        picture = objective.render(point)
+        point, shot = place(position), (step - 1) % objective.shots
+        picture = objective.render(point, shot)
         if (step - 1) % settings.every == 0 or step > steps:
-            score = judge(point.detach(), picture)
+            score = judge(point.detach(), picture, shot)
             best.start_loss = score if step == 1 else best.start_loss
             stale = 0 if score < best.loss - settings.progress else stale + 1
             if score < best.loss:
                 best.u, best.loss = point.detach().clone(), score
         if step > steps or stale > settings.patience:
             break
-        loss = objective.loss(picture, point, generator)
+        loss = objective.loss(picture, point, generator, shot)
         best.steps = step
         if _backward(loss, position, settings.clip):
             optimiser.param_groups[0]["lr"] = _rate(settings.rate * 0.5**best.repairs, step, steps)
@@ -161,6 +173,11 @@ def _backward(loss: Tensor, position: Tensor, clip: float) -> bool:
 def promise(objective: Objective, u: Tensor, lower: Tensor, upper: Tensor) -> Tensor:
     """(N,) how much the loss could fall, to first order, by moving each component within the box."""
     point = u.clone().requires_grad_()
-    objective.loss(objective.render(point), point, fixed_views()).backward()
-    slope = torch.zeros_like(u) if point.grad is None else torch.nan_to_num(point.grad, 0.0, 0.0, 0.0)
+    for shot in range(objective.shots):
+        objective.loss(objective.render(point, shot), point, fixed_views(), shot).backward()
+    slope = (
+        torch.zeros_like(u)
+        if point.grad is None
+        else torch.nan_to_num(point.grad / objective.shots, 0.0, 0.0, 0.0)
+    )
     return slope.abs() * torch.where(slope > 0, u - lower, upper - u)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Protocol
 
 import torch
@@ -16,6 +17,7 @@ from .vector import ParameterVector
 
 if TYPE_CHECKING:
     from ..render.proxy import Proxy, Render
+    from .shots import Shot
 
 
 class Terms(Protocol):
@@ -38,9 +40,8 @@ class RoundObjective:
     """What one round minimises, see `inner.Objective`.
 
     Args:
-        proxy: Renders the values.
+        seen: Draws and judges the shots, one or several.
         vector: The parameters of u.
-        terms: The guidance.
         free: Keys that gradients go to; the camera's visibility, say, is not differentiated when
             the camera is held.
         lower: (N,) lower corner of the feasible box.
@@ -51,16 +52,15 @@ class RoundObjective:
 
     def __init__(
         self,
-        proxy: Proxy,
+        seen: Sequence[Shot],
         vector: ParameterVector,
-        terms: Terms,
         free: set[str],
         lower: Tensor,
         upper: Tensor,
         pull: Tensor,
         weights: Weights | None,
     ) -> None:
-        self.proxy, self.vector, self.terms, self.free = proxy, vector, terms, free
+        self.seen, self.vector, self.free = seen, vector, free
         self._lower, self._span = lower, (upper - lower).clamp_min(1e-9)
         self._home = vector.encode({})
         self._pull, self._weights = pull, weights
@@ -70,13 +70,18 @@ class RoundObjective:
             torch.tensor([[part.start + i for i in range(3)] for part in colors]).view(-1, 3).long()
         )
 
-    def render(self, u: Tensor) -> Render:
-        """The proxy's picture of u (N,), differentiable in the free keys."""
-        return draw(self.proxy, self.vector, u, self.free)
+    @property
+    def shots(self) -> int:
+        """How many pictures there are."""
+        return len(self.seen)
 
-    def loss(self, picture: Render, u: Tensor, generator: torch.Generator) -> Tensor:
+    def render(self, u: Tensor, shot: int) -> Render:
+        """The proxy's picture of u (N,), differentiable in the free keys."""
+        return self.seen[shot].draw(u, self.free)
+
+    def loss(self, picture: Render, u: Tensor, generator: torch.Generator, shot: int) -> Tensor:
         """The sum of all terms."""
-        total = torch.stack(list(self.terms(picture.display, picture.mask, generator).values())).sum()
+        total = torch.stack(list(self._terms(picture, generator, shot).values())).sum()
         if self._weights is None:
             return total
         where, home = ((x - self._lower) / self._span for x in (u, self._home))
@@ -85,14 +90,24 @@ class RoundObjective:
         return total + (prior + leash).float().to(total.device)
 
     def account(self, u: Tensor) -> dict[str, dict[str, float]]:
-        """What the picture of u is worth: its weighted terms, and how sure the named attributes are."""
-        with torch.no_grad():
-            picture = draw(self.proxy, self.vector, u)
-            terms = self.terms(picture.display, picture.mask, fixed_views())
-        return {
-            "terms": {name: round(float(value), 4) for name, value in terms.items()},
-            "seen": self.terms.measure(picture.display),
-        }
+        """What u is worth: its weighted terms, and how sure the named attributes are; means over the shots."""
+        terms, seen = [], []
+        for number, shot in enumerate(self.seen):
+            with torch.no_grad():
+                picture = shot.draw(u)
+                terms.append({k: float(v) for k, v in self._terms(picture, fixed_views(), number).items()})
+            assert shot.terms is not None
+            seen.append(shot.terms.measure(picture.display))
+        return {"terms": _means(terms, 4), "seen": _means(seen, 3)}
+
+    def _terms(self, picture: Render, generator: torch.Generator, shot: int) -> dict[str, Tensor]:
+        terms = self.seen[shot].terms
+        assert terms is not None
+        return terms(picture.display, picture.mask, generator)
+
+
+def _means(rows: Sequence[dict[str, float]], digits: int) -> dict[str, float]:
+    return {key: round(sum(row[key] for row in rows) / len(rows), digits) for key in rows[0]}
 
 
 def draw(
@@ -114,6 +129,6 @@ def chosen_values(
     for key, value in vector.decode(u).items():
         if key in free:
             values[key] = value.to(device)
-        elif moved[vector.slices[key]].any():
+        elif key in vector.taken or moved[vector.slices[key]].any():
             values[key] = value.detach().to(device)
     return values

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -16,14 +17,14 @@ from torch import Tensor
 from ..guidance.encoder import Encoder
 from ..language.advice import Advisor
 from ..language.types import Parsed, Plan, Prompts
-from ..scene import SceneData
 from ..schema import Values
 from ..schema.messages import Options
 from . import starts
-from .anchoring import Anchor, Anchoring, Source
+from .anchoring import Anchor
 from .inner import Settings, descend
 from .progress import Watch
 from .search import Search, Start
+from .shots import Shot, View
 from .vector import ParameterVector
 
 STRIDE = 0.05
@@ -46,8 +47,8 @@ class Outcome:
         parsed: The prompt, understood.
         prompts: What the encoder was asked.
         rounds: One record per round: parameters, loss at start and end, its terms, steps, seconds.
-        anchoring: The proxy's corrections.
-        anchor: The corrections that hold at u.
+        shots: What drew and judged it.
+        anchors: For each shot, the corrections that hold at u.
         loss: Of the last round, at u.
         stopped: Whether the watcher ended the loop.
         variants: All that were found, if several were asked for; the best first.
@@ -60,35 +61,38 @@ class Outcome:
     optimised: set[str]
     parsed: Parsed
     prompts: Prompts
-    anchoring: Anchoring
-    anchor: Anchor
+    shots: list[Shot]
+    anchors: list[Anchor]
     loss: float
     rounds: list[dict[str, Any]] = field(default_factory=list)
     stopped: bool = False
     variants: list[Outcome] = field(default_factory=list)
 
+    def recall(self) -> None:
+        """Corrects the proxies as they were at u."""
+        for shot, anchor in zip(self.shots, self.anchors, strict=True):
+            shot.anchoring.recall(anchor)
+
 
 def run(
-    scene: SceneData,
+    views: Sequence[View],
     prompt: str,
     options: Options,
     encoder: Encoder,
     heads: Encoder | None,
     watch: Watch,
     advisor: Advisor | None = None,
-    source: Source | None = None,
 ) -> Outcome:
     """Finds the values that make the scene look like the prompt.
 
     Args:
-        scene: The exported scene.
+        views: The exported scene; or several shots that are to share one look.
         prompt: What the artist typed.
         options: Budget, seed, locks; the same options give the same values, bit for bit, on a CPU.
         encoder: Judges similarity.
         heads: Encoder whose attribute heads guide beside it; None for none.
         watch: Follows the loop, and may end it.
         advisor: Parses, composes and confines; None for the offline planner.
-        source: Cycles' pictures of values, which correct the proxy; None for none.
 
     Returns:
         The best of what was found; all of it is in its `variants`, where several were asked for.
@@ -96,7 +100,7 @@ def run(
     Raises:
         VibeError: If no word of the prompt is known, or nothing that the words touch may change.
     """
-    search = Search(scene, prompt, options, encoder, heads, watch, advisor, source)
+    search = Search(views, prompt, options, encoder, heads, watch, advisor)
     found = []
     for start in search.find_starts():
         found.append(refine(search, start))
@@ -104,7 +108,7 @@ def run(
             break
     found.sort(key=lambda outcome: outcome.loss)
     best = found[0]
-    best.anchoring.recall(best.anchor)
+    best.recall()
     best.variants = found if search.several else []
     return best
 
@@ -117,8 +121,8 @@ def refine(search: Search, start: Start) -> Outcome:
         started = time.monotonic()
         now = search.confine(u, plan, start)
         u, plan = now.u, now.plan
-        search.anchoring.renew(u, search.number, slack=STRIDE)
-        chosen, objective = search.objective(now, u, search.terms)
+        search.renew(u, search.number, slack=STRIDE)
+        chosen, objective = search.objective(now, u)
         movable = search.vector.mark(chosen) & (now.upper > now.lower)
         seed = search.options.seed * 1000 + search.number
         follow = search.clock.follow(search.number)
@@ -141,7 +145,7 @@ def refine(search: Search, start: Start) -> Outcome:
         if search.clock.stopped or not chosen or (number and gained < CONVERGED * abs(found.start_loss)):
             break
     search.number += search.rounds - len(rounds)
-    search.anchoring.renew(u, search.number - 1)
+    search.renew(u, search.number - 1)
     if start.drawn is not None:
         plan = starts.with_reasons(plan, search.vector, u)
     return Outcome(
@@ -152,8 +156,8 @@ def refine(search: Search, start: Start) -> Outcome:
         optimised={key for record in rounds for key in record["parameters"]},
         parsed=now.advice.parsed,
         prompts=now.advice.prompts,
-        anchoring=search.anchoring,
-        anchor=search.anchoring.newest,
+        shots=search.shots,
+        anchors=[shot.anchoring.newest for shot in search.shots],
         loss=loss,
         rounds=rounds,
         stopped=search.clock.stopped,

@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import torch
@@ -14,18 +15,18 @@ from ..guidance.encoder import Encoder
 from ..guidance.guide import Guide, Weights
 from ..guidance.regions import Views
 from ..language.advice import Advice, Advisor, OfflineAdvisor
-from ..language.types import Plan
+from ..language.types import Plan, PlanEntry
 from ..render.proxy import Proxy, Render
 from ..scene import SceneData
 from ..schema import Values, VibeError
 from ..schema.messages import Options
 from . import context, starts
-from .anchoring import Anchoring, Source
 from .baseline import GlobalGuide, plan_everything
 from .inner import Settings, descend, fixed_views, promise
-from .objective import RoundObjective, Terms, draw
+from .objective import RoundObjective, Terms
 from .plan import carry, feasible_ranges, lock, top_k
 from .progress import Clock, Watch
+from .shots import Shot, View, enter, share
 from .vector import ParameterVector, project
 
 INNER_SIZE, _LEAST_SIZE = 256, 192
@@ -58,8 +59,7 @@ class Search:
     Attributes:
         several: Whether variants are wanted.
         vector: The parameters of u.
-        proxy: Renders the loop's pictures.
-        anchoring: The proxy's corrections.
+        shots: What draws and judges it, one or several; the first one leads: plans are made for it.
         rounds: How many there are at most from each start.
         clock: Tells the watcher how far all of it is.
         number: Of the current round, over all starts.
@@ -67,28 +67,31 @@ class Search:
 
     def __init__(
         self,
-        scene: SceneData,
+        views: Sequence[View],
         prompt: str,
         options: Options,
         encoder: Encoder,
         heads: Encoder | None,
         watch: Watch,
         advisor: Advisor | None,
-        source: Source | None,
     ) -> None:
         self.options, self.watch = options, watch
-        self.vector = ParameterVector(lock(scene.instances, options.groups, options.lock, options.camera))
-        size = inner_size(scene, options, encoder)
-        self.proxy = Proxy(scene, size, device=str(encoder.device), seed=options.seed)
-        self.advisor = advisor or OfflineAdvisor(prompt, context.scene_words(scene))
-        self.anchoring = Anchoring(self.proxy, self.vector, source)
+        instances, names = share(views, ("camera", "film") if options.grade_each else ("camera",))
+        self.vector = ParameterVector(lock(instances, options.groups, options.lock, options.camera))
+
+        def proxy(scene: SceneData) -> Proxy:
+            size = inner_size(scene, options, encoder)
+            return Proxy(scene, size, device=str(encoder.device), seed=options.seed)
+
+        self.shots = enter(views, names, self.vector, proxy)
+        words = context.scene_words(*(view.scene for view in views))
+        self.advisor = advisor or OfflineAdvisor(prompt, words)
         self.several = options.variants > 1 and not options.baseline
         # Variants share what would be one vibe's time, as far as that goes.
         self.rounds = -(-options.rounds // 2) if self.several else options.rounds
         self.clock = Clock(self.rounds * (options.variants if self.several else 1), options.steps, watch)
         self.weights = None if options.baseline else Weights()
         self._guidance = partial(guidance, encoder, heads, prompt, options)
-        self._terms: Terms | None = None
         self.number = 0
 
     def find_starts(self) -> list[Start]:
@@ -117,53 +120,82 @@ class Search:
 
     def _try(self, point: Tensor, now: Confined) -> tuple[Tensor, float, Tensor]:
         """A few steps from a start on few views: where they lead, its loss on all views, and its picture."""
-        quick = copy(self.terms)
-        quick.views = Views(1, 1, 1)
-        chosen, objective = self.objective(now, point, quick)
+        chosen, objective = self.objective(now, point, [_hasty(shot) for shot in self.shots])
         movable = self.vector.mark(chosen) & (now.upper > now.lower)
         steps, seed = starts.COARSE_STEPS, self.options.seed
         u = descend(objective, point, movable, now.lower, now.upper, steps, seed, Settings(), self._heedful).u
         with torch.no_grad():
-            picture = draw(self.proxy, self.vector, u)
-            loss = torch.stack([*self.terms(picture.display, picture.mask, fixed_views()).values()]).sum()
-        return u, float(loss), picture.display
+            pictures = [shot.draw(u) for shot in self.shots]
+            losses = [_worth(shot, seen) for shot, seen in zip(self.shots, pictures, strict=True)]
+        return u, sum(losses) / len(losses), pictures[0].display
 
     def _heedful(self, step: int, loss: float, picture: Render) -> bool:
         """Ends a loop that nobody follows when the artist says stop."""
         return self.watch.stopped()
 
+    def renew(self, u: Tensor, number: int, **options: float) -> None:
+        """Corrects the proxies at u (N,); see `Anchoring.renew`."""
+        for shot in self.shots:
+            shot.anchoring.renew(u, number, **options)
+
     def confine(self, u: Tensor, earlier: Plan, start: Start | None) -> Confined:
         """Parses, composes, confines and projects, at u (N,)."""
-        self.anchoring.renew(u, self.number)
-        picture = draw(self.proxy, self.vector, u)
-        values = self.vector.values(u)
-        now = context.plan_context(self.proxy, values, picture)
-        advice = self.advisor.advise(picture.display, self.vector.instances, now)
-        plan = carry(advice.plan, earlier)
+        self.renew(u, self.number)
+        advice, plan = self._advise(u)
+        plan = carry(plan, earlier)
         if self.options.baseline:
             plan = plan_everything(self.vector.instances)
-        ranges = feasible_ranges(plan, self.vector.instances, values)
+        ranges = feasible_ranges(plan, self.vector.instances, self.vector.values(u))
         lower, upper = self.vector.bounds(ranges)
         if start and start.drawn is not None:
             lower, upper = starts.corral(start.u, lower, upper, start.drawn)
-        if self._terms is None:  # the loop begins, at the artist's own values
-            self.watch.begin(picture.display.detach())
-            self._terms = self._guidance(advice, picture)
+        if self.shots[0].terms is None:  # the loop begins, at the artist's own values
+            pictures = [shot.draw(u) for shot in self.shots]
+            self.watch.begin(pictures[0].display.detach())
+            for shot, picture in zip(self.shots, pictures, strict=True):
+                shot.terms = self._guidance(advice, picture)
+        for shot in self.shots[1:]:
+            shot.take(plan)
         return Confined(advice, plan, ranges, lower, upper, project(u, lower, upper))
 
-    @property
-    def terms(self) -> Terms:
-        """The guidance, calibrated on the artist's picture: the same in all rounds and for all starts."""
-        assert self._terms is not None
-        return self._terms
+    def _advise(self, u: Tensor) -> tuple[Advice, Plan]:
+        """What to do at u (N,): as the first shot asks, and for what it does not show, as the others do."""
+        advice: Advice | None = None
+        entries: dict[str, PlanEntry] = {}
+        for shot in self.shots:
+            if advice and all(key in entries for key in shot.names.values()):
+                continue
+            picture = shot.draw(u)
+            now = context.plan_context(shot.proxy, shot.vector.values(u), picture)
+            found = self.advisor.advise(picture.display, shot.vector.instances, now)
+            entries = {shot.names[own]: entry for own, entry in found.plan.items()} | entries
+            advice = advice or found
+        assert advice is not None
+        return advice, Plan({key: entries[key] for key in self.vector.instances}, advice.plan.notes)
 
-    def objective(self, now: Confined, u: Tensor, terms: Terms) -> tuple[list[str], RoundObjective]:
-        """S_K, and what is minimised over it."""
-        chosen = select(now.plan, self.vector, self.proxy, terms, u, now.lower, now.upper, self.options)
+    def objective(
+        self, now: Confined, u: Tensor, shots: Sequence[Shot] = ()
+    ) -> tuple[list[str], RoundObjective]:
+        """S_K, and what is minimised over it, in these shots or in all."""
+        seen = shots or self.shots
+        chosen = select(now.plan, self.vector, seen, u, now.lower, now.upper, self.options)
         weight = pull(now.plan, self.vector, chosen)
         return chosen, RoundObjective(
-            self.proxy, self.vector, terms, set(chosen), now.lower, now.upper, weight, self.weights
+            seen, self.vector, set(chosen), now.lower, now.upper, weight, self.weights
         )
+
+
+def _hasty(shot: Shot) -> Shot:
+    """The same shot, judged on few views."""
+    terms = copy(shot.terms)
+    assert terms is not None
+    terms.views = Views(1, 1, 1)
+    return replace(shot, terms=terms)
+
+
+def _worth(shot: Shot, picture: Render) -> float:
+    assert shot.terms is not None
+    return float(torch.stack([*shot.terms(picture.display, picture.mask, fixed_views()).values()]).sum())
 
 
 def guidance(
@@ -181,8 +213,7 @@ def guidance(
 def select(
     plan: Plan,
     vector: ParameterVector,
-    proxy: Proxy,
-    terms: Terms,
+    shots: Sequence[Shot],
     u: Tensor,
     lower: Tensor,
     upper: Tensor,
@@ -200,7 +231,7 @@ def select(
         return sorted(relevant)
     # Moving the camera means tracing everything again: only words are worth that.
     felt = {k for k in relevant if vector.instances[k].parameter.group != "camera" or plan[k].prior == 0.0}
-    probe = RoundObjective(proxy, vector, terms, felt, lower, upper, torch.zeros_like(u), None)
+    probe = RoundObjective(shots, vector, felt, lower, upper, torch.zeros_like(u), None)
     gain = promise(probe, u, lower, upper)
     return top_k(
         plan, options.top_k, movable, {k: float(gain[part].sum()) for k, part in vector.slices.items()}

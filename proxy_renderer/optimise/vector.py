@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from copy import copy
 
 import torch
 from torch import Tensor
@@ -25,6 +26,7 @@ class ParameterVector:
         instances: The instances by key, in the order of the vector.
         slices: Where each key's components are.
         size: N.
+        taken: Keys whose values are written though nothing has moved them: see `shots.Shot`.
     """
 
     def __init__(self, instances: Mapping[str, Instance]) -> None:
@@ -39,15 +41,32 @@ class ParameterVector:
         self._upper = _stack(i.upper for i in self.instances.values())
         self._log = torch.tensor([i.parameter.scale.name == "log" for i in each])
         self._exponent = torch.tensor([i.parameter.scale.exponent for i in each], dtype=torch.float64)
+        self.taken: set[str] = set()
+        self._home = torch.zeros(self.size, dtype=torch.float64)
+        self._home = self.encode({key: instance.value for key, instance in self.instances.items()})
+
+    def view(self, names: Mapping[str, str]) -> ParameterVector:
+        """The same u for one of several shots, which calls some of its parameters by names of its own.
+
+        Args:
+            names: The shot's key -> ours.
+        """
+        shown = copy(self)
+        shown.instances = {own: self.instances[key] for own, key in names.items()}
+        shown.slices = {own: self.slices[key] for own, key in names.items()}
+        shown.taken = set()
+        return shown
 
     def encode(self, values: Mapping[str, Sequence[float]]) -> Tensor:
         """u (N,) of values in schema units; keys that are missing take the artist's value."""
-        out = []
-        for key, instance in self.instances.items():
+        u = self._home.clone()
+        for key in values.keys() & self.slices.keys():
+            instance = self.instances[key]
             scale = instance.parameter.scale
-            bounds = zip(values.get(key, instance.value), instance.lower, instance.upper, strict=True)
-            out += [scale.to_unit(float(v), low, high) if high > low else 0.0 for v, low, high in bounds]
-        return torch.tensor(out, dtype=torch.float64)
+            bounds = zip(values[key], instance.lower, instance.upper, strict=True)
+            place = [scale.to_unit(float(v), low, high) if high > low else 0.0 for v, low, high in bounds]
+            u[self.slices[key]] = torch.tensor(place, dtype=torch.float64)
+        return u
 
     def decode(self, u: Tensor) -> dict[str, Tensor]:
         """Values (C,) float32 by key in schema units, differentiable in u (N,).
@@ -82,6 +101,11 @@ class ParameterVector:
             components = zip(new, instance.value, moved[part].tolist(), strict=True)
             out[key] = tuple(v if m else old for v, old, m in components)
         return out
+
+    def changes(self, u: Tensor) -> dict[str, Values]:
+        """Values of u that differ from the artist's, and those that are taken."""
+        found = self.values(u)
+        return {k: v for k, v in found.items() if k in self.taken or v != self.instances[k].value}
 
     def plain(self, u: Tensor) -> dict[str, Values]:
         """Values of u as plain numbers, without regard to the artist's."""

@@ -5,6 +5,7 @@ building the extension copies this folder into it."""
 from . import budgets, orbit
 from .budgets import BUDGETS, Budget
 from .errors import VibeError
+from .frames import frame_numbers
 from .parameters import FAMILIES, GROUPS, PARAMETERS, REFERENCES, VERSION, schema_hash
 from .spec import Instance, Parameter, Scale, Values, matches, split_key
 
@@ -22,6 +23,7 @@ __all__ = [
     "Values",
     "VibeError",
     "budgets",
+    "frame_numbers",
     "matches",
     "orbit",
     "schema_hash",

@@ -10,65 +10,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field
 from typing import Any, BinaryIO, ClassVar, get_args
 
-from .budgets import STANDARD
 from .errors import VibeError
+from .options import Options as Options
 from .parameters import schema_hash
-
-
-@dataclass(frozen=True)
-class Options:
-    """How a vibe is carried out.
-
-    Attributes:
-        rounds: Outer rounds of Algorithm 1: the plan is made anew in each.
-        steps: Gradient steps in each round.
-        size: Longer side of the prediction, pixels.
-        top_k: How many parameters a round may optimise.
-        seed: Seed of every random choice.
-        groups: Parameter groups that may change; empty for all of them (the camera only if named).
-        lock: Patterns of parameters that must not change: a group, "light/Key", or a glob.
-        encoder: An open_clip hub tag or local checkpoint; "" for the embedded encoder.
-        device: A torch device, or "auto".
-        baseline: "" for the product, "clip-only" for the paper's baseline.
-        camera: Whether the camera may be optimised though `groups` does not name it.
-        vlm_model: A vision-language model that parses, plans and judges; "" for the environment's
-            VIBE_VLM_MODEL (none if that is not set), "off" for none.
-        vlm_url: Base URL of its OpenAI-compatible endpoint; "" for the environment's.
-        online: Whether other computers may be reached; a model on this one always may.
-        anchor: Whether Cycles renders small pictures meanwhile, which correct the proxy.
-        starts: Points that a coarse first pass tries; 1 for the artist's scene alone. Variants raise it.
-        variants: How many different looks to find for the same words.
-    """
-
-    rounds: int = STANDARD.rounds
-    steps: int = STANDARD.steps
-    size: int = STANDARD.size
-    top_k: int = 8
-    seed: int = 0
-    groups: tuple[str, ...] = ()
-    lock: tuple[str, ...] = ()
-    encoder: str = ""
-    device: str = "auto"
-    baseline: str = ""
-    camera: bool = False
-    vlm_model: str = ""
-    vlm_url: str = ""
-    online: bool = True
-    anchor: bool = True
-    starts: int = STANDARD.starts
-    variants: int = 1
-
-    @classmethod
-    def from_dict(cls, raw: dict[str, Any]) -> Options:
-        """Options from their JSON form; raises VibeError for a name that is not one."""
-        known = {f.name for f in fields(cls)}
-        if strange := sorted(set(raw) - known):
-            raise VibeError(f"Unknown option {strange[0]!r}.", f"Use one of: {', '.join(sorted(known))}.")
-        lists: dict[str, Any] = {name: tuple(raw[name]) for name in ("groups", "lock") if name in raw}
-        return cls(**{**raw, **lists})
 
 
 @dataclass(frozen=True)
@@ -81,10 +28,31 @@ class Ready:
 
 
 @dataclass(frozen=True)
-class Vibe:
-    """Blender → engine: work on the scene in the folder `job`. `schema` is Blender's schema hash.
+class Shot:
+    """One of several cameras, frames or scenes that are to share a look.
 
-    `vlm_key` is the model's key from the add-on's preferences; it goes through the pipe and nowhere else.
+    Attributes:
+        job: Its job folder.
+        name: For people.
+        file: Names its .blend.
+    """
+
+    job: str
+    name: str
+    file: str
+
+
+@dataclass(frozen=True)
+class Vibe:
+    """Blender → engine: work on the scene in the folder `job`.
+
+    Attributes:
+        schema: Blender's schema hash.
+        job: The job folder: of the first shot, if there are several.
+        prompt: What the artist typed.
+        options: The fields of `Options`.
+        vlm_key: The model's key from the add-on's preferences; it goes through the pipe and nowhere else.
+        shots: All of several shots; empty for a single one.
     """
 
     type: ClassVar[str] = "vibe"
@@ -93,6 +61,12 @@ class Vibe:
     prompt: str
     options: dict[str, Any] = field(default_factory=dict)
     vlm_key: str = field(default="", repr=False)
+    shots: list[Shot] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        """Shots that come over the wire are plain objects."""
+        plain = [s if isinstance(s, Shot) else Shot(**s) for s in self.shots]
+        object.__setattr__(self, "shots", plain)
 
 
 @dataclass(frozen=True)
@@ -136,6 +110,7 @@ class Anchor:
         size: Longer side of the picture, pixels.
         samples: Most samples in a pixel.
         seed: Of the sampling pattern.
+        shot: Which of several shots to render, from 0.
     """
 
     type: ClassVar[str] = "anchor"
@@ -144,6 +119,7 @@ class Anchor:
     size: int
     samples: int
     seed: int = 0
+    shot: int = 0
 
 
 @dataclass(frozen=True)
@@ -197,6 +173,7 @@ class Result:
         prediction: The proxy's picture of the values, a file name in the job folder.
         stopped: Whether a stop message ended the loop early.
         variants: If several were asked for: those found, the best first, whose values are `values`.
+        shots: Of several shots: the values of each, under its own names; `values` are the first's.
     """
 
     type: ClassVar[str] = "result"
@@ -205,6 +182,7 @@ class Result:
     prediction: str
     stopped: bool = False
     variants: list[Variant] = field(default_factory=list)
+    shots: list[dict[str, list[float]]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         """Variants that come over the wire are plain objects."""
@@ -228,6 +206,7 @@ class Finish:
         after: Cycles' picture of the result.
         compare_out: Where to write before | prediction | after.
         mask_out: Where to write the subject's mask at the size of `after`; "" for nowhere.
+        shot: Which of several shots, from 0; those before it are on `compare_out` as well.
     """
 
     type: ClassVar[str] = "finish"
@@ -235,6 +214,7 @@ class Finish:
     after: str
     compare_out: str
     mask_out: str = ""
+    shot: int = 0
 
 
 @dataclass(frozen=True)

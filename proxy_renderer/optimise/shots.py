@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Shots that share a look: several cameras, frames or scenes, and one vector of values for all of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from torch import Tensor
+
+from ..language.types import Plan
+from ..scene import SceneData
+from ..schema import Instance
+from .anchoring import Anchoring, Source
+from .objective import draw
+from .vector import ParameterVector
+
+if TYPE_CHECKING:
+    from ..render.proxy import Proxy, Render
+    from .objective import Terms
+
+MOVES = "it changes from shot to shot in your scene"
+
+
+@dataclass(frozen=True)
+class View:
+    """What there is to know of a shot before the loop.
+
+    Attributes:
+        scene: As its camera sees it at its frame.
+        source: Of Cycles' pictures of it; None for none.
+        file: Names its .blend: what differs within one .blend is animated.
+    """
+
+    scene: SceneData
+    source: Source | None = None
+    file: str = ""
+
+
+@dataclass
+class Shot:
+    """A shot in the loop.
+
+    Attributes:
+        scene: As its camera sees it at its frame.
+        names: Its keys -> the shared vector's.
+        vector: The shared vector under its keys.
+        proxy: Renders the loop's pictures.
+        anchoring: The proxy's corrections.
+        terms: The guidance, calibrated on the artist's picture: the same in all rounds and for all starts.
+    """
+
+    scene: SceneData
+    names: dict[str, str]
+    vector: ParameterVector
+    proxy: Proxy
+    anchoring: Anchoring
+    terms: Terms | None = None
+
+    def draw(self, u: Tensor, free: set[str] | frozenset[str] = frozenset()) -> Render:
+        """The proxy's picture of u (N,), differentiable in the free keys, which are the shared vector's."""
+        return draw(self.proxy, self.vector, u, {own for own, key in self.names.items() if key in free})
+
+    def take(self, plan: Plan) -> None:
+        """Has what the words name be the same here as in the first shot, if this scene has another value."""
+        named = {
+            own
+            for own, key in self.names.items()
+            if plan[key].prior < 1.0
+            and not self.vector.instances[own].locked
+            and not _alike(self.scene.instances[own], self.vector.instances[own])
+        }
+        if named - self.vector.taken:
+            self.vector.taken |= named
+            self.anchoring.expire()
+
+
+def share(views: Sequence[View], own: Sequence[str] = ()) -> tuple[dict[str, Instance], list[dict[str, str]]]:
+    """One set of parameters for all shots: those of one name are one, and have the first shot's value.
+
+    What is locked in one of them is locked in all, and so is what moves within a .blend.
+
+    Args:
+        views: The shots.
+        own: Groups that every shot has to itself.
+
+    Returns:
+        The parameters, and for each shot its keys -> theirs.
+    """
+    shared: dict[str, Instance] = {}
+    files: dict[str, str] = {}
+    names = []
+    for number, view in enumerate(views, start=1):
+        mine = {}
+        for key, instance in view.scene.instances.items():
+            if number > 1 and instance.parameter.group in own:
+                instance = replace(instance, owner=f"shot {number}")
+            mine[key] = instance.key
+            known = shared.setdefault(instance.key, instance)
+            moves = files.setdefault(instance.key, view.file) == view.file and not _alike(known, instance)
+            reason = known.locked or instance.locked or (MOVES if moves else "")
+            if reason != known.locked:
+                shared[instance.key] = replace(known, locked=reason)
+        names.append(mine)
+    return shared, names
+
+
+def enter(
+    views: Sequence[View],
+    names: Sequence[dict[str, str]],
+    vector: ParameterVector,
+    proxy: Callable[[SceneData], Proxy],
+) -> list[Shot]:
+    """The shots of a vector; arguments as `share` returns them."""
+    shots = []
+    for view, mine in zip(views, names, strict=True):
+        seen, renderer = vector.view(mine), proxy(view.scene)
+        shots.append(Shot(view.scene, mine, seen, renderer, Anchoring(renderer, seen, view.source)))
+    return shots
+
+
+def _alike(a: Instance, b: Instance) -> bool:
+    return all(math.isclose(x, y, rel_tol=1e-4, abs_tol=1e-5) for x, y in zip(a.value, b.value, strict=True))
