@@ -103,6 +103,8 @@ def test_the_color_of_the_air_is_the_words():
     parsed = parse("underwater, murky green", SceneWords())
     assert parsed.targets["surroundings_color"] == "green"
     assert {"ambience", "fog"} <= {a.kind for a in parsed.attributes if a.color}
+    clear = parse("bright noon, clear blue sky, sand", SceneWords())
+    assert {a.kind for a in clear.attributes if a.entry == "sand"} == {"subject"}
 
 
 def test_light_of_gold_is_no_metal():

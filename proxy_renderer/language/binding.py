@@ -14,6 +14,7 @@ from .vocabulary import Vocabulary
 _LESS = 0.7  # how much of the opposite "less" asks for
 _TONED = ("muted", "faded", "dusty", "dull", "smoky", "murky", "stormy", "moody")
 """Shades that pictures have rather than things."""
+_CLEAR = 0.02  # density of air that has no color
 BOUND_SLOTS = ("finish", "material", "color", "setting")
 """Slots whose words wait for the noun that they describe; the others describe the whole picture."""
 
@@ -129,7 +130,7 @@ class Binding:
         rest = [a for a in self.attributes if a not in loose and not a.cause]
         if any(a.slot in BOUND_SLOTS or a.kind == "subject" for a in rest) or self.things:
             return
-        air = next((a for a in rest if a.slot == "atmosphere" and not a.negated), None)
+        air = next((a for a in rest if self._fills_the_air(a)), None)
         airy = air or any(a.slot == "mood" for a in rest)
         for i in self._loose:
             attribute = self.attributes[i]
@@ -139,6 +140,12 @@ class Binding:
             if attribute.color and air:  # "underwater, murky green": so is the water
                 said = replace(attribute, region="whole", kind=air.kind, thing=air.thing)
                 self.attributes.append(said)
+
+    def _fills_the_air(self, attribute: Attribute) -> bool:
+        if attribute.slot != "atmosphere" or attribute.negated:
+            return False
+        effects = self.vocabulary.entries[attribute.entry].effects
+        return any(e.name == "density" and e.lower[0] > _CLEAR for e in effects)
 
     def _bind_word(self, word: Word, thing: Thing) -> bool:
         token = word.token

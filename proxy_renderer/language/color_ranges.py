@@ -15,6 +15,7 @@ from .vocabulary import Effect, default_vocabulary
 _BLACKEST, _WHITEST = 0.016, 0.85  # hardly a real surface reflects less, or more
 _BRIGHTEST = 2.5  # radiance of a backdrop that has a color
 _DARK = 0.02  # radiance below which a backdrop is black
+_DEEP = 0.4  # of that scale: the box of a darker color is smaller, as its hues are nearer
 _BOX = 0.06  # half the width of a color's box, in steps that look even
 OWN_COLOR = ("base_color", "tint")
 """Parameters that hold a material's color."""
@@ -81,7 +82,7 @@ def _box(linear: Values) -> Range:
     """All that looks about like a linear color: even steps on the screen's scale."""
     shown = [max(v, 0.0) ** (1 / 2.2) for v in linear]
     neutral = max(shown) - min(shown) < _NEUTRAL_BOX and min(shown) > 0.25
-    half = _NEUTRAL_BOX if neutral else _BOX
+    half = _NEUTRAL_BOX if neutral else _BOX * min(max(max(shown) / _DEEP, 0.5), 1.0)
     return tuple(max(v - half, 0.0) ** 2.2 for v in shown), tuple((v + half) ** 2.2 for v in shown)
 
 
