@@ -14,6 +14,10 @@ from .view import scene_color
 _NEAR = math.log(2.5)  # how far the value may be from the formula's for the picture to tell
 _DAMPED = 0.8  # share of the error that is mended at once
 _MOST = math.log(1.8)  # by which lightness changes at most, and so does a component against the others
+_WHITENED, _LEAST = (
+    0.6,
+    0.85,
+)  # share of a cast that is taken out of white, which the eye does in part, and its end
 _FLOOR = 0.01  # radiance below which there is nothing to measure
 _BLACKEST, _WHITEST = 0.006, 0.85
 
@@ -39,7 +43,7 @@ def measured(formula: Values, srgb: Values, instance: Instance, context: PlanCon
     gain = sum(logs) / 3
     found = [v * math.exp(_held(gain) + _held(log - gain)) for v, log in zip(now, logs, strict=True)]
     if named[0] > 93 and chroma(named) < 4:  # a cast is taken out of white, not light
-        return tuple(max(_WHITEST * v / max(found), 0.8 * _WHITEST) for v in found)
+        return tuple(_WHITEST * max((v / max(found)) ** _WHITENED, _LEAST) for v in found)
     top = max(max(found) / _WHITEST, 1.0) if instance.parameter.name == "base_color" else 1.0
     return tuple(max(v / top, _BLACKEST) for v in found)
 
