@@ -60,6 +60,8 @@ def test_numbers_are_no_names():
     [
         ("no fog, thick fog", "fog", "none", "", "thick fog"),
         ("matte glossy teapot", "subject_finish", "matte", "matte", "reflections"),
+        ("cosy evening, warm light", "light_temperature", "warm", "warm", "cool"),
+        ("cold morning", "light_temperature", "cool", "cool", "warm"),
         ("bright noir, pitch dark", "brightness", "bright", "noir", "dark,"),
     ],
 )

@@ -26,12 +26,13 @@ class Demand:
     reason: str
     weak: bool
     priority: int
+    vague: bool = False
 
     @property
     def rank(self) -> tuple[bool, bool, bool]:
         """Words of the prompt before those that a mood stands for, a finish or a color before the usual one of a
         material or of an atmosphere; defaults last."""
-        usual = self.key.rpartition("/")[2] in _USUAL.get(self.attribute.slot, ())
+        usual = self.vague or self.key.rpartition("/")[2] in _USUAL.get(self.attribute.slot, ())
         return self.weak, bool(self.attribute.cause), usual
 
 

@@ -38,7 +38,11 @@ def complete(parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[
 def _settle_targets(parsed: Parsed, vocabulary: Vocabulary) -> None:
     """What the attribute heads should say; of words that contradict each other, the first one counts."""
     settlers: dict[str, Attribute] = {}
-    for attribute in sorted(parsed.attributes, key=lambda a: (bool(a.cause), a.slot == "material")):
+
+    def rank(attribute: Attribute) -> tuple[bool, bool, bool]:
+        return bool(attribute.cause), attribute.slot == "material", is_vague(attribute, vocabulary)
+
+    for attribute in sorted(parsed.attributes, key=rank):
         heads, lost = _heads(attribute, vocabulary), 0
         for head, value in heads.items():
             settled = parsed.targets.setdefault(head, value)
@@ -57,6 +61,12 @@ def _settle_targets(parsed: Parsed, vocabulary: Vocabulary) -> None:
                 )
         if heads and lost == len(heads):
             parsed.overruled.append(attribute)
+
+
+def is_vague(attribute: Attribute, vocabulary: Vocabulary) -> bool:
+    """Whether a word about light says several things: "evening" gives way to "warm light" on what both speak of."""
+    entry = vocabulary.entries.get(attribute.entry)
+    return entry is not None and entry.slot == "lighting" and len(entry.heads) > 1
 
 
 def _qualified(attributes: list[Attribute]) -> list[Attribute]:

@@ -9,6 +9,7 @@ from ..schema import FAMILIES, Instance, Values
 from .color import to_lab, to_srgb
 from .demands import Demand, lacking, listed, reason_of
 from .illumination import expected, veil
+from .meaning import is_vague
 from .owners import Owners
 from .ranges import clip, effect_range
 from .sources import Range, Sources
@@ -165,7 +166,10 @@ class _Planner:
             if effect.name == "vignette":
                 lower, upper = clip(*self._seen_vignette((lower, upper)), instance)
             reason = reason_of(attribute, shown.phrase if shown else "")
-            demands.append(Demand(instance.key, lower, upper, attribute, reason, effect.weak, priority))
+            vague = is_vague(attribute, self.vocabulary)
+            demands.append(
+                Demand(instance.key, lower, upper, attribute, reason, effect.weak, priority, vague)
+            )
         return demands
 
     def _seen_vignette(self, ends: Range) -> Range:

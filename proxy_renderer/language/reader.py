@@ -8,14 +8,13 @@ from dataclasses import replace
 from .binding import Binding, Thing, Word
 from .clause import ClauseState
 from .lexer import Lexer, Token
-from .roles import Roles, is_adjective, light_role, next_content, speaks_of_looks
+from .roles import KIND_OF_SLOT, Roles, is_adjective, light_role, next_content, speaks_of_looks
 from .types import Parsed, Region, SceneWords
 from .vocabulary import Vocabulary
 
 _AGAIN = ("make", "give", "keep", "set", "let")
 """A verb that starts a new wish: "remove the chair and make it warm"."""
 _PLACES = ("in", "into", "at", "under", "beneath", "by", "amid")
-_KIND_OF_SLOT = {"lighting": "light", "atmosphere": "fog", "grade": "tone", "setting": "surroundings"}
 
 
 class Reader:
@@ -161,14 +160,16 @@ class Reader:
         """A word about the whole picture; those that wait before it may describe it: "cool blue fog"."""
         entry = token.entry
         silhouette = entry == "silhouette"
-        kind = "" if silhouette else token.noun or _KIND_OF_SLOT.get(self.binding.slot(entry), "")
+        kind = "" if silhouette else token.noun or KIND_OF_SLOT.get(self.binding.slot(entry), "")
         role = light_role(token)
         if kind == "light" and self.binding.directs_light(entry) and not role:
             role = (light_role(following) if following else "") or (state.last.role if state.last else "")
         thing = Thing(kind or "whole", token.text, "subject" if silhouette else "whole", role=role)
-        self.binding.add(state.word(token), entry, thing)
         if kind and not (following and following.noun and not token.noun):
-            state.waiting = self.binding.bind(state.waiting, thing)
+            state.waiting = self.binding.bind(
+                state.waiting, thing
+            )  # first, as "cold" says more than "morning"
+        self.binding.add(state.word(token), entry, thing)
         if token.noun or (kind == "light" and not state.last):
             state.last, state.linked = thing, False
 

@@ -24,6 +24,9 @@ _STYLE = (
     "finish",
 )
 
+KIND_OF_SLOT = {"lighting": "light", "atmosphere": "fog", "grade": "tone", "setting": "surroundings"}
+"""What a word of a slot is about, where no noun says it."""
+
 
 class Roles:
     """Judges tokens by their neighbors."""
@@ -61,6 +64,9 @@ class Roles:
         if following.color or (following.entry and self.binding.slot(following.entry) in BOUND_SLOTS):
             return True
         kind = following.noun or ("subject" if following.scene else "")
+        slot = self.binding.slot(following.entry) if following.entry and not kind else ""
+        if slot in ("lighting", "atmosphere"):  # "cold morning"
+            kind = KIND_OF_SLOT[slot]
         return kind in self.vocabulary.adjectives[token.adjective]
 
     def goes_on(self, token: Token, state: ClauseState, following: Token | None) -> bool:
