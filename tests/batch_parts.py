@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Batches of simulated jobs, for tests; run as a program, one that can be killed: `batch_parts.py DIR PROMPT...`."""
+"""Batches of simulated jobs, for tests; run as a program, one that can be killed: `batch_parts.py DIR PROMPT...`.
 
+With RAY_CLUSTER=HOST:PORT in the environment it is carried out there.
+"""
+
+import os
 import sys
 from pathlib import Path
 
@@ -11,8 +15,10 @@ from proxy_renderer.batch.plan import Plan
 from proxy_renderer.batch.sheet import Sheet
 from proxy_renderer.batch.store import Store
 from proxy_renderer.batch.worker import Setup, Worker
+from proxy_renderer.schema import VibeError
 
 COMMAND = (sys.executable, str(Path(__file__).with_name("simulated_blender.py")))
+SMALL = Limits(free_gb=0.0, cores=1, memory_gb=0.1, retries=0)
 OPTIONS = ("--rounds=1", "--steps=2", "--size=48", "--samples=2")
 
 
@@ -21,11 +27,24 @@ def plan_of(*prompts, scenes=("a.blend",), seeds=(0,)):
     return Plan([Shot(name, Path(name), "digest", tuple(prompts), tuple(seeds), OPTIONS) for name in scenes])
 
 
-def carry_out(folder, plan, limits=None, workers=1):
+def local(store, setup, workers=1):
+    """Workers on this machine."""
+    return LocalPool(store.jobs, [Worker(setup) for _ in range(workers)])
+
+
+def on_cluster(address):
+    """Workers on a Ray cluster, which is looked at more often than people need."""
+    from proxy_renderer.batch import cluster
+
+    cluster._LOOK = 0.3
+    return lambda store, setup, workers: cluster.cluster_pool(address, store, setup)
+
+
+def carry_out(folder, plan, limits=None, workers=1, pool_of=local):
     """Runs a batch; returns what it told, and its rows."""
     limits, told = limits or Limits(free_gb=0.0), []
     with Store(folder) as store:
-        pool = LocalPool(store.jobs, [Worker(Setup(limits, command=COMMAND)) for _ in range(workers)])
+        pool = pool_of(store, Setup(limits, command=COMMAND), workers)
         try:
             schedule.run(plan, store, pool, limits, lambda what, job, row: told.append((what, job.prompt)))
         finally:
@@ -35,4 +54,8 @@ def carry_out(folder, plan, limits=None, workers=1):
 
 
 if __name__ == "__main__":
-    carry_out(Path(sys.argv[1]), plan_of(*sys.argv[2:]))
+    where = on_cluster(os.environ["RAY_CLUSTER"]) if "RAY_CLUSTER" in os.environ else local
+    try:
+        carry_out(Path(sys.argv[1]), plan_of(*sys.argv[2:]), SMALL, pool_of=where)
+    except VibeError as error:
+        sys.exit(f"vibe: {error}")

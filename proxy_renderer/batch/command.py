@@ -65,7 +65,8 @@ def _carry_out(a: argparse.Namespace, plan: Plan, store: Store, limits: manifest
 
 def _pass(jobs: Jobs, store: Store, pool: Pool, limits: manifest.Limits, sheet: Sheet) -> int:
     """Carries out jobs with their progress shown; returns how many have failed."""
-    progress = Progress(len(jobs), store.count(jobs))
+    known = store.known(jobs)
+    progress = Progress(len(known), sum(known))
 
     def tell(what: str, job: Job, row: Row) -> None:
         progress.tell(what, job, row)
@@ -74,7 +75,7 @@ def _pass(jobs: Jobs, store: Store, pool: Pool, limits: manifest.Limits, sheet: 
 
     try:
         with progress:
-            schedule.run(jobs, store, pool, limits, tell)
+            schedule.run(jobs, store, pool, limits, tell, known)
     finally:
         progress.note(progress.summary())
     return progress.counts["failed"]

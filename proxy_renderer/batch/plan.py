@@ -8,6 +8,7 @@ import json
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Protocol
 
@@ -75,6 +76,7 @@ class Plan:
                     yield Job(name, shot.name, shot.source, prompt, seed, arguments, shot.more)
 
 
+@lru_cache(4096)
 def _slug(text: str) -> str:
     """A text as a part of a file name on every system."""
     return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:48] or "x"

@@ -15,7 +15,14 @@ _LOSSES = 5
 """Times that a worker may be lost in a job before the job is blamed for it."""
 
 
-def run(plan: Jobs, store: Store, pool: Pool, limits: Limits, tell: Callable[[str, Job, Row], None]) -> None:
+def run(
+    plan: Jobs,
+    store: Store,
+    pool: Pool,
+    limits: Limits,
+    tell: Callable[[str, Job, Row], None],
+    known: bytearray | None = None,
+) -> None:
     """Carries out what is not done yet. Jobs are made only when there is a worker for them.
 
     Args:
@@ -23,12 +30,14 @@ def run(plan: Jobs, store: Store, pool: Pool, limits: Limits, tell: Callable[[st
         store: Where the results are.
         pool: The workers.
         limits: How often a failed job is tried again, and how much disk space must be free.
-        tell: Hears of "started", "done", "again", "lost" and "failed" jobs; "" with each tick.
+        tell: Hears of "started", "done", "again", "lost" and "failed" jobs.
+        known: Which jobs are done, if that has been looked up; see `Store.known`.
 
     Raises:
         VibeError: Nothing can be written any more.
     """
-    fresh: Iterator[Job] = (job for job in plan if not store.done(job))
+    known = store.known(plan) if known is None else known
+    fresh: Iterator[Job] = (job for job, done in zip(plan, known, strict=True) if not done)
     again: deque[Job] = deque()
     attempts: Counter[str] = Counter()
     losses: Counter[str] = Counter()
