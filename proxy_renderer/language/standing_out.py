@@ -16,6 +16,7 @@ from .view import lightness, radiance
 LATE = 12  # priority of exposure; what words name comes first
 _STAND_OUT = 20.0  # difference in L* at which a subject stands out by lightness alone
 _DARK = 30.0  # L* below which two colors look alike
+_STEPS = (0.5, 2.0)  # the most that a world that no word names is dimmed or brightened
 _SHADE = 18.0  # the most that L* of a surface that no word names may move
 _STANDS_OUT = "supports the words: the subject stands out from its surroundings"
 _STAND_OUT_COLOR = 38.0  # difference in Lab at which it does by color
@@ -43,16 +44,20 @@ def stand_out(
     gap = 14.0 if dim else 24.0
     lighter = subject[0] < (30 if dim else 50)
     low, high = (subject[0] + gap, 60.0 if dim else 85.0) if lighter else (5.0, max(subject[0] - gap, 12.0))
-    # Two darks are one to the eye, so they must part; anything else keeps the artist's color if it can.
-    shift = _shifted_albedo if max(subject[0], around[0]) < _DARK else _shaded_albedo
+    # Two darks are one to the eye, so they must part; anything else keeps what the artist made if it can.
+    merged = max(subject[0], around[0]) < _DARK
+    shift = _shifted_albedo if merged else _shaded_albedo
     found = {}
     for key in (f"material/{name}/base_color" for name in owners.materials("surroundings")):
         if key in free:
             found[key] = shift(free[key], low, high)
     if "world/strength" in free and (not found or context.world_share is None or context.world_share > 0.1):
         glow = max(luminance(sources.world_color), 0.02) * 2**sources.exposure
-        dimmest, brightest = (radiance(goal, context.view) / glow for goal in (low, high))
-        lower, upper = clip((dimmest,), (brightest,), free["world/strength"])
+        world = free["world/strength"]
+        least, most = (0.0, math.inf) if merged else (v * world.value[0] for v in _STEPS)
+        ends = (min(max(radiance(goal, context.view) / glow, least), most) for goal in (low, high))
+        dimmest, brightest = ends
+        lower, upper = clip((dimmest,), (brightest,), world)
         found["world/strength"] = PlanEntry(lower, upper, LATE - 1, _STANDS_OUT, prior=0.2)
     return found
 
