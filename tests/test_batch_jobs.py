@@ -16,6 +16,7 @@ import psutil
 import pytest
 from batch_parts import carry_out, plan_of
 
+from proxy_renderer.batch.finals import results
 from proxy_renderer.batch.local import fitting
 from proxy_renderer.batch.manifest import Limits
 from proxy_renderer.batch.store import Store
@@ -36,6 +37,12 @@ def test_one_warm_process_does_all_jobs(tmp_path):
     assert [row["status"] for row in rows] == ["done"] * 3
     assert len({process_of(tmp_path, row) for row in rows}) == 1
     assert told == [(what, p) for p in ("noir", "misty", "neon") for what in ("started", "done")]
+
+
+def test_final_frames_are_rendered_of_every_scene_that_shares_the_look(tmp_path):
+    for name in ("vibed-10.blend", "vibed.blend", "vibed-2.blend", "before.png"):
+        (tmp_path / name).touch()
+    assert [path.name for path in results(tmp_path)] == ["vibed.blend", "vibed-2.blend", "vibed-10.blend"]
 
 
 def test_a_second_run_has_nothing_to_do(tmp_path):

@@ -36,5 +36,6 @@ class Finals:
 
 def results(folder: Path) -> list[Path]:
     """The .blends that a vibe has left: one, or one for each scene of several."""
-    first = folder / "vibed.blend"
-    return [first, *sorted(folder.glob("vibed-*.blend"), key=lambda path: int(path.stem.partition("-")[2]))]
+    numbers = (path.stem.removeprefix("vibed-") for path in folder.glob("vibed-*.blend"))
+    rest = sorted(int(number) for number in numbers if number.isdecimal())
+    return [folder / "vibed.blend", *(folder / f"vibed-{number}.blend" for number in rest)]

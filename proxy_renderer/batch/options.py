@@ -10,7 +10,10 @@ from pathlib import Path
 def add_batch_options(sub: argparse.ArgumentParser) -> None:
     """The options of the command."""
     sub.add_argument(
-        "manifest", type=Path, metavar="MANIFEST.toml", help="scenes, prompts, seeds and options"
+        "manifest",
+        type=Path,
+        metavar="MANIFEST.toml",
+        help="scenes, shots that share a look, prompts, seeds and options",
     )
     sub.add_argument("--out", required=True, type=Path, metavar="DIR", help="folder for all results")
     sub.add_argument(
