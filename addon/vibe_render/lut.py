@@ -4,6 +4,9 @@
 Colors go in and come out as displays show them: sRGB, Rec.709 primaries. In between the grade's formula works on
 linear light (see `grade.py`). Vignette and bloom depend on more than the color and are left out, as is the view
 transform: on a picture that was rendered with the view Standard, the file does what the compositor would have done.
+
+Colors below black and above white are written as they are, and become black and white when the file is used: between
+two colors of the file, a straight line through black is nearer to the grade than one that ends there.
 """
 
 from __future__ import annotations
@@ -29,20 +32,25 @@ def identity() -> dict[str, tuple[float, ...]]:
     return {p.name: (p.default,) * p.components for p in rows}
 
 
-def graded(colors: np.ndarray, values: Mapping[str, Sequence[float]]) -> np.ndarray:
+def graded(
+    colors: np.ndarray, values: Mapping[str, Sequence[float]], below_black: bool = False
+) -> np.ndarray:
     """What the grade makes of linear colors.
 
     Args:
         colors: (N, 3) scene-linear Rec.709, at least 0.
         values: By name ("contrast", …), in the schema's units; what is missing is neutral.
+        below_black: Leave what saturation takes below black there, unless hue or gamma come after it.
     """
     v = {name: np.array(values.get(name, neutral)) for name, neutral in identity().items()}
     c = colors * 2.0 ** v["grade_exposure"]
     c = np.maximum(((c - 1.0) * (2.0 - v["lift"]) + 1.0) * v["gain"], 0.0) ** (1.0 / v["midtone"])
     c = _MIDDLE * (c / _MIDDLE) ** v["contrast"]
     luma = (c @ LUMA)[:, None]
-    c = np.maximum(luma + (c - luma) * v["saturation"], 0.0)
-    return _turned(c, v["hue"] / 60.0) ** v["grade_gamma"]
+    c = luma + (c - luma) * v["saturation"]
+    if below_black and v["hue"] == 0.0 and v["grade_gamma"] == 1.0:
+        return c
+    return _turned(np.maximum(c, 0.0), v["hue"] / 60.0) ** v["grade_gamma"]
 
 
 def _turned(c: np.ndarray, sixths: np.ndarray) -> np.ndarray:
@@ -60,16 +68,17 @@ def to_linear(display: np.ndarray) -> np.ndarray:
 
 
 def to_display(linear: np.ndarray) -> np.ndarray:
-    """Inverse of `to_linear`; what is brighter than white is white."""
-    c = np.clip(linear, 0.0, 1.0)
-    return np.where(c <= 0.0031308, c * 12.92, 1.055 * c ** (1 / 2.4) - 0.055)
+    """Inverse of `to_linear`, carried on below black and above white."""
+    curve = 1.055 * np.maximum(linear, 0.0) ** (1 / 2.4) - 0.055
+    return np.where(linear <= 0.0031308, linear * 12.92, curve)
 
 
 def table(values: Mapping[str, Sequence[float]], size: int = SIZE) -> np.ndarray:
-    """(size³, 3): display colors, red changing fastest."""
+    """(size³, 3): display colors, red changing fastest; black is at 0, white at 1."""
     steps = np.linspace(0.0, 1.0, size)
     blue, green, red = np.meshgrid(steps, steps, steps, indexing="ij")
-    return to_display(graded(to_linear(np.stack([red, green, blue], -1).reshape(-1, 3)), values))
+    colors = to_linear(np.stack([red, green, blue], -1).reshape(-1, 3))
+    return to_display(graded(colors, values, below_black=True))
 
 
 def write(path: Path, name: str, values: Mapping[str, Sequence[float]]) -> None:

@@ -29,10 +29,10 @@ class Result:
     def draw(self, context: bpy.types.Context) -> None:
         """Draws the panel."""
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
-        if settings.vibed_prompt:
-            paragraph(layout, context, f"“{settings.vibed_prompt}”")
-        else:
+        if not settings.vibed_prompt:
             paragraph(layout, context, "A vibe has been in this scene; Revert takes away what is left of it.")
+        elif settings.vibed_prompt != settings.prompt.strip():
+            paragraph(layout, context, f"“{settings.vibed_prompt}”")
         if desk.session and desk.session.scene == context.scene.name:
             _draw_session(layout, context, desk.session)
         if settings.changes:
@@ -70,7 +70,7 @@ def _draw_session(layout: bpy.types.UILayout, context: bpy.types.Context, sessio
     current = context.scene.vibe.variant
     picture = session.variants[current][1] if 0 < current < len(session.variants) else session.preview
     if icon := preview.icon(session.before, picture):
-        layout.template_icon(icon_value=icon, scale=11.5)
+        layout.template_icon(icon_value=icon, scale=10.5)
         if session.before:
             row = layout.row()
             row.active, row.alignment, row.scale_y = False, "CENTER", 0.7
@@ -79,7 +79,7 @@ def _draw_session(layout: bpy.types.UILayout, context: bpy.types.Context, sessio
         _draw_variants(layout, session, current)
     if session.agreement is not None and not current:
         tenths = max(math.ceil(session.agreement * 10.0), 1)
-        layout.label(text=f"Small Cycles picture: within {tenths / 10.0:.1f} ΔE", icon="CHECKMARK")
+        layout.label(text=f"Checked with Cycles: ΔE {tenths / 10.0:.1f}", icon="CHECKMARK")
     for note in [*session.remarks, *session.notes][:4]:
         paragraph(layout, context, note, "INFO", faint=True)
 

@@ -8,11 +8,11 @@ from typing import Any, ClassVar
 
 import bpy
 
-from . import drawing, history, operators, panel_result, preferences, preview
+from . import history, operators, panel_progress, panel_result, panel_trouble, preferences
 from .contract import schema
 from .drawing import paragraph
 from .engine_place import place
-from .session import LOOKING, PAUSING, SILENT, Session, desk
+from .session import desk
 
 _PLACES = {
     "VIBE_PT": {"bl_space_type": "VIEW_3D", "bl_region_type": "UI", "bl_category": "Vibe"},
@@ -55,7 +55,7 @@ class _Main:
         field.prop(settings, "prompt", text="", placeholder="misty, cool blue fog, vignette")
         field.menu("VIBE_MT_history", text="", icon="RECOVER_LAST")
         if desk.running and desk.session:
-            _draw_running(layout, context, desk.session)
+            panel_progress.draw(layout, context, desk.session)
             return
         place.look(preferences.engine_choice(context))
         row = column.row(align=True)
@@ -66,104 +66,11 @@ class _Main:
         button.scale_y = 1.8
         button.operator("vibe.run", icon="SHADERFX")
         if desk.failure:
-            _draw_failure(layout, context, desk.failure)
+            panel_trouble.draw_failure(layout, context, desk.failure)
         elif place.problem or place.setting_up:
-            _draw_no_engine(layout, context)
+            panel_trouble.draw_no_engine(layout, context)
         elif reason := operators.obstacle(context):
             paragraph(layout, context, reason, "INFO", faint=True)
-
-
-def _draw_running(layout: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
-    """The picture so far, the bar, and the ways out; or a question."""
-    box = layout.box()
-    if session.scene != context.scene.name:
-        box.label(text=f"In the scene {session.scene}", icon="SCENE_DATA")
-    if session.question:
-        _draw_question(box, context, session.question)
-    else:
-        if icon := preview.icon(session.before, session.preview):
-            box.template_icon(icon_value=icon, scale=11.5)
-        box.progress(factor=session.fraction, text=_stage(session))
-        if session.silence > SILENT:
-            note = f"No word from the engine for {drawing.duration(session.silence)}. Wait, or cancel: "
-            paragraph(box, context, f"{note}the next vibe starts a new one.", "ERROR")
-    row = box.row(align=True)
-    row.scale_y = 1.3
-    if not session.question:
-        row.operator("vibe.stop", text="Stop and Use Best", icon="CHECKMARK")
-    row.operator("vibe.cancel", text="Cancel" if session.question else "", icon="X")
-    hint = box.row()
-    hint.active, hint.alignment = False, "CENTER"
-    esc = "Esc stops and uses the best" if session.can_stop else "Esc cancels"
-    hint.label(text="Blender pauses for a moment" if session.stage in PAUSING else esc)
-
-
-def _stage(session: Session) -> str:
-    progress = session.progress
-    if progress and session.stage == LOOKING:
-        left = drawing.duration(progress.seconds_left)
-        return f"Round {progress.round} of {progress.rounds}  ·  {left} left"
-    return f"{session.stage}…"
-
-
-def _draw_question(
-    layout: bpy.types.UILayout, context: bpy.types.Context, question: dict[str, list[str]]
-) -> None:
-    """Which materials other things use too, and what to do about it."""
-    paragraph(layout, context, "The subject shares materials with other things:", "QUESTION")
-    for name, users in list(question.items())[:4]:
-        more = f" and {len(users) - 2} more" if len(users) > 2 else ""
-        paragraph(layout, context, f"{name}: {', '.join(users[:2])}{more}", "MATERIAL")
-    if len(question) > 4:
-        layout.label(text=f"and {len(question) - 4} more materials", icon="BLANK1")
-    column = layout.column(align=True)
-    column.scale_y = 1.2
-    column.operator("vibe.answer", text="Affect All Users", icon="LINKED").shared = "ALL"
-    column.operator("vibe.answer", text="Make Single-User", icon="UNLINKED").shared = "SINGLE"
-
-
-def _draw_failure(layout: bpy.types.UILayout, context: bpy.types.Context, failure: schema.VibeError) -> None:
-    box = layout.box()
-    row = box.row()
-    row.alert = True
-    row.label(text="The scene is as it was", icon="ERROR")
-    row.operator("vibe.dismiss", text="", icon="X", emboss=False)
-    paragraph(box, context, failure.message)
-    if failure.remedy:
-        paragraph(box, context, failure.remedy)
-    if place.problem:
-        _engine_buttons(box)
-    else:
-        box.operator("preferences.addon_show", text="Preferences", icon="PREFERENCES").module = __package__
-
-
-def _draw_no_engine(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """How to get an engine."""
-    box = layout.box()
-    box.label(text="One more step: the engine", icon="INFO")
-    if place.setting_up:
-        preferences.draw_place(box)
-        return
-    paragraph(
-        box,
-        context,
-        "It finds the looks, in a process of its own beside Blender. Presets, strength, compare and revert "
-        "work without it.",
-    )
-    if place.said and not place.works:
-        paragraph(box, context, place.said, "ERROR")
-    _engine_buttons(box)
-
-
-def _engine_buttons(layout: bpy.types.UILayout) -> None:
-    column = layout.column(align=True)
-    column.scale_y = 1.2
-    column.operator("vibe.setup_engine", icon="IMPORT")
-    if not preferences.online():
-        column.label(text="Allow Online Access first: Preferences, System", icon="INTERNET_OFFLINE")
-    row = column.row(align=True)
-    row.operator("vibe.look_for_engine", icon="FILE_REFRESH")
-    row.operator("preferences.addon_show", text="Preferences", icon="PREFERENCES").module = __package__
 
 
 class _Idle:

@@ -66,10 +66,7 @@ class _Presets:
     def draw(self, context: bpy.types.Context) -> None:
         """Draws the panel."""
         layout: bpy.types.UILayout = self.layout  # type: ignore[attr-defined]
-        row = layout.row(align=True)
-        row.popover("VIBE_PT_preset_grid", text="Browse", icon="ASSET_MANAGER")
-        row.operator_context = "INVOKE_DEFAULT"
-        row.operator("vibe.preset_save", text="Save Look", icon="ADD")
+        layout.popover("VIBE_PT_preset_grid", text="Browse", icon="ASSET_MANAGER")
         if look := _chosen(context):
             layout.template_icon(icon_value=preset_pictures.icon(look), scale=6.0)
             _draw_chosen(layout, context, look)
