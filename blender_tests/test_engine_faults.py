@@ -15,6 +15,7 @@ import vibe_render
 from dump import difference, dump
 from small_scenes import cube, studio
 from vibe_render import result, scene_io, session, snapshot
+from vibe_render.desk import desk
 from vibe_render.operators import obstacle
 
 from proxy_renderer.schema import VibeError, messages
@@ -41,7 +42,7 @@ def contents():
 
 def advance(until):
     """A new vibe, as far as a condition of it."""
-    running = session.desk.begin(bpy.context)
+    running = desk.begin(bpy.context)
     while not until(running):
         assert running.advance()
         time.sleep(0.02)
@@ -54,7 +55,7 @@ def fails(running):
         while running.advance():
             time.sleep(0.02)
     except VibeError as error:
-        session.desk.end(error)
+        desk.end(error)
         return str(error)
     pytest.fail("it did not fail")
 
@@ -79,7 +80,7 @@ def test_killed_and_hung_engines_and_then_a_vibe(addon, monkeypatch):
     while running.silence < session.SILENT:  # what it had said before
         assert running.advance()
         time.sleep(0.3)
-    session.desk.cancel()
+    desk.cancel()
     assert hung.poll() is not None
     assert difference(before, contents()) == {}
 
@@ -95,10 +96,10 @@ def test_an_engine_that_hangs_when_given_up_does_not_hold_up_the_next(addon, mon
     running = advance(lambda r: r._asked)
     hung = running._engine._process
     os.kill(hung.pid, signal.SIGSTOP)
-    session.desk.cancel()
+    desk.cancel()
     advance(lambda r: r._asked)
     assert hung.poll() is not None
-    session.desk.cancel()
+    desk.cancel()
 
 
 def test_a_full_disk_is_named(addon, monkeypatch):
@@ -107,7 +108,7 @@ def test_a_full_disk_is_named(addon, monkeypatch):
 
     monkeypatch.setattr(scene_io, "export", full)
     before = contents()
-    assert "no room left on the disk" in fails(session.desk.begin(bpy.context))
+    assert "no room left on the disk" in fails(desk.begin(bpy.context))
     assert difference(before, contents()) == {}
 
 
@@ -130,8 +131,8 @@ def test_another_file_ends_the_vibe_before_it_is_opened(addon, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "vibed.blend"))
     advance(lambda r: r._asked)
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "vibed.blend"))
-    assert not session.desk.running
-    assert session.desk.failure is None
+    assert not desk.running
+    assert desk.failure is None
     scene = bpy.context.scene
     assert bpy.data.lights["Point"].energy == 7.0
     assert [change.name for change in scene.vibe.changes] == ["light/Point/power"]
@@ -154,10 +155,10 @@ def test_a_damaged_snapshot_is_explained_in_the_panel_and_keep_ends_it(addon):
     addon[snapshot.KEY] = "somebody else's"
     with pytest.raises(RuntimeError, match="damaged"):
         bpy.ops.vibe.revert()
-    assert "Press Keep" in session.desk.failure.remedy
+    assert "Press Keep" in desk.failure.remedy
     assert bpy.ops.vibe.keep() == {"FINISHED"}
     assert not snapshot.exists(addon)
-    assert session.desk.failure is None
+    assert desk.failure is None
 
 
 def test_modes_without_whole_undo_are_refused_with_the_reason(addon):

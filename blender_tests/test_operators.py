@@ -11,6 +11,7 @@ import vibe_render
 from dump import difference, dump
 from small_scenes import studio
 from vibe_render import anchoring, bindings, changes, compat, result, session, snapshot
+from vibe_render.desk import desk, engine_choice
 from vibe_render.engine import Engine
 
 from proxy_renderer.schema import FAMILIES, GROUPS, VibeError, messages
@@ -165,9 +166,9 @@ def warm(addon, engine):
     studio(addon)
     addon.vibe.prompt, addon.vibe.budget = PROMPT, "CUSTOM"
     addon.vibe.rounds, addon.vibe.steps, addon.vibe.size = 1, 2, 64
-    session.desk._engine, session.desk._engine_choice = engine, session.engine_choice(bpy.context)
+    desk._engine, desk._engine_choice = engine, engine_choice(bpy.context)
     yield addon
-    session.desk._engine = None
+    desk._engine = None
 
 
 @pytest.fixture
@@ -176,7 +177,7 @@ def cold(addon):
     studio(addon)
     addon.vibe.prompt = PROMPT
     before = contents()
-    started = session.desk.begin(bpy.context)
+    started = desk.begin(bpy.context)
     while not started._asked:
         assert started.advance()
     assert difference(before, contents())
@@ -200,12 +201,12 @@ def test_engine_refusal_reaches_the_panel(warm):
     warm.vibe.prompt = "qwxz vbnm"
     with pytest.raises(RuntimeError):
         bpy.ops.vibe.run()
-    assert session.desk.failure.remedy
+    assert desk.failure.remedy
     assert difference(before, contents()) == {}
 
 
 def test_anchors_are_announced_and_leave_the_scene_as_it_was_meanwhile(warm):
-    running = session.desk.begin(bpy.context)
+    running = desk.begin(bpy.context)
     while running.stage != session.ANCHORING:
         assert running.advance()
         time.sleep(0.05)
@@ -221,19 +222,19 @@ def test_cancel_between_anchors_leaves_a_vibe_as_it_was(warm):
     assert bpy.ops.vibe.run() == {"FINISHED"}
     before = contents()
     warm.vibe.prompt = "dark, cool blue light, fog"
-    running = session.desk.begin(bpy.context)
+    running = desk.begin(bpy.context)
     for _ in range(2):
         while running.stage != session.ANCHORING:
             assert running.advance()
             time.sleep(0.05)
         assert running.advance()
-    session.desk.cancel()
+    desk.cancel()
     assert difference(before, contents()) == {}
 
 
 def test_without_anchors_nothing_is_rendered(warm):
     warm.vibe.anchor = False
-    running = session.desk.begin(bpy.context)
+    running = desk.begin(bpy.context)
     stages = {running.stage}
     while running.advance():
         stages.add(running.stage)
@@ -247,7 +248,7 @@ def test_a_blender_that_cannot_render_goes_on_without(warm, monkeypatch):
         raise RuntimeError("no memory for this")
 
     monkeypatch.setattr(anchoring, "render_anchor", broken)
-    running = session.desk.begin(bpy.context)
+    running = desk.begin(bpy.context)
     to_the_end(running)
     assert warm.vibe.changes
     assert running.agreement is None
@@ -257,11 +258,11 @@ def test_a_blender_that_cannot_render_goes_on_without(warm, monkeypatch):
 def test_cancel_leaves_the_scene_as_it_was_and_the_engine_warm(warm, engine):
     before, process = contents(), engine._process
     warm.vibe.rounds, warm.vibe.steps = 100, 1000
-    running = session.desk.begin(bpy.context)
+    running = desk.begin(bpy.context)
     while running.progress is None:
         assert running.advance()
         time.sleep(0.05)
-    session.desk.cancel()
+    desk.cancel()
     assert difference(before, contents()) == {}
     warm.vibe.rounds, warm.vibe.steps = 1, 2
     assert bpy.ops.vibe.run() == {"FINISHED"}
@@ -271,7 +272,7 @@ def test_cancel_leaves_the_scene_as_it_was_and_the_engine_warm(warm, engine):
 def test_stop_takes_the_best_so_far(warm):
     before = contents()
     warm.vibe.rounds, warm.vibe.steps = 100, 1000
-    running = session.desk.begin(bpy.context)
+    running = desk.begin(bpy.context)
     while running.progress is None:
         assert running.advance()
         time.sleep(0.05)
@@ -285,7 +286,7 @@ def test_stop_takes_the_best_so_far(warm):
 
 def test_cancel_at_once_leaves_the_scene_as_it_was(cold):
     _, before, _ = cold
-    session.desk.cancel()
+    desk.cancel()
     assert difference(before, contents()) == {}
 
 

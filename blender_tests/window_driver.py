@@ -1,274 +1,298 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs inside a Blender with a window: an artist's way through the panel, with mouse and keyboard.
+"""Runs inside a Blender with a window: an artist's ways through the panel, with mouse and keyboard.
 
-    blender --python window_driver.py -- ZIP OUT
+    blender --python window_driver.py -- WAY ZIP OUT
 
 Writes a screenshot of every step and OUT/steps.json: what was seen, or what went wrong.
 """
 
 import faulthandler
-import json
 import subprocess
 import sys
-import time
 import traceback
-from itertools import product
 from pathlib import Path
 from typing import Any
 
 import bpy
 
-ZIP, OUT = map(Path, sys.argv[sys.argv.index("--") + 1 :][:2])
+sys.path.append(str(Path(__file__).parent))
+from window_scene import a_scene, another_scene, effort, same, values
+from window_screen import Screen
+
+WAY, ZIP, OUT = sys.argv[sys.argv.index("--") + 1 :][:3]
 PROMPT = "misty night, cool blue fog, glossy red monkey, vignette"
 seen: dict[str, Any] = {}
 
 
-class Screen:
-    """The mouse, the keyboard and the eye of somebody who sits in front of the window."""
-
-    def __init__(self) -> None:
-        self.window = bpy.context.window_manager.windows[0]
-        self.area = next(a for a in self.window.screen.areas if a.type == "VIEW_3D")
-        self._number = 0
-
-    @property
-    def sidebar(self):
-        """The region of the sidebar."""
-        return next(r for r in self.area.regions if r.type == "UI")
-
-    @property
-    def view(self):
-        """The region of the viewport itself."""
-        return next(r for r in self.area.regions if r.type == "WINDOW")
-
-    def inside(self):
-        """Context of the sidebar."""
-        return bpy.context.temp_override(window=self.window, area=self.area, region=self.sidebar)
-
-    def shoot(self, name):
-        """Takes a screenshot."""
-        self._number += 1
-        (OUT / "steps.json").write_text(json.dumps(seen, indent=1))
-        subprocess.run(["import", "-window", "root", OUT / f"{self._number:02}_{name}.png"], check=True)
-
-    def move(self, x, y):
-        """Moves the mouse; Blender's coordinates, from the lower left."""
-        subprocess.run(["xdotool", "mousemove", str(int(x)), str(int(self.window.height - y))], check=True)
-
-    def press(self, *keys):
-        """Presses keys, one after the other."""
-        subprocess.run(["xdotool", "key", *keys], check=True)
-
-    def type(self, text):
-        """Types."""
-        subprocess.run(["xdotool", "type", "--delay", "5", text], check=True)
-
-    def click(self):
-        """Clicks where the mouse is."""
-        subprocess.run(["xdotool", "click", "1"], check=True)
-
-    def under_mouse(self):
-        """The property or operator of the button that the mouse is over, as Blender says it."""
-        with self.inside():
-            if bpy.context.property:
-                return bpy.context.property[1]
-            bpy.context.window_manager.clipboard = ""
-            if bpy.ops.ui.copy_python_command_button.poll():
-                bpy.ops.ui.copy_python_command_button()
-            return bpy.context.window_manager.clipboard
-
-    def find(self, what):
-        """Sweeps the sidebar with the mouse until it is over a button; a generator of waits."""
-        region = self.sidebar
-        rows = range(region.y + region.height - 30, region.y, -14)
-        met = set()
-        for patience in (0.03, 0.3):  # the second time as slowly as a busy machine needs
-            for y, x in product(rows, (0.3, 0.75, 0.82, 0.93)):
-                self.move(region.x + region.width * x, y)
-                yield patience
-                if what in (there := self.under_mouse()):
-                    return
-                met.add(there)
-        raise LookupError(f"There is no {what} in the sidebar, but {sorted(met)}.")
-
-    def undo(self):
-        """Presses Ctrl+Z over the viewport."""
-        self.move(self.view.x + 200, self.view.y + 200)
-        yield 0.2
-        self.press("ctrl+z")
-
-    def click_on(self, what):
-        """Finds a button and clicks it."""
-        yield from self.find(what)
-        self.click()
-        yield 0.3
-
-
-def a_scene():
-    """A monkey on a floor, lit by two lamps."""
-    bpy.ops.object.select_all(action="SELECT")
-    bpy.ops.object.delete()
-    bpy.ops.mesh.primitive_plane_add(size=12)
-    bpy.ops.mesh.primitive_monkey_add(size=2, location=(0, 0, 1.0))
-    monkey = bpy.context.object
-    monkey.modifiers.new("Subdivision", "SUBSURF").levels = 1
-    bpy.ops.object.shade_smooth()
-    for name, color in (("Floor", (0.35, 0.33, 0.3, 1)), ("Monkey", (0.75, 0.6, 0.45, 1))):
-        material = bpy.data.materials.new(name)
-        material.use_nodes = True
-        material.diffuse_color = color
-        material.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = color
-        bpy.data.objects["Plane" if name == "Floor" else "Suzanne"].data.materials.append(material)
-    for name, place, power in (("Key", (3, -3, 4), 400), ("Rim", (-3, 3, 3), 200)):
-        bpy.ops.object.light_add(type="AREA", location=place)
-        bpy.context.object.name, bpy.context.object.data.energy = name, power
-        bpy.context.object.rotation_euler = bpy.context.object.location.to_track_quat("Z", "Y").to_euler()
-    bpy.ops.object.camera_add(location=(0, -6.5, 2.2), rotation=(1.4, 0, 0))
-    bpy.context.scene.camera = bpy.context.object
-
-
-def values():
-    """What a vibe may change, as far as a scene like this one has it."""
-    scene = bpy.context.scene
-    dump = {
-        f"{light.name}.{p}": repr(getattr(light, p)) for light in bpy.data.lights for p in ("energy", "color")
-    }
-    for material in (bpy.data.materials["Floor"], bpy.data.materials["Monkey"]):
-        inputs = material.node_tree.nodes["Principled BSDF"].inputs
-        dump |= {f"{material.name}.{i.name}": _plain(i) for i in inputs if hasattr(i, "default_value")}
-    dump |= {f"{o.name}.matrix": str(o.matrix_world) for o in bpy.data.objects if o.type != "MESH"}
-    return dump | {"objects": str(len(bpy.data.objects)), "exposure": repr(scene.view_settings.exposure)}
-
-
-def _plain(socket):
-    value = socket.default_value
-    return repr(list(value)) if hasattr(value, "__len__") and not isinstance(value, str) else repr(value)
-
-
-def wait(condition, seconds, what):
-    """Waits, as a generator of waits; notes the longest time, by what goes on, that Blender did not come back.
-
-    It is this thread's time on a core: what the artist waits for, without what other programs take.
-    """
-    from bl_ext.user_default.vibe_render.session import desk
-
-    end = time.monotonic() + seconds
-    while not condition():
-        last = time.monotonic()
-        if last > end:
-            raise TimeoutError(f"{what} within {seconds} s")
-        stage = desk.session.stage if desk.running and desk.session else "idle"
-        busy = time.thread_time()
-        yield 0.1
-        pauses = seen.setdefault("pauses", {})
-        pauses[stage] = round(max(pauses.get(stage, 0.0), time.thread_time() - busy), 3)
-
-
-def the_way():
-    """Every step; yields how long to wait before the next one, in seconds."""
-    yield 0.5
-    screen = Screen()
-    with bpy.context.temp_override(window=screen.window, area=screen.area, region=screen.view):
-        bpy.ops.extensions.package_install_files(
-            filepath=str(ZIP), repo="user_default", enable_on_install=True
-        )
+def start(screen):
+    """The extension is installed, and the panel is open."""
+    with screen.over(screen.view):
+        bpy.ops.extensions.package_install_files(filepath=ZIP, repo="user_default", enable_on_install=True)
         a_scene()
         bpy.ops.ed.undo_push(message="Scene")
-    from bl_ext.user_default.vibe_render import snapshot
-    from bl_ext.user_default.vibe_render.engine_place import place
-    from bl_ext.user_default.vibe_render.session import desk
-
     seen["schema_is_the_copy"] = not any(name.startswith("proxy_renderer") for name in sys.modules)
-    yield from preferences(screen, place)
     space = screen.area.spaces.active
     space.shading.color_type, space.region_3d.view_perspective = "MATERIAL", "CAMERA"
     space.show_region_ui = True
     yield 0.5
     screen.sidebar.active_panel_category = "Vibe"
     screen.sidebar.tag_redraw()
-    small(100, 1000)
     yield 0.5
+
+
+def ways_out(screen):
+    """The preferences; a prompt is typed; a vibe is stopped and given up, by button and by Esc."""
+    from bl_ext.user_default.vibe_render import snapshot
+    from bl_ext.user_default.vibe_render.desk import desk
+
+    yield from preferences(screen)
     screen.shoot("panel")
     before = values()
-
-    yield from screen.click_on("vibe.prompt")
+    yield from screen.click_on("vibe.prompt", 153)
     screen.press("ctrl+a")
     screen.type(PROMPT)
     screen.press("Return")
-    yield from wait(lambda: bpy.context.scene.vibe.prompt, 60, "the prompt arrives")
+    yield from screen.wait(lambda: bpy.context.scene.vibe.prompt, 60, "the prompt arrives")
     yield 0.5
     seen["prompt"] = bpy.context.scene.vibe.prompt
     screen.shoot("prompt")
 
-    # Esc while it looks takes the best so far; one undo takes that back.
-    yield from screen.click_on("vibe.run")
-    yield from wait(lambda: desk.running, 60, "Vibe It starts")
-    yield from wait(lambda: desk.session.progress, 900, "progress is seen")
-    yield 1.5
-    screen.shoot("progress")
-    seen["progress"] = desk.session.fraction
-    screen.press("Escape")
-    yield from wait(lambda: not desk.running, 600, "Esc ends it")
-    yield 0.5
-    seen["esc_takes_the_best"] = snapshot.exists(bpy.context.scene) and not desk.failure
-    screen.shoot("stopped")
-    yield from screen.undo()
-    yield from wait(lambda: not snapshot.exists(bpy.context.scene), 30, "undo of what Esc took")
-    yield 0.7
-    seen["esc_undo_restores"] = values() == before
+    def stop():
+        yield from screen.click_on("vibe.stop", 469)
 
-    # Esc twice gives it up.
-    yield from screen.click_on("vibe.run")
-    yield from wait(lambda: desk.running, 60, "Vibe It starts again")
-    yield from wait(lambda: desk.session and desk.session.progress, 900, "progress is seen again")
-    yield 0.5
-    screen.press("Escape", "Escape")
-    yield from wait(lambda: not desk.running, 60, "Esc twice ends it")
-    yield 0.3
-    screen.shoot("canceled")
-    seen["cancel_restores"] = values() == before and not snapshot.exists(bpy.context.scene)
+    def cancel():
+        yield from screen.click_on("vibe.cancel", 495)
 
-    small(1, 4)
-    bpy.context.scene.vibe.variants = 3
-    bpy.ops.ed.undo_push(message="Fewer steps")
-    yield from screen.click_on("vibe.run")
-    yield from wait(lambda: desk.running, 60, "Vibe It starts once more")
-    yield from wait(lambda: not desk.running, 900, "the vibe ends")
-    yield 0.7
+    def esc():
+        screen.press("Escape")
+        yield 0.0
+
+    def esc_twice():
+        screen.press("Escape", "Escape")
+        yield 0.0
+
+    for name, end in (("stop", stop), ("cancel", cancel), ("esc", esc), ("esc_twice", esc_twice)):
+        yield from running(screen)
+        yield from end()
+        yield from screen.wait(lambda: not desk.running, 600, f"{name} ends it")
+        yield from screen.away()
+        screen.shoot(name)
+        if name in ("stop", "esc"):
+            seen[f"{name}_takes_the_best"] = snapshot.exists(bpy.context.scene) and not desk.failure
+            yield from screen.undo()
+            yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 30, f"undo of {name}")
+            yield 0.7
+        seen[f"{name}_restores"] = values() == before and not snapshot.exists(bpy.context.scene)
+
+
+def choosing(screen):
+    """A result: undone, compared, dimmed, another variant, locks, saved as a preset, again, kept or reverted."""
+    from bl_ext.user_default.vibe_render import snapshot
+    from bl_ext.user_default.vibe_render.desk import desk
+
+    before, scene = values(), bpy.context.scene
+    yield from a_result(screen, variants=3)
     screen.shoot("result")
     seen["failure"] = str(desk.failure or "")
     after = values()
     seen["changed"] = [key for key in after if after[key] != before.get(key)]
-    seen["listed"] = [change.name for change in bpy.context.scene.vibe.changes]
-
+    seen["listed"] = [change.name for change in scene.vibe.changes]
     yield from screen.undo()
-    yield from wait(lambda: not snapshot.exists(bpy.context.scene), 60, "undo")
+    yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "undo")
     yield 0.7
-    screen.shoot("undone")
-    seen["undo_restores"] = values() == before and not snapshot.exists(bpy.context.scene)
+    seen["undo_restores"] = values() == before
     screen.press("ctrl+shift+z")
-    yield from wait(lambda: snapshot.exists(bpy.context.scene), 60, "redo")
+    yield from screen.wait(lambda: snapshot.exists(bpy.context.scene), 60, "redo")
     yield 0.7
     seen["redo_restores"] = values() == after
-    yield from with_the_result(screen, before, after)
 
-    yield from screen.click_on("vibe.revert")
-    yield from wait(lambda: not snapshot.exists(bpy.context.scene), 60, "revert")
-    yield 0.5
+    scene = bpy.context.scene
+    yield from screen.click_on("show_original", 740, (0.2,))
+    yield from screen.wait(lambda: scene.vibe.show_original, 60, "Before is pressed")
+    seen["before_shows_before"] = same(values(), before, after)
+    yield from screen.away()
+    screen.shoot("before")
+    yield from screen.click_on("show_original", 740, (0.7,))
+    yield from screen.wait(lambda: not scene.vibe.show_original, 60, "After is pressed")
+    seen["after_shows_after"] = same(values(), after, after)
+    yield from screen.find("strength", 760)
+    yield from screen.drag(-90)
+    seen["strength"] = scene.vibe.strength
+    seen["strength_dims"] = not same(values(), after, after) and not same(values(), before, after)
+    yield from screen.away()
+    screen.shoot("strength")
+    yield from screen.click_on("vibe.variant(number=1)", 690, (0.45,))
+    yield from screen.wait(lambda: scene.vibe.variant == 1, 60, "the second variant")
+    seen["variant_differs"] = not same(values(), after, after)
+    yield from screen.away()
+    screen.shoot("variant")
+    yield from locks(screen)
+
+    yield from screen.click_on("vibe.revert", 810, (0.7,))
+    yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "revert")
+    yield from screen.away()
     screen.shoot("reverted")
-    seen["revert_restores"] = values() == before and not snapshot.exists(bpy.context.scene)
+    seen["revert_restores"] = values() == before
 
 
-def preferences(screen, place):
+def locks(screen):
+    """Fog and the monkey's color are locked; then the same words once more."""
+    from bl_ext.user_default.vibe_render.desk import desk
+
+    settings, key = bpy.context.scene.vibe, "material/Monkey/base_color"
+    yield from screen.click_on(f'vibe.lock(key="{key}"', 400, (0.82, 0.84, 0.8))
+    yield from screen.wait(lambda: key in settings.locks, 30, "a lock for one value")
+    yield from screen.away()
+    screen.shoot("one_lock")
+    yield from screen.click_on("change_volume", 400, (0.7,))
+    yield from screen.wait(lambda: not settings.change_volume, 30, "a lock for the fog")
+    yield from screen.away()
+    screen.shoot("group_lock")
+    color = values()["Monkey.Base Color"]
+    yield from screen.click_on("vibe.run(again=True)", 840, (0.2,))
+    yield from screen.wait(lambda: desk.running, 60, "Again starts")
+    yield from screen.wait(lambda: not desk.running, 900, "Again ends")
+    yield from screen.away()
+    screen.shoot("again")
+    seen["locked_color_stays"] = values()["Monkey.Base Color"] == color
+    changed = [change.name for change in bpy.context.scene.vibe.changes]
+    seen["locked_changed"] = [name for name in changed if name == key or name.startswith("volume/")]
+
+
+def presets(screen):
+    """A look is saved with its picture, found in the grid, put on another scene; then it is kept."""
+    from bl_ext.user_default.vibe_render import library, snapshot
+
+    yield from a_result(screen)
+    yield from screen.click_on("vibe.preset_save", 840, (0.7,))
+    yield 0.5
+    screen.shoot("save")
+    screen.press("Return")
+    held = bpy.context.window_manager.vibe_presets
+    yield from screen.wait(lambda: held.chosen, 120, "the preset is saved")
+    yield from screen.away()
+    screen.shoot("saved")
+    seen["saved"] = library.at(held.chosen).name
+    yield from screen.click_on("vibe.keep", 810, (0.2,))
+    yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "it is kept")
+    yield from screen.away()
+    screen.shoot("kept")
+    seen["kept"] = values()["Monkey.Base Color"] != repr([0.75, 0.6, 0.45, 1.0])
+
+    with screen.over(screen.view):
+        another_scene()
+        bpy.ops.ed.undo_push(message="Another scene")
+    before = values()
+    yield 0.5
+    yield from screen.find("vibe.run", 236)
+    x, y = screen.at
+    screen.move(x, y - 75)  # Browse: a popover's button says nothing of itself
+    yield 0.3
+    screen.click()
+    yield 1.5
+    screen.shoot("grid")
+    yield from search(screen, held)
+    yield from screen.click_on("vibe.preset_apply", 480)
+    yield from screen.wait(lambda: snapshot.exists(bpy.context.scene), 120, "the preset is applied")
+    yield from screen.away()
+    screen.shoot("applied")
+    seen["applied"] = [change.name for change in bpy.context.scene.vibe.changes]
+    seen["rest"] = held.rest.splitlines()
+    yield from screen.click_on("vibe.revert", 810, (0.7,))
+    yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "revert")
+    seen["preset_revert_restores"] = values() == before
+
+
+def search(screen, held):
+    """Words are typed into the grid's search field, and a picture's button is clicked."""
+    yield 0.0
+
+
+def ends(screen):
+    """The question about a shared material, answered both ways; another file, and the end, while a vibe runs."""
+    from bl_ext.user_default.vibe_render import snapshot
+    from bl_ext.user_default.vibe_render.desk import desk
+
+    floor, monkey = bpy.data.objects["Plane"], bpy.data.objects["Suzanne"]
+    floor.data.materials[0] = monkey.data.materials[0]
+    bpy.context.scene.vibe.prompt = PROMPT
+    effort(1, 2)
+    bpy.ops.ed.undo_push(message="Share")
+    for answer in ("ALL", "SINGLE"):
+        yield from screen.click_on("vibe.run", 236)
+        yield from screen.wait(lambda: desk.session and desk.session.question, 120, "the question")
+        yield from screen.away()
+        screen.shoot(f"question_{answer.lower()}")
+        seen["asked_about"] = list(desk.session.question)
+        yield from screen.click_on(f'vibe.answer(shared="{answer}")')
+        yield from screen.wait(lambda: not desk.running, 900, "the answered vibe ends")
+        yield from screen.away()
+        screen.shoot(f"answered_{answer.lower()}")
+        one = (
+            bpy.data.objects["Plane"].data.materials[0]
+            == bpy.data.objects["Suzanne"].material_slots[0].material
+        )
+        seen[f"answer_{answer.lower()}"] = one == (answer == "ALL") and not desk.failure
+        yield from screen.undo()
+        yield from screen.wait(
+            lambda: not snapshot.exists(bpy.context.scene), 60, "undo of the answered vibe"
+        )
+        bpy.context.scene.vibe.shared = "ASK"
+        yield 0.5
+
+    yield from running(screen)
+    seen["engine"] = desk._engine._process.pid
+    with screen.over(screen.view):
+        bpy.ops.wm.read_homefile(use_factory_startup=True, load_ui=False)
+    yield 1.0
+    seen["load_ends_it"] = not desk.running and not desk.failure
+    yield from screen.away()
+    screen.shoot("another_file")
+    with screen.over(screen.view):
+        a_scene()
+    yield 0.5
+    yield from running(screen)
+    seen["last_engine"] = desk._engine._process.pid
+    screen.shoot("closed_while_it_runs")
+
+
+def running(screen):
+    """A long vibe is started, and its first picture awaited."""
+    from bl_ext.user_default.vibe_render.desk import desk
+
+    bpy.context.scene.vibe.prompt = PROMPT
+    effort(100, 1000, 256)
+    yield from screen.click_on("vibe.run", 236)
+    yield from screen.wait(lambda: desk.running, 60, "Vibe It starts")
+    yield from screen.wait(lambda: desk.session.progress, 900, "progress is seen")
+    yield 1.0
+
+
+def a_result(screen, variants=1):
+    """A short vibe is run to its end."""
+    from bl_ext.user_default.vibe_render.desk import desk
+
+    effort(1, 4)
+    bpy.context.scene.vibe.variants, bpy.context.scene.vibe.prompt = variants, PROMPT
+    bpy.ops.ed.undo_push(message="Words")
+    yield from screen.click_on("vibe.run", 236)
+    yield from screen.wait(lambda: desk.running, 60, "Vibe It starts")
+    yield from screen.wait(lambda: not desk.running, 900, "the vibe ends")
+    yield from screen.away()
+
+
+def preferences(screen):
     """What the add-on's preferences look like, and whether they find and try the engine."""
+    from bl_ext.user_default.vibe_render.engine_place import place
+
     kind, screen.area.type = screen.area.type, "PREFERENCES"
     bpy.context.preferences.active_section = "ADDONS"
     bpy.context.window_manager.addon_search = "Vibe"
     with bpy.context.temp_override(window=screen.window, area=screen.area):
         bpy.ops.preferences.addon_expand(module="bl_ext.user_default.vibe_render")
-    yield from wait(lambda: place.python, 60, "the engine is found")
+    yield from screen.wait(lambda: place.python, 60, "the engine is found")
     place.test("")
-    yield from wait(lambda: place.said, 600, "the engine answers")
+    yield from screen.wait(lambda: place.said, 600, "the engine answers")
     yield 0.5
     seen["engine"] = place.said
     screen.shoot("preferences")
@@ -276,41 +300,22 @@ def preferences(screen, place):
     yield 0.5
 
 
-def with_the_result(screen, before, after):
-    """Before and after, as rendered, and the panel in the properties editor."""
-    scene = bpy.context.scene
-    yield from screen.click_on("show_original")
-    yield from wait(lambda: scene.vibe.show_original, 60, "Before is pressed")
-    seen["compare_shows_before"] = same(values(), before, after)
-    screen.shoot("compare")
-    scene.vibe.show_original = False
-    shading = screen.area.spaces.active.shading
-    shading.type = "RENDERED"
-    yield 6.0
-    screen.shoot("rendered")
-    shading.type = "SOLID"
-    editor = next(a for a in screen.window.screen.areas if a.type == "PROPERTIES")
-    editor.spaces.active.context = "RENDER"
-    yield 1.0
-    screen.shoot("properties")
+WAYS = {way.__name__: way for way in (ways_out, choosing, presets, ends)}
 
 
-def small(rounds, steps):
-    """A vibe that is over soon."""
-    settings = bpy.context.scene.vibe
-    settings.budget, settings.rounds, settings.steps, settings.size = "CUSTOM", rounds, steps, 192
-
-
-def same(now, before, after):
-    """Whether all that a vibe changed is as before; nodes of its own may be there."""
-    return all(now[key] == before[key] for key in before if key != "objects" and key in after)
+def walk():
+    """One way, step by step."""
+    yield 0.5
+    screen = Screen(Path(OUT), seen)
+    yield from start(screen)
+    yield from WAYS[WAY](screen)
 
 
 def main():
-    """Walks the way on Blender's timer, so that Blender works in between."""
+    """Walks on Blender's timer, so that Blender works in between."""
     faulthandler.enable()  # where Python was if Blender crashes
     bpy.context.preferences.view.show_splash = False
-    steps = the_way()
+    steps = walk()
 
     def tick():
         try:
@@ -319,8 +324,8 @@ def main():
             seen["finished"] = True
         except Exception:
             seen["error"] = traceback.format_exc()
-            subprocess.run(["import", "-window", "root", OUT / "99_error.png"], check=False)
-        (OUT / "steps.json").write_text(json.dumps(seen, indent=1))
+            subprocess.run(["import", "-window", "root", Path(OUT) / "99_error.png"], check=False)
+        Screen(Path(OUT), seen).note()
         bpy.ops.wm.quit_blender()
         return None
 

@@ -7,6 +7,7 @@ Importing this needs no Blender; registering it does.
 
 def _classes() -> tuple[type, ...]:
     from . import (
+        look_operators,
         operators,
         panels,
         preferences,
@@ -18,7 +19,7 @@ def _classes() -> tuple[type, ...]:
     )
 
     data = (preferences, properties, value_list)
-    modules = (*data, operators, result_operators, preset_operators, panels, preset_panel)
+    modules = (*data, operators, result_operators, preset_operators, look_operators, panels, preset_panel)
     return tuple(each for module in modules for each in module.CLASSES)
 
 
@@ -27,7 +28,7 @@ def register() -> None:
     import bpy
 
     from . import handlers
-    from .preset_operators import VibePresets
+    from .preset_actions import VibePresets
     from .properties import VibeSettings
     from .value_list import VibeValues
 
@@ -43,10 +44,11 @@ def unregister() -> None:
     """Inverse of `register`; ends the engine."""
     import bpy
 
-    from . import engine_place, handlers, preset_pictures, preview, session
+    from . import engine_place, handlers, preset_pictures, preview
+    from .desk import desk
 
     handlers.unregister()
-    session.desk.close()
+    desk.close()
     engine_place.place.close()
     preview.free()
     preset_pictures.free()

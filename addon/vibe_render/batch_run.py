@@ -18,6 +18,7 @@ from . import (
     batch_summary,
     bindings,
     changes,
+    chosen,
     library,
     preferences,
     preset_fit,
@@ -127,6 +128,8 @@ def _finish(
         if a.grade_each or number == family[0]:
             values = _values(a, reel, found, number)
             skipped |= bindings.write(scene, values, survey.objects, survey.pivot)
+            if reel.choice.explicit:
+                chosen.remember(scene, survey.objects)
         reporter.stage("rendering with Cycles")
         _render(a, reel, number, out, "after.png")
         rendering.render_mask(scene, out.path(numbered("mask.png", number)), a.size, survey.objects)
@@ -191,6 +194,8 @@ def apply(a: argparse.Namespace, reporter: Reporter) -> None:
         reporter.stage("rendering before")
         rendering.render(scene, out.path("before.png"), a.size, a.samples, a.seed)
         skipped = bindings.write(scene, found.values, survey.objects, survey.pivot)
+        if choice.explicit:
+            chosen.remember(scene, survey.objects)
         reporter.stage("rendering after")
         rendering.render(scene, out.path("after.png"), a.size, a.samples, a.seed)
         rendering.render_mask(scene, out.path("mask.png"), a.size, survey.objects)

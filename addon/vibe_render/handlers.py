@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.handlers import persistent
 
-from .session import desk
+from .desk import desk
 
 
 @persistent

@@ -11,11 +11,12 @@ from typing import ClassVar
 import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
-from . import drawing, history
+from . import chosen, drawing, history
 from .contract import schema
+from .desk import desk
 from .engine_place import place
 from .roster import GEOMETRY
-from .session import Session, desk
+from .session import Session
 
 _TICK = 0.1  # seconds between looks at the engine
 
@@ -35,7 +36,7 @@ def obstacle(context: bpy.types.Context) -> str:
         return "Nothing may change: open a lock"
     if scene.vibe.subject == "COLLECTION" and not scene.vibe.collection:
         return "Choose the subject's collection"
-    if scene.vibe.subject == "SELECTED" and not context.selected_objects:
+    if scene.vibe.subject == "SELECTED" and not (context.selected_objects or chosen.recall(scene)):
         return "Select the subject"
     if place.problem:
         return "Set up the engine first"

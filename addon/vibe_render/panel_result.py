@@ -11,8 +11,9 @@ import bpy
 
 from . import changes, preview, result_operators, snapshot
 from .contract import schema
+from .desk import desk
 from .drawing import columns, paragraph
-from .session import Session, desk
+from .session import Session
 from .value_list import draw_lock
 
 

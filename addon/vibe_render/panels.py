@@ -10,9 +10,9 @@ import bpy
 
 from . import history, operators, panel_progress, panel_result, panel_trouble, preferences
 from .contract import schema
+from .desk import desk
 from .drawing import paragraph
 from .engine_place import place
-from .session import desk
 
 _PLACES = {
     "VIBE_PT": {"bl_space_type": "VIEW_3D", "bl_region_type": "UI", "bl_category": "Vibe"},

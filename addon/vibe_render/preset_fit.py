@@ -8,13 +8,14 @@ from dataclasses import dataclass, field
 
 import bpy
 
-from . import changes, prepare, roster
+from . import changes, prepare, presets, roster
 from .contract import preset, schema
 from .presets import RADIANCE, Known, camera_azimuth, owners
 
 _TEXTURE_LUMA = 0.5  # of a typical texture: what a color is divided by to become a tint
 _OURS = {"key": "Vibe Key", "fill": "Vibe Fill", "rim": "Vibe Rim"}
 _DIM = 0.01  # radiance of white below which a light that the scene lacks is not missed
+_PROMINENT = 0.5  # of what the subject's first material shows: what shows less has a look of its own
 _ONLY_LAMPS = {"distance"}  # suns have none, and nobody misses it
 
 
@@ -43,6 +44,9 @@ def fit(look: preset.Preset, known: Known) -> Fit:
         kinds = look.kinds.get(role) or ["AREA"] * len(entries)
         if not theirs and entries:
             _missing(found, known, role, entries[0], kinds)
+        if role == "subject":
+            theirs, less = _prominent(theirs, len(entries), presets.shares(known.survey))
+            found.rest += [f"{owner}: shows too little to be what the look is about" for owner in less]
         for place, owner in enumerate(theirs if entries else ()):
             index = min(place, len(entries) - 1)
             entry = entries[index]
@@ -54,6 +58,13 @@ def fit(look: preset.Preset, known: Known) -> Fit:
         if spare:
             found.rest.append(f"{_words(role)}: {spare} more than this scene has")
     return found
+
+
+def _prominent(owners: list[str], count: int, shares: dict[str, float]) -> tuple[list[str], list[str]]:
+    """Materials that the subject's entries are for, and the rest: tyres do not get the car's paint."""
+    least = _PROMINENT * shares.get(owners[0], 0.0) if owners else 0.0
+    rest = [owner for owner in owners[count:] if shares.get(owner, 0.0) < least]
+    return [owner for owner in owners if owner not in rest], rest
 
 
 def _words(role: str) -> str:

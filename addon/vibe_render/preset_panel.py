@@ -8,8 +8,8 @@ from typing import ClassVar
 import bpy
 
 from . import library, preset_pictures
+from .desk import desk
 from .drawing import paragraph
-from .session import desk
 
 _WIDTH, _COLUMNS = 26, 4  # of the grid; the width in Blender's units, a button's height each
 _LETTERS = 70  # in a line of it

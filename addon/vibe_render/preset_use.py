@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import bindings, compat, grade, lut, owned, preset_fit, presets, result, scene_io
+from . import bindings, chosen, compat, grade, lut, owned, preset_fit, presets, result, scene_io
 from .contract import messages, preset, schema
 from .places import value
 from .subject import Choice
@@ -31,11 +31,14 @@ def apply(scene: bpy.types.Scene, look: preset.Preset, choice: Choice) -> list[s
         settings.show_original = True
     try:
         with scene_io.untouched_on_failure(scene):
-            rest = _apply(scene, look, scene_io.open_sight(scene, choice))
+            sight = scene_io.open_sight(scene, choice)
+            rest = _apply(scene, look, sight)
     except BaseException:
         settings.show_original = shown
         raise
     settings.vibed_preset = look.name
+    if choice.explicit:
+        chosen.remember(scene, sight.survey.objects)
     return rest
 
 

@@ -80,7 +80,7 @@ def owners(known: Known, role: str) -> list[str]:
     if group not in ("material", "light"):
         return [""]
     theirs = {i.owner for i in known.instances.values() if i.parameter.group == group and i.role == role}
-    order = _shares(known.survey) if group == "material" else {o: _brightness(known, o) for o in theirs}
+    order = shares(known.survey) if group == "material" else {o: _brightness(known, o) for o in theirs}
     return sorted(theirs, key=lambda owner: (-order.get(owner, 0), owner))
 
 
@@ -90,7 +90,7 @@ def camera_azimuth(known: Known) -> float:
     return instance.value[0] if instance else 0.0
 
 
-def _shares(survey: Survey) -> dict[str, float]:
+def shares(survey: Survey) -> dict[str, float]:
     """Rays that meet each material."""
     numbers, counts = np.unique(survey.seen.material, return_counts=True)
     return {survey.geometry.materials[n]: float(c) for n, c in zip(numbers, counts, strict=True) if n >= 0}

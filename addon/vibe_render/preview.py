@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import bpy.utils.previews
@@ -51,9 +52,9 @@ def _pixels(part: bpy.types.ImagePreview) -> np.ndarray:
 
 
 def _compose(target: bpy.types.ImagePreview, parts: list[np.ndarray]) -> None:
-    """Puts pictures of one size together, the first at the top or at the left."""
-    height, width = parts[0].shape
-    fitting = [p for p in parts if p.shape == (height, width)]
+    """Puts pictures of one scene together, as large as the largest; the first at the top or at the left."""
+    height, width = max((part.shape for part in parts), key=math.prod)
+    fitting = [resized(part, height, width) for part in parts]
     wide = width >= height
     gap = np.zeros((_GAP, width) if wide else (height, _GAP), np.int32)
     ordered = fitting[::-1] if wide else fitting
@@ -61,6 +62,18 @@ def _compose(target: bpy.types.ImagePreview, parts: list[np.ndarray]) -> None:
     whole = np.concatenate(pieces, axis=0 if wide else 1)
     target.image_size = whole.shape[::-1]
     target.image_pixels.foreach_set(whole.ravel())
+
+
+def resized(pixels: np.ndarray, height: int, width: int) -> np.ndarray:
+    """(H, W) int32, four bytes a pixel, as (height, width): the engine's first pictures are smaller than its last."""
+    channels = pixels.view(np.uint8).reshape(*pixels.shape, 4).astype(np.float32)
+    for axis, count in enumerate((height, width)):
+        place = np.linspace(0.0, channels.shape[axis] - 1.0, count)
+        low = place.astype(int)
+        high = np.minimum(low + 1, channels.shape[axis] - 1)
+        part = (place - low).reshape([-1 if axis == a else 1 for a in range(3)])
+        channels = channels.take(low, axis) * (1.0 - part) + channels.take(high, axis) * part
+    return np.ascontiguousarray((channels + 0.5).astype(np.uint8)).view(np.int32)[..., 0]
 
 
 def free() -> None:

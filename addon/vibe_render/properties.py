@@ -14,8 +14,9 @@ from bpy.props import (
     StringProperty,
 )
 
-from . import changes, preferences
+from . import changes, chosen, preferences
 from .contract import messages, schema
+from .subject import Choice
 
 MAX_PROMPT = 2000  # characters that the field takes
 
@@ -61,6 +62,10 @@ def _mix(settings: "VibeSettings", context: bpy.types.Context) -> None:
     result.mix(settings.id_data)
 
 
+def _choose_anew(settings: "VibeSettings", context: bpy.types.Context) -> None:
+    chosen.forget(settings.id_data)
+
+
 class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
     """The panel's fields, and what the last vibe changed."""
 
@@ -74,10 +79,15 @@ class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
         name="Subject",
         description="What the words about things are about; the rest are its surroundings",
         items=(
-            ("AUTO", "Automatic", "The prominent things in view, without what they stand on or in front of"),
+            (
+                "AUTO",
+                "Automatic",
+                "What was chosen before; otherwise the prominent things in view, without what they stand on or in front of",
+            ),
             ("SELECTED", "Selected Objects", "What is selected when the vibe starts"),
             ("COLLECTION", "Collection", "Everything in one collection"),
         ),
+        update=_choose_anew,
     )
     collection: PointerProperty(type=bpy.types.Collection, name="Collection")
     budget: EnumProperty(
@@ -148,6 +158,12 @@ class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
     vibed_preset: StringProperty(description="The preset that the look comes from, if any")
     variant: IntProperty(description="Number of the variant that is in the scene", min=0)
     pivot: FloatVectorProperty(size=3, description="What lights and camera orbit: the subject's centre")
+
+    def choice(self) -> Choice:
+        """What the picture is about."""
+        if self.subject == "COLLECTION" and self.collection:
+            return Choice(objects=(self.collection.name,))
+        return Choice(selected=self.subject == "SELECTED")
 
     def groups(self) -> tuple[str, ...]:
         """The groups that a vibe may change."""

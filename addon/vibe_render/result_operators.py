@@ -11,8 +11,8 @@ from bpy.props import IntProperty, StringProperty
 
 from . import changes, result, snapshot
 from .contract import schema
+from .desk import desk
 from .operators import untouchable
-from .session import desk
 
 
 class _Vibed(bpy.types.Operator):

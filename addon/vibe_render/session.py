@@ -14,11 +14,10 @@ from typing import cast
 
 import bpy
 
-from . import anchoring, aside, preferences, result, scene_io, shared, snapshot
+from . import anchoring, aside, chosen, preferences, result, scene_io, shared, snapshot
 from .contract import messages, schema
 from .engine import Engine
 from .model_notes import failure_note
-from .subject import Choice
 from .word_notes import word_notes
 
 LOOKING = "Looking for the look"
@@ -59,9 +58,9 @@ class Session:
         self._subject: list[str] = []
         self._pivot = (0.0, 0.0, 0.0)
         self._options = settings.engine_options(context)
-        chosen = preferences.get(context)
-        self._key = chosen.vlm_key if chosen else ""
-        self._choice = choice(settings)
+        held = preferences.get(context)
+        self._key = held.vlm_key if held else ""
+        self._choice = settings.choice()
         self.variants: list[tuple[Mapping[str, Sequence[float]], Path]] = []
         self._engine = engine
         self._job = Path(tempfile.mkdtemp(prefix="vibe-", dir=bpy.app.tempdir))
@@ -164,6 +163,8 @@ class Session:
                 yield self.stage
             scene, found = self._find_scene(), cast(messages.Result, self._found)
             result.apply(scene, self.prompt, found, self.subject(scene), self._pivot)
+            if self._choice.explicit:
+                chosen.remember(scene, self.subject(scene))
         except BaseException:  # Esc closes this generator, which raises here
             self._restore(vibed, start)
             raise
@@ -269,78 +270,3 @@ class Session:
     def _scene_if_there(self) -> bpy.types.Scene | None:
         """It keeps its number when it is renamed or an undo brings it back; scenes of other files have others."""
         return next((s for s in bpy.data.scenes if s.session_uid == self._uid), None)
-
-
-def engine_choice(context: bpy.types.Context) -> tuple[str, Path]:
-    """What the preferences say about the engine: where it is, and where it keeps things."""
-    return preferences.engine_choice(context), preferences.cache_folder(context)
-
-
-def choice(settings: bpy.types.PropertyGroup) -> Choice:
-    """What the panel says the subject is."""
-    if settings.subject == "COLLECTION" and settings.collection:
-        return Choice(objects=(settings.collection.name,))
-    return Choice(selected=settings.subject == "SELECTED")
-
-
-class Desk:
-    """What the add-on holds while Blender runs: a warm engine, and the vibe that runs or ran last.
-
-    Attributes:
-        session: The newest vibe; its preview outlives it.
-        running: Whether it is on its way.
-        failure: Why it failed, until that has been dismissed.
-    """
-
-    def __init__(self) -> None:
-        self.session: Session | None = None
-        self.running = False
-        self.failure: schema.VibeError | None = None
-        self._engine: Engine | None = None
-        self._engine_choice: tuple[str, Path] | None = None
-
-    def begin(self, context: bpy.types.Context, ask: bool = False) -> Session:
-        """Starts a vibe; the engine is the one of the last, unless the preferences have changed since.
-
-        Args:
-            context: Blender's.
-            ask: Whether somebody is there to answer questions.
-        """
-        self.forget()
-        choice = engine_choice(context)
-        if self._engine is None or choice != self._engine_choice:
-            self.close_engine()
-            self._engine, self._engine_choice = Engine(choice[0], cache=choice[1]), choice
-        self.session, self.running = Session(context, self._engine, ask), True
-        return self.session
-
-    def end(self, failure: schema.VibeError | None = None) -> None:
-        """The vibe is over."""
-        self.running, self.failure = False, failure
-
-    def cancel(self) -> None:
-        """Gives the vibe up; the scene is as it was."""
-        if self.session and self.running:
-            self.session.cancel()
-        self.end()
-        self.forget()
-
-    def forget(self) -> None:
-        """Drops what is left of the last vibe."""
-        if self.session:
-            self.session.discard()
-        self.session, self.failure = None, None
-
-    def close_engine(self) -> None:
-        """Ends the engine."""
-        if self._engine:
-            self._engine.stop(patience=0.5)
-        self._engine = None
-
-    def close(self) -> None:
-        """Gives everything back, when the add-on is switched off or Blender ends."""
-        self.cancel()
-        self.close_engine()
-
-
-desk = Desk()

@@ -112,7 +112,7 @@ class Reel:
         self.bare = False
         self._open: str | None = None
         self._framing: Framing | None = None
-        self._choice = Choice()
+        self.choice = Choice()
         self.subjects: list[set[str]] = []
         self._fog: dict[str, fog.Domain] = {}
 
@@ -161,11 +161,11 @@ class Reel:
         if self._framing is None or self._open != shot.scene:
             a = copy(self._a)
             a.scene = shot.scene
-            scene, self._choice, bare = open_scene(a, self._reporter)
+            scene, self.choice, bare = open_scene(a, self._reporter)
             self._open, self._framing = shot.scene, Framing(scene)
             self.bare = self.bare or (bare and not self.jobs)
         self._framing.show(shot)
-        return bpy.context.scene, self._choice
+        return bpy.context.scene, self.choice
 
     def _eyes(self, scene: bpy.types.Scene, number: int) -> Sequence[Vector]:
         """Where the cameras of a .blend's shots stand, if there are several: fog is to hold them all."""

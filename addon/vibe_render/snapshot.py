@@ -12,7 +12,7 @@ from contextlib import contextmanager
 
 from bpy.types import ID, Scene
 
-from . import journal_check, roster
+from . import chosen, journal_check, roster
 from .contract import schema
 from .journal import Journal
 
@@ -49,6 +49,7 @@ def revert(scene: Scene) -> list[str]:
     """
     journal = _load(scene)
     forget(scene)  # first: it counts as a user of what is to be removed
+    chosen.forget(scene)
     lost = journal.undo()
     roster.layer(scene).update()
     return lost

@@ -10,6 +10,7 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
+from .chosen import recall
 from .contract import schema
 from .export_mesh import Geometry
 
@@ -29,6 +30,11 @@ class Choice:
 
     objects: tuple[str, ...] = ()
     selected: bool = False
+
+    @property
+    def explicit(self) -> bool:
+        """Whether somebody chose."""
+        return self.selected or bool(self.objects)
 
 
 @dataclass(frozen=True)
@@ -55,6 +61,8 @@ def choose(scene: bpy.types.Scene, geometry: Geometry, seen: Visibility, choice:
         return automatic(scene, geometry, seen)
     chosen = np.array([name in names or parent in names for name, parent in geometry.objects])
     if not chosen.any():
+        if not choice.explicit:  # what was chosen once is not in the picture now
+            return automatic(scene, geometry, seen)
         raise schema.VibeError(
             "The chosen subject has no mesh that a render shows.", "Choose another object."
         )
@@ -62,7 +70,7 @@ def choose(scene: bpy.types.Scene, geometry: Geometry, seen: Visibility, choice:
 
 
 def named(scene: bpy.types.Scene, choice: Choice) -> list[bpy.types.Object]:
-    """The chosen objects and everything below them; none if the choice is left to us.
+    """The chosen objects, or those of the last choice, and everything below them; none if the choice is ours.
 
     Raises:
         VibeError: A name is unknown, or nothing is selected.
@@ -75,9 +83,11 @@ def named(scene: bpy.types.Scene, choice: Choice) -> list[bpy.types.Object]:
             raise schema.VibeError(f"There is no object or collection {name!r}.", f"There are: {near}.")
         chosen += collection.all_objects if collection else [scene.objects[name]]
     if choice.selected:
-        chosen += [o for o in scene.objects if o.select_get()]
+        chosen += [o for o in scene.objects if o.select_get()] or recall(scene)
         if not chosen:
             raise schema.VibeError("Nothing is selected.", "Select the subject, or leave the choice to us.")
+    if not choice.explicit:
+        chosen = recall(scene)
     return list(dict.fromkeys(o for thing in chosen for o in (thing, *thing.children_recursive)))
 
 

@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Somebody in front of a Blender window: eye, mouse, keyboard, patience. See window_driver.py.
+
+What takes time is a generator of waits, in seconds, so that Blender works in between.
+"""
+
+import json
+import subprocess
+import time
+from itertools import product
+
+import bpy
+
+PLACES = (0.45, 0.2, 0.72, 0.86)
+"""Where buttons are, across the sidebar."""
+
+ROW = 16
+"""Pixels between two looks; the least button has 20."""
+
+
+class Screen:
+    """The window, and what has been seen in it."""
+
+    def __init__(self, out, seen) -> None:
+        self.out, self.seen = out, seen
+        self.window = bpy.context.window_manager.windows[0]
+        self.area = next(a for a in self.window.screen.areas if a.type == "VIEW_3D")
+        self._number, self._scrolled = 0, False
+
+    @property
+    def sidebar(self):
+        """The region of the sidebar."""
+        return next(r for r in self.area.regions if r.type == "UI")
+
+    @property
+    def view(self):
+        """The region of the viewport itself."""
+        return next(r for r in self.area.regions if r.type == "WINDOW")
+
+    def over(self, region):
+        """Context of a region, as if the mouse were there."""
+        return bpy.context.temp_override(window=self.window, area=self.area, region=region)
+
+    def shoot(self, name):
+        """Takes a screenshot."""
+        self._number += 1
+        self.note()
+        path = self.out / f"{self._number:02}_{name}.png"
+        subprocess.run(["import", "-window", "root", path], check=True)
+
+    def note(self):
+        """Writes down what has been seen."""
+        (self.out / "steps.json").write_text(json.dumps(self.seen, indent=1))
+
+    def move(self, x, y):
+        """Moves the mouse; Blender's coordinates, from the lower left."""
+        self.at = x, y
+        subprocess.run(["xdotool", "mousemove", str(int(x)), str(int(self.window.height - y))], check=True)
+
+    def press(self, *keys):
+        """Presses keys, one after the other."""
+        subprocess.run(["xdotool", "key", *keys], check=True)
+
+    def type(self, text):
+        """Types."""
+        subprocess.run(["xdotool", "type", "--delay", "5", text], check=True)
+
+    def click(self, button=1, times=1):
+        """Clicks where the mouse is; buttons 4 and 5 are the wheel."""
+        subprocess.run(["xdotool", "click", "--repeat", str(times), "--delay", "20", str(button)], check=True)
+
+    def drag(self, across):
+        """Pulls what the mouse is over sideways."""
+        x, y = self.at
+        subprocess.run(["xdotool", "mousedown", "1"], check=True)
+        for part in (0.3, 0.6, 1.0):
+            yield 0.15
+            self.move(x + across * part, y)
+        yield 0.15
+        subprocess.run(["xdotool", "mouseup", "1"], check=True)
+        yield 0.3
+
+    def under_mouse(self):
+        """The property or operator of the button that the mouse is over, as Blender says it."""
+        with self.over(self.sidebar):
+            if bpy.context.property:
+                return bpy.context.property[1]
+            bpy.context.window_manager.clipboard = ""
+            if bpy.ops.ui.copy_python_command_button.poll():
+                bpy.ops.ui.copy_python_command_button()
+            return bpy.context.window_manager.clipboard
+
+    def find(self, what, near=0, places=PLACES):
+        """Moves the mouse over a button of the sidebar: looks around where it should be, then page by page.
+
+        Args:
+            what: Its property, or a part of its operator's call.
+            near: Where to begin, in pixels below the window's top; a busy machine takes a second for each look.
+            places: Across the sidebar, in parts of its width.
+        """
+        if self._scrolled:
+            yield from self.scroll(4, 100)
+        met = set()
+        for page in range(4):
+            region = self.sidebar
+            rows = [*range(region.y + 8, region.y + region.height - 24, ROW)]
+            start = self.window.height - near if near and not page else rows[-1]
+            looks = product(places, sorted(rows, key=lambda y: abs(y - start)))
+            for x, y in sorted(looks, key=lambda look: abs(look[1] - start) > 4 * ROW):  # around it first
+                self.move(region.x + region.width * x, y)
+                yield 0.05
+                there = self.under_mouse()
+                if what in there:
+                    self.seen.setdefault("found", {})[what] = [x, self.window.height - y, page]
+                    return
+                met.add(there)
+            yield from self.scroll(5, 12)
+        raise LookupError(f"There is no {what} in the sidebar, but {sorted(met)}.")
+
+    def scroll(self, wheel, times):
+        """Turns the wheel over the sidebar: 4 is up, 5 is down."""
+        region = self.sidebar
+        self.move(region.x + 12, region.y + region.height / 2)
+        yield 0.1
+        self.click(wheel, times)
+        self._scrolled = wheel == 5
+        yield 0.5
+
+    def click_on(self, what, near=0, places=PLACES):
+        """Finds a button and clicks it; see `find`."""
+        yield from self.find(what, near, places)
+        self.click()
+        yield 0.3
+
+    def away(self):
+        """Moves the mouse where no button is, so that no tool tip hides what is shown."""
+        self.move(self.view.x + 200, self.view.y + 200)
+        yield 0.4
+
+    def undo(self):
+        """Presses Ctrl+Z over the viewport."""
+        yield from self.away()
+        self.press("ctrl+z")
+
+    def wait(self, condition, seconds, what):
+        """Waits; notes the longest time, by what goes on, that Blender did not come back.
+
+        It is this thread's time on a core: what the artist waits for, without what other programs take.
+        """
+        from bl_ext.user_default.vibe_render.desk import desk
+
+        end = time.monotonic() + seconds
+        while not condition():
+            last = time.monotonic()
+            if last > end:
+                raise TimeoutError(f"{what} within {seconds} s")
+            stage = desk.session.stage if desk.running and desk.session else "idle"
+            busy = time.thread_time()
+            yield 0.1
+            pauses = self.seen.setdefault("pauses", {})
+            pauses[stage] = round(max(pauses.get(stage, 0.0), time.thread_time() - busy), 3)
