@@ -57,7 +57,8 @@ def values():
             for p in ("energy", "color")}  # fmt: skip
     for thing in (o for o in scene.objects if o.type == "MESH" and o.material_slots):
         material = thing.material_slots[0].material
-        inputs = material.node_tree.nodes["Principled BSDF"].inputs if material.node_tree else ()
+        shader = material.node_tree.nodes.get("Principled BSDF")
+        inputs = shader.inputs if shader else ()  # fog has none
         dump |= {f"{material.name}.{i.name}": _plain(i) for i in inputs if hasattr(i, "default_value")}
     dump |= {f"{o.name}.matrix": str(o.matrix_world) for o in scene.objects if o.type != "MESH"}
     return dump | {"objects": str(len(scene.objects)), "exposure": repr(scene.view_settings.exposure)}

@@ -132,6 +132,13 @@ class Screen:
         self.click()
         yield 0.3
 
+    def click_at(self, below, place):
+        """Clicks in the sidebar, so many pixels below the window's top."""
+        self.move(self.sidebar.x + self.sidebar.width * place, self.window.height - below)
+        yield 0.5
+        self.click()
+        yield 0.5
+
     def away(self):
         """Moves the mouse where no button is, so that no tool tip hides what is shown."""
         self.move(self.view.x + 200, self.view.y + 200)

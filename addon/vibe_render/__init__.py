@@ -7,6 +7,7 @@ Importing this needs no Blender; registering it does.
 
 def _classes() -> tuple[type, ...]:
     from . import (
+        engine_operators,
         look_operators,
         operators,
         panels,
@@ -15,11 +16,20 @@ def _classes() -> tuple[type, ...]:
         preset_panel,
         properties,
         result_operators,
+        small_operators,
         value_list,
     )
 
     data = (preferences, properties, value_list)
-    modules = (*data, operators, result_operators, preset_operators, look_operators, panels, preset_panel)
+    actions = (
+        engine_operators,
+        operators,
+        small_operators,
+        result_operators,
+        preset_operators,
+        look_operators,
+    )
+    modules = (*data, *actions, panels, preset_panel)
     return tuple(each for module in modules for each in module.CLASSES)
 
 

@@ -10,6 +10,7 @@ import os
 import re
 import shutil
 import unicodedata
+import uuid
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -209,14 +210,17 @@ def _write(place: Path, look: preset.Preset, picture: Path | None, instead: Path
 
 
 def _put(path: Path, look: preset.Preset, picture: Path | None) -> None:
+    """Writes a preset, whole or not at all; another Blender may be at it too."""
+    part = path.with_name(f".{path.name}-{uuid.uuid4().hex[:8]}")
     try:
-        part = path.with_name(f".{path.name}.part")
         part.write_text(look.dumps() + "\n", encoding="utf-8")
         if picture and picture != path.with_suffix(PICTURE) and _is_picture(picture):
             shutil.copyfile(picture, path.with_suffix(PICTURE))
         os.replace(part, path)
     except OSError as error:
         raise schema.VibeError(f"{path} cannot be written: {error.strerror}.", "Check the folder.") from error
+    finally:
+        part.unlink(missing_ok=True)
 
 
 def _is_picture(path: Path) -> bool:

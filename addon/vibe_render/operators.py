@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # mypy: disable-error-code="valid-type"
-"""A vibe, from the button to its end: started, stopped, given up, asked about. It leaves one step to undo."""
+"""A vibe, from the button to its end. It leaves one step to undo."""
 
 from __future__ import annotations
 
@@ -9,47 +9,15 @@ import traceback
 from typing import ClassVar
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, StringProperty
+from bpy.props import BoolProperty
 
-from . import chosen, drawing, history
+from . import drawing, history
 from .contract import schema
 from .desk import desk
-from .engine_place import place
-from .roster import GEOMETRY
+from .obstacles import obstacle
 from .session import Session
 
 _TICK = 0.1  # seconds between looks at the engine
-
-
-def obstacle(context: bpy.types.Context) -> str:
-    """Why there can be no vibe now; "" if there can."""
-    scene = context.scene
-    if desk.running:
-        return "A vibe is on its way"
-    if reason := untouchable(context):
-        return reason
-    if not scene.vibe.prompt.strip():
-        return "Describe a mood first"
-    if not any(obj.type in GEOMETRY for obj in scene.objects):
-        return "The scene has no mesh"
-    if not scene.vibe.groups():
-        return "Nothing may change: open a lock"
-    if scene.vibe.subject == "COLLECTION" and not scene.vibe.collection:
-        return "Choose the subject's collection"
-    if scene.vibe.subject == "SELECTED" and not (context.selected_objects or chosen.recall(scene)):
-        return "Select the subject"
-    if place.problem:
-        return "Set up the engine first"
-    return ""
-
-
-def untouchable(context: bpy.types.Context) -> str:
-    """Why nothing in the scene may be changed just now; "" if it may."""
-    if not context.scene.is_editable:
-        return "This scene is linked from a library"
-    if context.mode != "OBJECT":  # elsewhere undo knows the mode's own steps only
-        return "Go to Object Mode first"
-    return ""
 
 
 class VIBE_OT_run(bpy.types.Operator):
@@ -168,129 +136,4 @@ def _advance(session: Session) -> schema.VibeError | None:
     return None
 
 
-class _Running(bpy.types.Operator):
-    """For buttons that are there while a vibe runs."""
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Only while a vibe runs."""
-        cls.poll_message_set("No vibe is on its way")
-        return desk.running
-
-
-class VIBE_OT_stop(_Running):
-    """Stop looking, and take the best look so far"""
-
-    bl_idname = "vibe.stop"
-    bl_label = "Stop"
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Only while there is a best so far."""
-        cls.poll_message_set("There is no look yet to take")
-        return desk.running and bool(desk.session and desk.session.can_stop)
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Asks the engine; its result arrives as usual."""
-        try:
-            if desk.session:
-                desk.session.stop()
-        except schema.VibeError as error:
-            self.report({"ERROR"}, str(error))
-        return {"FINISHED"}
-
-
-class VIBE_OT_cancel(_Running):
-    """Give this vibe up, and leave the scene as it was"""
-
-    bl_idname = "vibe.cancel"
-    bl_label = "Cancel"
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Gives up."""
-        desk.cancel()
-        drawing.redraw()
-        return {"FINISHED"}
-
-
-class VIBE_OT_answer(_Running):
-    """Answer, for this scene's other vibes too"""
-
-    bl_idname = "vibe.answer"
-    bl_label = "Answer"
-    bl_options: ClassVar[set[str]] = {"INTERNAL"}
-
-    shared: EnumProperty(
-        items=(
-            ("ALL", "Affect All Users", "The other things change with the subject"),
-            ("SINGLE", "Make Single-User", "The subject gets copies of its own; Revert takes them away"),
-        )
-    )
-
-    @classmethod
-    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
-        """What the answer means."""
-        return cls.bl_rna.properties["shared"].enum_items[properties.shared].description
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Goes on with the vibe."""
-        context.scene.vibe.shared = self.shared
-        if desk.session:
-            desk.session.answer(self.shared)
-        return {"FINISHED"}
-
-
-class VIBE_OT_dismiss(bpy.types.Operator):
-    """Close this message"""
-
-    bl_idname = "vibe.dismiss"
-    bl_label = "Dismiss"
-    bl_options: ClassVar[set[str]] = {"INTERNAL"}
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Forgets the failure."""
-        desk.forget()
-        return {"FINISHED"}
-
-
-class VIBE_OT_recall(bpy.types.Operator):
-    """Put these words into the prompt"""
-
-    bl_idname = "vibe.recall"
-    bl_label = "Recall"
-    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO", "INTERNAL"}
-
-    prompt: StringProperty()
-
-    @classmethod
-    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
-        """All of the words."""
-        return properties.prompt
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Sets the prompt."""
-        context.scene.vibe.prompt = self.prompt
-        return {"FINISHED"}
-
-
-class VIBE_OT_clear_history(bpy.types.Operator):
-    """Forget the prompts that were typed"""
-
-    bl_idname = "vibe.clear_history"
-    bl_label = "Clear History"
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Forgets."""
-        history.clear()
-        return {"FINISHED"}
-
-
-CLASSES = (
-    VIBE_OT_run,
-    VIBE_OT_stop,
-    VIBE_OT_cancel,
-    VIBE_OT_answer,
-    VIBE_OT_dismiss,
-    VIBE_OT_recall,
-    VIBE_OT_clear_history,
-)
+CLASSES = (VIBE_OT_run,)

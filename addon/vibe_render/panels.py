@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import bpy
 
-from . import history, operators, panel_progress, panel_result, panel_trouble, preferences
+from . import history, obstacles, panel_progress, panel_result, panel_trouble, preferences
 from .contract import schema
 from .desk import desk
 from .drawing import paragraph
@@ -69,7 +69,7 @@ class _Main:
             panel_trouble.draw_failure(layout, context, desk.failure)
         elif place.problem or place.setting_up:
             panel_trouble.draw_no_engine(layout, context)
-        elif reason := operators.obstacle(context):
+        elif reason := obstacles.obstacle(context):
             paragraph(layout, context, reason, "INFO", faint=True)
 
 

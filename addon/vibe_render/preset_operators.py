@@ -15,7 +15,7 @@ from bpy_extras.io_utils import ExportHelper, ImportHelper
 from . import library, preset_use, thumbnail
 from .contract import preset, schema
 from .desk import desk
-from .operators import untouchable
+from .obstacles import untouchable
 from .preset_actions import Chosen, Export, Idle, OfLook, OwnChosen, VibePresets
 from .roster import GEOMETRY
 

@@ -12,7 +12,7 @@ from bpy.props import IntProperty, StringProperty
 from . import changes, result, snapshot
 from .contract import schema
 from .desk import desk
-from .operators import untouchable
+from .obstacles import untouchable
 
 
 class _Vibed(bpy.types.Operator):
