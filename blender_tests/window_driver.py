@@ -91,7 +91,7 @@ def choosing(screen):
     from bl_ext.user_default.vibe_render.desk import desk
 
     before, scene = values(), bpy.context.scene
-    yield from a_result(screen, variants=3)
+    yield from a_result(screen, variants=2)
     screen.shoot("result")
     seen["failure"] = str(desk.failure or "")
     after = values()
@@ -115,20 +115,22 @@ def choosing(screen):
     yield from screen.click_on("show_original", 735, (0.7,))
     yield from screen.wait(lambda: not scene.vibe.show_original, 60, "After is pressed")
     seen["after_shows_after"] = same(values(), after, after)
-    yield from screen.find("strength", 756)
-    yield from screen.drag(-90)
-    seen["strength"] = scene.vibe.strength
+    yield from screen.click_on("strength", 756)
+    screen.press("ctrl+a")
+    screen.type("0.5")
+    screen.press("Return")
+    yield from screen.wait(lambda: scene.vibe.strength == 0.5, 30, "half the strength")
     seen["strength_dims"] = not same(values(), after, after) and not same(values(), before, after)
     yield from screen.away()
     screen.shoot("strength")
-    yield from screen.click_on("vibe.variant(number=1)", 683, (0.45,))
+    yield from screen.click_on("vibe.variant(number=1)", 683, (0.67,))
     yield from screen.wait(lambda: scene.vibe.variant == 1, 60, "the second variant")
     seen["variant_differs"] = not same(values(), after, after)
     yield from screen.away()
     screen.shoot("variant")
     yield from locks(screen)
 
-    yield from screen.click_on("vibe.revert", 810, (0.7,))
+    yield from screen.click_on("vibe.revert", 806, (0.7,))
     yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "revert")
     yield from screen.away()
     screen.shoot("reverted")
@@ -140,19 +142,19 @@ def locks(screen):
     from bl_ext.user_default.vibe_render.desk import desk
 
     settings, key = bpy.context.scene.vibe, "light/Key/power"
-    yield from screen.click_on(f'vibe.lock(key="{key}"', 920, (0.82, 0.84, 0.8))
+    yield from screen.click_on(f'vibe.lock(key="{key}"', 894, (0.82, 0.84, 0.8))
     yield from screen.wait(lambda: key in settings.locks, 30, "a lock for one value")
     yield from screen.away()
     screen.shoot("one_lock")
     yield from screen.click_at(
         869, 0.3
     )  # closes the list of changes: a panel's header says nothing of itself
-    yield from screen.click_on("change_volume", 955, (0.72,))
+    yield from screen.click_on("change_volume", 931, (0.72,))
     yield from screen.wait(lambda: not settings.change_volume, 30, "a lock for the fog")
     yield from screen.away()
     screen.shoot("group_lock")
     power = values()["Key.energy"]
-    yield from screen.click_on("vibe.run(again=True)", 833, (0.2,))
+    yield from screen.click_on("vibe.run(again=True)", 806, (0.2,))
     yield from screen.wait(lambda: desk.running, 60, "Again starts")
     yield from screen.wait(lambda: not desk.running, 900, "Again ends")
     yield from screen.away()
@@ -186,26 +188,40 @@ def presets(screen):
     with screen.over(screen.view):
         another_scene()
         bpy.ops.ed.undo_push(message="Another scene")
+    screen.area.spaces.active.region_3d.view_perspective = "CAMERA"
     before = values()
     yield 0.5
     yield from screen.click_at(308, 0.45)  # Browse: a popover's button says nothing of itself
     yield 1.5
     screen.shoot("grid")
     yield from search(screen, held)
-    yield from screen.click_on("vibe.preset_apply", 480)
+    yield from screen.click_on("vibe.preset_apply", 543)
     yield from screen.wait(lambda: snapshot.exists(bpy.context.scene), 120, "the preset is applied")
     yield from screen.away()
     screen.shoot("applied")
     seen["applied"] = [change.name for change in bpy.context.scene.vibe.changes]
     seen["rest"] = held.rest.splitlines()
-    yield from screen.click_on("vibe.revert", 810, (0.7,))
+    yield from screen.click_on("vibe.revert", 687, (0.7,))
     yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "revert")
     seen["preset_revert_restores"] = values() == before
 
 
 def search(screen, held):
-    """Words are typed into the grid's search field, and a picture's button is clicked."""
-    yield 0.0
+    """Words are typed into the grid's search field, and pictures' buttons are clicked; it is below Browse."""
+    from bl_ext.user_default.vibe_render import library
+
+    yield from screen.click_at(348, 0.45)
+    screen.type("misty")
+    screen.press("Return")
+    yield 1.0
+    own = held.chosen
+    for number, place in enumerate((0.18, -0.3)):  # the second and the first of those that are left
+        yield from screen.click_at(488, place)
+        yield from screen.wait(lambda n=number: (held.chosen == own) == bool(n), 30, "a picture is chosen")
+        yield 0.7
+        screen.shoot(f"search_{number + 1}")
+    seen["searched"] = held.search
+    seen["chosen"] = library.at(held.chosen).name
 
 
 def ends(screen):
@@ -224,7 +240,7 @@ def ends(screen):
         yield from screen.away()
         screen.shoot(f"question_{answer.lower()}")
         seen["asked_about"] = list(desk.session.question)
-        yield from screen.click_on(f'vibe.answer(shared="{answer}")')
+        yield from screen.click_on(f'vibe.answer(shared="{answer}")', 260 if answer == "ALL" else 290)
         yield from screen.wait(lambda: not desk.running, 900, "the answered vibe ends")
         yield from screen.away()
         screen.shoot(f"answered_{answer.lower()}")
@@ -241,7 +257,7 @@ def ends(screen):
         yield 0.5
 
     yield from running(screen)
-    seen["engine"] = desk._engine._process.pid
+    yield from second_window(screen, desk)
     with screen.over(screen.view):
         bpy.ops.wm.read_homefile(use_factory_startup=True, load_ui=False)
     yield 1.0
@@ -254,6 +270,20 @@ def ends(screen):
     yield from running(screen)
     seen["last_engine"] = desk._engine._process.pid
     screen.shoot("closed_while_it_runs")
+
+
+def second_window(screen, desk):
+    """Opens another window while a vibe runs, and closes it."""
+    with screen.over(screen.view):
+        bpy.ops.wm.window_new()
+    yield 1.0
+    other = next(w for w in bpy.context.window_manager.windows if w != screen.window)
+    with bpy.context.temp_override(window=other):
+        seen["second_window_greys_it_out"] = not bpy.ops.vibe.run.poll() and bpy.ops.vibe.stop.poll()
+        screen.shoot("second_window")
+        bpy.ops.wm.window_close()
+    yield 1.0
+    seen["closing_it_changes_nothing"] = desk.running and not desk.failure
 
 
 def running(screen):

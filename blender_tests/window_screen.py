@@ -54,7 +54,6 @@ class Screen:
 
     def move(self, x, y):
         """Moves the mouse; Blender's coordinates, from the lower left."""
-        self.at = x, y
         subprocess.run(["xdotool", "mousemove", str(int(x)), str(int(self.window.height - y))], check=True)
 
     def press(self, *keys):
@@ -68,17 +67,6 @@ class Screen:
     def click(self, button=1, times=1):
         """Clicks where the mouse is; buttons 4 and 5 are the wheel."""
         subprocess.run(["xdotool", "click", "--repeat", str(times), "--delay", "20", str(button)], check=True)
-
-    def drag(self, across):
-        """Pulls what the mouse is over sideways."""
-        x, y = self.at
-        subprocess.run(["xdotool", "mousedown", "1"], check=True)
-        for part in (0.3, 0.6, 1.0):
-            yield 0.15
-            self.move(x + across * part, y)
-        yield 0.15
-        subprocess.run(["xdotool", "mouseup", "1"], check=True)
-        yield 0.3
 
     def under_mouse(self):
         """The property or operator of the button that the mouse is over, as Blender says it."""
@@ -109,6 +97,7 @@ class Screen:
             for x, y in sorted(looks, key=lambda look: abs(look[1] - start) > 4 * ROW):  # around it first
                 self.move(region.x + region.width * x, y)
                 yield 0.05
+                yield 0.05  # Blender has been round once more, and knows where the mouse is
                 there = self.under_mouse()
                 if what in there:
                     self.seen.setdefault("found", {})[what] = [x, self.window.height - y, page]

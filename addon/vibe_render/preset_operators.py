@@ -86,7 +86,8 @@ class VIBE_OT_preset_save(OfLook):
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Asks for a name."""
         settings = context.scene.vibe
-        self.name = settings.vibed_preset or preset.title(settings.vibed_prompt)
+        first = settings.vibed_prompt.partition(",")[0]  # short, for the grid; the rest is its prompt
+        self.name = settings.vibed_preset or preset.title(first)
         return context.window_manager.invoke_props_dialog(self, width=340, confirm_text="Save")
 
     def act(self, context: bpy.types.Context) -> str:
