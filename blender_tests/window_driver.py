@@ -240,7 +240,7 @@ def ends(screen):
         yield from screen.away()
         screen.shoot(f"question_{answer.lower()}")
         seen["asked_about"] = list(desk.session.question)
-        yield from screen.click_on(f'vibe.answer(shared="{answer}")', 260 if answer == "ALL" else 290)
+        yield from screen.click_on(f"vibe.answer(shared='{answer}')", 254 if answer == "ALL" else 278)
         yield from screen.wait(lambda: not desk.running, 900, "the answered vibe ends")
         yield from screen.away()
         screen.shoot(f"answered_{answer.lower()}")

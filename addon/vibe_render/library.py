@@ -11,6 +11,7 @@ import re
 import shutil
 import unicodedata
 import uuid
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -220,7 +221,8 @@ def _put(path: Path, look: preset.Preset, picture: Path | None) -> None:
     except OSError as error:
         raise schema.VibeError(f"{path} cannot be written: {error.strerror}.", "Check the folder.") from error
     finally:
-        part.unlink(missing_ok=True)
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
 
 
 def _is_picture(path: Path) -> bool:

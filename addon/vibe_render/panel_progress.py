@@ -50,7 +50,7 @@ def _draw_question(
     paragraph(layout, context, "The subject shares materials with other things:", "QUESTION")
     for name, users in list(question.items())[:4]:
         more = f" and {len(users) - 2} more" if len(users) > 2 else ""
-        paragraph(layout, context, f"{name}: {', '.join(users[:2])}{more}", "MATERIAL")
+        paragraph(layout, context, f"{name}, also on {', '.join(users[:2])}{more}", "MATERIAL")
     if len(question) > 4:
         layout.label(text=f"and {len(question) - 4} more materials", icon="BLANK1")
     column = layout.column(align=True)
