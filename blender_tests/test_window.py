@@ -155,7 +155,7 @@ def test_a_preset_is_saved_found_and_put_on_another_scene(walk):
 
 def test_shared_materials_are_asked_about(walk):
     """Both answers are followed."""
-    seen = walk("ends")
+    seen = walk("questions")
     assert seen["asked_about"] == ["Monkey"]
     assert seen["answer_all"]
     assert seen["answer_single"]

@@ -224,8 +224,8 @@ def search(screen, held):
     seen["chosen"] = library.at(held.chosen).name
 
 
-def ends(screen):
-    """The question about a shared material, answered both ways; another file, and the end, while a vibe runs."""
+def questions(screen):
+    """The question about a shared material, answered both ways."""
     from bl_ext.user_default.vibe_render import snapshot
     from bl_ext.user_default.vibe_render.desk import desk
 
@@ -255,6 +255,11 @@ def ends(screen):
         )
         bpy.context.scene.vibe.shared = "ASK"
         yield 0.5
+
+
+def ends(screen):
+    """A second window, another file, and the end of Blender, while a vibe runs."""
+    from bl_ext.user_default.vibe_render.desk import desk
 
     yield from running(screen)
     yield from second_window(screen, desk)
@@ -330,7 +335,7 @@ def preferences(screen):
     yield 0.5
 
 
-WAYS = {way.__name__: way for way in (ways_out, choosing, presets, ends)}
+WAYS = {way.__name__: way for way in (ways_out, choosing, presets, questions, ends)}
 
 
 def walk():
