@@ -487,6 +487,12 @@ def test_a_pale_color_is_not_made_vivid_for_anothers_sake():
     assert yellow.priority is None
 
 
+def test_a_pale_tint_is_seen():
+    gain = make_plan("pale blue tones")["film/gain"]
+    assert gain.upper[0] < 0.95
+    assert gain.lower[2] > 1.05
+
+
 def test_a_muted_tint_tints_less_than_a_vivid_one():
     scene = SceneWords(objects={"A": "subject", "B": "subject"})
     spread = []

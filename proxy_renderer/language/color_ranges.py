@@ -15,6 +15,7 @@ from .vocabulary import Effect, default_vocabulary
 _BLACKEST, _WHITEST = 0.016, 0.85  # hardly a real surface reflects less, or more
 _BRIGHTEST = 2.5  # radiance of a backdrop that has a color
 _DARK = 0.02  # radiance below which a backdrop is black
+_SEEN = 0.7  # relative departure from grey that a tint has at least
 _DEEP = 0.4  # of that scale: the box of a darker color is smaller, as its hues are nearer
 _BOX = 0.06  # half the width of a color's box, in steps that look even
 OWN_COLOR = ("base_color", "tint")
@@ -29,7 +30,7 @@ def color_range(effect: Effect, attribute: Attribute, instance: Instance, source
         glows = instance.parameter.group == "material"
         return _lit_up(srgb, instance, sources) if glows else _shown_strength(srgb, instance, sources)
     if effect.mode == "cast":
-        cast = _cast(to_linear(srgb), 0.06 if instance.parameter.name == "lift" else 0.16)
+        cast = _cast(to_linear(srgb), 0.06 if instance.parameter.name == "lift" else 0.2)
         return tuple(v - 0.02 for v in cast), tuple(v + 0.02 for v in cast)
     if effect.mode == "gel":
         linear = _gel(to_linear(srgb), 0.9 * (_purity(srgb) if attribute.kind == "ambience" else 1.0))
@@ -105,9 +106,13 @@ def _fog_albedo(srgb: Values) -> Values:
 
 
 def _cast(linear: Values, amount: float) -> Values:
+    """A tint of the film; that of a pale color has to be seen too."""
     gel = _gel(linear, 1.0)
     mean = sum(gel) / 3
-    return tuple(1 + amount * (v - mean) / max(mean, 0.2) for v in gel)
+    away = [(v - mean) / max(mean, 0.2) for v in gel]
+    most = max(map(abs, away))
+    scale = amount * max(most, _SEEN) / most if most > 0.02 else 0.0
+    return tuple(1 + scale * v for v in away)
 
 
 def _lit_up(srgb: Values, instance: Instance, sources: Sources) -> Range:
