@@ -301,6 +301,7 @@ def running(screen):
     yield from screen.wait(lambda: desk.running, 60, "Vibe It starts")
     yield from screen.wait(lambda: desk.session.progress, 900, "progress is seen")
     yield 1.0
+    screen.shoot("running")
 
 
 def a_result(screen, variants=1):
