@@ -31,6 +31,12 @@ def start(screen):
         a_scene()
         bpy.ops.ed.undo_push(message="Scene")
     seen["schema_is_the_copy"] = not any(name.startswith("proxy_renderer") for name in sys.modules)
+    yield from open_panel(screen)
+
+
+def open_panel(screen):
+    """The sidebar with our tab, beside what the camera sees."""
+    screen.look()
     space = screen.area.spaces.active
     space.shading.color_type, space.region_3d.view_perspective = "MATERIAL", "CAMERA"
     space.show_region_ui = True
@@ -264,8 +270,9 @@ def ends(screen):
     yield from running(screen)
     yield from second_window(screen, desk)
     with screen.over(screen.view):
-        bpy.ops.wm.read_homefile(use_factory_startup=True, load_ui=False)
+        bpy.ops.wm.read_homefile(use_factory_startup=True)
     yield 1.0
+    yield from open_panel(screen)
     seen["load_ends_it"] = not desk.running and not desk.failure
     yield from screen.away()
     screen.shoot("another_file")
@@ -296,7 +303,7 @@ def running(screen):
     from bl_ext.user_default.vibe_render.desk import desk
 
     bpy.context.scene.vibe.prompt = PROMPT
-    effort(100, 1000, 256)
+    effort(20, 60, 256)
     yield from screen.click_on("vibe.run", 236)
     yield from screen.wait(lambda: desk.running, 60, "Vibe It starts")
     yield from screen.wait(lambda: desk.session.progress, 900, "progress is seen")
@@ -365,7 +372,7 @@ def main():
         bpy.ops.wm.quit_blender()
         return None
 
-    bpy.app.timers.register(tick, first_interval=1.0)
+    bpy.app.timers.register(tick, first_interval=1.0, persistent=True)
 
 
 if __name__ == "__main__":

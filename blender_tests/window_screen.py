@@ -23,9 +23,13 @@ class Screen:
 
     def __init__(self, out, seen) -> None:
         self.out, self.seen = out, seen
+        self._number, self._scrolled = 0, False
+        self.look()
+
+    def look(self):
+        """Finds the window and the viewport in it; another file brings others."""
         self.window = bpy.context.window_manager.windows[0]
         self.area = next(a for a in self.window.screen.areas if a.type == "VIEW_3D")
-        self._number, self._scrolled = 0, False
 
     @property
     def sidebar(self):
