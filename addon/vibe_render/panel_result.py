@@ -48,6 +48,9 @@ class Result:
         row.operator("vibe.preset_save", text="Save Preset", icon="PRESET_NEW")
         if reason := result_operators.why_not(context):
             paragraph(layout, context, reason, "INFO", faint=True)
+        if desk.session and desk.session.scene == context.scene.name:
+            for note in [*desk.session.remarks, *desk.session.notes][:4]:  # below what is always there
+                paragraph(layout, context, note, "INFO", faint=True)
 
 
 def _draw_compare(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
@@ -81,8 +84,6 @@ def _draw_session(layout: bpy.types.UILayout, context: bpy.types.Context, sessio
     if session.agreement is not None and not current:
         tenths = max(math.ceil(session.agreement * 10.0), 1)
         layout.label(text=f"Checked with Cycles: ΔE {tenths / 10.0:.1f}", icon="CHECKMARK")
-    for note in [*session.remarks, *session.notes][:4]:
-        paragraph(layout, context, note, "INFO", faint=True)
 
 
 def _draw_variants(layout: bpy.types.UILayout, session: Session, current: int) -> None:
