@@ -92,7 +92,7 @@ class Tower(nn.Sequential):
 @register_model
 def vibe_resnet(pretrained: bool = False, num_classes: int = 128, **unused: Any) -> Tower:
     """What `timm_model_name: "vibe_resnet"` in an open_clip configuration builds; there are no pretrained weights."""
-    return Tower(num_classes)
+    return Tower(num_classes, logarithm=True)
 
 
 @register_model

@@ -27,8 +27,7 @@ def color_range(effect: Effect, attribute: Attribute, instance: Instance, source
     """The range that an effect with a color asks for; not clipped."""
     srgb, view = _named(effect, attribute, sources), sources.context.view
     if effect.mode == "shown" and instance.parameter.kind == "scalar":
-        glows = instance.parameter.group == "material"
-        return _lit_up(srgb, instance, sources) if glows else _shown_strength(srgb, instance, sources)
+        return _shown_strength(srgb, instance, sources)
     if effect.mode == "cast":
         cast = _cast(to_linear(srgb), 0.06 if instance.parameter.name == "lift" else 0.2)
         return tuple(v - 0.02 for v in cast), tuple(v + 0.02 for v in cast)
@@ -113,20 +112,6 @@ def _cast(linear: Values, amount: float) -> Values:
     most = max(map(abs, away))
     scale = amount * max(most, _SEEN) / most if most > 0.02 else 0.0
     return tuple(1 + scale * v for v in away)
-
-
-def _lit_up(srgb: Values, instance: Instance, sources: Sources) -> Range:
-    """Emission by which pale surroundings come to look as named: lamps alone would burn the subject too."""
-    context = sources.context
-    goal = min(to_lab(srgb)[0], 92.0)
-    now = instance.value[0]
-    shown = context.picture.materials.get(instance.owner) if context.picture else None
-    lit = _WHITEST * luminance(to_linear(srgb)) * sources.illumination
-    if shown and context.values:
-        now = context.values.get(instance.key, instance.value)[0]
-        lit = radiance(shown[0], context.view) - now
-    ends = (max(radiance(end, context.view) - max(lit, 0.0), 0.0) for end in (goal - 4.0, goal))
-    return tuple((min(v, _BRIGHTEST) / 2**sources.exposure,) for v in ends)  # type: ignore[return-value]
 
 
 def _shown_strength(srgb: Values, instance: Instance, sources: Sources) -> Range:

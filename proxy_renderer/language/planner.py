@@ -252,7 +252,7 @@ def _stage(effect: Effect) -> int:
     """What has to wait for what: the world's strength for its color, surfaces for the light, glows for surfaces."""
     if effect.color == "own":
         return 3
-    if effect.mode in ("color", "shown") and OWNERS[effect.owner] == "material":
+    if effect.mode == "color" and OWNERS[effect.owner] == "material":
         return 2
     return 1 if effect.owner == "world" and effect.name == "strength" else 0
 

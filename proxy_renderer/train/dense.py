@@ -14,8 +14,8 @@ from .bank import SUBJECT
 GRID = 10
 """Cells along one side of the maps."""
 _FINE = 40
-CHANNELS = 10
-"""Subject, normal as the camera sees it (3), light received, albedo (3), how clear the air is, the share of gleam."""
+CHANNELS = 11
+"""Subject, normal as the camera sees it (3), light received, albedo (3), how clear the air is, the share of gleam, penumbra."""
 
 
 def maps(view: dict[str, Tensor], look: dict[str, Tensor], gleam: Tensor) -> Tensor:
@@ -25,14 +25,15 @@ def maps(view: dict[str, Tensor], look: dict[str, Tensor], gleam: Tensor) -> Ten
     subject, surface = (kind == SUBJECT)[:, :, None].float(), (kind > 0)[:, :, None].float()
     normal = torch.einsum("gkji,gkjhw->gkihw", view["camera"], view["normal"])
     towards = torch.einsum("gkji,gkj->gki", view["camera"].expand(-1, count, -1, -1), view["light"])
-    free = _pool(view["shadow"][:, :, None] * surface)
+    shadow = view["shadow"][:, :, None]
+    free, penumbra = _pool(shadow * surface), _pool(4 * shadow * (1 - shadow) * surface)
     subject, surface, normal, depth = (
         _pool(field) for field in (subject, surface, normal, view["depth"][:, :, None].clamp_max(8.0))
     )
     lit = (normal * towards[..., None, None]).sum(2, keepdim=True).clamp_min(0) * free
     albedo = torch.lerp(look["surroundings"][..., None, None], look["subject"][..., None, None], subject)
     clear = torch.exp(-look["fog"][..., None, None, None] * depth)
-    parts = [subject, normal, lit, albedo.clamp_min(0).sqrt(), clear, _pool(gleam)]
+    parts = [subject, normal, lit, albedo.clamp_min(0).sqrt(), clear, _pool(gleam), penumbra]
     return torch.cat([part.expand(-1, count, -1, -1, -1) for part in parts], 2)
 
 
