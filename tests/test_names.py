@@ -4,7 +4,7 @@
 import pytest
 
 from proxy_renderer.language import SceneWords, parse, plan
-from proxy_renderer.language.names import is_detail, kind_of
+from proxy_renderer.language.names import is_detail, kind_of, scene_names
 from proxy_renderer.language.prompts import compose
 from proxy_renderer.language.types import PlanContext
 from proxy_renderer.schema import FAMILIES, Instance
@@ -109,3 +109,9 @@ def test_the_color_of_the_air_is_the_words():
 
 def test_light_of_gold_is_no_metal():
     assert "subject_metal" not in parse("red vase, gold light", SceneWords()).targets
+
+
+def test_of_two_materials_of_one_name_the_subjects_is_meant():
+    """After Make Single-User the subject has "Monkey.001", and the floor keeps "Monkey"."""
+    words = SceneWords(materials={"Monkey": "surroundings", "Monkey.001": "subject"})
+    assert scene_names(words)["monkey"].materials == ("Monkey.001",)

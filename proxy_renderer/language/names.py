@@ -90,9 +90,9 @@ def scene_names(words: SceneWords) -> dict[str, SceneName]:
 
 
 def _merged(first: SceneName, other: SceneName) -> SceneName:
-    """Two things of one name: "the chairs" are Chair and Chair.001."""
+    """Two things of one name: "the chairs" are Chair and Chair.001. Of two in different places, the subject is meant."""
     if first.region != other.region:
-        return first
+        return first if first.region == "subject" else other
     return replace(first, materials=_united(first.materials, other.materials), several=True)
 
 
