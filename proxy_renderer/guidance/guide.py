@@ -29,11 +29,10 @@ if TYPE_CHECKING:
 
 _REGIONS = ("subject", "surroundings", "whole")
 _SURE = 0.1  # cross-entropy below which an attribute counts as there: p > 0.9
-_LIT, _DIM = (
-    50.0,
-    20.0,
-)  # least lightness of the subject or of what is around it; the latter for dark pictures
-_FORM = 0.55  # lightness of a subject's best-lit tenth, as a share of that
+_LIT, _DIM = 50.0, 20.0
+"""Least lightness of the subject or of what is around it; the latter for dark pictures."""
+_FORM = 0.46
+"""Lightness of a subject's best-lit tenth, as a share of that: more turns black things in warm light brown."""
 _PLAIN = "a picture of an object"  # says nothing of its look
 _FULL_FRAME = ("vignette", "brightness")  # attributes that a crop changes
 
@@ -64,7 +63,7 @@ class Weights:
     color: float = 0.6
     attributes: float = 0.5
     border: float = 0.5
-    visibility: float = 1.0
+    visibility: float = 2.5
     prior: float = 0.5
     leash: float = 2.0
 
