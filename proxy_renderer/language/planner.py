@@ -19,20 +19,9 @@ from .vignette import seen_vignette
 from .vocabulary import OWNERS, Effect, Vocabulary, default_vocabulary
 
 _CASTS = {
-    *("color", "temperature", "tint", "power", "strength"),
-    *(
-        "gain",
-        "midtone",
-        "lift",
-        "saturation",
-        "hue",
-        "exposure",
-        "grade_exposure",
-        "contrast",
-        "gamma",
-        "grade_gamma",
-    ),
-}
+    "color", "temperature", "tint", "power", "strength", "gain", "midtone", "lift", "saturation", "hue",
+    "exposure", "grade_exposure", "contrast", "gamma", "grade_gamma",
+}  # fmt: skip
 """Of lights, world, fog or film: what changes how colors look."""
 _NOTICED = 0.7  # exponent of a weak vignette's strength: half of it is not noticed at all
 _NOT = 0.6  # "not glossy" asks for a mild "matte"
