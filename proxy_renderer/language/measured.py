@@ -14,7 +14,10 @@ from .view import scene_color
 _NEAR = math.log(2.5)  # how far the value may be from the formula's for the picture to tell
 _DAMPED = 0.8  # share of the error that is mended at once
 _MOST = math.log(1.8)  # by which lightness changes at most, and so does a component against the others
-_WHITENED, _LEAST = 0.6, 0.85  # share of a cast that is taken out of white, as the eye does in part, and its end
+_WHITENED, _LEAST = (
+    0.6,
+    0.85,
+)  # share of a cast that is taken out of white, as the eye does in part, and its end
 _FLOOR = 0.01  # radiance below which there is nothing to measure
 _BLACKEST, _WHITEST = 0.006, 0.85
 
