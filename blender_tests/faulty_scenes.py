@@ -620,7 +620,7 @@ FAULTS = {
         Fault(odd_shaders, "Odd 0", 2.5),
         Fault(script_color, near=_NEAR),
         Fault(wild_values),
-        Fault(infinite_values, "light/Sun/strength is not a number"),
+        Fault(infinite_values, "Sun: Strength is not a number"),
         Fault(zero_area_lights, near=_NEAR),
         Fault(lamps_inside),
         Fault(no_lights, near=_NEAR),

@@ -112,7 +112,7 @@ def test_a_click_tells_parameters_and_reasons(page):
     for expected in (
         "hall · seed 3",
         "misty",
-        "World · strength",
+        "World: Strength",
         "0.3 → 0.1",
         "noir: a dark world",
         "1 left alone",

@@ -17,7 +17,6 @@ from . import (
     anchoring,
     batch_summary,
     bindings,
-    changes,
     chosen,
     library,
     preferences,
@@ -31,7 +30,7 @@ from .batch_arguments import engine_options
 from .batch_report import Reporter
 from .batch_scene import open_blend, open_scene, save_blend
 from .batch_summary import Laps, numbered
-from .contract import messages, schema
+from .contract import labels, messages, schema
 from .conversation import Conversation, on_interrupt
 from .engine import Engine
 from .outputs import Outputs
@@ -201,7 +200,7 @@ def apply(a: argparse.Namespace, reporter: Reporter) -> None:
         rendering.render_mask(scene, out.path("mask.png"), a.size, survey.objects)
         save_blend(out.path("vibed.blend"))
     lines = [f"Did not fit: {line}" for line in found.rest]
-    lines += [f"Did not fit: {changes.title(key)}: {reason}" for key, reason in skipped.items()]
+    lines += [f"Did not fit: {labels.title(key)}: {reason}" for key, reason in skipped.items()]
     count = len(found.values) - len(skipped)
     listed = batch_summary.listed(sight.instances, found.values)
     reporter.result([f"{count} values of the preset fit this scene.", *listed, *lines])

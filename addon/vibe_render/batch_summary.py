@@ -12,7 +12,7 @@ from typing import Any
 import bpy
 
 from . import changes
-from .contract import messages, schema
+from .contract import labels, messages, schema
 from .model_notes import model_lines
 from .shots import Reel
 from .word_notes import word_notes
@@ -118,7 +118,7 @@ def listed(instances: dict[str, schema.Instance], values: dict[str, Any]) -> lis
         ends = zip(before, after, instance.lower, instance.upper, strict=True)
         unit = instance.parameter.scale.to_unit
         distance = max(abs(unit(x, low, high) - unit(y, low, high)) for x, y, low, high in ends)
-        line = f"{changes.title(key)}: {changes.text(key, before)} -> {changes.text(key, after)}"
+        line = f"{labels.title(key)}: {labels.text(key, before)} -> {labels.text(key, after)}"
         rows.append((distance, line))
     rows.sort(reverse=True)
     more = [f"... and {len(rows) - _SHOWN} more"] if len(rows) > _SHOWN else []

@@ -14,7 +14,7 @@ from mathutils import Vector
 from . import locators as at
 from . import prepare, roster, snapshot
 from .codecs import COLOR, DEGREES, LENS, NUMBER, Codec
-from .contract import schema
+from .contract import labels, schema
 from .journal import Journal
 from .places import Place
 
@@ -218,7 +218,10 @@ def _check(key: str, value: Sequence[float]) -> None:
     parameter = schema.FAMILIES.get(f"{group}/{name}")
     if parameter and len(value) != parameter.components:
         raise schema.VibeError(
-            f"{key} needs {parameter.components} numbers, not {len(value)}.", "Correct the value."
+            f"{labels.title(key)} needs {parameter.components} numbers, not {len(value)}.",
+            "Correct the value.",
         )
     if not all(map(math.isfinite, value)):
-        raise schema.VibeError(f"{key} is not a finite number: {tuple(value)}.", "Correct the value.")
+        raise schema.VibeError(
+            f"{labels.title(key)} is not a finite number: {tuple(value)}.", "Correct the value."
+        )

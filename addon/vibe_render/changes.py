@@ -1,81 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Values as an artist reads them: names, units, and what lies between an old and a new one. No bpy here."""
+"""What lies between an old and a new value: how it reads, and what is part of the way. No bpy here."""
 
 from __future__ import annotations
 
 import math
 
-from .contract import schema
-
-GROUPS: dict[str, tuple[str, str]] = {
-    "camera": ("Camera", "OUTLINER_OB_CAMERA"),
-    "light": ("Lights", "OUTLINER_OB_LIGHT"),
-    "world": ("World", "WORLD"),
-    "material": ("Materials", "MATERIAL"),
-    "volume": ("Fog", "OUTLINER_OB_VOLUME"),
-    "film": ("Color & Grade", "COLOR"),
-}
-"""Title and icon of every group of the schema."""
-
-_UNITS = {
-    "W": " W",
-    "W/m2": " W/m²",
-    "m": " m",
-    "1/m": " /m",
-    "deg": "°",
-    "K": " K",
-    "stops": " stops",
-    "": "",
-}
-
-
-def parameter(key: str) -> schema.Parameter:
-    """The schema row of an instance's key."""
-    group, _, name = schema.split_key(key)
-    return schema.FAMILIES[f"{group}/{name}"]
-
-
-def words(name: str) -> str:
-    """A parameter's own name for people: "Base Color"."""
-    return {"ior": "IOR", "fov": "Field of View"}.get(name, name.replace("_", " ").title())
-
-
-def title(key: str) -> str:
-    """An instance's name for people: "Key Light: Power", "Fog: Density", "Saturation"."""
-    group, owner, name = schema.split_key(key)
-    return words(name) if group == "film" else f"{owner or GROUPS[group][0]}: {words(name)}"
-
-
-def text(key: str, values: schema.Values) -> str:
-    """A value with its unit: "120 W", "32°", "+0.4 stops", or three numbers for a color."""
-    row = parameter(key)
-    if row.kind == "color":
-        return " ".join(f"{v:.2f}" for v in values)
-    sign = "+" if row.unit == "stops" and values[0] > 0 else ""
-    return f"{sign}{_number(values[0])}{_UNITS[row.unit]}"
+from .contract import labels, schema
 
 
 def arrow(key: str, before: schema.Values, after: schema.Values) -> str:
     """The old and the new value, the unit once: "400 → 160 W"."""
-    unit = _UNITS[parameter(key).unit]
-    return f"{text(key, before).removesuffix(unit)} → {text(key, after)}"
-
-
-def _number(value: float) -> str:
-    """About three significant digits, without exponents."""
-    if abs(value) < 1e-4:
-        return "0"
-    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"
+    return f"{labels.bare(key, before)} → {labels.text(key, after)}"
 
 
 def same(key: str, before: schema.Values, after: schema.Values) -> bool:
     """Whether two values read the same, so that listing the change would only puzzle."""
-    return text(key, before) == text(key, after)
+    return labels.text(key, before) == labels.text(key, after)
 
 
 def blend(key: str, before: schema.Values, after: schema.Values, strength: float) -> schema.Values:
     """The value `strength` of the way from before (0) to after (1), in even steps to the eye."""
-    scale = parameter(key).scale
+    scale = labels.parameter(key).scale
     return tuple(_between(scale, a, b, strength) for a, b in zip(before, after, strict=True))
 
 

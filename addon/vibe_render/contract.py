@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from proxy_renderer import schema
-    from proxy_renderer.schema import messages, preset
+    from proxy_renderer.schema import labels, messages, preset
 else:
     try:
         from . import schema
-        from .schema import messages, preset
+        from .schema import labels, messages, preset
     except ImportError:
         from proxy_renderer import schema
-        from proxy_renderer.schema import messages, preset
+        from proxy_renderer.schema import labels, messages, preset
 
-__all__ = ["messages", "preset", "schema"]
+__all__ = ["labels", "messages", "preset", "schema"]

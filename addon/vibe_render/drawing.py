@@ -7,6 +7,14 @@ import textwrap
 
 import bpy
 
+GROUP_ICONS = {
+    "camera": "OUTLINER_OB_CAMERA",
+    "light": "OUTLINER_OB_LIGHT",
+    "world": "WORLD",
+    "material": "MATERIAL",
+    "volume": "OUTLINER_OB_VOLUME",
+    "film": "COLOR",
+}
 _PLACES = {"VIEW_3D": "UI", "PROPERTIES": "WINDOW", "PREFERENCES": "WINDOW"}
 """Where our panels are: the kind of area, and the region in it."""
 

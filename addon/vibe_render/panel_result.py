@@ -10,9 +10,9 @@ from typing import Any
 import bpy
 
 from . import changes, preview, result_operators, snapshot
-from .contract import schema
+from .contract import labels, schema
 from .desk import desk
-from .drawing import columns, paragraph
+from .drawing import GROUP_ICONS, columns, paragraph
 from .session import Session
 from .value_list import draw_lock
 
@@ -119,7 +119,7 @@ class Changes:
         """Draws the list."""
         layout = self.layout  # type: ignore[attr-defined]
         for (group, owner), entries in groupby(_visible(context), key=_owner):
-            name, icon = changes.GROUPS[group]
+            name, icon = labels.GROUP_TITLES[group], GROUP_ICONS[group]
             column = layout.column(align=True)
             column.label(text=owner or name, icon=icon)
             for entry in entries:
@@ -137,10 +137,10 @@ def _owner(change: Any) -> tuple[str, str]:
 
 def _draw_change(layout: bpy.types.UILayout, context: bpy.types.Context, change: Any) -> None:
     """Name, old and new value, a lock; below, the word that caused it."""
-    settings, parameter = context.scene.vibe, changes.parameter(change.name)
+    settings, parameter = context.scene.vibe, labels.parameter(change.name)
     row = layout.row(align=True)
     split = row.split(factor=0.44, align=True)
-    split.label(text=changes.words(parameter.name))
+    split.label(text=labels.words(parameter.name))
     values = split.row(align=True)
     before, after = change.values()
     if parameter.kind == "color":

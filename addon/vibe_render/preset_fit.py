@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 
 import bpy
 
-from . import changes, prepare, presets, roster
-from .contract import preset, schema
+from . import prepare, presets, roster
+from .contract import labels, preset, schema
 from .presets import RADIANCE, Known, camera_azimuth, owners
 
 _TEXTURE_LUMA = 0.5  # of a typical texture: what a color is divided by to become a tint
@@ -115,7 +115,7 @@ def _put(found: Fit, known: Known, group: str, owner: str, name: str, value: lis
         found.values |= tinted
         if not tinted and not (instance is None and name in _ONLY_LAMPS):
             reason = instance.locked if instance else "there is nothing of that kind in this scene"
-            found.rest.append(f"{changes.title(key)}: {reason}")
+            found.rest.append(f"{labels.title(key)}: {reason}")
         return
     if group == "light" and name == "azimuth":
         value = [value[0] + camera_azimuth(known)]

@@ -14,8 +14,8 @@ from bpy.props import (
     StringProperty,
 )
 
-from . import changes, chosen, preferences
-from .contract import messages, schema
+from . import chosen, preferences
+from .contract import labels, messages, schema
 from .subject import Choice
 
 MAX_PROMPT = 2000  # characters that the field takes
@@ -32,7 +32,7 @@ class VibeChange(bpy.types.PropertyGroup):
 
     def values(self) -> tuple[schema.Values, schema.Values]:
         """The old and the new value, with as many components as the parameter has."""
-        count = changes.parameter(self.name).components
+        count = labels.parameter(self.name).components
         return tuple(self.before)[:count], tuple(self.after)[:count]
 
 
@@ -44,9 +44,9 @@ def _toggles() -> dict[str, BoolProperty]:
     """A toggle for every group of the schema."""
     toggles = {}
     for group in schema.GROUPS:
-        names = ", ".join(changes.words(p.name).lower() for p in schema.PARAMETERS if p.group == group)
+        names = ", ".join(labels.words(p.name).lower() for p in schema.PARAMETERS if p.group == group)
         toggles[f"change_{group}"] = BoolProperty(
-            name=changes.GROUPS[group][0],
+            name=labels.GROUP_TITLES[group],
             description=f"A vibe may change: {names}",
             default=group not in _LEFT_ALONE,
         )

@@ -9,8 +9,8 @@ from typing import ClassVar
 import bpy
 from bpy.props import IntProperty, StringProperty
 
-from . import changes, result, snapshot
-from .contract import schema
+from . import result, snapshot
+from .contract import labels, schema
 from .desk import desk
 from .obstacles import untouchable
 
@@ -108,7 +108,7 @@ class VIBE_OT_why(bpy.types.Operator):
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
         """The reason, as a tool tip."""
         change = context.scene.vibe.changes[properties.key]
-        where = f"{changes.title(change.name)}, found at {changes.parameter(change.name).blender}"
+        where = f"{labels.title(change.name)}, found at {labels.parameter(change.name).blender}"
         return f"{change.reason}.\n{where}" if change.reason else where
 
     def execute(self, context: bpy.types.Context) -> set[str]:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from .contract import schema
+from .contract import labels, schema
 
 _REASON = "it is not a number in Blender"
 
@@ -21,7 +21,9 @@ def instances(found: Mapping[str, schema.Instance]) -> tuple[dict[str, schema.In
             parameter = instance.parameter
             default = (parameter.default * instance.reference,) * parameter.components
             instance = replace(instance, value=default, locked=instance.locked or _REASON)
-            warnings.append(f"{key} is not a number in Blender; the prediction takes {default[0]:g}.")
+            warnings.append(
+                f"{labels.title(key)} is not a number in Blender; the prediction takes {default[0]:g}."
+            )
         mended[key] = instance
     return mended, warnings
 
@@ -33,6 +35,8 @@ def content(value: Any, path: str, warnings: list[str]) -> Any:
     if isinstance(value, list | tuple):
         return [content(item, path, warnings) for item in value]
     if isinstance(value, float) and not math.isfinite(value):
-        warnings.append(f"{path} is not a number in Blender; the prediction takes 0.")
+        warnings.append(
+            f"{path.replace('/', ' › ').replace('_', ' ')} is not a number in Blender; the prediction takes 0."
+        )
         return 0.0
     return value

@@ -9,8 +9,8 @@ from typing import Any, ClassVar
 import bpy
 from bpy.props import CollectionProperty, IntProperty, StringProperty
 
-from . import bindings, changes, drawing, roster
-from .contract import schema
+from . import bindings, drawing, roster
+from .contract import labels, schema
 
 
 class VibeValue(bpy.types.PropertyGroup):
@@ -49,7 +49,7 @@ class VIBE_UL_values(bpy.types.UIList):
         row = layout.row(align=True)
         names = row.row()
         names.active = not item.reason and getattr(settings, f"change_{group}")
-        names.label(text=item.title, icon=changes.GROUPS[group][1])
+        names.label(text=item.title, icon=drawing.GROUP_ICONS[group])
         draw_lock(row, settings, item.name, item.reason)
 
     def filter_items(
@@ -87,7 +87,7 @@ class VIBE_OT_lock(bpy.types.Operator):
         if properties.reason:
             return f"Stays as it is: {properties.reason}"
         locked = properties.key in context.scene.vibe.locks
-        return f"{'Let a vibe change' if locked else 'Keep'} {changes.title(properties.key)}"
+        return f"{'Let a vibe change' if locked else 'Keep'} {labels.title(properties.key)}"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Turns the lock."""
@@ -152,8 +152,8 @@ def fill(scene: bpy.types.Scene) -> None:
     rows.clear()
     for instance in bindings.instances(scene, roster.meshes(scene), scene.vibe.pivot).values():
         row = rows.add()
-        row.name, row.title = instance.key, changes.title(instance.key)
-        row.text, row.reason = changes.text(instance.key, instance.value), instance.locked
+        row.name, row.title = instance.key, labels.title(instance.key)
+        row.text, row.reason = labels.text(instance.key, instance.value), instance.locked
 
 
 CLASSES = (VibeValue, VibeValues, VIBE_UL_values, VIBE_OT_lock, VIBE_OT_unlock_all)

@@ -9,7 +9,7 @@ from typing import Any
 
 from PIL import Image
 
-from ..schema import VibeError
+from ..schema import VibeError, labels
 from .plan import Job
 from .store import DONE, FINAL, FRAMES, Row, head, read_json, unwritable, write_bytes, write_json
 
@@ -71,12 +71,12 @@ def _thumb(folder: Path, name: str) -> None:
 
 def _details(job: Job, report: dict[str, Any]) -> bytes:
     """What the sheet shows of a job on demand: a script, because pages from disk may load nothing else."""
-    changed = {k: p for k, p in report.get("parameters", {}).items() if p["before"] != p["after"]}
-    rows = [[key, p["before"], p["after"], p["reason"]] for key, p in changed.items()]
+    parameters = report.get("parameters", {})
+    rows = [row for key, found in parameters.items() if (row := _changed(key, found))]
     understood = report.get("understood", {})
     content = {
         "parameters": rows,
-        "left": len(report.get("parameters", {})) - len(rows),
+        "left": len(parameters) - len(rows),
         "warnings": report.get("warnings", []),
         "understood": {
             k: understood[k] for k in ("whole", "ignored", "guesses", "notes") if understood.get(k)
@@ -85,3 +85,13 @@ def _details(job: Job, report: dict[str, Any]) -> bytes:
         "versions": report.get("versions", {}),
     }
     return f"vibeDetails({json.dumps(job.name)}, {json.dumps(content, ensure_ascii=False)});\n".encode()
+
+
+def _changed(key: str, found: dict[str, Any]) -> list[Any] | None:
+    """A parameter's name, old value, new value and reason, for people; None if the values read the same."""
+    before, after = (tuple(v) if isinstance(v, list) else (v,) for v in (found["before"], found["after"]))
+    if labels.text(key, before) == labels.text(key, after):
+        return None
+    if len(after) == 1:
+        return [labels.title(key), labels.bare(key, before), labels.text(key, after), found["reason"]]
+    return [labels.title(key), before, after, found["reason"]]

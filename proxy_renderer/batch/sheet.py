@@ -29,7 +29,8 @@ FILES = {
     "preset": "preset.json",
     "report": "report.json",
 }
-_PAGE = Path(__file__).with_name("sheet.html")
+_PAGE = Path(__file__).with_name("page")
+_SCRIPTS = ("rows.js", "card.js", "large.js", "keys.js")
 _SHARE = 0.05
 """Most of the time that may go into rewriting the sheet while jobs run."""
 
@@ -60,9 +61,7 @@ class Sheet:
         """
         start = time.monotonic()
         folder = self._store.folder
-        before, after = (
-            _PAGE.read_text("utf-8").replace("{{title}}", html.escape(self._title)).split("{{rows}}")
-        )
+        before, after = _page(self._title)
         with (
             _file(folder / "index.html") as page,
             _file(folder / "results.jsonl") as lines,
@@ -87,6 +86,15 @@ def complete(row: Row) -> Row:
         {kind: f"{row['folder']}/{name}" for kind, name in FILES.items()} if row["status"] == "done" else {}
     )
     return {key: row.get(key) for key in FIELDS} | {kind: files.get(kind) for kind in FILES}
+
+
+def _page(title: str) -> tuple[str, str]:
+    """The page before and after its rows, all in one file: from disk, browsers load little else."""
+    texts = {part.name: part.read_text("utf-8") for part in _PAGE.iterdir() if part.is_file()}
+    script = "\n".join(texts[name] for name in _SCRIPTS)
+    page = texts["sheet.html"].replace("{{style}}", texts["sheet.css"]).replace("{{script}}", script)
+    before, after = page.replace("{{title}}", html.escape(title)).split("{{rows}}")
+    return before, after
 
 
 def _in_script(row: Row) -> str:

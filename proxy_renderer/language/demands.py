@@ -36,11 +36,6 @@ class Demand:
         return self.weak, bool(self.attribute.cause), usual
 
 
-def listed(keys: list[str]) -> str:
-    """Keys for a note, not too many."""
-    return ", ".join(keys[:3]) + (f" and {len(keys) - 3} more" if len(keys) > 3 else "")
-
-
 def lacking(owner: str) -> str:
     """What a scene has not got, for an effect's owner."""
     if owner in ("rim", "fill", "others"):

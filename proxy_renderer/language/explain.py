@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from ..schema import Values
+from ..schema import Values, labels
 from .types import Parsed, Plan, Prompts
 
 
@@ -13,7 +13,8 @@ def explain(parsed: Parsed, prompts: Prompts, plan: Plan) -> str:
     for thing in parsed.objects:
         said = "; ".join(f"{slot}: {words}" for slot, words in thing.attributes.items()) or "as it is"
         materials = f" [{', '.join(thing.materials)}]" if thing.materials else ""
-        lines.append(f"  {thing.name} ({thing.region}){materials}: {said}")
+        where = "" if thing.name == thing.region else f" ({thing.region})"
+        lines.append(f"  {thing.name}{where}{materials}: {said}")
     lines += [f"  '{mood}' stands for: {words}" for mood, words in _moods(parsed).items()]
     lines += [
         f"  guessed: '{word}' as '{entry}'{_sure(parsed.confidence.get(word))}"
@@ -28,13 +29,16 @@ def explain(parsed: Parsed, prompts: Prompts, plan: Plan) -> str:
     lines += [f"  not: {text}" for text in unwanted]
     if parsed.targets:
         lines.append(
-            "  measured by: " + ", ".join(f"{head} = {value}" for head, value in parsed.targets.items())
+            "  measured by: "
+            + ", ".join(f"{head.replace('_', ' ')} = {value}" for head, value in parsed.targets.items())
         )
     lines += ["", "Plan (the smaller the priority, the more important)"]
     moving = sorted((e.priority, key) for key, e in plan.items() if e.priority is not None)
     for priority, key in moving:
         entry = plan[key]
-        lines.append(f"  {priority:3d}  {key}: {_range(entry.lower, entry.upper)}  {entry.reason}")
+        lines.append(
+            f"  {priority:3d}  {labels.title(key)}: {_range(key, entry.lower, entry.upper)}  {entry.reason}"
+        )
     kept = len(plan) - len(moving)
     lines.append(f"  {kept} other parameters keep the artist's value.")
     lines += [f"  note: {note}" for note in plan.notes]
@@ -76,12 +80,6 @@ def _moods(parsed: Parsed) -> dict[str, str]:
     return moods
 
 
-def _range(lower: Values, upper: Values) -> str:
-    def show(values: Values) -> str:
-        return (
-            ", ".join(f"{v:.3g}" for v in values)
-            if len(values) == 1
-            else f"({', '.join(f'{v:.2g}' for v in values)})"
-        )
-
-    return f"{show(lower)} .. {show(upper)}" if lower != upper else show(lower)
+def _range(key: str, lower: Values, upper: Values) -> str:
+    last = labels.text(key, upper)
+    return last if lower == upper else f"{labels.bare(key, lower)} .. {last}"

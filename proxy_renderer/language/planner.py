@@ -5,9 +5,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..schema import FAMILIES, Instance, Values
+from ..schema import FAMILIES, Instance, Values, labels
 from .color import to_lab, to_srgb
-from .demands import Demand, lacking, listed, reason_of
+from .demands import Demand, lacking, reason_of
 from .illumination import expected, veil
 from .meaning import is_vague
 from .owners import Owners
@@ -75,12 +75,12 @@ class _Planner:
         entries = {key: self._entry(instance) for key, instance in self.instances.items()}
         for (loser, winner), lost in self.beaten.items():
             self.notes.append(
-                f"'{loser}' gives way to '{winner}' on {listed(list(lost))}: "
+                f"'{loser}' gives way to '{winner}' on {labels.titles(list(lost))}: "
                 "they contradict each other, and the first one named counts."
             )
         self.notes += self._unmet(wishes)
         for reason, keys in self.kept.items():
-            self.notes.append(f"The words ask for {listed(keys)}, but: {reason}.")
+            self.notes.append(f"Left alone, though the words ask for it: {labels.titles(keys)} ({reason}).")
         return entries
 
     def _plain(self) -> bool:

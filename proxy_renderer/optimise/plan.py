@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from ..language.types import Plan
-from ..schema import GROUPS, Instance, Values, VibeError, matches
+from ..schema import GROUPS, Instance, Values, VibeError, labels, matches
 from .vector import nearest_turn
 
 _OCTAVE = 1.5
@@ -87,7 +87,7 @@ def lock(
         if group == "camera" and "camera" not in groups and not camera:
             return "the camera stays as you framed it"
         if groups and group not in groups and not (group == "camera" and camera):
-            return f"only {', '.join(groups)} may change"
+            return f"only {', '.join(labels.GROUP_TITLES[g] for g in groups)} may change"
         return ""
 
     return {

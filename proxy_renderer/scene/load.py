@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from ..schema import PARAMETERS, Instance, VibeError, schema_hash, split_key
+from ..schema import PARAMETERS, Instance, VibeError, labels, schema_hash, split_key
 from .data import (
     Array,
     Camera,
@@ -192,7 +192,9 @@ def _instance(key: str, row: dict[str, Any]) -> Instance:
     parameter = _ROWS[group, name]
     value = row["value"] if isinstance(row["value"], list) else [row["value"]]
     if len(value) != parameter.components or not all(math.isfinite(v) for v in value):
-        raise VibeError(f"The value of {key} is not usable: {row['value']}.", "Correct it in Blender.")
+        raise VibeError(
+            f"The value of {labels.title(key)} is not usable: {row['value']}.", "Correct it in Blender."
+        )
     return Instance(
         parameter=parameter,
         owner=owner,

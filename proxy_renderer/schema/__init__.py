@@ -2,7 +2,7 @@
 """The contract between Blender and the engine. Standard library and relative imports only:
 building the extension copies this folder into it."""
 
-from . import budgets, orbit
+from . import budgets, labels, orbit
 from .budgets import BUDGETS, Budget
 from .errors import VibeError
 from .frames import frame_numbers
@@ -24,6 +24,7 @@ __all__ = [
     "VibeError",
     "budgets",
     "frame_numbers",
+    "labels",
     "matches",
     "orbit",
     "schema_hash",

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Parameters and values as people read them: "Key light: Power", "120 W". Keys are for programs."""
+
+from __future__ import annotations
+
+import re
+
+from .parameters import FAMILIES
+from .spec import Parameter, Values, split_key
+
+GROUP_TITLES = {
+    "camera": "Camera",
+    "light": "Lights",
+    "world": "World",
+    "material": "Materials",
+    "volume": "Fog",
+    "film": "Color & Grade",
+}
+_NAMES = {"ior": "IOR", "fov": "Field of View"}
+_LIGHT_WORDS = re.compile(r"light|lamp|sun|spot", re.IGNORECASE)
+_UNITS = {
+    "W": " W",
+    "W/m2": " W/m²",
+    "m": " m",
+    "1/m": " /m",
+    "deg": "°",
+    "K": " K",
+    "stops": " stops",
+    "": "",
+}
+
+
+def parameter(key: str) -> Parameter:
+    """The schema row of an instance's key."""
+    group, _, name = split_key(key)
+    return FAMILIES[f"{group}/{name}"]
+
+
+def words(name: str) -> str:
+    """A parameter's own name: "Base Color"."""
+    return _NAMES.get(name, name.replace("_", " ").title())
+
+
+def title(key: str) -> str:
+    """An instance's name: "Key light: Power", "Clay: Roughness", "Fog: Density", "Saturation"."""
+    group, owner, name = split_key(key)
+    if group == "film":
+        return words(name)
+    if group == "light" and owner and not _LIGHT_WORDS.search(owner):
+        owner += " light"
+    return f"{owner or GROUP_TITLES.get(group, group)}: {words(name)}"
+
+
+def titles(keys: list[str], most: int = 3) -> str:
+    """Names for a note, not too many: "Key light: Power, Key light: Color and 2 more"."""
+    shown = ", ".join(map(title, keys[:most]))
+    return shown + (f" and {len(keys) - most} more" if len(keys) > most else "")
+
+
+def text(key: str, values: Values) -> str:
+    """A value with its unit: "120 W", "32°", "+0.4 stops", or three numbers for a color."""
+    row = parameter(key)
+    if row.kind == "color":
+        return " ".join(f"{v:.2f}" for v in values)
+    if row.unit == "stops":
+        stops = round(values[0], 2)
+        return f"{stops:+g} stops" if stops else "0 stops"
+    return f"{_number(values[0])}{_UNITS[row.unit]}"
+
+
+def bare(key: str, values: Values) -> str:
+    """The same without its unit, where that follows: the 400 of "400 → 160 W"."""
+    return text(key, values).removesuffix(_UNITS[parameter(key).unit])
+
+
+def _number(value: float) -> str:
+    """About three significant digits, without exponents."""
+    if abs(value) < 1e-4:
+        return "0"
+    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"
