@@ -5,6 +5,7 @@ import json
 import math
 
 import bpy
+import numpy as np
 import pytest
 from PIL import Image
 from small_scenes import camera, cube, light, principled, shader, world
@@ -37,6 +38,7 @@ def save_sequence(path, red=0.8, strength=0.5):
     front.name = "Front"
     scene.timeline_markers.new("cut", frame=10).camera = side
     scene.render.resolution_x, scene.render.resolution_y = 96, 64
+    scene.cycles.samples = 4
     scene.frame_set(1)
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
     return path
@@ -113,6 +115,21 @@ def test_two_blends_get_the_same_values_and_a_grade_each(folder):
     code, said = batch("revert", out / "vibed-2.blend")
     assert code == 0, said
     assert opened(out / "vibed-2.blend")["color"][0] == pytest.approx(0.3)
+
+
+def test_final_frames_are_seen_through_the_shots_camera(folder):
+    """Also at a frame where a marker cuts to another one."""
+
+    def frame(name, *camera):
+        out = folder / "frames" / name
+        code, said = batch("frames", folder / "shot.blend", "--frames=12", *camera, f"--out={out}")
+        assert code == 0, said
+        with Image.open(out / "0012.png") as picture:
+            return np.asarray(picture.convert("RGB"), float)
+
+    own, side, front = frame("own"), frame("side", "--cameras=Side"), frame("front", "--cameras=Front")
+    assert np.abs(own - side).mean() < 1.0
+    assert np.abs(front - side).mean() > 5.0
 
 
 @pytest.mark.parametrize(

@@ -13,12 +13,12 @@ import numpy as np
 import torch
 from PIL import Image
 
-from . import report
+from . import predictions, report
+from .device import pick_device
 from .guidance import augment
 from .guidance.encoder import Encoder, load_encoder
 from .optimise import context, pipeline
 from .optimise.anchoring import Blender
-from .optimise.objective import draw
 from .optimise.progress import Watch
 from .optimise.shots import View
 from .render.color import mean_difference
@@ -29,10 +29,6 @@ from .vlm import judge
 from .vlm.advisor import ModelAdvisor
 from .vlm.client import Client
 from .vlm.endpoint import find_endpoint
-
-PREDICTION, MASK = "prediction.png", "mask.png"
-OTHERS = {"before_last_anchor": "prediction-earlier.png", "unanchored": "prediction-unanchored.png"}
-"""Predictions that only the figures are taken of: of the correction before the last, and without any."""
 
 
 class Session:
@@ -83,12 +79,14 @@ class Session:
         outcome = pipeline.run(views, self.prompt, self.options, encoder, heads, self._watch, advisor)
         clock.lap("loop")
         self._watch.stage("drawing the prediction")
-        variants: list[messages.Variant] = []
+        pictures: list[list[Image.Image]] = []  # for each shot, of every variant
         for number, shot in enumerate(outcome.shots):
             size = context.picture_size(shot.scene.resolution, self.options.size)
             proxy = Proxy(shot.scene, size, device, self.options.seed, fine=True)
-            self._predict(proxy, outcome, number)
-            variants = variants or self._variants(proxy, outcome)
+            job = Path(self.shots[number].job)
+            self._others = predictions.predict(proxy, outcome, number, job)
+            pictures.append(predictions.variants(proxy, outcome, number, job))
+        variants = self._variants(outcome, pictures)
         clock.lap("prediction")
         self._caption = outcome.prompts.whole or self.prompt
         values = [report.changed_values(outcome, shot) for shot in outcome.shots]
@@ -105,44 +103,31 @@ class Session:
                 ),
                 "timings": clock.laps,
             },
-            prediction=PREDICTION,
+            prediction=predictions.PREDICTION,
             stopped=outcome.stopped,
             variants=variants,
             shots=values if len(values) > 1 else [],
         )
 
-    def _variants(self, proxy: Proxy, outcome: pipeline.Outcome) -> list[messages.Variant]:
-        """The looks to choose from, each with a picture of the first shot, and all of them on one sheet."""
-        variants, pictures = [], []
-        job = Path(self.shots[0].job)
-        for number, found in enumerate(outcome.variants, start=1):
-            proxy.correction, *_ = found.anchors[0]
-            with torch.no_grad():
-                picture = draw(proxy, found.vector, found.u)
-            name = f"variant-{number}.png"
-            report.save_picture(picture.display, job / name)
-            with Image.open(job / name) as image:
-                pictures.append((str(number), image.convert("RGB")))
-            variants.append(messages.Variant(report.changed_values(found), name, round(found.loss, 4)))
-        if pictures:
-            report.save_image(report.compare([pictures], self.prompt), job / messages.VARIANTS)
-        return variants
-
-    def _predict(self, proxy: Proxy, outcome: pipeline.Outcome, number: int) -> None:
-        """Draws a shot of the values found at full size, and what would have been predicted without the last anchor."""
-        job, shot = Path(self.shots[number].job), outcome.shots[number]
-        anchoring = shot.anchoring
-        last = anchoring.proxy.correction
-        corrections = {PREDICTION: last}
-        if last is not None:
-            corrections |= {OTHERS["before_last_anchor"]: anchoring.earlier, OTHERS["unanchored"]: None}
-        self._others = [name for name in OTHERS if OTHERS[name] in corrections]
-        for name, correction in corrections.items():
-            proxy.correction = correction
-            with torch.no_grad():
-                picture = draw(proxy, shot.vector, outcome.u)
-            report.save_picture(picture.display, job / name)
-        report.save_picture(picture.mask, job / MASK)
+    def _variants(
+        self, outcome: pipeline.Outcome, pictures: list[list[Image.Image]]
+    ) -> list[messages.Variant]:
+        """The looks to choose from, and all of them on one sheet: a column for each, a row for each shot."""
+        if not outcome.variants:
+            return []
+        rows = [
+            [(f"{number} · {shot.name}" if shot.name else f"{number}", p) for number, p in enumerate(row, 1)]
+            for shot, row in zip(self.shots, pictures, strict=True)
+        ]
+        report.save_image(report.compare(rows, self.prompt), Path(self.shots[0].job) / messages.VARIANTS)
+        return [
+            messages.Variant(
+                report.changed_values(found, found.shots[0]),
+                predictions.variant(number),
+                round(found.loss, 4),
+            )
+            for number, found in enumerate(outcome.variants, start=1)
+        ]
 
     def finish(self, request: messages.Finish) -> messages.Finished:
         """Measures Cycles' pictures against the prediction and the words, and composes them."""
@@ -151,7 +136,7 @@ class Session:
         before, after = (report.load_picture(Path(p)) for p in (request.before, request.after))
         shape, shot = (after.shape[1], after.shape[0]), self.shots[request.shot]
         job = Path(shot.job)
-        predicted = _drawn(job / PREDICTION, shape)
+        predicted = _drawn(job / predictions.PREDICTION, shape)
         panels = [("before", before), ("the proxy's prediction", predicted), ("after (Cycles)", after)]
         images = [
             (
@@ -163,11 +148,13 @@ class Session:
         self._rows = [*self._rows[: request.shot], images]
         report.save_image(report.compare(self._rows, self.prompt), Path(request.compare_out))
         if request.mask_out:
-            with Image.open(job / MASK) as mask:
+            with Image.open(job / predictions.MASK) as mask:
                 report.save_image(mask.resize(shape, Image.Resampling.LANCZOS), Path(request.mask_out))
         return messages.Finished(
             delta_e=_delta_e(predicted, after),
-            others={name: _delta_e(_drawn(job / OTHERS[name], shape), after) for name in self._others},
+            others={
+                name: _delta_e(_drawn(job / predictions.OTHERS[name], shape), after) for name in self._others
+            },
             similarity={"before": self._similarity(before), "after": self._similarity(after)},
             judge=self._judge(images[0][1], images[2][1]),
         )
@@ -233,23 +220,6 @@ def _drawn(path: Path, shape: tuple[int, int]) -> np.ndarray:
 def _delta_e(a: np.ndarray, b: np.ndarray) -> float:
     """Mean CIEDE2000 of two pictures (H, W, 3)."""
     return round(float(mean_difference(torch.from_numpy(a), torch.from_numpy(b))), 3)
-
-
-def pick_device(name: str) -> str:
-    """The torch device for a name; "auto" is a CUDA card where there is one.
-
-    Raises:
-        VibeError: If torch does not have it here.
-    """
-    if name in ("", "auto"):
-        return "cuda" if torch.cuda.is_available() else "cpu"
-    try:
-        torch.zeros(1, device=name)
-    except (RuntimeError, AssertionError) as error:
-        raise VibeError(
-            f"There is no device {name!r} here.", "Use --device cpu, or run `vibe doctor`."
-        ) from error
-    return name
 
 
 def _embedded(device: str) -> Encoder | None:

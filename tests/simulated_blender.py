@@ -30,7 +30,10 @@ def numbered(name, number):
 
 def carry_out(arguments):
     options = dict(a[2:].split("=", 1) for a in arguments if a.startswith("--") and "=" in a)
-    prompt, out = options["prompt"], Path(options["out"])
+    out = Path(options["out"])
+    if arguments[0] == "frames":
+        return render_frames(Path(arguments[1]), options, out)
+    prompt = options["prompt"]
     say(type="stage", name=f"working as process {os.getpid()}")
     if "slow" in prompt:
         time.sleep(0.3)
@@ -55,10 +58,20 @@ def carry_out(arguments):
     (out / "preset.json").write_text(json.dumps({"prompt": prompt, "seed": options["seed"]}))
     (out / "vibed.blend").write_bytes(b"BLENDER")
     shots = [
-        {"name": c, **{kind: numbered(kind, i) for kind in ("before", "after")}}
+        {"name": c, "scene": "shot", "blend": "vibed.blend", "camera": c, "frame": None}
+        | {kind: numbered(kind, i) for kind in ("before", "after")}
         for i, c in enumerate(cameras)
     ]
     (out / "report.json").write_text(json.dumps(REPORT | ({"shots": shots} if len(shots) > 1 else {})))
+    say(type="result", lines=[])
+
+
+def render_frames(blend, options, out):
+    """Frames that tell through which camera they are seen."""
+    assert blend.read_bytes() == b"BLENDER"
+    out.mkdir(parents=True, exist_ok=True)
+    for number in options["frames"].split("-"):
+        (out / f"000{number}.png").write_text(options.get("cameras", "the scene's own"))
     say(type="result", lines=[])
 
 

@@ -16,9 +16,10 @@ import psutil
 import pytest
 from batch_parts import carry_out, plan_of
 
-from proxy_renderer.batch.finals import results
+from proxy_renderer.batch.finals import Finals, takes
 from proxy_renderer.batch.local import fitting
-from proxy_renderer.batch.manifest import Limits
+from proxy_renderer.batch.manifest import Limits, Shot
+from proxy_renderer.batch.plan import Plan, Take
 from proxy_renderer.batch.store import Store
 from proxy_renderer.schema import VibeError
 
@@ -39,10 +40,54 @@ def test_one_warm_process_does_all_jobs(tmp_path):
     assert told == [(what, p) for p in ("noir", "misty", "neon") for what in ("started", "done")]
 
 
-def test_final_frames_are_rendered_of_every_scene_that_shares_the_look(tmp_path):
-    for name in ("vibed-10.blend", "vibed.blend", "vibed-2.blend", "before.png"):
-        (tmp_path / name).touch()
-    assert [path.name for path in results(tmp_path)] == ["vibed.blend", "vibed-2.blend", "vibed-10.blend"]
+def shot(scene, camera="", frame=None, blend="vibed.blend"):
+    return {"scene": scene, "camera": camera, "frame": frame, "blend": blend}
+
+
+@pytest.mark.parametrize(
+    ("shots", "wanted", "expected"),
+    [
+        ([], "", [Take(0)]),
+        ([shot("a", "Wide", 1), shot("a", "Wide", 50)], "", [Take(0, "Wide", "1,50")]),
+        (
+            [shot("a", "Wide"), shot("a", "Close"), shot("b", "Wide", blend="vibed-2.blend")],
+            "1-24",
+            [
+                Take(0, "Wide", "1-24", "a-Wide"),
+                Take(0, "Close", "1-24", "a-Close"),
+                Take(1, "Wide", "1-24", "b-Wide"),
+            ],
+        ),
+        (  # a grade for each frame
+            [shot("a", frame=1), shot("a", frame=50, blend="vibed-2.blend")],
+            "",
+            [Take(0, "", "1", "1"), Take(1, "", "50", "50")],
+        ),
+        (
+            [shot("a", "A/B: ../x"), shot("a", "B")],
+            "",
+            [Take(0, "A/B: ../x", "", "A_B_.._x"), Take(0, "B", "", "B")],
+        ),
+    ],
+)
+def test_final_frames_are_those_of_the_shots(shots, wanted, expected):
+    """Each .blend through each camera, at the frames that are asked for, else at those of the look."""
+    blends = list(dict.fromkeys(each["blend"] for each in shots))
+    assert list(takes(shots, blends, wanted)) == expected
+
+
+def test_final_frames_of_shots_that_share_a_look(tmp_path):
+    plan = Plan([Shot("kitchen", Path("a.blend"), "digest", ("noir",), (0,), ("--cameras=Wide,Close",))])
+    limits = Limits(free_gb=0.0, retries=0)
+    carry_out(tmp_path, plan, limits)
+    with Store(tmp_path) as store:
+        finals = Finals(plan, store, "1-2")
+    carry_out(tmp_path, finals, limits)
+    (frames,) = tmp_path.glob("jobs/*/frames")
+    found = {p.relative_to(frames).as_posix(): p.read_text() for p in frames.rglob("*.png")}
+    assert found == {f"{camera}/000{number}.png": camera for camera in ("Wide", "Close") for number in (1, 2)}
+    (row,) = json.loads(f"[{(tmp_path / 'results.jsonl').read_text()}]")
+    assert row["status"] == "done"
 
 
 def test_a_second_run_has_nothing_to_do(tmp_path):

@@ -4,6 +4,7 @@
 from dataclasses import replace
 
 import pytest
+from PIL import Image
 from test_pipeline import Silent
 from tiny_job import write_job
 
@@ -12,7 +13,8 @@ from proxy_renderer.optimise import pipeline
 from proxy_renderer.optimise.shots import MOVES, View, share
 from proxy_renderer.report import changed_values
 from proxy_renderer.scene import load_scene
-from proxy_renderer.schema.messages import Options
+from proxy_renderer.schema.messages import VARIANTS, Options, Shot
+from proxy_renderer.session import Session
 
 PROMPT = "glossy teal ball, white studio background, darker"
 COLOR, LAMP = "material/Ball/base_color", "light/Key/power"
@@ -98,3 +100,18 @@ def test_what_is_locked_or_moves_in_one_is_locked_in_all(views):
     first, other = changed(vibe([views[0], second], rounds=1, steps=3))
     assert COLOR not in first
     assert LAMP not in {**first, **other}
+
+
+def test_every_variant_is_drawn_in_every_shot(tmp_path):
+    """A column for each variant, a row for each shot; what they share is one set of values."""
+    names, sides = ("Wide", "Close"), ({}, {"camera/azimuth": 50.0})
+    jobs = [write_job(tmp_path / name, **values) for name, values in zip(names, sides, strict=True)]
+    shots = [Shot(str(job), name, "a") for job, name in zip(jobs, names, strict=True)]
+    chosen = Options(rounds=1, steps=2, size=48, variants=2, anchor=False, device="cpu")
+    found = Session(shots, PROMPT, chosen, Silent()).run()
+    assert len(found.variants) == 2
+    drawn = {(job / v.picture).read_bytes() for job in jobs for v in found.variants}
+    assert len(drawn) == 4
+    with Image.open(jobs[0] / VARIANTS) as sheet, Image.open(jobs[0] / found.variants[0].picture) as one:
+        assert sheet.height > 2 * sheet.width * one.height / one.width / 2
+    assert found.variants[0].values == found.values

@@ -24,7 +24,6 @@ _COMMANDS = {
     "frames": ("scene",),
     "serve": (),
 }
-_SEVERAL = ("run", "frames")  # commands that take one scene or several
 
 
 class _Parser(argparse.ArgumentParser):
@@ -52,12 +51,12 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
     if a.words:
         a.command = a.words[0]
         names = _COMMANDS.get(a.command)
-        more = a.command in _SEVERAL and len(a.words) > 1
+        more = a.command == "run" and len(a.words) > 1
         if names is None or (len(a.words) != len(names) + 1 and not more):
             raise schema.VibeError(f"Unknown command {' '.join(a.words)!r}.", f"Use {', '.join(_COMMANDS)}.")
         for name, word in zip(names, a.words[1:]):  # noqa: B905  those of several follow
             setattr(a, name, word)
-    a.scenes = a.words[1:] if a.command in _SEVERAL and a.words else [a.scene]
+    a.scenes = a.words[1:] if a.command == "run" and a.words else [a.scene]
     a.cameras, a.frames = _listed(a.cameras), schema.frame_numbers(a.frames)
     if a.command in ("run", "demo"):
         _check_prompt(a.prompt)

@@ -34,7 +34,7 @@ from .contract import labels, messages, schema
 from .conversation import Conversation, on_interrupt
 from .engine import Engine
 from .outputs import Outputs
-from .shots import Reel
+from .shots import Framing, Reel, Shot
 from .survey import Survey
 
 Values = dict[str, Any]
@@ -142,8 +142,7 @@ def _finish(
         if a.grade_each or number == family[-1]:
             if not a.grade_each:
                 reel.restore()
-            which = number if a.grade_each else list(dict.fromkeys(a.scenes)).index(reel.shots[number].scene)
-            save_blend(out.path(numbered("vibed.blend", which)))
+            save_blend(out.path(batch_summary.blend_of(a, reel, number)))
         measured.append(talk.wait(messages.Finished))
         laps.lap("save and measure")
     return measured, skipped
@@ -223,26 +222,20 @@ def revert(a: argparse.Namespace, reporter: Reporter) -> None:
 
 
 def frames(a: argparse.Namespace, reporter: Reporter) -> None:
-    """Renders frames of .blends as they stand, with Cycles, to OUT/0001.png and so on; those that are there stay.
+    """Renders frames of a .blend as it stands, with Cycles, to OUT/0001.png and so on; those that are there stay.
 
-    Frames of several .blends go into folders of their names.
+    Through the camera that is given, or through the scene's own, as its markers say.
     """
-    several = len(a.scenes) > 1
-    for name in a.scenes:
-        a.scene = name
-        _render_frames(a, a.out / Path(name).stem if several else a.out, reporter)
-    reporter.result([f"Written: {a.out}"])
-
-
-def _render_frames(a: argparse.Namespace, folder: Path, reporter: Reporter) -> None:
-    folder.mkdir(exist_ok=True)
+    a.out.mkdir(parents=True, exist_ok=True)
     scene, _, _ = open_scene(a, reporter)
+    Framing(scene).show(Shot(a.scene, *a.cameras[:1]))
     for number in a.frames or range(scene.frame_start, scene.frame_end + 1):
-        path = folder / f"{number:04}.png"
+        path = a.out / f"{number:04}.png"
         if not path.exists():
             reporter.stage(f"rendering frame {number}")
             scene.frame_set(number)
             rendering.render_final(scene, path)
+    reporter.result([f"Written: {a.out}"])
 
 
 COMMANDS: dict[str, Callable[[argparse.Namespace, Reporter], None]] = {

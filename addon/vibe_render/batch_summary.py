@@ -7,6 +7,7 @@ import argparse
 import os
 import time
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import bpy
@@ -41,7 +42,7 @@ def report(
         "similarity": _mean([each.similarity for each in measured]),
         "delta_e": _mean([{"": each.delta_e} for each in measured])[""],
         **({"judge": judges[0]} if judges else {}),
-        **({"shots": _shots(reel, measured)} if len(reel) > 1 else {}),
+        **({"shots": _shots(a, reel, measured)} if len(reel) > 1 else {}),
         "stopped": found.stopped,
         "not_written": skipped,
         "delta_e_others": _mean([each.others for each in measured]),
@@ -51,11 +52,13 @@ def report(
     }
 
 
-def _shots(reel: Reel, measured: Sequence[messages.Finished]) -> list[dict[str, Any]]:
+def _shots(a: argparse.Namespace, reel: Reel, measured: Sequence[messages.Finished]) -> list[dict[str, Any]]:
     """What became of each of several shots, and where its pictures are."""
     return [
         {
             "name": shot.name,
+            "scene": Path(shot.scene).stem,
+            "blend": blend_of(a, reel, number),
             "camera": shot.camera,
             "frame": shot.frame,
             "before": numbered("before.png", number),
@@ -66,6 +69,12 @@ def _shots(reel: Reel, measured: Sequence[messages.Finished]) -> list[dict[str, 
         }
         for number, (shot, each) in enumerate(zip(reel.shots, measured, strict=True))
     ]
+
+
+def blend_of(a: argparse.Namespace, reel: Reel, number: int) -> str:
+    """The name of the .blend that a shot is saved in: with a grade for each, its own; else its scene's."""
+    scenes = list(dict.fromkeys(a.scenes))
+    return numbered("vibed.blend", number if a.grade_each else scenes.index(reel.shots[number].scene))
 
 
 def numbered(name: str, number: int) -> str:

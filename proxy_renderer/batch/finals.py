@@ -3,12 +3,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
+from typing import Any
 
-from .plan import Job, Jobs
-from .store import Store
+from .plan import Job, Jobs, Take
+from .store import Store, read_json
 
 
 class Finals:
@@ -19,7 +20,7 @@ class Finals:
     Args:
         plan: The vibes.
         store: Where their results are.
-        frames: "1-24", or "" for the scene's own.
+        frames: "1-24"; or "" for those that the look was made for, else the scene's own.
     """
 
     def __init__(self, plan: Jobs, store: Store, frames: str) -> None:
@@ -30,12 +31,39 @@ class Finals:
 
     def __iter__(self) -> Iterator[Job]:
         for job in filter(self._store.done, self._plan):
-            first, *more = results(self._store.jobs / job.name)
-            yield replace(job, source=first, more=tuple(more), frames=self._frames)
+            folder = self._store.jobs / job.name
+            shots = (read_json(folder / "report.json") or {}).get("shots", [])
+            blends = list(dict.fromkeys(shot["blend"] for shot in shots)) or ["vibed.blend"]
+            first, *more = (folder / name for name in blends)
+            found = takes(shots, blends, self._frames)
+            yield replace(job, source=first, more=tuple(more), frames=self._frames, takes=found)
 
 
-def results(folder: Path) -> list[Path]:
-    """The .blends that a vibe has left: one, or one for each scene of several."""
-    numbers = (path.stem.removeprefix("vibed-") for path in folder.glob("vibed-*.blend"))
-    rest = sorted(int(number) for number in numbers if number.isdecimal())
-    return [folder / "vibed.blend", *(folder / f"vibed-{number}.blend" for number in rest)]
+def takes(shots: list[dict[str, Any]], blends: list[str], frames: str) -> tuple[Take, ...]:
+    """What is to be rendered of a vibe's shots: each .blend through each of its cameras, once.
+
+    Args:
+        shots: As in report.json; none for a vibe of one.
+        blends: The .blends that they name.
+        frames: Those that are wanted; "" for the shots' own.
+    """
+    if not shots:
+        return (Take(0, frames=frames),)
+    grouped: dict[tuple[str, str], list[dict[str, Any]]] = {}
+    for shot in shots:
+        grouped.setdefault((shot["blend"], shot["camera"]), []).append(shot)
+    keys = ("scene", "camera") if len({shot["scene"] for shot in shots}) > 1 else ("camera",)
+    labels = [_label(*(some[0][key] for key in keys)) for some in grouped.values()]
+    found = []
+    for ((blend, camera), some), label in zip(grouped.items(), labels, strict=True):
+        own = [str(shot["frame"]) for shot in some if shot["frame"] is not None]
+        if labels.count(label) > 1:  # each frame has a grade, and so a .blend, of its own
+            label = _label(label, *own[:1])
+        folder = label if len(grouped) > 1 else ""
+        found.append(Take(blends.index(blend), camera, frames or ",".join(own), folder))
+    return tuple(found)
+
+
+def _label(*parts: str) -> str:
+    """Scene and camera as the name of a folder."""
+    return "-".join(re.sub(r"[^\w.-]+", "_", part) for part in parts if part)

@@ -43,6 +43,7 @@ def leave(job: Job, folder: Path, memory_gb: float, seconds: float) -> Row:
         "memory_gb": memory_gb,
     }
     row |= {"shots": [shot["name"] for shot in shots]} if shots else {}
+    row |= {"variants": len(report["variants"])} if report.get("variants") else {}
     write_json(folder / DONE, row)
     return row
 

@@ -20,6 +20,23 @@ _WORDS, _DIGEST = 32, 12  # letters of a prompt, and of the digest, in a folder'
 
 
 @dataclass(frozen=True)
+class Take:
+    """Final frames of one .blend through one camera.
+
+    Attributes:
+        blend: Its number among the job's scenes.
+        camera: Its name; "" for the .blend's own.
+        frames: "1-24" or "1,50"; "" for the .blend's own.
+        folder: For its frames, in that of the job's frames; "" for that itself.
+    """
+
+    blend: int
+    camera: str = ""
+    frames: str = ""
+    folder: str = ""
+
+
+@dataclass(frozen=True)
 class Job:
     """One vibe.
 
@@ -32,6 +49,7 @@ class Job:
         arguments: Options for Blender's side, with prompt and seed.
         more: Where the other scenes are that are to have the same look.
         frames: None for a vibe; else which final frames of its result are wanted: "1-24", "" for the scene's own.
+        takes: The same, for every .blend and camera of the result.
     """
 
     name: str
@@ -42,6 +60,7 @@ class Job:
     arguments: tuple[str, ...]
     more: tuple[Path, ...] = ()
     frames: str | None = None
+    takes: tuple[Take, ...] = ()
 
 
 class Jobs(Protocol):

@@ -19,7 +19,7 @@ from .store import Row, Store, unwritable
 
 FIELDS = (
     "name", "scene", "prompt", "seed", "status", "similarity", "similarity_before", "delta_e",
-    "seconds", "seconds_loop", "seconds_cycles", "memory_gb", "attempts", "frames", "shots", "final_error", "error", "remedy", "folder",
+    "seconds", "seconds_loop", "seconds_cycles", "memory_gb", "attempts", "frames", "shots", "variants", "final_error", "error", "remedy", "folder",
 )  # fmt: skip
 FILES = {
     "before": "before.png",

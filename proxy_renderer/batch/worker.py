@@ -81,7 +81,8 @@ class Worker:
         watch = _Watch(self._setup.limits)
         try:
             with (folder / LOG).open("a", encoding="utf-8") as log:
-                self._carry_out(_order(job, folder), log, watch)
+                for order in _orders(job, folder):
+                    self._carry_out(order, log, watch)
             complete = leave if job.frames is None else leave_frames
             return complete(job, folder, watch.peak_gb, time.monotonic() - start)
         except VibeError as error:
@@ -165,12 +166,21 @@ class Worker:
             process.stdin.close()
 
 
-def _order(job: Job, folder: Path) -> list[str]:
-    """The command line of Blender's side."""
+def _orders(job: Job, folder: Path) -> list[list[str]]:
+    """The command lines of Blender's side: one for a vibe, one for each of its takes."""
     sources = [str(job.source), *map(str, job.more)]
-    if job.frames is not None:
-        return ["frames", *sources, f"--frames={job.frames}", f"--out={folder / FRAMES}"]
-    return ["run", *sources, *job.arguments, f"--out={folder}"]
+    if job.frames is None:
+        return [["run", *sources, *job.arguments, f"--out={folder}"]]
+    return [
+        [
+            "frames",
+            sources[take.blend],
+            *([f"--cameras={take.camera}"] if take.camera else []),
+            f"--frames={take.frames}",
+            f"--out={folder / FRAMES / take.folder}",
+        ]
+        for take in job.takes
+    ]
 
 
 class _Watch:

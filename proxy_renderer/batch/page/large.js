@@ -51,14 +51,11 @@ function facts(row) {
   if (row.final_error) list.push(make("div", "error", "Final frames: " + row.final_error));
   const links = make("div", "links");
   const files = row.status === "done" ? { ".blend": "vibed.blend", "preset": "preset.json", "comparison": "compare.png", "report": "report.json", "log": "log.txt" } : row.error ? { "log": "log.txt" } : {};
+  if (row.variants) files[`${row.variants} variants`] = "variants.png";
+  if (row.frames) files[`${row.frames} final frames`] = "frames/";
   for (const [name, place] of Object.entries(files)) {
     const link = make("a", "", name);
     link.href = file(row, place); link.target = "_blank";
-    links.append(link);
-  }
-  if (row.frames) {
-    const link = make("a", "", `${row.frames} final frames`);
-    link.href = file(row, "frames/"); link.target = "_blank";
     links.append(link);
   }
   if (row.status === "done") {
