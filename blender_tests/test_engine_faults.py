@@ -62,7 +62,7 @@ def fails(running):
 
 def test_killed_and_hung_engines_and_then_a_vibe(addon, monkeypatch):
     before = contents()
-    running = advance(lambda r: r._asked)
+    running = advance(lambda r: r.asked)
     os.kill(running._engine._process.pid, signal.SIGKILL)
     assert "stopped unexpectedly" in fails(running)
     assert difference(before, contents()) == {}
@@ -73,7 +73,7 @@ def test_killed_and_hung_engines_and_then_a_vibe(addon, monkeypatch):
     assert difference(before, contents()) == {}
 
     monkeypatch.setattr(session, "SILENT", 1.0)
-    running = advance(lambda r: r._asked)
+    running = advance(lambda r: r.asked)
     hung = running._engine._process
     os.kill(hung.pid, signal.SIGSTOP)
     time.sleep(1.2)
@@ -93,11 +93,11 @@ def test_an_engine_that_hangs_when_given_up_does_not_hold_up_the_next(addon, mon
     from vibe_render import engine
 
     monkeypatch.setattr(engine, "_LET_GO", 0.5)
-    running = advance(lambda r: r._asked)
+    running = advance(lambda r: r.asked)
     hung = running._engine._process
     os.kill(hung.pid, signal.SIGSTOP)
     desk.cancel()
-    advance(lambda r: r._asked)
+    advance(lambda r: r.asked)
     assert hung.poll() is not None
     desk.cancel()
 
@@ -115,7 +115,7 @@ def test_a_full_disk_is_named(addon, monkeypatch):
 def test_the_vibe_of_one_scene_stays_out_of_another(addon):
     other = bpy.data.scenes.new("Other")
     cube(other, "Elsewhere")
-    running = advance(lambda r: r._asked)
+    running = advance(lambda r: r.asked)
     addon.name = "Renamed"
     assert running._find_scene() == addon
     assert not snapshot.exists(other)
@@ -129,7 +129,7 @@ def test_another_file_ends_the_vibe_before_it_is_opened(addon, tmp_path):
     subject = [bpy.data.objects["Subject"]]
     result.apply(addon, PROMPT, messages.Result({"light/Point/power": [7.0]}, {}, ""), subject, (0, 0, 0))
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "vibed.blend"))
-    advance(lambda r: r._asked)
+    advance(lambda r: r.asked)
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "vibed.blend"))
     assert not desk.running
     assert desk.failure is None

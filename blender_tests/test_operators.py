@@ -178,7 +178,7 @@ def cold(addon):
     addon.vibe.prompt = PROMPT
     before = contents()
     started = desk.begin(bpy.context)
-    while not started._asked:
+    while not started.asked:
         assert started.advance()
     assert difference(before, contents())
     return addon, before, started

@@ -7,7 +7,8 @@ import bpy
 
 from . import drawing, preview
 from .drawing import paragraph
-from .session import LOOKING, PAUSING, SILENT, Session
+from .session import PAUSING, SILENT, Session
+from .told import LOOKING
 
 
 def draw(layout: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:

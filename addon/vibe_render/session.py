@@ -7,7 +7,7 @@ import errno
 import shutil
 import tempfile
 import time
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Generator
 from dataclasses import asdict
 from pathlib import Path
 from typing import cast
@@ -17,10 +17,8 @@ import bpy
 from . import anchoring, aside, chosen, preferences, result, scene_io, shared, snapshot
 from .contract import messages, schema
 from .engine import Engine
-from .model_notes import failure_note
-from .word_notes import word_notes
+from .told import LOOKING, Told
 
-LOOKING = "Looking for the look"
 READING = "Reading the scene"
 ANCHORING = "Rendering an anchor"
 PAUSING = (READING, ANCHORING)
@@ -29,30 +27,22 @@ SILENT = 30.0  # seconds without a word from the engine that are worth a note
 _LOST = 900.0  # and that mean that it hangs
 
 
-class Session:
+class Session(Told):
     """One vibe.
 
     It remembers the scene's number instead of the scene: an undo meanwhile would leave a dangling reference.
 
     Attributes:
         scene: The scene's name, as it was.
-        stage: What is going on, in words.
-        progress: The engine's last word on it.
-        before: The engine's picture of the scene as it was.
-        preview: The newest picture.
-        variants: The looks that were found if several were asked for, the best first: values and a picture.
         shared: What is done about materials that other things use too: "ASK", "ALL" or "SINGLE".
         question: Such materials and who else uses them, by name, while we wait for the artist's answer.
     """
 
     def __init__(self, context: bpy.types.Context, engine: Engine, ask: bool = False) -> None:
+        super().__init__(Path(tempfile.mkdtemp(prefix="vibe-", dir=bpy.app.tempdir)))
         settings = context.scene.vibe
         self.scene, self._uid = context.scene.name, context.scene.session_uid
         self.prompt = settings.prompt.strip()
-        self.stage = "Starting the engine"
-        self.progress: messages.Progress | None = None
-        self.before: Path | None = None
-        self.preview: Path | None = None
         self.shared = settings.shared if ask or settings.shared != "ASK" else "ALL"
         self.question: dict[str, list[str]] = {}
         self._subject: list[str] = []
@@ -61,50 +51,8 @@ class Session:
         held = preferences.get(context)
         self._key = held.vlm_key if held else ""
         self._choice = settings.choice()
-        self.variants: list[tuple[Mapping[str, Sequence[float]], Path]] = []
         self._engine = engine
-        self._job = Path(tempfile.mkdtemp(prefix="vibe-", dir=bpy.app.tempdir))
-        self._asked = False
-        self._stopping = False
-        self._found: messages.Result | None = None
-        self._heard = time.monotonic()
         self._steps = self._run()
-
-    @property
-    def fraction(self) -> float:
-        """How much of the loop is done, 0 to 1."""
-        p = self.progress
-        return ((p.round - 1) * p.steps + p.step) / (p.rounds * p.steps) if p else 0.0
-
-    @property
-    def silence(self) -> float:
-        """Seconds since the engine's last word, while it is to speak."""
-        return time.monotonic() - self._heard if self._asked and not self._found else 0.0
-
-    @property
-    def can_stop(self) -> bool:
-        """Whether there is a best so far that `stop` would take."""
-        return self.progress is not None and not self._stopping
-
-    @property
-    def note(self) -> str:
-        """What the artist should know of a vibe that has succeeded; "" if there is nothing."""
-        return failure_note(self._found.report) if self._found else ""
-
-    @property
-    def agreement(self) -> float | None:
-        """Mean CIEDE2000 between the last prediction and the picture of Cycles that came next; None without."""
-        return self._found.report.get("anchored", {}).get("predicted") if self._found else None
-
-    @property
-    def notes(self) -> list[str]:
-        """What went wrong with such pictures, in words for the artist."""
-        return self._found.report.get("anchored", {}).get("notes", []) if self._found else []
-
-    @property
-    def remarks(self) -> list[str]:
-        """What the artist should know about the words: which were left out, guessed, or in each other's way."""
-        return word_notes(self._found.report) if self._found else []
 
     def advance(self) -> bool:
         """Does the next bit; False when the vibe is in the scene.
@@ -130,7 +78,7 @@ class Session:
     def cancel(self) -> None:
         """Gives up; the scene is as it was."""
         self._steps.close()
-        if self._asked and self._found is None:
+        if self.asked and self._found is None:
             if self.silence > SILENT:
                 self._engine.stop(patience=0.02)
             else:
@@ -200,18 +148,16 @@ class Session:
             schema.schema_hash(), str(self._job), self.prompt, asdict(self._options), self._key
         )
         self._engine.send(request)
-        self._asked, self._heard = True, time.monotonic()
+        self._heard = time.monotonic()
         self.stage = "Warming up the engine"
         while self._found is None:
             yield self.stage
             self._check_silence()
             self._find_scene()  # there is no use in going on without it
             for message in self._engine.poll():
-                self._heard = time.monotonic()
+                self.hear(message)
                 if isinstance(message, messages.Anchor):
                     yield from self._anchor(message)
-                else:
-                    self._hear(message)
 
     def _anchor(self, request: messages.Anchor) -> Generator[str]:
         """Renders what the engine asks for: Blender is not free for about a second, which the panel says first."""
@@ -245,21 +191,6 @@ class Session:
         snapshot.rollback(scene, start)
         if vibed:
             snapshot.take(scene)
-
-    def _hear(self, message: messages.Message) -> None:
-        if isinstance(message, messages.Stage):
-            self.stage = message.name.capitalize()
-            if message.picture:
-                self.before = self._job / message.picture
-        elif isinstance(message, messages.Progress):
-            self.progress = message
-            self.stage = LOOKING
-            if message.preview:
-                self.preview = self._job / message.preview
-        elif isinstance(message, messages.Result):
-            self._found = message
-            self.preview = self._job / message.prediction
-            self.variants = [(v.values, self._job / v.picture) for v in message.variants]
 
     def _find_scene(self) -> bpy.types.Scene:
         scene = self._scene_if_there()
