@@ -31,7 +31,7 @@ _PACKAGES = ("torch", "open_clip_torch", "numpy", "opencolorio", "trimesh")
 
 
 def parameter_records(outcome: Outcome) -> dict[str, dict[str, Any]]:
-    """Key -> before, after, lower, upper, optimised, reason, for every parameter of the scene."""
+    """Key -> before, after, lower, upper, moved (on the perceptual scale), optimised, reason, for every parameter of the scene."""
     after = outcome.vector.values(outcome.u)
     lower, upper = (outcome.vector.plain(b) for b in outcome.vector.bounds(outcome.ranges))
     return {
@@ -40,6 +40,7 @@ def parameter_records(outcome: Outcome) -> dict[str, dict[str, Any]]:
             "after": plain(after[key]),
             "lower": plain(lower[key]),
             "upper": plain(upper[key]),
+            "moved": round(instance.distance(after[key]), 4),
             "optimised": key in outcome.optimised,
             "reason": instance.locked or outcome.plan[key].reason,
         }

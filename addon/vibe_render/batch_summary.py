@@ -124,11 +124,8 @@ def listed(instances: dict[str, schema.Instance], values: dict[str, Any]) -> lis
         before, after = instance.value, tuple(value)
         if changes.same(key, before, after):
             continue
-        ends = zip(before, after, instance.lower, instance.upper, strict=True)
-        unit = instance.parameter.scale.to_unit
-        distance = max(abs(unit(x, low, high) - unit(y, low, high)) for x, y, low, high in ends)
         line = f"{labels.title(key)}: {labels.text(key, before)} -> {labels.text(key, after)}"
-        rows.append((distance, line))
+        rows.append((instance.distance(after), line))
     rows.sort(reverse=True)
     more = [f"... and {len(rows) - _SHOWN} more"] if len(rows) > _SHOWN else []
     return [line for _, line in rows[:_SHOWN]] + more

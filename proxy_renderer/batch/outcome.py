@@ -73,7 +73,8 @@ def _thumb(folder: Path, name: str) -> None:
 def _details(job: Job, report: dict[str, Any]) -> bytes:
     """What the sheet shows of a job on demand: a script, because pages from disk may load nothing else."""
     parameters = report.get("parameters", {})
-    rows = [row for key, found in parameters.items() if (row := _changed(key, found))]
+    largest_first = sorted(parameters.items(), key=lambda item: -item[1].get("moved", 0.0))
+    rows = [row for key, found in largest_first if (row := _changed(key, found))]
     understood = report.get("understood", {})
     content = {
         "parameters": rows,

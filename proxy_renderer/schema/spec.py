@@ -130,6 +130,12 @@ class Instance:
         """The name in reports, presets, locks and messages."""
         return self.parameter.key(self.owner)
 
+    def distance(self, value: Values) -> float:
+        """How far a value is from the artist's, on the perceptual scale: 0 to 1."""
+        unit = self.parameter.scale.to_unit
+        ends = zip(self.value, value, self.lower, self.upper, strict=True)
+        return max(abs(unit(a, low, high) - unit(b, low, high)) for a, b, low, high in ends)
+
 
 def split_key(key: str) -> tuple[str, str, str]:
     """Splits a key into (group, owner, name); the owner is "" where a scene has one of the group.

@@ -19,6 +19,7 @@ function frame(row, suffix, number, name) {
     const picture = make("img", kind);
     picture.loading = "lazy"; picture.decoding = "async"; picture.draggable = false;
     picture.src = file(row, kind + (number ? `-${number + 1}` : "") + suffix);
+    picture.onload = () => box.style.setProperty("--ratio", picture.naturalWidth / picture.naturalHeight);
     picture.alt = [stem(row.scene), name, kind].filter(Boolean).join(", ");
     box.append(picture);
   }
@@ -47,12 +48,16 @@ function card(row, place) {
   }
   one.append(make("div", "words", row.prompt));
   const meta = make("div", "meta");
-  meta.append(make("span", "who", `${stem(row.scene)} · seed ${row.seed}`));
+  meta.append(make("span", "who", who(row, $("group").value !== "scene")));
+  const figure = (name, value, title) => {
+    const box = make("span", "", name + " ");
+    box.append(make("b", "", value));
+    box.title = title;
+    meta.append(box);
+  };
   if (row.status === "done") {
-    const near = make("span", "", "words "), off = make("span", "", "ΔE ");
-    near.append(make("b", "", score(row.similarity))); off.append(make("b", "", row.delta_e.toFixed(1)));
-    near.title = "similarity of the render to the words"; off.title = "how far the prediction is from the render (CIEDE2000)";
-    meta.append(near, off);
+    figure("match", score(row.similarity), "how near the render is to the words; before: " + score(row.similarity_before));
+    if ($("sort").value.includes("predicted")) figure("ΔE", row.delta_e.toFixed(1), "how far the prediction was from the render (CIEDE2000)");
   }
   one.append(meta);
   one.onclick = () => { go(place); open_(); };

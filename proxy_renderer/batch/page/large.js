@@ -33,7 +33,7 @@ function view(row) {
 }
 
 function facts(row) {
-  const list = [make("div", "meta", `${stem(row.scene)} · seed ${row.seed}`), make("h3", "", row.prompt)];
+  const list = [make("div", "meta", who(row)), make("h3", "", row.prompt)];
   if (row.error) {
     const box = make("div", "error", row.error);
     if (row.remedy) box.append(make("div", "meta", row.remedy));
@@ -41,7 +41,7 @@ function facts(row) {
   }
   if (row.status === "done") {
     const scores = make("div", "scores");
-    for (const [name, value] of [[`words (${score(row.similarity_before)} before)`, score(row.similarity)], ["ΔE of the prediction", row.delta_e.toFixed(2)], ["seconds", row.seconds.toFixed(0)]]) {
+    for (const [name, value] of [[`match to the words (before: ${score(row.similarity_before)})`, score(row.similarity)], ["ΔE between prediction and render", row.delta_e.toFixed(2)], ["seconds", row.seconds.toFixed(0)]]) {
       const box = make("div");
       box.append(make("b", "", value), name);
       scores.append(box);

@@ -10,6 +10,7 @@ const SORTS = {
   "worst predicted": row => -(row.delta_e ?? -1e9),
   "slowest": row => -(row.seconds ?? -1),
 };
+const SEEDS = new Set(ROWS.map(row => row.seed)).size;
 const CHUNK = 120;  // cards that are added at a time
 const store = "vibe picks " + location.pathname;
 const details = new Map();
@@ -25,6 +26,7 @@ function make(tag, cls, text) {
 const file = (row, name) => row.folder.split("/").map(encodeURIComponent).join("/") + "/" + name;
 const stem = path => path.replace(/\.[^.\/]*$/, "").replace(/^.*\//, "");
 const score = value => value === undefined ? "–" : value.toFixed(2);
+const who = (row, scene = true) => [scene && stem(row.scene), SEEDS > 1 && `seed ${row.seed}`].filter(Boolean).join(" · ");
 const tally = (rows, key) => rows.reduce((found, row) => found.set(row[key], (found.get(row[key]) || 0) + 1), new Map());
 
 function choices(select, all, key) {
