@@ -425,6 +425,16 @@ def test_a_white_backdrop_is_displayed_white():
     assert min(plan_["material/Floor/base_color"].lower) > 0.7
 
 
+def test_white_is_lifted_by_contrast_only_where_the_view_greys_it():
+    assert make_plan("glossy teal thing, white background")["film/contrast"].lower[0] > 1.1
+    for prompt, view in (
+        ("teal thing, white background", "Standard"),
+        ("teal thing, grey background", "AgX"),
+    ):
+        plan_ = make_plan(prompt, context=replace(CONTEXT, view=view))
+        assert plan_["film/contrast"].priority is None
+
+
 def test_a_black_subject_stands_out_without_named_surroundings():
     dark = make_instances()
     floor = dark["material/Floor/base_color"]

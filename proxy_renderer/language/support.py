@@ -19,6 +19,7 @@ from .view import radiance
 
 _BEHIND = 68.0  # L* behind a silhouette
 _FORMING = (82.0, 91.0)  # L* of a white surface that faces the light of a black subject
+_WHITE, _SHOULDER = 93.0, 1.5  # L* of white, and the radiance from which a view shows it with a long shoulder
 _PALE = 4.0  # chroma by which a color may exceed its name before everything is made more vivid
 
 
@@ -39,6 +40,8 @@ def supports(
         found["world/strength"] = _around(
             free["world/strength"], 0.5, 2.0, LATE + 2, "keeps the shadows readable"
         )
+    if "film/contrast" in free and (entry := _contrast(parsed, free["film/contrast"], sources.context)):
+        found["film/contrast"] = entry
     if "film/saturation" in free and (entry := _saturation(parsed, free["film/saturation"], sources.context)):
         found["film/saturation"] = entry
     return found | _camera(free)
@@ -117,6 +120,16 @@ def _exposure(parsed: Parsed, instance: Instance, context: PlanContext) -> PlanE
     return PlanEntry(
         lower, upper, LATE, "supports the words: the subject is neither burnt nor black", prior=0.5
     )
+
+
+def _contrast(parsed: Parsed, instance: Instance, context: PlanContext) -> PlanEntry | None:
+    """Under a view with a long shoulder a lit white wall is grey: contrast lifts it and leaves the subject where it is."""
+    backdrop = parsed.colors.get("surroundings")
+    if backdrop is None or backdrop[0] < _WHITE or radiance(_WHITE, context.view) < _SHOULDER:
+        return None
+    value = instance.value[0]
+    lower, upper = clip((1.15 * value,), (1.45 * value,), instance)
+    return PlanEntry(lower, upper, LATE + 1, "supports the words: white is to look white", prior=0.2)
 
 
 def _saturation(parsed: Parsed, instance: Instance, context: PlanContext) -> PlanEntry | None:
