@@ -113,15 +113,15 @@ def choosing(screen):
     seen["redo_restores"] = values() == after
 
     scene = bpy.context.scene
-    yield from screen.click_on("show_original", 735, (0.2,))
+    yield from screen.click_on("show_original", 771, (0.2,))
     yield from screen.wait(lambda: scene.vibe.show_original, 60, "Before is pressed")
     seen["before_shows_before"] = same(values(), before, after)
     yield from screen.away()
     screen.shoot("before")
-    yield from screen.click_on("show_original", 735, (0.7,))
+    yield from screen.click_on("show_original", 771, (0.7,))
     yield from screen.wait(lambda: not scene.vibe.show_original, 60, "After is pressed")
     seen["after_shows_after"] = same(values(), after, after)
-    yield from screen.click_on("strength", 756)
+    yield from screen.click_on("strength", 803)
     screen.press("ctrl+a")
     screen.type("0.5")
     screen.press("Return")
@@ -129,14 +129,14 @@ def choosing(screen):
     seen["strength_dims"] = not same(values(), after, after) and not same(values(), before, after)
     yield from screen.away()
     screen.shoot("strength")
-    yield from screen.click_on("vibe.variant(number=1)", 683, (0.67,))
+    yield from screen.click_on("vibe.variant(number=1)", 723, (0.67,))
     yield from screen.wait(lambda: scene.vibe.variant == 1, 60, "the second variant")
     seen["variant_differs"] = not same(values(), after, after)
     yield from screen.away()
     screen.shoot("variant")
     yield from locks(screen)
 
-    yield from screen.click_on("vibe.revert", 806, (0.7,))
+    yield from screen.click_on("vibe.revert", 851, (0.7,))
     yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "revert")
     yield from screen.away()
     screen.shoot("reverted")
@@ -148,19 +148,19 @@ def locks(screen):
     from bl_ext.user_default.vibe_render.desk import desk
 
     settings, key = bpy.context.scene.vibe, "light/Key/power"
-    yield from screen.click_on(f'vibe.lock(key="{key}"', 894, (0.82, 0.84, 0.8))
+    yield from screen.click_on(f'vibe.lock(key="{key}"', 931, (0.82, 0.84, 0.8))
     yield from screen.wait(lambda: key in settings.locks, 30, "a lock for one value")
     yield from screen.away()
     screen.shoot("one_lock")
     yield from screen.click_at(
-        869, 0.3
+        909, 0.3
     )  # closes the list of changes: a panel's header says nothing of itself
-    yield from screen.click_on("change_volume", 931, (0.72,))
+    yield from screen.click_on("change_volume", 867, (0.72,))
     yield from screen.wait(lambda: not settings.change_volume, 30, "a lock for the fog")
     yield from screen.away()
     screen.shoot("group_lock")
     power = values()["Key.energy"]
-    yield from screen.click_on("vibe.run(again=True)", 806, (0.2,))
+    yield from screen.click_on("vibe.run(again=True)", 851, (0.2,))
     yield from screen.wait(lambda: desk.running, 60, "Again starts")
     yield from screen.wait(lambda: not desk.running, 900, "Again ends")
     yield from screen.away()

@@ -120,14 +120,7 @@ class Session:
             for shot, row in zip(self.shots, pictures, strict=True)
         ]
         report.save_image(report.compare(rows, self.prompt), Path(self.shots[0].job) / messages.VARIANTS)
-        return [
-            messages.Variant(
-                report.changed_values(found, found.shots[0]),
-                predictions.variant(number),
-                round(found.loss, 4),
-            )
-            for number, found in enumerate(outcome.variants, start=1)
-        ]
+        return [_variant(found, number) for number, found in enumerate(outcome.variants, start=1)]
 
     def finish(self, request: messages.Finish) -> messages.Finished:
         """Measures Cycles' pictures against the prediction and the words, and composes them."""
@@ -208,6 +201,12 @@ class Session:
             },
             "versions": report.versions(),
         }
+
+
+def _variant(found: pipeline.Outcome, number: int) -> messages.Variant:
+    values = report.changed_values(found, found.shots[0])
+    reasons = {key: found.plan[key].reason for key in values if key in found.plan}
+    return messages.Variant(values, predictions.variant(number), round(found.loss, 4), reasons)
 
 
 def _drawn(path: Path, shape: tuple[int, int]) -> np.ndarray:

@@ -16,6 +16,9 @@ from .drawing import GROUP_ICONS, columns, paragraph
 from .session import Session
 from .value_list import draw_lock
 
+_VISIBLE = 3.0
+"""Mean CIEDE2000 from which a prediction and a render look different side by side."""
+
 
 class Result:
     """What the last vibe did, and what to do with it."""
@@ -83,18 +86,19 @@ def _draw_session(layout: bpy.types.UILayout, context: bpy.types.Context, sessio
         _draw_variants(layout, session, current)
     if session.agreement is not None and not current:
         tenths = max(math.ceil(session.agreement * 10.0), 1)
-        layout.label(text=f"Checked with Cycles: ΔE {tenths / 10.0:.1f}", icon="CHECKMARK")
+        close = session.agreement < _VISIBLE
+        text = f"{'Matches' if close else 'Differs from'} Cycles (ΔE {tenths / 10.0:.1f})"
+        layout.label(text=text, icon="CHECKMARK" if close else "INFO")
 
 
 def _draw_variants(layout: bpy.types.UILayout, session: Session, current: int) -> None:
     """The looks to choose from, each a picture with a button."""
-    grid = layout.grid_flow(
-        row_major=True, columns=min(len(session.variants), 4), even_columns=True, align=True
-    )
+    across = min(len(session.variants), 4)
+    grid = layout.grid_flow(row_major=True, columns=across, even_columns=True, align=True)
     for number, (_, picture) in enumerate(session.variants):
         cell = grid.column(align=True)
         if icon := preview.icon(picture):
-            cell.template_icon(icon_value=icon, scale=3.2)
+            cell.template_icon(icon_value=icon, scale=max(10.4 / across, 3.2))
         button = cell.operator("vibe.variant", text=str(number + 1), depress=number == current)
         button.number = number
 
@@ -118,7 +122,9 @@ class Changes:
     def draw(self, context: bpy.types.Context) -> None:
         """Draws the list."""
         layout = self.layout  # type: ignore[attr-defined]
-        for (group, owner), entries in groupby(_visible(context), key=_owner):
+        for number, ((group, owner), entries) in enumerate(groupby(_visible(context), key=_owner)):
+            if number:
+                layout.separator(factor=0.3)
             name, icon = labels.GROUP_TITLES[group], GROUP_ICONS[group]
             column = layout.column(align=True)
             column.label(text=owner or name, icon=icon)

@@ -65,32 +65,28 @@ def _list_change(
 
 
 def choose(
-    scene: bpy.types.Scene,
-    number: int,
-    values: Mapping[str, Sequence[float]],
-    subject: Sequence[bpy.types.Object],
+    scene: bpy.types.Scene, number: int, variant: messages.Variant, subject: Sequence[bpy.types.Object]
 ) -> None:
     """Puts another variant of the last vibe in place of the one that is in the scene.
 
     Args:
         scene: The vibed scene.
         number: Of the variant.
-        values: Its values.
+        variant: Its values and their reasons.
         subject: The subject at export.
 
     Raises:
         VibeError: If the values do not fit the scene.
     """
-    settings = scene.vibe
-    old = {change.name: (change.values()[0], change.reason) for change in settings.changes}
-    before = {**bindings.read(scene, subject, settings.pivot), **{key: was for key, (was, _) in old.items()}}
-    back = {key: was for key, (was, _) in old.items() if key not in values}
+    settings, values = scene.vibe, variant.values
+    old = {change.name: change.values()[0] for change in settings.changes}
+    before = {**bindings.read(scene, subject, settings.pivot), **old}
+    back = {key: was for key, was in old.items() if key not in values}
     skipped = bindings.write(scene, {**back, **values}, subject, settings.pivot)
     settings.changes.clear()
     settings.strength, settings.show_original, settings.variant = 1.0, False, number
-    _list_changes(
-        settings, before, values, skipped, {key: {"reason": reason} for key, (_, reason) in old.items()}
-    )
+    records = {key: {"reason": reason} for key, reason in variant.reasons.items()}
+    _list_changes(settings, before, values, skipped, records)
 
 
 def mix(scene: bpy.types.Scene) -> None:

@@ -41,7 +41,7 @@ class VIBE_OT_revert(_Vibed):
 
     bl_idname = "vibe.revert"
     bl_label = "Revert"
-    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO"}
+    bl_options: ClassVar[set[str]] = {"UNDO"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Reverts, and says what could not be restored."""
@@ -62,7 +62,7 @@ class VIBE_OT_keep(_Vibed):
 
     bl_idname = "vibe.keep"
     bl_label = "Keep"
-    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO"}
+    bl_options: ClassVar[set[str]] = {"UNDO"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Keeps."""
@@ -76,7 +76,7 @@ class VIBE_OT_variant(_Vibed):
 
     bl_idname = "vibe.variant"
     bl_label = "Variant"
-    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO", "INTERNAL"}
+    bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
     number: IntProperty(min=0)
 
@@ -86,9 +86,9 @@ class VIBE_OT_variant(_Vibed):
         if session is None or not 0 <= self.number < len(session.variants):
             self.report({"ERROR"}, "That look is not there any more")
             return {"CANCELLED"}
-        values, _ = session.variants[self.number]
+        variant, _ = session.variants[self.number]
         try:
-            result.choose(scene, self.number, values, session.subject(scene))
+            result.choose(scene, self.number, variant, session.subject(scene))
         except schema.VibeError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

@@ -104,7 +104,7 @@ class VIBE_OT_recall(bpy.types.Operator):
 
     bl_idname = "vibe.recall"
     bl_label = "Recall"
-    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO", "INTERNAL"}
+    bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
     prompt: StringProperty()
 

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from .contract import messages
@@ -22,7 +21,7 @@ class Told:
         progress: The engine's last word on it.
         before: The engine's picture of the scene as it was.
         preview: The newest picture.
-        variants: The looks that were found if several were asked for, the best first: values and a picture.
+        variants: The looks that were found if several were asked for, the best first, each with its picture.
     """
 
     def __init__(self, job: Path) -> None:
@@ -30,7 +29,7 @@ class Told:
         self.progress: messages.Progress | None = None
         self.before: Path | None = None
         self.preview: Path | None = None
-        self.variants: list[tuple[Mapping[str, Sequence[float]], Path]] = []
+        self.variants: list[tuple[messages.Variant, Path]] = []
         self._job = job
         self._found: messages.Result | None = None
         self._heard = 0.0  # when the engine spoke last; 0 before it is asked
@@ -92,4 +91,4 @@ class Told:
         elif isinstance(message, messages.Result):
             self._found = message
             self.preview = self._job / message.prediction
-            self.variants = [(v.values, self._job / v.picture) for v in message.variants]
+            self.variants = [(v, self._job / v.picture) for v in message.variants]

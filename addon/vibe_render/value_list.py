@@ -76,7 +76,7 @@ class VIBE_OT_lock(bpy.types.Operator):
 
     bl_idname = "vibe.lock"
     bl_label = "Lock"
-    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO", "INTERNAL"}
+    bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
     key: StringProperty()
     reason: StringProperty()
@@ -105,7 +105,7 @@ class VIBE_OT_unlock_all(bpy.types.Operator):
 
     bl_idname = "vibe.unlock_all"
     bl_label = "Unlock All"
-    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO"}
+    bl_options: ClassVar[set[str]] = {"UNDO"}
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:

@@ -13,6 +13,9 @@ from typing import Any
 
 import psutil
 import trimesh
+from rich.box import SIMPLE
+from rich.console import Console
+from rich.table import Table
 
 from ..batch import manifest, schedule
 from ..batch.local import LocalPool, local_pool
@@ -21,6 +24,7 @@ from ..batch.plan import Job, Plan
 from ..batch.sheet import Sheet
 from ..batch.store import DONE, Row, Store, head, read_json, tidy, write_json
 from ..batch.worker import Setup
+from ..schema import VibeError
 
 _MANIFEST = """
 scenes = ["ball.obj"]
@@ -38,6 +42,25 @@ retries = 0
 minutes = 60
 """
 _PROMPTS, _HANDS = 10, 4  # of simulated batches: prompts of each scene, and jobs at a time
+_SIMULATED = {
+    "": "Simulated jobs",
+    "start_s": "start, s",
+    "all_s": "all, s",
+    "ms_per_job": "each, ms",
+    "second_run_s": "again, s",
+    "both_cpu_s": "CPU, s",
+    "sheet_s": "sheet, s",
+    "memory_mb": "MB",
+}
+_REAL = {
+    "": "Workers",
+    "jobs_per_hour": "jobs/h",
+    "seconds": "a job, s",
+    "overhead_s": "beside the vibe, s",
+    "outside_of_loop_and_cycles_s": "beside loop and Cycles, s",
+    "memory_gb_per_worker": "GB each",
+}
+"""Columns of the tables, by the names of the figures; see `run`."""
 
 
 def run(out: Path, jobs: int = 8, workers: str = "1,2,4", simulated: str = "10,100,1000") -> dict[str, Any]:
@@ -55,17 +78,34 @@ def run(out: Path, jobs: int = 8, workers: str = "1,2,4", simulated: str = "10,1
         `workers`: for each number jobs per hour, and per warm job its seconds, those outside of `vibe run`'s own
         work, those outside of the loop and of Cycles, and the memory.
     """
-    results: dict[str, Any] = {
-        "simulated": {n: _told(f"{n} simulated jobs", _simulated(n)) for n in _numbers(simulated)},
-        "workers": {n: _told(f"{n} workers", _real(out, jobs, n)) for n in _numbers(workers) if jobs},
-    }
+    counts = _numbers(workers) if jobs else []
+    if jobs and jobs <= max(counts):
+        raise VibeError(
+            f"{jobs} jobs are too few for {max(counts)} workers: each one's first job only warms it.",
+            f"Use --jobs {2 * max(counts)} or more.",
+        )
+    results: dict[str, Any] = {"simulated": {}, "workers": {}}
+    for number in _numbers(simulated):
+        results["simulated"][number] = _simulated(number)
+        print(f"{number} simulated jobs are done.", flush=True)
+    for number in counts:
+        results["workers"][number] = _real(out, jobs, number)
+        print(f"{number} worker{'s' if number > 1 else ''}: done.", flush=True)
     (out / "results.json").write_text(json.dumps(results, indent=1), encoding="utf-8")
+    for title, columns in (("simulated", _SIMULATED), ("workers", _REAL)):
+        if results[title]:
+            Console().print(_table(columns, results[title]))
     return results
 
 
-def _told(name: str, row: Row) -> Row:
-    print(f"{name}: {', '.join(f'{k} {v}' for k, v in row.items())}", flush=True)
-    return row
+def _table(columns: dict[str, str], rows: dict[int, Row]) -> Table:
+    """The same figures for people."""
+    table = Table(*columns.values(), box=SIMPLE)
+    for column in table.columns:
+        column.justify = "right"
+    for number, row in rows.items():
+        table.add_row(f"{number:,}", *(f"{row[name]:,}" for name in [*columns][1:]))
+    return table
 
 
 def _numbers(text: str) -> Sequence[int]:
@@ -142,6 +182,8 @@ def _real(out: Path, jobs: int, workers: int) -> Row:
         finally:
             pool.close()
         rows = [row for row in store.rows(plan) if row["status"] == "done"]
+        if len(rows) < len(plan):
+            raise VibeError(f"{len(plan) - len(rows)} of {len(plan)} jobs have failed.", f"See {store.jobs}.")
         laps = [
             (read_json(store.folder / row["folder"] / "report.json") or {})["timings"]["total"]
             for row in rows

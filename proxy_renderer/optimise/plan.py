@@ -87,7 +87,7 @@ def lock(
         if group == "camera" and "camera" not in groups and not camera:
             return "the camera stays as you framed it"
         if groups and group not in groups and not (group == "camera" and camera):
-            return f"only {', '.join(labels.GROUP_TITLES[g] for g in groups)} may change"
+            return f"{labels.GROUP_TITLES[group]} may not change"
         return ""
 
     return {

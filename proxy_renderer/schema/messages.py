@@ -156,11 +156,13 @@ class Variant:
         values: As those of `Result`.
         picture: Its prediction, a file name in the job folder.
         score: Its loss; smaller is better.
+        reasons: Why they changed, by key.
     """
 
     values: dict[str, list[float]]
     picture: str
     score: float
+    reasons: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
