@@ -153,9 +153,9 @@ def locks(screen):
     yield from screen.away()
     screen.shoot("one_lock")
     yield from screen.click_at(
-        909, 0.3
+        882, 0.3
     )  # closes the list of changes: a panel's header says nothing of itself
-    yield from screen.click_on("change_volume", 867, (0.72,))
+    yield from screen.click_on("change_volume", 971, (0.72,))
     yield from screen.wait(lambda: not settings.change_volume, 30, "a lock for the fog")
     yield from screen.away()
     screen.shoot("group_lock")

@@ -43,7 +43,7 @@ minutes = 60
 """
 _PROMPTS, _HANDS = 10, 4  # of simulated batches: prompts of each scene, and jobs at a time
 _SIMULATED = {
-    "": "Simulated jobs",
+    "": "Jobs",
     "start_s": "start, s",
     "all_s": "all, s",
     "ms_per_job": "each, ms",
