@@ -7,6 +7,7 @@ their place in `ids`, so that an artist may rename them, and undoing is replayin
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -101,7 +102,7 @@ class Journal:
             block = self.ids[entry["id"]]
             try:
                 if block is None:
-                    raise LookupError("its data-block")
+                    raise LookupError
                 if entry["op"] == "new":
                     made.append((entry["collection"], block))
                 else:
@@ -113,8 +114,8 @@ class Journal:
                 ReferenceError,
                 TypeError,
                 RuntimeError,
-            ) as error:  # one thing that is not as it was must not keep the rest from coming back
-                lost.append(f"{entry['op']} {entry.get('path', '')} {entry.get('name', '')}: {error} is gone")
+            ):  # one thing that is not as it was must not keep the rest from coming back
+                lost.append(_said(block, entry))
         del self.entries[first:]
         self._remove(made)
         return lost
@@ -152,6 +153,19 @@ def address(struct: bpy_struct) -> tuple[ID, str]:
             if getattr(block, "node_tree", None) == root:
                 return block, f"node_tree.{path}".rstrip(".")
     raise LookupError(f"nobody owns {root.name}")
+
+
+def _said(block: ID | None, entry: Entry) -> str:
+    """What is lost, in words for the artist: 'a value of "Monkey": node "Principled BSDF" is gone or changed'."""
+    try:
+        name = f'"{block.name}"' if block else ""
+    except ReferenceError:
+        name = ""
+    if not name:
+        return "a value of something that is gone"
+    node = re.search(r'nodes\["(.+?)"\]', entry.get("path", ""))
+    inside = f'node "{node[1]}"' if node else "it"
+    return f"a value of {name}: {inside} is gone or changed"
 
 
 def _resolve(block: ID, path: str) -> Any:
