@@ -135,6 +135,24 @@ def test_revert_restores_everything(vibed):
     assert not bpy.ops.vibe.revert.poll()
 
 
+def test_another_variant_brings_its_own_reasons(vibed):
+    """What only the first one changed is as it was; the list tells of the one that is in the scene."""
+    scene, before = vibed
+    other = {"light/Area/power": [90.0], "world/strength": [0.2]}
+    original, _ = scene.vibe.changes["film/contrast"].values()
+    variant = messages.Variant(other, "variant-2.png", 0.5, {"light/Area/power": "bright"})
+    result.choose(scene, 1, variant, ())
+    there = bindings.read(scene, (), PIVOT)
+    assert there["light/Area/power"] == pytest.approx((90.0,))
+    assert there["film/contrast"] == pytest.approx(original)
+    assert {c.name: c.reason for c in scene.vibe.changes} == {
+        "light/Area/power": "bright",
+        "world/strength": "",
+    }
+    assert bpy.ops.vibe.revert() == {"FINISHED"}
+    assert difference(before, contents()) == {}
+
+
 def test_keep_leaves_nothing_to_revert_to(vibed):
     scene, _ = vibed
     scene.vibe.show_original = True
