@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import os
+import random
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -21,13 +22,14 @@ from rich.table import Table
 from ..guidance.encoder import JUDGE, Encoder, load_encoder
 from ..language import SceneWords, compose, parse
 from ..language.attributes import ATTRIBUTES
-from ..language.nearest import nearest, table
+from ..language.nearest import nearest
 from ..language.vocabulary import normalize, shipped_vocabulary
 from ..schema import VibeError
 from ..train import bank, cycles
 from ..train.augment import WHOLE
+from ..train.captions import caption
 from ..train.data import LOOKS, Batch
-from ..train.evaluate import Mistake, cost, describe, judge, shaded, skill
+from ..train.evaluate import Mistake, cost, judge, shaded, skill
 from ..train.looks import INDEX, NAMES
 from ..train.wording import Split
 from . import cache
@@ -118,9 +120,12 @@ def _mean(values: Any) -> float | None:
     return round(float(np.mean(known)), 4) if known else None
 
 
-def _in_other_words(known: dict[str, str], noun: str, wording: float) -> str:
-    """What the encoder is told when somebody says this in words that no caption of training used."""
-    said = describe(known, noun, wording, _KEPT)
+def _in_other_words(known: dict[str, str], _noun: str, wording: float) -> str:
+    """What the encoder is told when somebody says this in words that no caption of training used.
+
+    A sentence names one thing: "vase, a photo of a metallic truck", as training has it, asks for no metallic vase.
+    """
+    said = caption(known, random.Random(wording), split=_KEPT)
     try:
         return compose(parse(said, SceneWords()), shipped_vocabulary()).whole or said
     except VibeError:  # the language has no word of it
@@ -133,7 +138,7 @@ def synonyms(asked: Encoder, batches: list[Batch]) -> tuple[float, float]:
     A word is understood as far as the language finds an entry that is right for it, and, where that entry speaks of
     what the encoder reads, as far as the encoder tells pictures that show it from their flips by the entry's phrase.
     """
-    vocabulary, words = shipped_vocabulary(), table()
+    vocabulary = shipped_vocabulary()
     search = nearest(vocabulary)
     known = {
         *vocabulary.synonyms,
@@ -148,8 +153,8 @@ def synonyms(asked: Encoder, batches: list[Batch]) -> tuple[float, float]:
     for word, right in _unseen():
         if word in known:
             continue
-        vector = words.vector(word)
-        entry = search.place(vector)[0] if vector is not None else ""
+        found = search.meant(word)
+        entry = found[0] if found else ""
         places.append(entry in right)
         if entry in right and entry not in told:
             told[entry] = _told_apart(

@@ -22,6 +22,8 @@ class ClauseState:
         strength: Of the next look word.
         negated: Whether look words are negated.
         prefix: Intensities and negations since the last look word, for quoting.
+        bare: Nothing has been said about the last noun: "the wall" in "the wall dark teal".
+        definite: The token before is "the".
     """
 
     waiting: list[Word] = field(default_factory=list)
@@ -32,6 +34,8 @@ class ClauseState:
     strength: float = 1.0
     negated: bool = False
     prefix: list[str] = field(default_factory=list)
+    bare: bool = False
+    definite: bool = False
 
     def word(self, token: Token) -> Word:
         """The look word of a token, with what was said before it."""

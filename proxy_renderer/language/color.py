@@ -130,6 +130,13 @@ def shade(
     )
 
 
+def mix(first: Values, second: Values, share: float) -> Values:
+    """A color between two, in sRGB, with that share of the second."""
+    pairs = zip(_oklab(first), _oklab(second), strict=True)
+    light, a, b = ((1 - share) * p + share * q for p, q in pairs)
+    return _from_oklab((light, a, b))
+
+
 def chroma(lab: Lab) -> float:
     """Distance from grey."""
     return math.hypot(lab[1], lab[2])

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Container
 
 from .vocabulary import Vocabulary
 
@@ -11,17 +12,36 @@ _PAIR = re.compile(
     r"""["']?(\w[\w -]{0,30}?)["']?\s*[:=]\s*["']?([^:=,;.{}"'\n]{1,40}?)["']?(?=\s*(?:[,;.}]|$))"""
 )
 _OFF = ("none", "no", "off", "false", "0", "zero", "null", "disabled", "without")
+_SPARED = re.compile(
+    r"\b(?:leave|keep|do not touch|don't touch|don't change|do not change)\b[^,.;:]*?"
+    r"\b(?:alone|unchanged|untouched|as is|as (?:it|they) (?:is|are|was|were)|the same)\b",
+    re.IGNORECASE,
+)
 _MOST = 4  # words of a value; more are a sentence of their own
 
 
-def spoken(text: str, vocabulary: Vocabulary) -> str:
-    """ "fog: none, background: white" -> "no fog, white background"; other colons stay as they are."""
+def spoken(text: str, vocabulary: Vocabulary, names: Container[str] = ()) -> str:
+    """ "fog: none, background: white" -> "no fog, white background"; other colons stay as they are.
+
+    Args:
+        text: The prompt.
+        vocabulary: Has the nouns that may be keys.
+        names: Of things in the scene, which may be too.
+    """
 
     def said(pair: re.Match[str]) -> str:
         key, value = pair[1].strip().lower(), pair[2].strip()
         if value.lower() in _OFF:
             return f"no {key}"
+        if key in names:
+            return f"the {key} is {value}"
         noun = key in vocabulary.nouns and key not in vocabulary.lists["stop"]
         return f"{value} {key}" if noun and len(value.split()) <= _MOST else pair[0]
 
     return _PAIR.sub(said, text)
+
+
+def without_spared(text: str) -> tuple[str, list[str]]:
+    """A prompt without what it says should stay ("leave the cup alone"), and what that is."""
+    spared = _SPARED.findall(text)
+    return _SPARED.sub(",", text) if _SPARED.sub("", text).strip(" ,.;") else text, spared

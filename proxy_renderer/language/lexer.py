@@ -4,13 +4,15 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
+from functools import cached_property
 
 from ..schema import Values
 from .color import shade
 from .names import SceneName, scene_names
 from .nearest import Guess, nearest, table
+from .tinges import spelled_out, tending, tinged
 from .types import SceneWords
 from .vocabulary import Vocabulary, normalize
 
@@ -63,15 +65,16 @@ class Lexer:
     def __init__(self, vocabulary: Vocabulary, words: SceneWords) -> None:
         self.vocabulary = vocabulary
         self.names = scene_names(words)
-        self._spelling = sorted(
-            w
-            for w in {*vocabulary.synonyms, *vocabulary.colors, *vocabulary.adjectives}
-            if " " not in w and len(w) > 3
-        )
+
+    @cached_property
+    def _spelling(self) -> list[str]:
+        v = self.vocabulary
+        return sorted(w for w in {*v.synonyms, *v.colors, *v.adjectives} if " " not in w and len(w) > 3)
 
     def clauses(self, prompt: str) -> list[list[Token]]:
         """Tokens of each clause of a prompt."""
-        text = normalize(re.sub(r"\s*&\s*", " and ", prompt))
+        text = spelled_out(re.sub(r"\s*&\s*", " and ", prompt), self.vocabulary.colors)
+        text = normalize(text)
         words = [re.findall(r"[^\W_]+(?:'[a-z]+)?", part) for part in _BREAK.split(text)]
         return [self._tokens(part) for part in words if part]
 
@@ -81,7 +84,14 @@ class Lexer:
         while start < len(words):
             for count in range(min(_LONGEST, len(words) - start), 0, -1):
                 part = words[start : start + count]
-                token = self._shaded(part) or self._shaded_material(part) or self._phrase(" ".join(part))
+                if self._ends_in_thing(part):
+                    continue
+                token = (
+                    self._tinged(part)
+                    or self._shaded(part)
+                    or self._shaded_material(part)
+                    or self._phrase(" ".join(part))
+                )
                 if token.known or count == 1:
                     tokens.append(token if token.known else self._guess(token))
                     start += count
@@ -92,6 +102,10 @@ class Lexer:
         v = self.vocabulary
         for spelling in (text, text.removesuffix("s"), text.removesuffix("es"), text.removesuffix("ed")):
             if len(spelling) < 3 and spelling != text:
+                continue
+            if text == spelling + "ed" and (
+                " " in text or spelling in v.nouns
+            ):  # "car parked" is no car park
                 continue
             token = Token(
                 text,
@@ -105,14 +119,38 @@ class Lexer:
             )
             if token.known:
                 token.name = spelling
+                token.color = token.color or tending(text, v.colors)
                 return token
-        return Token(text)
+        return self._compared(text) or Token(text, color=tending(text, v.colors))
+
+    def _compared(self, text: str) -> Token | None:
+        """ "Cooler" and "glossiest" as what they compare: an adjective or a finish."""
+        v = self.vocabulary
+        for ending in ("er", "est"):
+            base = text.removesuffix(ending)
+            stems = (base, base + "e", base[:-1], base[:-1] + "y") if base != text and len(base) > 2 else ()
+            for stem in stems:
+                entry = v.entries.get(v.synonyms.get(stem, ""))
+                if stem in v.adjectives or (entry and entry.slot in ("finish", "grade")):
+                    return replace(self._phrase(stem), text=text)
+        return None
 
     def _head_noun(self, text: str) -> str:
         """Phrases for a setting end in the thing itself: "minimal backdrop"."""
         v = self.vocabulary
         entry = v.entries.get(v.synonyms.get(text, ""))
         return v.nouns.get(text.rpartition(" ")[2], "") if entry and entry.slot == "setting" else ""
+
+    def _ends_in_thing(self, words: list[str]) -> bool:
+        """Whether a phrase is a look and a thing of this scene: "terracotta pot", where there is a pot."""
+        v, last = self.vocabulary, words[-1]
+        if len(words) < 2 or last not in self.names or " ".join(words) in self.names:
+            return False
+        return last not in v.synonyms and last not in v.colors and self._phrase(" ".join(words[:-1])).known
+
+    def _tinged(self, words: list[str]) -> Token | None:
+        color = tinged(words, self.vocabulary.colors)
+        return Token(" ".join(words), color=color, name=" ".join(words)) if color else None
 
     def _shaded(self, words: list[str]) -> Token | None:
         """A color with shade words before it: "very dark blue", "dusty rose"."""
@@ -172,14 +210,24 @@ class Lexer:
         token.near = nearest(self.vocabulary).guess(token.text)
         if len(token.text) < 4 or table().is_english(token.text):
             return token
-        for known in get_close_matches(token.text, self.names, 1, 0.86) or get_close_matches(
-            token.text, self._spelling, 3, 0.84
-        ):
+        swapped = [w for w in self._spelling if _is_swapped(w, token.text)]
+        for known in swapped or [
+            *(
+                get_close_matches(token.text, self.names, 1, 0.86)
+                or get_close_matches(token.text, self._spelling, 3, 0.84)
+            )
+        ]:
             if known[0] == token.text[0]:
                 meant = self._phrase(known)
                 meant.text, meant.guess = token.text, known
                 return meant  # a slip of the keyboard is likelier than a rare word
         return token
+
+
+def _is_swapped(word: str, typed: str) -> bool:
+    """Whether two letters inside a word changed places: "wihte", "balck"."""
+    apart = [i for i, (a, b) in enumerate(zip(word, typed, strict=False)) if a != b]
+    return len(word) == len(typed) and len(apart) == 2 and sorted(word) == sorted(typed)
 
 
 def _shade(row: dict[str, float], strength: float) -> tuple[float, float, float, float]:

@@ -21,15 +21,15 @@ if TYPE_CHECKING:
 FILE = Path(__file__).with_name("words.safetensors")
 KINDS = ("known", "adjective", "noun")
 """How a word of the table may speak of a look: by heart, before any noun, or as a matter ("made of tinfoil")."""
-SURE = 0.5
+SURE = 0.4
 """Confidence below which a word is left out rather than guessed."""
 
-_NEAREST, _SHARPNESS = 5, 12.0  # words that vote for their entries, and how much more the nearer ones count
+_NEAREST, _SHARPNESS = 8, 12.0  # words that vote for their entries, and how much more the nearer ones count
 _ENDINGS = (
     "like", "ness", "iness", "ing", "ings", "ed", "ly", "ily", "y", "ic", "ical", "ia", "s", "es", "ish", "ment", "ity", "e",
     "er", "ier", "iest", "en", "ous", "al",
 )  # fmt: skip
-_DENIALS = ("non", "anti", "un")
+_DENIALS, _LACK = ("non", "anti", "un"), "less"
 _SAME_SORT = 0.45  # cosine of two things that may stand for each other
 _SHORTEST = 4  # letters of a stem
 
@@ -170,7 +170,18 @@ def stem(word: str) -> str:
         ]
         shorter = bool(fitting)
         word = min(fitting, key=len) if fitting else word
+    if len(word) > _SHORTEST and word[-1] == word[-2]:  # "walnutty", "foggy"
+        word = word[:-1]
     return word.removesuffix("i") if len(word) > _SHORTEST else word
+
+
+def _denied(word: str) -> str:
+    """What a word says is not there: "moonless", "unpolished"; "" for other words."""
+    if word.endswith(_LACK):
+        return word.removesuffix(_LACK) if len(word) > len(_LACK) + 2 else ""
+    prefix = next((p for p in _DENIALS if word.startswith(p)), "")
+    base = word.removeprefix(prefix)
+    return stem(base) if prefix and base in table().index else ""
 
 
 class Nearest:
@@ -186,21 +197,24 @@ class Nearest:
 
     def guess(self, word: str) -> Guess | None:
         """The entry that a word is nearest to; None for words that say nothing about looks."""
-        vector = self._table.vector(word)
-        if vector is None:
+        found = self.meant(word)
+        if found is None or found[2] < SURE:
             return None
-        entry, near, confidence = self.place(vector)
-        if confidence < SURE:
-            return None
+        entry, near, confidence = found
         row = self._table.find(word)
         noun = row is None or KINDS[self._table.kinds[row]] == "noun"  # compounds name things: "candlestick"
         return Guess(entry, near, round(confidence, 2), noun)
 
-    def place(self, vector: np.ndarray) -> tuple[str, str, float]:
-        """Entry, nearest known word and confidence of a unit vector."""
+    def meant(self, word: str) -> tuple[str, str, float] | None:
+        """Entry, nearest known word and confidence of a word; None where it has no vector."""
         import numpy as np
 
+        vector = self._table.vector(word)
+        if vector is None:
+            return None
         likeness = self._places @ vector
+        if denied := _denied(word):  # "moonless" is no moonlight
+            likeness[[i for i, (known, _) in enumerate(self._known) if known.startswith(denied)]] = -1.0
         best = np.argsort(-likeness)[:_NEAREST]
         votes: dict[str, float] = {}
         for i in best:

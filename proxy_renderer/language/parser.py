@@ -7,7 +7,7 @@ import re
 
 from ..schema import VibeError
 from .english import ONLY_ENGLISH, other_language
-from .keyed import spoken
+from .keyed import spoken, without_spared
 from .meaning import complete
 from .reader import Reader
 from .types import Parsed, SceneWords
@@ -35,13 +35,14 @@ def parse(prompt: str, scene: SceneWords, vocabulary: Vocabulary | None = None) 
     if foreign == "all":
         raise VibeError(f"The prompt '{text[:60]}' is not in English.", ONLY_ENGLISH)
     vocabulary = vocabulary or default_vocabulary()
-    said = spoken(text, vocabulary)
     reader = Reader(vocabulary, scene)
+    said, spared = without_spared(spoken(text, vocabulary, reader.lexer.names))
     parsed = reader.read(said)
     if not parsed.attributes and reader.named:  # "castle": if it is nothing else, it is a mood
         reader = Reader(vocabulary, scene, things=False)
         parsed = reader.read(said)
     parsed.prompt = text
+    parsed.conflicts += [f"'{words}': what no word names stays as it is." for words in spared]
     if reader.beyond:
         said = ", ".join(f"'{text}'" for text in dict.fromkeys(reader.beyond))
         parsed.conflicts.append(f"{said}: no value of a material, light, world, fog or film gives that.")
@@ -50,7 +51,7 @@ def parse(prompt: str, scene: SceneWords, vocabulary: Vocabulary | None = None) 
         parsed.conflicts.append(f"{said}: {_THINGS_STAY}")
     if foreign:
         parsed.conflicts.append(f"Some of the prompt does not look like English. {ONLY_ENGLISH}")
-    if not parsed.attributes:
+    if not parsed.attributes or (foreign and all(a.guess or a.cause for a in parsed.attributes)):
         raise VibeError(
             f"Nothing in the prompt '{text[:60]}' names a look{' in English' if foreign else ''}"
             + (f": {_THINGS_STAY}" if reader.undone else "."),

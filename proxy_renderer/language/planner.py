@@ -67,6 +67,11 @@ class _Planner:
         wishes = [
             (attribute, effect) for attribute in self._attributes() for effect in self._effects(attribute)
         ]
+        if any(
+            a.slot == "lighting" and not a.cause and e.name == "temperature" for a, e in wishes if not e.weak
+        ):
+            # "Street lamps on a rainy night": a light that is named is not the neon that such nights have.
+            wishes = [w for w in wishes if not (w[0].cause and w[1].family == "light/color")]
         for stage in range(4):
             if stage == 2:
                 self._measure_light()

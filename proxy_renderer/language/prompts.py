@@ -26,7 +26,7 @@ def compose(parsed: Parsed, vocabulary: Vocabulary | None = None) -> Prompts:
     mine = _of_region(said, "subject")
     theirs = _of_region(said, "surroundings")
     whole = [a for a in said if a.region == "whole" or a.slot in ("lighting", "atmosphere", "grade", "mood")]
-    foreground = _caption(mine, noun, vocabulary)
+    foreground = ", ".join(_caption(own, name, vocabulary) for name, own in _by_thing(mine, noun).items())
     background = _caption(theirs, backdrop, vocabulary) if theirs else ""
     looks = [_words(a, vocabulary) for a in whole if a not in mine and a not in theirs][:_MOST]
     return Prompts(
@@ -50,6 +50,14 @@ def _of_region(attributes: list[Attribute], region: str) -> list[Attribute]:
     else:
         bound += [a for a in attributes if a.entry == "silhouette"]
     return bound
+
+
+def _by_thing(attributes: list[Attribute], noun: str) -> dict[str, list[Attribute]]:
+    """What is said of each thing that has materials of its own: "a white cup, a black table"; of all others together."""
+    things: dict[str, list[Attribute]] = {}
+    for attribute in attributes:
+        things.setdefault(attribute.thing if attribute.owners else noun, []).append(attribute)
+    return things or {noun: []}
 
 
 def _words(attribute: Attribute, vocabulary: Vocabulary) -> str:

@@ -14,6 +14,8 @@ from .vocabulary import Vocabulary
 
 _AGAIN = ("make", "give", "keep", "set", "let")
 """A verb that starts a new wish: "remove the chair and make it warm"."""
+_PICTURES = ("shot", "photo", "photography", "render", "advert", "commercial", "packshot", "shoot")
+"""What colors before it describe is not the light: "white product shot"."""
 _PLACES = ("in", "into", "at", "under", "beneath", "by", "amid")
 
 
@@ -89,7 +91,9 @@ class Reader:
                     continue
                 state.negated = "undo" in token.lists
             else:
+                skipped = index + 1 + self._likened(tokens, index)
                 self._step(state, token, rest)
+                state.definite = token.text == "the"
         # "The wall, painted yellow": a clause that starts by a link goes on about the last thing.
         state.last = state.last or (previous if state.linked else None)
         if not (state.last or state.around):
@@ -98,6 +102,14 @@ class Reader:
             state.waiting = [w for w in state.waiting if not is_adjective(w.token)]
         self._flush(state)
         return state.last or previous
+
+    def _likened(self, tokens: list[Token], index: int) -> int:
+        """How many tokens after this one only liken a look to something: "white as snow" is not made of snow."""
+        after = tokens[index + 1 : index + 4]
+        look = tokens[index].entry or tokens[index].color or tokens[index].adjective
+        if not (look and after and after[0].text == "as"):
+            return 0
+        return 2 + (len(after) > 2 and after[1].text in ("a", "an", "the"))
 
     def _step(self, state: ClauseState, token: Token, rest: list[Token]) -> None:
         following = next_content(rest)
@@ -109,7 +121,7 @@ class Reader:
             self.binding.ignored += [*(w.text for w in state.waiting), token.text]
             self.beyond.append(token.text)
             state.waiting, state.prefix = [], []
-        elif token.scene and (not look or (state.waiting and not following)):
+        elif token.scene and (not look or (state.waiting and not following) or _is_the_thing(state, rest)):
             self._scene_name(state, token)
         elif token.strength is not None and self.roles.is_intensity(token, following):
             state.strength *= token.strength
@@ -120,8 +132,11 @@ class Reader:
         elif token.lists & {"around", "link", "joiner"} and not token.entry:
             self._connect(state, token, following)
         elif self.roles.is_global(token) and not (
-            token.adjective
-            and (self.roles.describes(token, following) or self.roles.goes_on(token, state, following))
+            (
+                token.adjective
+                and (self.roles.describes(token, following) or self.roles.goes_on(token, state, following))
+            )
+            or (token.color and following is not None and (following.noun or following.scene))
         ):
             self._apply(state, token, following)
         elif token.noun and not (token.adjective and following and (following.noun or following.color)):
@@ -138,12 +153,16 @@ class Reader:
 
     def _connect(self, state: ClauseState, token: Token, following: Token | None) -> None:
         if token.text in ("and", "or", "then", "yet", "also"):
+            if state.bare and state.last and following and (following.noun or following.scene):
+                state.waiting = self.binding.bind(
+                    state.waiting, state.last
+                )  # "the wall red and the cup blue"
             for word in state.waiting:
                 word.barred = True
             state.negated = state.negated and token.text == "or"
         elif "joiner" in token.lists:
             self._flush(state)
-            state.linked = state.around = state.inside = state.negated = False
+            state.linked = state.around = state.inside = state.negated = state.bare = False
         elif "link" in token.lists and not (token.text == "in" and not state.last and not state.waiting):
             toned = following is not None and following.noun in ("shadow", "highlight", "tone")
             if not (state.last or toned):  # "blue in the shadows" is a color of theirs
@@ -160,7 +179,9 @@ class Reader:
         """A word about the whole picture; those that wait before it may describe it: "cool blue fog"."""
         entry = token.entry
         silhouette = entry == "silhouette"
-        kind = "" if silhouette else token.noun or KIND_OF_SLOT.get(self.binding.slot(entry), "")
+        pictured = token.text.rpartition(" ")[2] in _PICTURES
+        kind = token.noun or KIND_OF_SLOT.get(self.binding.slot(entry), "")
+        kind = "" if silhouette or pictured else kind
         role = light_role(token)
         if kind == "light" and self.binding.directs_light(entry) and not role:
             role = (light_role(following) if following else "") or (state.last.role if state.last else "")
@@ -171,7 +192,7 @@ class Reader:
             )  # first, as "cold" says more than "morning"
         self.binding.add(state.word(token), entry, thing)
         if token.noun or (kind == "light" and not state.last):
-            state.last, state.linked = thing, False
+            state.last, state.linked, state.bare = thing, False, False
 
     def _noun(self, state: ClauseState, token: Token) -> None:
         kind = token.noun
@@ -200,6 +221,7 @@ class Reader:
 
     def _arrive(self, state: ClauseState, thing: Thing) -> None:
         """A noun: what waits describes it."""
+        state.bare = not (state.waiting or state.linked or state.around or state.inside)
         state.waiting = self.binding.bind(state.waiting, thing)
         if state.linked and state.last:
             state.waiting = self.binding.bind(state.waiting, state.last)
@@ -226,7 +248,7 @@ class Reader:
             self.binding.ignored += [token.text, *(w.text for w in state.waiting if not state.linked)]
             state.waiting = state.waiting if state.linked else []
             if following is None and not state.linked:
-                state.last = Thing("nowhere", token.text)
+                state.last, state.bare = Thing("nowhere", token.text), False
 
     def _name(self, state: ClauseState, name: str, region: Region) -> None:
         thing = Thing(region, name, region)
@@ -236,8 +258,14 @@ class Reader:
     def _flush(self, state: ClauseState) -> None:
         """What waits cannot describe anything that comes later."""
         if state.waiting:
-            self.binding.bind_rest(state.waiting, state.last, state.linked, state.around)
+            self.binding.bind_rest(state.waiting, state.last, state.linked or state.bare, state.around)
         state.waiting = []
+
+
+def _is_the_thing(state: ClauseState, rest: list[Token]) -> bool:
+    """Whether a name that is also a look stands as the thing: "the lemon is ...", "the lemon more yellow"."""
+    after = rest[0] if rest else None
+    return state.definite and (after is None or "link" in after.lists or after.strength is not None)
 
 
 def _subjects(scene: SceneWords) -> int:

