@@ -22,6 +22,7 @@ from proxy_renderer.language import (
 from proxy_renderer.language.attributes import ATTRIBUTES, COLORS
 from proxy_renderer.language.color import basic, from_hex, from_lab, to_lab
 from proxy_renderer.language.explain import as_dict
+from proxy_renderer.language.lexer import Lexer
 from proxy_renderer.language.view import lightness, radiance
 from proxy_renderer.language.vocabulary import COLOR_MODES, default_vocabulary, load, parse_effect
 from proxy_renderer.schema import FAMILIES, PARAMETERS, Instance, VibeError
