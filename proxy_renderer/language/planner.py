@@ -175,7 +175,7 @@ class _Planner:
         """Intersects what the words want; where they contradict each other, the first one has its way."""
         for demand in demands:
             self.demands.setdefault(demand.key, []).append(demand)
-        for key in {d.key for d in demands}:
+        for key in dict.fromkeys(d.key for d in demands):  # a set would be in another order each time
             first, *others = sorted(self.demands[key], key=lambda d: d.rank)
             lower, upper, winners = first.lower, first.upper, [first]
             for demand in others:
