@@ -8,7 +8,16 @@ from dataclasses import replace
 from .binding import Binding, Thing, Word
 from .clause import ClauseState
 from .lexer import Lexer, Token
-from .roles import KIND_OF_SLOT, Roles, is_adjective, light_role, next_content, speaks_of_looks
+from .roles import (
+    KIND_OF_SLOT,
+    Roles,
+    is_adjective,
+    is_the_thing,
+    light_role,
+    likened,
+    next_content,
+    speaks_of_looks,
+)
 from .types import Parsed, Region, SceneWords
 from .vocabulary import Vocabulary
 
@@ -91,7 +100,7 @@ class Reader:
                     continue
                 state.negated = "undo" in token.lists
             else:
-                skipped = index + 1 + self._likened(tokens, index)
+                skipped = index + 1 + likened(tokens, index)
                 self._step(state, token, rest)
                 state.definite = token.text == "the"
         # "The wall, painted yellow": a clause that starts by a link goes on about the last thing.
@@ -103,14 +112,6 @@ class Reader:
         self._flush(state)
         return state.last or previous
 
-    def _likened(self, tokens: list[Token], index: int) -> int:
-        """How many tokens after this one only liken a look to something: "white as snow" is not made of snow."""
-        after = tokens[index + 1 : index + 4]
-        look = tokens[index].entry or tokens[index].color or tokens[index].adjective
-        if not (look and after and after[0].text == "as"):
-            return 0
-        return 2 + (len(after) > 2 and after[1].text in ("a", "an", "the"))
-
     def _step(self, state: ClauseState, token: Token, rest: list[Token]) -> None:
         following = next_content(rest)
         if self.things and self.roles.is_thing(token, state, rest):
@@ -121,7 +122,7 @@ class Reader:
             self.binding.ignored += [*(w.text for w in state.waiting), token.text]
             self.beyond.append(token.text)
             state.waiting, state.prefix = [], []
-        elif token.scene and (not look or (state.waiting and not following) or _is_the_thing(state, rest)):
+        elif token.scene and (not look or (state.waiting and not following) or is_the_thing(state, rest)):
             self._scene_name(state, token)
         elif token.strength is not None and self.roles.is_intensity(token, following):
             state.strength *= token.strength
@@ -260,12 +261,6 @@ class Reader:
         if state.waiting:
             self.binding.bind_rest(state.waiting, state.last, state.linked or state.bare, state.around)
         state.waiting = []
-
-
-def _is_the_thing(state: ClauseState, rest: list[Token]) -> bool:
-    """Whether a name that is also a look stands as the thing: "the lemon is ...", "the lemon more yellow"."""
-    after = rest[0] if rest else None
-    return state.definite and (after is None or "link" in after.lists or after.strength is not None)
 
 
 def _subjects(scene: SceneWords) -> int:

@@ -125,3 +125,18 @@ def speaks_of_looks(tokens: list[Token]) -> bool:
     if not all(t.known and "count" not in t.lists for t in tokens):
         return False
     return any(t.entry or t.noun in ("light", "fill", "rim", "fog") for t in tokens)
+
+
+def likened(tokens: list[Token], index: int) -> int:
+    """How many tokens after this one only liken a look to something: "white as snow" is not made of snow."""
+    after = tokens[index + 1 : index + 4]
+    look = tokens[index].entry or tokens[index].color or tokens[index].adjective
+    if not (look and after and after[0].text == "as"):
+        return 0
+    return 2 + (len(after) > 2 and after[1].text in ("a", "an", "the"))
+
+
+def is_the_thing(state: ClauseState, rest: list[Token]) -> bool:
+    """Whether a name that is also a look stands as the thing: "the lemon is ...", "the lemon more yellow"."""
+    after = rest[0] if rest else None
+    return state.definite and (after is None or "link" in after.lists or after.strength is not None)
