@@ -13,7 +13,7 @@ from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.language.attributes import ATTRIBUTES
 from proxy_renderer.schema import VibeError
 from proxy_renderer.train import bank as banks
-from proxy_renderer.train import captions, dense, looks, shader, wording
+from proxy_renderer.train import captions, dense, looks, seen, shader, wording
 from proxy_renderer.train.augment import EMPTY, WHOLE
 from proxy_renderer.train.data import LOOKS, contradicts, gather, make_batch
 from proxy_renderer.train.evaluate import skill
@@ -79,10 +79,10 @@ def test_attributes_change_what_they_name(bank: dict[str, np.ndarray]) -> None:
 def test_colors_that_cannot_be_seen_are_not_claimed() -> None:
     lab = torch.tensor([[45.0, 60.0, 42.0], [3.0, 0.5, 0.0], [45.0, 20.0, 14.0]])
     red = torch.full((3,), ATTRIBUTES["subject_color"].index("red"))
-    seen = looks.seen_color(red, lab, torch.zeros(3, dtype=torch.bool))
-    assert seen.tolist() == [red[0], ATTRIBUTES["subject_color"].index("black"), red[0]]
+    names = seen.called(red, lab, torch.zeros(3, dtype=torch.bool))
+    assert names.tolist() == [red[0], ATTRIBUTES["subject_color"].index("black"), red[0]]
     grey_blue = torch.tensor([[50.0, -4.0, -22.0]])
-    assert looks.seen_color(red[:1], grey_blue, torch.zeros(1, dtype=torch.bool)).tolist() == [looks.UNKNOWN]
+    assert seen.called(red[:1], grey_blue, torch.zeros(1, dtype=torch.bool)).tolist() == [looks.UNKNOWN]
 
 
 def test_captions_say_every_mentioned_attribute_and_no_other() -> None:
@@ -181,10 +181,45 @@ def test_the_fused_shader_makes_the_same_pictures(bank: dict[str, np.ndarray]) -
     assert plain.captions == fused.captions
 
 
+@pytest.mark.parametrize("roughness", [0.2, 0.4, 0.6])
+def test_reflections_are_as_blurred_as_a_ggx_lobe_blurs_them(roughness: float) -> None:
+    """The rise of an edge, from a tenth to nine tenths, against sampled half vectors (Walter et al. 2007)."""
+    random = np.random.default_rng(0)
+    share, turn = random.random(200_000), random.uniform(0, 2 * np.pi, 200_000)
+    tangent = roughness**2 * np.sqrt(share / (1 - share))
+    off = np.sort(
+        2 * np.arctan(tangent) * np.cos(turn)
+    )  # a mirrored ray turns by twice its half vector's angle
+    sampled = off[int(0.9 * len(off))] - off[int(0.1 * len(off))]
+    at = torch.linspace(0, 12, 20_001)
+    half, blur = torch.tensor(6.0), torch.tensor(0.01 + 1.2 * roughness**2)
+    edge = shader.blurred(at, half, blur)
+    rise = at[int((edge > 0.1).sum())] - at[int((edge > 0.9).sum())]
+    assert float(rise) == pytest.approx(sampled, rel=0.25)
+
+
+def test_blurring_keeps_a_reflected_lights_flux() -> None:
+    at = torch.linspace(-40, 40, 80_001)
+    flux = [
+        shader.blurred(at, torch.tensor(0.5), torch.tensor(blur)).mean() * 80 for blur in (0.02, 0.4, 2.0)
+    ]
+    assert [round(float(f), 2) for f in flux] == [1.0, 1.0, 1.0]
+
+
+def test_smaller_pictures_are_not_aliased(bank: dict[str, np.ndarray]) -> None:
+    def glitter(view: dict, look: dict, agx: bool) -> torch.Tensor:
+        pictures = shader.shade(view, look, agx)
+        pictures[..., :3, :, :] = (torch.arange(SIZE)[:, None] + torch.arange(SIZE)) % 2
+        return pictures
+
+    grey = make_batch(bank, 1, 5, augment=False, shade=glitter, size=SIZE * 3 // 5).pictures[..., 2:-2, 2:-2]
+    assert float((grey - 0.5).abs().max()) < 0.15
+
+
 def test_the_tower_tells_left_from_right() -> None:
     picture = torch.zeros(1, 3, 160, 160)
     picture[..., :80] = 1.0
-    tower = network.Tower(16).eval()
+    tower = network.vibe_resnet(num_classes=16).eval()
     left, right = tower(picture), tower(picture.flip(-1))
     assert left.shape == (1, 16)
     assert (left - right).norm() > 0.1 * left.norm()
@@ -243,7 +278,14 @@ def test_losses_fall_on_a_batch_that_is_seen_again(bank: dict[str, np.ndarray]) 
 
 
 def test_skill_is_what_a_head_knows_beyond_a_blind_guess():
-    one = {"heads": {"fog": 0.75, "vignette": 0.4}, "commonest": {"fog": 0.5, "vignette": 0.6}}
-    other = {"heads": {"fog": 1.0}, "commonest": {"fog": 0.5}}
-    uniform = {"heads": {"fog": 0.9}, "commonest": {"fog": 0.9}}
-    assert skill([one, other, uniform]) == {"fog": 0.5, "vignette": 0.0}
+    def judged(heads: dict[str, float], commonest: dict[str, float], count: int = 40) -> dict:
+        return {
+            "heads": heads,
+            "commonest": commonest,
+            "comparisons": {f"heads/{name}": count for name in heads},
+        }
+
+    one = judged({"fog": 0.75, "vignette": 0.4}, {"fog": 0.5, "vignette": 0.6})
+    sure, uniform = judged({"fog": 1.0}, {"fog": 0.5}), judged({"fog": 0.9}, {"fog": 0.9})
+    rare = judged({"fog": 0.5}, {"fog": 0.5}, count=3)
+    assert skill([one, sure, uniform, rare]) == {"fog": 0.5, "vignette": 0.0}

@@ -43,7 +43,7 @@ _KEPT = Split(held_out=True)
 
 
 def run(
-    out: Path, encoder: str = "embedded", views: int = 96, pairs: int = 30, cache_folder: str = ""
+    out: Path, encoder: str = "embedded", views: int = 96, pairs: int = 80, cache_folder: str = ""
 ) -> dict[str, Any]:
     """Measures an encoder, and the judge beside it, and writes OUT/results.json and OUT/mistakes.png.
 

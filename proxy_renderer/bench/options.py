@@ -86,9 +86,9 @@ def _encoder(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--pairs",
         type=int,
-        default=30,
+        default=80,
         metavar="N",
-        help="pairs of Cycles pictures; 0 for none (default: 30)",
+        help="pairs of Cycles pictures; 0 for none (default: 80)",
     )
     sub.add_argument(
         "--cache",

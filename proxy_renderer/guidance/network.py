@@ -6,6 +6,7 @@ places: here the last grid of features goes whole into the projection. Plain res
 patch stem (He et al. 2016) cost half of what open_clip's ModifiedResNet does at the same size on a CPU.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import torch
@@ -43,8 +44,8 @@ class Block(nn.Module):
         return F.relu(self.second_norm(self.second(inner)) + self.shortcut(x))
 
 
-class Stem(nn.Conv2d):
-    """The first convolution, on patches of a picture and of its logarithm.
+class Patches(nn.Conv2d):
+    """A convolution of patches of a picture and of its logarithm.
 
     In the logarithm light and color add up, so that a shaded side, a cast of the light or a highlight looks alike
     on every color.
@@ -55,7 +56,33 @@ class Stem(nn.Conv2d):
 
     def forward(self, x: Tensor) -> Tensor:
         """(B, 3, H, W) display values, less 0.5 and over 0.25 → (B, outputs, H / 4, W / 4)."""
-        return super().forward(torch.cat([x, torch.log((0.25 * x + 0.5).clamp_min(0) + _DARK) + 1], 1))
+        return super().forward(_with_logarithm(x))
+
+
+class Stem(nn.Module):
+    """Patches, and what is inside them: one linear step cannot tell a sharp edge from a blurred one.
+
+    Sharp edges in reflections are gloss, and in shadows hard light.
+    """
+
+    def __init__(self, outputs: int) -> None:
+        super().__init__()
+        self.patches = nn.Conv2d(6, outputs, _PATCH, _PATCH, bias=False)
+        self.edges = nn.Sequential(
+            nn.Conv2d(6, outputs // 2, 3, 2, 1, bias=False),
+            nn.BatchNorm2d(outputs // 2),
+            nn.ReLU(inplace=True),
+            nn.Conv2d(outputs // 2, outputs, 3, 2, 1, bias=False),
+        )
+
+    def forward(self, x: Tensor) -> Tensor:
+        """As `Patches` does."""
+        both = _with_logarithm(x)
+        return self.patches(both) + self.edges(both)
+
+
+def _with_logarithm(x: Tensor) -> Tensor:
+    return torch.cat([x, torch.log((0.25 * x + 0.5).clamp_min(0) + _DARK) + 1], 1)
 
 
 class Tower(nn.Sequential):
@@ -63,27 +90,25 @@ class Tower(nn.Sequential):
 
     Args:
         features: Length of a feature.
-        widths: Channels of each stage; each later stage halves the picture.
+        stem: Makes, for a number of channels, what turns pictures into a grid of a fourth of their size.
+        widths: Channels of each stage.
         depths: Blocks of each stage.
-        logarithm: Whether it sees the logarithm of the picture too.
+        strides: Of each stage; a 2 halves the grid.
     """
 
     def __init__(
         self,
         features: int,
-        widths: tuple[int, ...] = (24, 64, 96, 160),
-        depths: tuple[int, ...] = (2, 1, 2, 1),
-        logarithm: bool = False,
+        stem: Callable[[int], nn.Module],
+        widths: tuple[int, ...],
+        depths: tuple[int, ...],
+        strides: tuple[int, ...],
     ) -> None:
-        layers: list[nn.Module] = [
-            Stem(widths[0]) if logarithm else nn.Conv2d(3, widths[0], _PATCH, _PATCH, bias=False),
-            nn.BatchNorm2d(widths[0]),
-            nn.ReLU(inplace=True),
-        ]
+        layers: list[nn.Module] = [stem(widths[0]), nn.BatchNorm2d(widths[0]), nn.ReLU(inplace=True)]
         inputs = widths[0]
-        for stage, (width, depth) in enumerate(zip(widths, depths, strict=True)):
+        for width, depth, stride in zip(widths, depths, strides, strict=True):
             for k in range(depth):
-                layers.append(Block(inputs, width, 2 if stage and not k else 1))
+                layers.append(Block(inputs, width, 1 if k else stride))
                 inputs = width
         layers += [nn.AdaptiveAvgPool2d(GRID), nn.Flatten(), nn.Linear(inputs * GRID**2, features)]
         super().__init__(*layers)
@@ -92,10 +117,10 @@ class Tower(nn.Sequential):
 @register_model
 def vibe_resnet(pretrained: bool = False, num_classes: int = 128, **unused: Any) -> Tower:
     """What `timm_model_name: "vibe_resnet"` in an open_clip configuration builds; there are no pretrained weights."""
-    return Tower(num_classes, logarithm=True)
+    return Tower(num_classes, Stem, (32, 64, 96, 160), (2, 2, 2, 2), (1, 2, 2, 1))
 
 
 @register_model
 def vibe_resnet_judge(pretrained: bool = False, num_classes: int = 192, **unused: Any) -> Tower:
     """A larger tower of other proportions and another input, for an encoder that judges results and never guides."""
-    return Tower(num_classes, (32, 64, 128, 256), (1, 1, 1, 1), logarithm=True)
+    return Tower(num_classes, Patches, (32, 64, 128, 256), (1, 1, 1, 1), (1, 2, 2, 2))

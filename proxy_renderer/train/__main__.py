@@ -43,13 +43,6 @@ def main() -> None:
         "--rate", type=float, default=Recipe.rate, help="learning rate; it falls towards a sitting's end"
     )
     parser.add_argument(
-        "--coarse",
-        type=int,
-        default=2,
-        metavar="N",
-        help="shade every N-th pixel across and down (default: 2, what the encoder looks at)",
-    )
-    parser.add_argument(
         "--from",
         dest="start",
         type=Path,
@@ -95,7 +88,6 @@ def _run(options: argparse.Namespace) -> None:
         groups=options.groups,
         rate=options.rate,
         seed=options.seed,
-        coarse=options.coarse,
         split=JUDGES if options.judge else GUIDES,
     )
     trainer = train(

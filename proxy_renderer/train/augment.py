@@ -71,8 +71,7 @@ def frame(
         top, left = (
             int(min(max(c - side / 2 + dice.uniform(-0.12, 0.12) * side, 0), size - side)) for c in center
         )
-        crop = pictures[:, :, top : top + side, left : left + side]
-        pictures = F.interpolate(crop, (size, size), mode="bilinear", align_corners=False)
+        pictures = pictures[:, :, top : top + side, left : left + side]
         box = (top / size, left / size, side / size)
         if side < 0.85 * size:
             labels[:, looks.INDEX["vignette"]] = looks.UNKNOWN

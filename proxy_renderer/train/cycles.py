@@ -25,11 +25,13 @@ from ..language.attributes import ATTRIBUTES
 from ..launch import environment, events
 from ..schema import VibeError
 from ..schema.orbit import frame
-from . import looks
+from . import looks, seen
 from .bank import SIDES
 from .shapes import shape
 
 SAMPLES = 24
+_TWINNED = ("subject_finish", "subject_metal", "light_softness")
+"""Attributes that a picture may hide: without a traced view, only a twin that differs shows that it does not."""
 _SOFT, _HARD = 4.0, 0.12
 """Edges of a softbox and of a lamp, at five metres."""
 
@@ -150,16 +152,27 @@ def _collect(folder: Path, rows: list[dict[str, Any]]) -> None:
     look = looks.parameters(classes, torch.stack([row["noise"] for row in rows]))
     bare = torch.tensor([row["stage"] == "none" for row in rows])
     look["ambient"] = torch.where(bare[:, None], look["world"], look["ambient"])
-    labels = looks.visible(
-        classes, look, torch.from_numpy(pictures / np.float32(255)), torch.from_numpy(masks > 127)
-    )
-    flipped = np.array([row["flipped"] for row in rows])
+    flipped = torch.tensor([row["flipped"] for row in rows])
+    labels = _borne_out(classes, look, torch.from_numpy(pictures), torch.from_numpy(masks > 127), flipped)
     for name, values in (
         ("pictures", pictures),
         ("masks", masks),
         ("labels", labels.numpy()),
-        ("flipped", flipped),
+        ("flipped", flipped.numpy()),
     ):
         np.save(folder / f"{name}.npy", values)
     for file in (*folder.glob("*.png"), *folder.glob("*.npz")):
         file.unlink()
+
+
+def _borne_out(
+    classes: Tensor, look: dict[str, Tensor], pictures: Tensor, masks: Tensor, flipped: Tensor
+) -> Tensor:
+    """The classes (N, A) that pairs of pictures (N, 3, H, W) of bytes show."""
+    display = pictures.float() / 255
+    labels = seen.visible(classes, look, display, masks).unflatten(0, (-1, 2))
+    kinds = flipped.view(-1, 2)
+    labels = seen.noticed(display.unflatten(0, (-1, 2)), masks[::2], labels, kinds)
+    for name in _TWINNED:
+        labels[kinds[:, 1] != looks.INDEX[name], :, looks.INDEX[name]] = looks.UNKNOWN
+    return labels.flatten(0, 1)

@@ -10,22 +10,17 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 import torch
+import torch.nn.functional as F
 from torch import Tensor
 
 from ..language.attributes import ATTRIBUTES
-from . import captions, dense, looks, shader
+from . import captions, dense, looks, seen, shader
 from .augment import ALONE, EMPTY, WHOLE, cut, frame, wear
 from .bank import SUBJECT
 from .wording import NOUNS, TRAINED, Split
 
 LOOKS = 4
 """Looks per group: a base, two one-attribute flips, a swap of the two colors."""
-_NOTICED = 0.012
-"""Mean difference of display values from which a change of one attribute can be seen."""
-_GLEAMS = 0.12
-"""Standard deviation over the subject of the gleam's share from which a finish can be seen."""
-_EDGES = 0.02
-"""Mean difference between hard and soft shadows from which the light's softness can be seen."""
 _GROUPS_AT_ONCE = 4
 
 
@@ -62,7 +57,7 @@ def make_batch(
     shade: shader.Shade = shader.shade,
     device: torch.device | str = "cpu",
     split: Split = TRAINED,
-    coarse: int = 1,
+    size: int | None = None,
     real: dict[str, np.ndarray] | None = None,
 ) -> Batch:
     """A batch of ``groups`` × `LOOKS` pictures that depends on nothing but the bank and the seed.
@@ -75,31 +70,35 @@ def make_batch(
         shade: `shader.shade`, or its faster `shader.fused()`.
         device: Where pictures are made and stay; the rest of the batch is on the CPU.
         split: Which wordings captions use.
-        coarse: Every how many of the bank's pixels are shaded, across and down.
+        size: Side of the pictures in pixels; the bank's own by default.
         real: From `cycles.load`: a group of Cycles pictures then comes first, on top of the others.
     """
-    generator = torch.Generator().manual_seed(seed)
-    dice = random.Random(seed)
-    made = _looks_of_views(bank, groups, generator, dice, shade, device, coarse)
+    generator, dice = torch.Generator().manual_seed(seed), random.Random(seed)
+    size = size or bank["kind"].shape[-1]
+    made = _looks_of_views(bank, groups, generator, dice, shade, device)
     if real is not None:
-        made = made.after(_real_group(real, generator, coarse, made))
+        made = made.after(_real_group(real, generator, made))
     odds = torch.tensor([0.66, 0.26, 0.08] if augment else [1.0, 0, 0])
     variant = torch.multinomial(odds, len(made.pictures), True, generator=generator)
-    truth = []
+    truth, framed = [], []
     for g, kind in enumerate(variant.tolist()):
         pairs = (slice(0, 2), slice(2, 4)) if real is not None and not g else (slice(0, LOOKS),)
-        truth += [made.cut_and_frame(g, part, kind, augment, generator, dice) for part in pairs]
-    maps = torch.cat(truth)
+        for part in pairs:
+            pictures, maps = made.cut_and_frame(g, part, kind, augment, generator, dice)
+            framed.append(_resized(pictures, size))
+            truth.append(maps)
+    maps, pictures = torch.cat(truth), torch.cat(framed)
     if augment:
-        made.pictures = wear(made.pictures, generator)
+        pictures = wear(pictures.unflatten(0, (-1, LOOKS)), generator).flatten(0, 1)
     texts, mentioned = _describe(made.labels, made.flipped, variant, dice, split)
     each = variant.repeat_interleave(LOOKS)
-    seen = each.to(maps.device)[:, None, None, None]
-    told = torch.where(seen == WHOLE, 1.0, torch.where(seen == ALONE, maps[:, :1], 1 - maps[:, :1]))
+    kind = each.to(maps.device)[:, None, None, None]
+    told = torch.where(kind == WHOLE, 1.0, torch.where(kind == ALONE, maps[:, :1], 1 - maps[:, :1]))
     if real is not None:
         told[:LOOKS] = 0.0  # nobody traced these
-    pictures, labels = made.pictures.flatten(0, 1), made.labels.flatten(0, 1)
-    return Batch(pictures, labels, texts, mentioned, made.flipped.flatten(), each, maps, told)
+    return Batch(
+        pictures, made.labels.flatten(0, 1), texts, mentioned, made.flipped.flatten(), each, maps, told
+    )
 
 
 @dataclass
@@ -128,14 +127,14 @@ class _Groups:
 
     def cut_and_frame(
         self, g: int, part: slice, kind: int, augment: bool, generator: torch.Generator, dice: random.Random
-    ) -> Tensor:
-        """Cuts and frames pictures of one view alike, in place; returns their maps, framed the same way."""
+    ) -> tuple[Tensor, Tensor]:
+        """Pictures of one view, cut and framed alike, and their maps, framed the same way; labels change in place."""
         mask, box, mirrored = self.masks[g, part.start], (0.0, 0.0, 1.0), False
         pictures, labels = cut(self.pictures[g, part], self.labels[g, part], mask, kind, generator)
         if augment:
             pictures, labels, box, mirrored = frame(pictures, labels, mask, kind, dice)
-        self.pictures[g, part], self.labels[g, part] = pictures, labels
-        return dense.framed(self.maps[g, part], box, mirrored)
+        self.labels[g, part] = labels
+        return pictures, dense.framed(self.maps[g, part], box, mirrored)
 
 
 def _looks_of_views(
@@ -145,22 +144,21 @@ def _looks_of_views(
     dice: random.Random,
     shade: shader.Shade,
     device: torch.device | str,
-    coarse: int,
 ) -> _Groups:
     """Random views of the bank under random looks."""
     rows = torch.randint(len(bank["kind"]), (groups,), generator=generator)
     classes, flipped = _group_classes(groups, generator)
     noise = torch.rand(groups, 1, looks.NOISE, generator=generator).expand(-1, LOOKS, -1)
     look = looks.parameters(classes, noise)
-    pictures, masks, maps, shown = _shade_all(bank, rows.tolist(), classes, look, dice, shade, device, coarse)
+    pictures, masks, maps, shown = _shade_all(bank, rows.tolist(), classes, look, dice, shade, device)
     flat = {name: value.flatten(0, 1) for name, value in look.items()}
-    labels = looks.visible(
+    labels = seen.visible(
         classes.flatten(0, 1), flat, pictures.flatten(0, 1), masks.repeat_interleave(LOOKS, 0)
     )
     labels = labels.view(groups, LOOKS, -1)
     for name, clear in shown.items():
         labels[..., looks.INDEX[name]].masked_fill_(~clear, looks.UNKNOWN)
-    labels = _noticed(pictures, masks, labels, flipped)
+    labels = seen.noticed(pictures, masks, labels, flipped)
     return _Groups(pictures, labels, flipped, masks[:, None].expand(-1, LOOKS, -1, -1), maps)
 
 
@@ -184,14 +182,13 @@ def _shade_all(
     dice: random.Random,
     shade: shader.Shade,
     device: torch.device | str,
-    coarse: int,
 ) -> tuple[Tensor, Tensor, Tensor, dict[str, Tensor]]:
     """Pictures (G, LOOKS, 3, H, W), subject masks (G, H, W), `dense.maps`, and `shown`; a few groups at a time to stay in the cache."""
     pictures, masks, maps, clear = [], [], [], []
     for start in range(0, len(rows), _GROUPS_AT_ONCE):
         part = slice(start, start + _GROUPS_AT_ONCE)
         view = {
-            name: torch.from_numpy(np.stack([_thinned(values[r], coarse) for r in rows[part]])).to(device)
+            name: torch.from_numpy(np.stack([values[r] for r in rows[part]])).to(device)
             for name, values in bank.items()
         }
         chosen = {name: value[part].to(device) for name, value in look.items()}
@@ -200,36 +197,16 @@ def _shade_all(
         pictures.append(picture)
         masks.append(view["kind"] == SUBJECT)
         maps.append(dense.maps(fields, chosen, gleam))
-        clear.append(_shown(view, classes[part], gleam[:, :, 0]))
+        clear.append(seen.shown(view, classes[part], gleam[:, :, 0]))
     shown = {name: torch.cat([each[name] for each in clear]) for name in clear[0]}
     return torch.cat(pictures), torch.cat(masks), torch.cat(maps), shown
 
 
-def _shown(view: dict[str, Tensor], classes: Tensor, gleam: Tensor) -> dict[str, Tensor]:
-    """Attribute → (G, LOOKS) whether a finish gleams anywhere, and whether the edge of a shadow is in the picture."""
-    finish, side = classes[..., looks.INDEX["subject_finish"]], classes[..., looks.INDEX["light_side"]]
-    mask = (view["kind"] == SUBJECT)[:, None].float()
-    count = mask.sum((2, 3)).clamp_min(1)
-    mean = (gleam * mask).sum((2, 3)) / count
-    uneven = (((gleam - mean[..., None, None]) ** 2 * mask).sum((2, 3)) / count).sqrt()
-    edges = (view["shadow"][:, :, 0].float() - view["shadow"][:, :, 1].float()).abs().mean((2, 3)) / 255
-    matte = finish == ATTRIBUTES["subject_finish"].index("matte")
-    return {
-        "subject_finish": matte | (uneven.cpu() > _GLEAMS),
-        "light_softness": edges.cpu().gather(1, side) > _EDGES,
-    }
-
-
-def _real_group(
-    real: dict[str, np.ndarray], generator: torch.Generator, coarse: int, like: _Groups
-) -> _Groups:
+def _real_group(real: dict[str, np.ndarray], generator: torch.Generator, like: _Groups) -> _Groups:
     """One group of two pairs of Cycles pictures; a pair is a look and its flip."""
     pairs = torch.randint(len(real["labels"]) // 2, (LOOKS // 2,), generator=generator).tolist()
     rows = [row for pair in pairs for row in (2 * pair, 2 * pair + 1)]
-    pictures, masks = (
-        torch.from_numpy(real[name][rows][..., ::coarse, ::coarse].copy())[None]
-        for name in ("pictures", "masks")
-    )
+    pictures, masks = (torch.from_numpy(real[name][rows])[None] for name in ("pictures", "masks"))
     labels, flipped = (torch.from_numpy(real[name][rows])[None] for name in ("labels", "flipped"))
     return _Groups(
         pictures.to(like.pictures) / 255,
@@ -240,21 +217,11 @@ def _real_group(
     )
 
 
-def _thinned(field: np.ndarray, coarse: int) -> np.ndarray:
-    """Every so many pixels of a picture (..., H, W); what is no picture as it is."""
-    return field[..., ::coarse, ::coarse] if field.ndim > 1 and field.shape[-1] > 3 else field
-
-
-def _noticed(pictures: Tensor, masks: Tensor, labels: Tensor, flipped: Tensor) -> Tensor:
-    """The labels (G, LOOKS, A) without flipped attributes whose change hardly shows, in the flip and in its base."""
-    labels, unlike = labels.clone(), (pictures - pictures[:, :1]).abs().mean(2)
-    inside = masks[:, None].float()
-    of_subject = (unlike * inside).sum((2, 3)) / inside.sum((2, 3)).clamp_min(1)
-    of_rest = (unlike * (1 - inside)).sum((2, 3)) / (1 - inside).sum((2, 3)).clamp_min(1)
-    hidden = (torch.maximum(of_subject, of_rest).cpu() < _NOTICED) & (flipped >= 0)
-    for g, k in hidden.nonzero().tolist():
-        labels[g, [0, k], flipped[g, k]] = looks.UNKNOWN
-    return labels
+def _resized(pictures: Tensor, size: int) -> Tensor:
+    """Square pictures at another size, without aliasing: a highlight of a pixel stays a weak highlight."""
+    if pictures.shape[-1] == size:
+        return pictures
+    return F.interpolate(pictures, (size, size), mode="bilinear", antialias=True, align_corners=False)
 
 
 def gather(view: dict[str, Tensor], classes: Tensor) -> dict[str, Tensor]:

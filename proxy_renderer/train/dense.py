@@ -11,7 +11,7 @@ from torch import Tensor, nn
 
 from .bank import SUBJECT
 
-GRID = 10
+GRID = 12
 """Cells along one side of the maps."""
 _FINE = 40
 CHANNELS = 11

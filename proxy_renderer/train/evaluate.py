@@ -28,7 +28,7 @@ from .surfaces import Shape
 from .wording import NOUNS, TRAINED, Split
 
 _GROUPS, _BATCHES, _SEED = 48, 10, 7_000_000
-_UNIFORM = 0.8
+_UNIFORM, _FEW = 0.8, 15
 
 
 def evaluate(model: Path, held_out: Path, meshes: list[Path], out: Path | None = None) -> dict:
@@ -60,13 +60,13 @@ def evaluate(model: Path, held_out: Path, meshes: list[Path], out: Path | None =
 def skill(sets: Iterable[dict]) -> dict[str, float]:
     """Attribute -> skill in [0, 1] of its head, the worst over all sets: (right - blind) / (1 - blind).
 
-    A set in which one class is nearly all there is says nothing of that attribute.
+    A set says nothing of an attribute that few of its pictures show, or nearly all in the same class.
     """
     found: dict[str, float] = {}
     for one in sets:
         for name, right in one["heads"].items():
             blind = one["commonest"][name]
-            if blind > _UNIFORM:
+            if blind > _UNIFORM or one["comparisons"][f"heads/{name}"] < _FEW:
                 continue
             found[name] = min(
                 found.get(name, 1.0), round(max(right - blind, 0.0) / max(1.0 - blind, 1e-6), 3)

@@ -26,7 +26,7 @@ from .looks import STRESS
 
 CONFIG = {
     "embed_dim": 128,
-    "vision_cfg": {"image_size": 80, "timm_model_name": "vibe_resnet", "timm_pool": "", "timm_proj": ""},
+    "vision_cfg": {"image_size": 96, "timm_model_name": "vibe_resnet", "timm_pool": "", "timm_proj": ""},
     "text_cfg": {"context_length": 40, "width": 64, "heads": 4, "layers": 2},
 }
 JUDGE = {
@@ -81,13 +81,24 @@ class Student(nn.Module):
             self.clip.token_embedding.weight.mul_(keep)
 
     def load_export(self, folder: Path) -> None:
-        """Takes over an exported model's weights, word by word; raises `VibeError` if its architecture is another one."""
+        """Takes over an exported model's weights, word by word, whatever size its pictures had.
+
+        Raises:
+            VibeError: If its architecture is another one.
+        """
         if not (folder / "open_clip_config.json").is_file():
             raise VibeError(
                 f"There is no exported model in {str(folder)!r}.", "Leave --from out to start from nothing."
             )
         config = json.loads((folder / "open_clip_config.json").read_text())["model_cfg"]
-        own, theirs = (c | {"text_cfg": c["text_cfg"] | {"vocab_size": 0}} for c in (self.config, config))
+        own, theirs = (
+            c
+            | {
+                "text_cfg": c["text_cfg"] | {"vocab_size": 0},
+                "vision_cfg": c["vision_cfg"] | {"image_size": 0},
+            }
+            for c in (self.config, config)
+        )
         if own != theirs or not (folder / MERGES).is_file():
             raise VibeError(
                 f"The model in {str(folder)!r} has another architecture than the one to be trained.",

@@ -14,11 +14,13 @@ from torch import Tensor
 from .bank import FAR, STAGE, SUBJECT
 
 Buffers = dict[str, Tensor]
+_SHARPEST = 0.01
+"""Blur of the sharpest reflection, in radians: less cannot be seen in so small a picture."""
 Shade = Callable[[Buffers, Buffers, bool], Tensor]
 
 
 def shade(view: Buffers, look: dict[str, Tensor], agx: bool) -> Tensor:
-    """Pictures (G, K, 4, H, W) in 0..1: display values, and which share of the light is gleam, not body color.
+    """Pictures (G, K, 4, H, W) in 0..1: display values, and how bright the gleam is: its share of the light and of a middle grey.
 
     Args:
         view: kind, depth, occlusion, mirror (G, 1, H, W); normal (G, 1, 3, H, W); camera (G, 1, 3, 3),
@@ -37,7 +39,7 @@ def shade(view: Buffers, look: dict[str, Tensor], agx: bool) -> Tensor:
     color = color + _vector(look["world"]) * (1 + _scalar(look["gradient"]) * up) * (1 - subject - stage)
     clear = torch.exp(-_scalar(look["fog"]) * depth)
     color = color * clear + _vector(look["fog_color"]) * (1 - clear)
-    share = _luma(gleam) / (_luma(body + gleam) + 1e-3)
+    share = _luma(gleam) / (_luma(body + gleam) + 0.18 / _scalar(look["exposure"]))
     return torch.cat([view_transform(_grade(color, look), agx), share], 2)
 
 
@@ -95,14 +97,17 @@ def _surface(
 
 
 def _mirrored(view: Buffers, look: dict[str, Tensor], way: Tensor, rough: Tensor) -> Tensor:
-    """What a mirror ray meets: world, ground and two rectangular light panels, blurred by roughness."""
+    """What a mirror ray meets: world, ground and two rectangular light panels, blurred by roughness.
+
+    An edge seen in GGX of width α = roughness² rises over about 2.7 α to either side (the lobe's half vectors, projected
+    on one axis, are distributed like x / √(α² + x²)); a logistic edge of scale 1.2 α comes closest.
+    """
     up = way[:, :, 2:3]
-    blur = 0.03 + 0.9 * rough
+    blur = _SHARPEST + 1.2 * rough**2
     has_ground = (view["kind"] == STAGE).flatten(2).any(2).float()[..., None, None, None]
     world = _vector(look["world"]) * (1 + _scalar(look["gradient"]) * up) + 0.5 * _vector(look["ambient"])
     ground = _vector(look["surroundings"]) * (0.45 * _vector(look["key"]) + _vector(look["ambient"]))
-    below = torch.sigmoid(-4 * up / blur) * has_ground
-    total = torch.lerp(world, ground, below)
+    total = torch.lerp(world, ground, torch.sigmoid(-up / blur) * has_ground)
     for k in range(2):
         turn = look["panel_turn"][..., k]
         lx, ly, lz = view["light"].unbind(-1)
@@ -115,12 +120,14 @@ def _mirrored(view: Buffers, look: dict[str, Tensor], way: Tensor, rough: Tensor
         across = (way * _vector(side)).sum(2, keepdim=True) / ahead.clamp_min(0.05)
         high = (way * _vector(torch.linalg.cross(center, side))).sum(2, keepdim=True) / ahead.clamp_min(0.05)
         size = _scalar(look["panel_size"][..., k])
-        inside = torch.sigmoid((size - across.abs()) * 6 / blur) * torch.sigmoid(
-            (0.6 * size - high.abs()) * 6 / blur
-        )
-        dim = size**2 / (size**2 + rough**2)
-        total = total + _scalar(look["panels"][..., k]) * _vector(look["key"]) * inside * dim * (ahead > 0.05)
+        inside = blurred(across, size, blur) * blurred(high, 0.6 * size, blur)
+        total = total + _scalar(look["panels"][..., k]) * _vector(look["key"]) * inside * (ahead > 0.05)
     return total
+
+
+def blurred(at: Tensor, half: Tensor, blur: Tensor) -> Tensor:
+    """A strip from -half to half seen through a blur that keeps its flux."""
+    return torch.sigmoid((half - at.abs()) / blur) * half / (blur * torch.nn.functional.softplus(half / blur))
 
 
 def _grade(color: Tensor, look: dict[str, Tensor]) -> Tensor:

@@ -41,7 +41,6 @@ class Recipe:
         words: Weight of the attributes read off captions.
         dense: Weight of the maps read off the grid of features.
         split: Which wordings and shapes are kept back; another number for an encoder that judges this one.
-        coarse: Every how many of the bank's pixels are shaded: small pictures teach four times as fast at first.
         seed: Of the weights and of every batch.
         save: Steps between checkpoints.
     """
@@ -52,9 +51,8 @@ class Recipe:
     average: int = 400
     heads: float = 8.0
     words: float = 0.5
-    dense: float = 3.0
+    dense: float = 5.0
     split: int = GUIDES
-    coarse: int = 1
     seed: int = 0
     save: int = 100
 
@@ -121,7 +119,7 @@ class Trainer:
             shade=self._shade,
             device=self.device,
             split=self.split,
-            coarse=self.recipe.coarse,
+            size=self.student.config["vision_cfg"]["image_size"],
             real=self._real,
         )
 
