@@ -40,7 +40,7 @@ def test_embedded_model_loads_through_open_clip_like_any_other(encoder: Encoder)
         tokens = open_clip.get_tokenizer(f"local-dir:{EMBEDDED}", **own_words)(texts)
         own = torch.nn.functional.normalize(model.encode_text(tokens), dim=-1)
     assert torch.allclose(own, encoder.encode_texts(texts), atol=1e-5)
-    assert sum(file.stat().st_size for file in EMBEDDED.iterdir()) < 4e6
+    assert sum(file.stat().st_size for file in EMBEDDED.iterdir()) < 6e6
 
 
 @pytest.mark.parametrize("size", [(128, 128), (512, 512), (90, 200)])
