@@ -94,7 +94,7 @@ def _batch(real: dict[str, np.ndarray]) -> Batch:
     count, none = len(real["labels"]), torch.empty(0)
     pictures = torch.from_numpy(real["pictures"]).float() / 255
     labels, flipped = (torch.from_numpy(real[name]) for name in ("labels", "flipped"))
-    return Batch(pictures, labels, [], none, flipped, torch.full((count,), WHOLE), none, none)
+    return Batch(pictures, labels, [], none, flipped, torch.full((count,), WHOLE), none, none, [], none)
 
 
 def _measure(asked: Encoder, sets: dict[str, list[Batch]], mistakes: list[Mistake]) -> dict[str, Any]:

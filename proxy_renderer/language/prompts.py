@@ -7,6 +7,7 @@ a caption of its own, negatives are positive descriptions of the mistake, and ne
 
 from __future__ import annotations
 
+from .meaning import color_class
 from .types import Attribute, Parsed, Prompts
 from .vocabulary import Entry, Vocabulary, default_vocabulary
 
@@ -69,11 +70,17 @@ def _words(attribute: Attribute, vocabulary: Vocabulary) -> str:
             if attribute.kind in ("light", "fill", "rim", "shadow", "highlight", "glow", "ambience")
             else ""
         )
-        return attribute.entry + thing
+        return attribute.entry + thing if thing else _shade(attribute)
     if attribute.shades:
         return attribute.word
     degree = "slightly " if attribute.strength < 0.8 else "very " if attribute.strength > 1.3 else ""
     return degree + entry.phrase
+
+
+def _shade(attribute: Attribute) -> str:
+    """A color by its name and its kind, "crimson red": encoders know few of the thousand names that colors have."""
+    kind, name = color_class(attribute), attribute.entry
+    return name if kind in name.replace("gray", "grey") else f"{name} {kind}"
 
 
 def _caption(attributes: list[Attribute], noun: str, vocabulary: Vocabulary) -> str:

@@ -14,7 +14,7 @@ import torch.nn.functional as F
 from torch import Tensor
 
 from ..language.attributes import ATTRIBUTES
-from . import captions, dense, looks, seen, shader
+from . import captions, dense, looks, seen, shader, wording
 from .augment import ALONE, EMPTY, WHOLE, cut, frame, wear
 from .bank import SUBJECT
 from .wording import NOUNS, TRAINED, Split
@@ -22,6 +22,7 @@ from .wording import NOUNS, TRAINED, Split
 LOOKS = 4
 """Looks per group: a base, two one-attribute flips, a swap of the two colors."""
 _GROUPS_AT_ONCE = 4
+_LESSONS = 16
 
 
 @dataclass
@@ -37,6 +38,8 @@ class Batch:
         variant: (B,) WHOLE, ALONE or EMPTY.
         maps: (B, CHANNELS, GRID, GRID) what every part shows, see `dense`.
         told: (B, 1, GRID, GRID) weight of each part of the maps.
+        lessons: Phrases of the language without a picture: few pictures show all that a phrase says.
+        taught: (L, A) class that each of them says, -1 where it says nothing.
     """
 
     pictures: Tensor
@@ -47,6 +50,8 @@ class Batch:
     variant: Tensor
     maps: Tensor
     told: Tensor
+    lessons: list[str]
+    taught: Tensor
 
 
 def make_batch(
@@ -96,9 +101,8 @@ def make_batch(
     told = torch.where(kind == WHOLE, 1.0, torch.where(kind == ALONE, maps[:, :1], 1 - maps[:, :1]))
     if real is not None:
         told[:LOOKS] = 0.0  # nobody traced these
-    return Batch(
-        pictures, made.labels.flatten(0, 1), texts, mentioned, made.flipped.flatten(), each, maps, told
-    )
+    labels, flipped = made.labels.flatten(0, 1), made.flipped.flatten()
+    return Batch(pictures, labels, texts, mentioned, flipped, each, maps, told, *_lessons(dice))
 
 
 @dataclass
@@ -259,6 +263,16 @@ def _describe(
             for name, value in said.items():
                 mentioned[g * LOOKS + k, looks.INDEX[name]] = ATTRIBUTES[name].index(value)
     return texts, mentioned
+
+
+def _lessons(dice: random.Random) -> tuple[list[str], Tensor]:
+    """Phrases of the language, half of them about a thing, and the classes (L, A) that they say."""
+    chosen = dice.choices(wording.lessons(), k=_LESSONS)
+    taught = torch.full((len(chosen), len(looks.NAMES)), -1)
+    for row, (_, asks) in zip(taught, chosen, strict=True):
+        for name, value in asks.items():
+            row[looks.INDEX[name]] = ATTRIBUTES[name].index(value)
+    return [dice.choice(("", f"a {dice.choice(NOUNS)}, ")) + phrase for phrase, _ in chosen], taught
 
 
 def contradicts(labels: Tensor, mentioned: Tensor) -> Tensor:

@@ -126,16 +126,18 @@ class Student(nn.Module):
         mean, std = (torch.tensor(PREPROCESS[key], device=device)[:, None, None] for key in ("mean", "std"))
         pictures = ((batch.pictures.to(device) - mean) / std).to(memory_format=torch.channels_last)
         read = len(batch.captions) // (3 * LOOKS) * LOOKS or len(batch.captions)
-        tokens = self.tokenizer(batch.captions[:read]).to(device)
+        tokens = self.tokenizer([*batch.captions[:read], *batch.lessons]).to(device)
         with torch.autocast(device.type, torch.bfloat16):
             image = self.clip.encode_image(pictures)
-            text = self.clip.encode_text(tokens)
-        image, text = F.normalize(image.float(), dim=-1), F.normalize(text.float(), dim=-1)
+            said = self.clip.encode_text(tokens)
+        image, said = F.normalize(image.float(), dim=-1), F.normalize(said.float(), dim=-1)
+        text = said[:read]
         labels, mentioned = batch.labels.to(device), batch.mentioned[:read].to(device)
         logits = self.clip.logit_scale.exp().clamp(max=60) * image[:read] @ text.T
         own = torch.arange(read, device=device)
         rival = contradicts(labels[:read], mentioned) | (own[:, None] == own)
         logits = logits.masked_fill(~rival, float("-inf"))
+        claims = torch.cat([mentioned, batch.taught.to(device)])
         speaks = (mentioned >= 0).any(1)
         self._count(image.detach(), batch.labels)
         truth, weight, stress = batch.maps.to(device), batch.told.to(device), STRESS.to(device)
@@ -146,7 +148,7 @@ class Student(nn.Module):
             )
             / 2,
             "heads": self.heads.loss(image, labels, stress),
-            "words": self.heads.loss(text, mentioned.masked_fill(mentioned < 0, -100), stress),
+            "words": self.heads.loss(said, claims.masked_fill(claims < 0, -100), stress),
         }
 
     @torch.no_grad()

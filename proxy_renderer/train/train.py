@@ -50,7 +50,7 @@ class Recipe:
     warmup: int = 200
     average: int = 400
     heads: float = 8.0
-    words: float = 0.5
+    words: float = 1.0
     dense: float = 5.0
     split: int = GUIDES
     seed: int = 0

@@ -166,12 +166,15 @@ def phrases() -> list[tuple[str, Known]]:
     Phrases that name a color beside what they ask for ("grey steel") would claim too much.
     """
     colors = {word for words in COLOR_WORDS.values() for word in words}
-    entries = shipped_vocabulary().entries.values()
+    materials = {entry.phrase for entry in shipped_vocabulary().entries.values() if entry.slot == "material"}
     return [
-        (entry.phrase, entry.heads)
-        for entry in entries
-        if entry.heads
-        and (
-            "subject_color" in entry.heads or entry.slot != "material" or not colors & {*entry.phrase.split()}
-        )
+        (phrase, asks)
+        for phrase, asks in lessons()
+        if "subject_color" in asks or phrase not in materials or not colors & {*phrase.split()}
     ]
+
+
+@cache
+def lessons() -> list[tuple[str, Known]]:
+    """All that the language tells an encoder for look words, with the attributes that it then asks for."""
+    return [(entry.phrase, entry.heads) for entry in shipped_vocabulary().entries.values() if entry.heads]
