@@ -72,12 +72,11 @@ def _sure(confidence: float | None) -> str:
 
 
 def _moods(parsed: Parsed) -> dict[str, str]:
-    moods: dict[str, str] = {}
+    moods: dict[str, dict[str, None]] = {}
     for attribute in parsed.attributes:
         if attribute.cause:
-            said = moods.get(attribute.cause)
-            moods[attribute.cause] = f"{said}, {attribute.word}" if said else attribute.word
-    return moods
+            moods.setdefault(attribute.cause, {})[attribute.word] = None
+    return {mood: ", ".join(words) for mood, words in moods.items()}
 
 
 def _range(key: str, lower: Values, upper: Values) -> str:
