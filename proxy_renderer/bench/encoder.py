@@ -39,6 +39,8 @@ WORDS = Path(__file__).with_name("unseen_words.txt")
 HELD_OUT = 100_000
 """Seeds of shapes from here on are never trained on."""
 _SIZE, _SHAPES = 160, 48
+_FEW = 10
+"""Comparisons below which a set says nothing of an attribute."""
 _KEPT = Split(held_out=True)
 
 
@@ -102,8 +104,15 @@ def _measure(asked: Encoder, sets: dict[str, list[Batch]], mistakes: list[Mistak
     found = {name: judge(asked, batches, mistakes=mistakes) for name, batches in sets.items()}
     found["wordings"] = judge(asked, sets["meshes"], _in_other_words, mistakes)
     over = {
-        kind: {name: _mean(one[kind].get(name) for one in found.values()) for name in NAMES}
-        for kind in ("flip_by_attribute", "heads")
+        kind: {
+            name: _mean(
+                one[kind].get(name)
+                for one in found.values()
+                if one["comparisons"].get(f"{what}/{name}", 0) >= _FEW
+            )
+            for name in NAMES
+        }
+        for kind, what in (("flip_by_attribute", "flip"), ("heads", "heads"))
     }
     return {
         "attribute_flip": _mean(over["flip_by_attribute"].values()),
