@@ -12,7 +12,6 @@ from typing import Any
 
 import bpy
 
-from . import changes
 from .contract import labels, messages, schema
 from .model_notes import model_lines
 from .shots import Reel
@@ -122,7 +121,7 @@ def listed(instances: dict[str, schema.Instance], values: dict[str, Any]) -> lis
         if instance is None:  # of a light that has been added
             continue
         before, after = instance.value, tuple(value)
-        if changes.same(key, before, after):
+        if labels.same(key, before, after):
             continue
         line = f"{labels.title(key)}: {labels.text(key, before)} -> {labels.text(key, after)}"
         rows.append((instance.distance(after), line))

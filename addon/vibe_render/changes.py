@@ -13,11 +13,6 @@ def arrow(key: str, before: schema.Values, after: schema.Values) -> str:
     return f"{labels.bare(key, before)} → {labels.text(key, after)}"
 
 
-def same(key: str, before: schema.Values, after: schema.Values) -> bool:
-    """Whether two values read the same, so that listing the change would only puzzle."""
-    return labels.text(key, before) == labels.text(key, after)
-
-
 def blend(key: str, before: schema.Values, after: schema.Values, strength: float) -> schema.Values:
     """The value `strength` of the way from before (0) to after (1), in even steps to the eye."""
     scale = labels.parameter(key).scale

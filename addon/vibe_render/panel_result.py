@@ -134,7 +134,7 @@ class Changes:
 
 def _visible(context: bpy.types.Context) -> list[Any]:
     """The changes that show in the numbers."""
-    return [c for c in context.scene.vibe.changes if not changes.same(c.name, *c.values())]
+    return [c for c in context.scene.vibe.changes if not labels.same(c.name, *c.values())]
 
 
 def _owner(change: Any) -> tuple[str, str]:

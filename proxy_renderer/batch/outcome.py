@@ -92,7 +92,7 @@ def _details(job: Job, report: dict[str, Any]) -> bytes:
 def _changed(key: str, found: dict[str, Any]) -> list[Any] | None:
     """A parameter's name, old value, new value and reason, for people; None if the values read the same."""
     before, after = (tuple(v) if isinstance(v, list) else (v,) for v in (found["before"], found["after"]))
-    if labels.text(key, before) == labels.text(key, after):
+    if labels.same(key, before, after):
         return None
     if len(after) == 1:
         return [labels.title(key), labels.bare(key, before), labels.text(key, after), found["reason"]]

@@ -122,5 +122,5 @@ def vibe_resnet(pretrained: bool = False, num_classes: int = 128, **unused: Any)
 
 @register_model
 def vibe_resnet_judge(pretrained: bool = False, num_classes: int = 192, **unused: Any) -> Tower:
-    """A larger tower of other proportions and another input, for an encoder that judges results and never guides."""
+    """A tower of other proportions, which sees patches alone, for an encoder that judges results and never guides."""
     return Tower(num_classes, Patches, (32, 64, 128, 256), (1, 1, 1, 1), (1, 2, 2, 2))

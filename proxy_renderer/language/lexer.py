@@ -226,8 +226,9 @@ class Lexer:
 
 def _is_swapped(word: str, typed: str) -> bool:
     """Whether two letters inside a word changed places: "wihte", "balck"."""
-    apart = [i for i, (a, b) in enumerate(zip(word, typed, strict=False)) if a != b]
-    return len(word) == len(typed) and len(apart) == 2 and sorted(word) == sorted(typed)
+    if len(word) != len(typed):
+        return False
+    return sum(a != b for a, b in zip(word, typed, strict=True)) == 2 and sorted(word) == sorted(typed)
 
 
 def _shade(row: dict[str, float], strength: float) -> tuple[float, float, float, float]:

@@ -73,6 +73,11 @@ def bare(key: str, values: Values) -> str:
     return text(key, values).removesuffix(_UNITS[parameter(key).unit])
 
 
+def same(key: str, before: Values, after: Values) -> bool:
+    """Whether two values read the same, so that listing the change would only puzzle."""
+    return text(key, before) == text(key, after)
+
+
 def _number(value: float) -> str:
     """About three significant digits, without exponents."""
     if abs(value) < 1e-4:

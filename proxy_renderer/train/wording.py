@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cache
 
 from ..language.color import basic
-from ..language.vocabulary import shipped_vocabulary
+from ..language.vocabulary import Entry, shipped_vocabulary
 
 Known = dict[str, str]
 """Attribute name → class, for those that a picture shows or a caption mentions."""
@@ -166,15 +166,19 @@ def phrases() -> list[tuple[str, Known]]:
     Phrases that name a color beside what they ask for ("grey steel") would claim too much.
     """
     colors = {word for words in COLOR_WORDS.values() for word in words}
-    materials = {entry.phrase for entry in shipped_vocabulary().entries.values() if entry.slot == "material"}
     return [
-        (phrase, asks)
-        for phrase, asks in lessons()
-        if "subject_color" in asks or phrase not in materials or not colors & {*phrase.split()}
+        (entry.phrase, entry.heads)
+        for entry in _asking()
+        if "subject_color" in entry.heads or entry.slot != "material" or not colors & {*entry.phrase.split()}
     ]
 
 
 @cache
 def lessons() -> list[tuple[str, Known]]:
     """All that the language tells an encoder for look words, with the attributes that it then asks for."""
-    return [(entry.phrase, entry.heads) for entry in shipped_vocabulary().entries.values() if entry.heads]
+    return [(entry.phrase, entry.heads) for entry in _asking()]
+
+
+def _asking() -> list[Entry]:
+    """The entries that ask for something which a head reads."""
+    return [entry for entry in shipped_vocabulary().entries.values() if entry.heads]
