@@ -21,6 +21,7 @@ from .losses import (
     form_loss,
     negative_loss,
     positive_loss,
+    relief_loss,
     visibility_loss,
 )
 
@@ -33,6 +34,8 @@ _LIT, _DIM = 50.0, 20.0
 """Least lightness of the subject or of what is around it; the latter for dark pictures."""
 _FORM = 0.46
 """Lightness of a subject's best-lit tenth, as a share of that: more turns black things in warm light brown."""
+_RELIEF, _FLAT = 6.5, 3.5
+"""Least spread of L* within a subject; the latter where words ask for fog, dark or little contrast."""
 _PLAIN = "a picture of an object"  # says nothing of its look
 _FULL_FRAME = ("vignette", "brightness")  # attributes that a crop changes
 
@@ -99,6 +102,8 @@ class Guide:
         self.encoder, self.weights, self.views = encoder, weights or Weights(), views or regions.Views()
         self.colors, self.silhouette = colors, silhouette
         self._light = _DIM if targets.get("brightness") == "dark" else _LIT
+        flat = {"fog": "dense", "brightness": "dark", "contrast": "low"}.items()
+        self._relief = _FLAT if any(targets.get(a) == c for a, c in flat) else _RELIEF
         self.heads = heads if heads is not None and heads.heads is not None else None
         names = self.heads.heads.names if self.heads is not None and self.heads.heads is not None else {}
         self.targets = {a: names[a].index(c) for a, c in targets.items() if c in names.get(a, [])}
@@ -148,6 +153,7 @@ class Guide:
         terms["visibility"] = w.visibility * visibility_loss(lab, mask, light=self._light)
         if not self.silhouette:
             terms["form"] = w.visibility * form_loss(lab, mask, _FORM * self._light)
+            terms["relief"] = w.visibility * relief_loss(lab, mask, self._relief)
         return terms
 
     def measure(self, display: Tensor) -> dict[str, float]:

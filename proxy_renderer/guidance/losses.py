@@ -109,6 +109,22 @@ def form_loss(lab: Tensor, mask: Tensor, least: float = 18.0) -> Tensor:
     return F.relu(1.0 - inside.topk(len(inside) // 10).values.mean() / least)
 
 
+def relief_loss(lab: Tensor, mask: Tensor, least: float = 6.0) -> Tensor:
+    """0 when the subject's lightness varies this much over its shape, 1 when it is one flat patch.
+
+    Light from everywhere follows many words, "white", "bright" and "soft" among them, and shows no shape at all.
+
+    Args:
+        lab: (H, W, 3) display picture.
+        mask: (H, W) subject coverage.
+        least: Standard deviation of L*.
+    """
+    inside = lab[..., 0][mask.detach() > 0.9]
+    if len(inside) < 10:
+        return lab.new_zeros(())
+    return F.relu(1.0 - (inside.var() + 1e-4).sqrt() / least)
+
+
 def leash_loss(where: Tensor, colors: Tensor, free: Tensor) -> Tensor:
     """Keeps a color's hue: its components should stand at the same place in their ranges.
 

@@ -43,8 +43,8 @@ def color_range(effect: Effect, attribute: Attribute, instance: Instance, source
     if instance.parameter.family == "material/tint":
         texture = max(sources.context.texture_luminance.get(instance.owner, 0.4), 0.02)
         linear = tuple(v / texture for v in linear)
-    if effect.mode == "color" and sources.plain:
-        linear = measured(linear, srgb, instance, sources.context)
+    if effect.mode == "color" and sources.constancy:
+        linear = measured(linear, srgb, instance, sources.context, sources.constancy)
     if attribute.strength < 0.8:
         linear = tuple(a + (b - a) * attribute.strength for a, b in zip(instance.value, linear, strict=True))
     return _box(linear)

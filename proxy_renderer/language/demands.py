@@ -29,11 +29,11 @@ class Demand:
     vague: bool = False
 
     @property
-    def rank(self) -> tuple[bool, bool, bool]:
+    def rank(self) -> tuple[bool, bool, bool, int]:
         """Words of the prompt before those that a mood stands for, a finish or a color before the usual one of a
-        material or of an atmosphere; defaults last."""
+        material or of an atmosphere, what a word is about before what another one implies; defaults last."""
         usual = self.vague or self.key.rpartition("/")[2] in _USUAL.get(self.attribute.slot, ())
-        return self.weak, bool(self.attribute.cause), usual
+        return self.weak, bool(self.attribute.cause), usual, self.priority
 
 
 def lacking(owner: str) -> str:

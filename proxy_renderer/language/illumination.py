@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 
 from ..schema import Instance, Values
 from .color import luminance
@@ -29,14 +29,22 @@ def watts(instance: Instance, context: PlanContext) -> float:
 
 def white_radiance(instances: dict[str, Instance], context: PlanContext, value: Value) -> float:
     """Radiance, after exposure, that a white subject has on average, from the lights and the world alone."""
+    total = _FACING * facing_radiance(instances, context, value)
+    return total * _exposed(instances, value) + _OPEN * world_radiance(instances, context, value)
+
+
+def facing_radiance(
+    instances: dict[str, Instance], context: PlanContext, value: Value, lights: Collection[str] | None = None
+) -> float:
+    """Radiance, before exposure, of a white surface that faces these lights, or all of them."""
     total = 0.0
     for instance in instances.values():
-        parameter = instance.parameter
-        if parameter.group == "light" and parameter.name in ("power", "strength"):
+        named = lights is None or instance.owner in lights
+        if named and instance.parameter.group == "light" and instance.parameter.name in ("power", "strength"):
             color = instances.get(f"light/{instance.owner}/color")
             gel = luminance(value(color)) if color else 1.0
-            total += _FACING * gel * value(instance)[0] / (watts(instance, context) * instance.reference)
-    return total * _exposed(instances, value) + _OPEN * world_radiance(instances, context, value)
+            total += gel * value(instance)[0] / (watts(instance, context) * instance.reference)
+    return total
 
 
 def world_radiance(instances: dict[str, Instance], context: PlanContext, value: Value) -> float:

@@ -8,7 +8,7 @@ import math
 from ..schema import Instance, Values
 from .color import chroma, from_lab, to_lab
 from .meaning import display_color
-from .types import PlanContext, Region
+from .types import Lab, PlanContext, Region
 from .view import scene_color
 
 _NEAR = math.log(2.5)  # how far the value may be from the formula's for the picture to tell
@@ -18,11 +18,15 @@ _WHITENED, _LEAST = (
     0.6,
     0.85,
 )  # share of a cast that is taken out of white, as the eye does in part, and its end
+_GREYISH = 10.0  # chroma below which a dark color is called black
 _FLOOR = 0.01  # radiance below which there is nothing to measure
+_FAINT = 0.002  # the same where only the cast of black is asked for
 _BLACKEST, _WHITEST = 0.006, 0.85
 
 
-def measured(formula: Values, srgb: Values, instance: Instance, context: PlanContext) -> Values:
+def measured(
+    formula: Values, srgb: Values, instance: Instance, context: PlanContext, share: float = 1.0
+) -> Values:
     """A surface's linear color that would be displayed as named, judged by how its present one is displayed.
 
     Args:
@@ -30,22 +34,34 @@ def measured(formula: Values, srgb: Values, instance: Instance, context: PlanCon
         srgb: The named color.
         instance: The material's color, or its tint.
         context: The picture, and the values that it shows.
+        share: Of what differs that is mended: eyes take out colored light only in part.
     """
     now = context.values.get(instance.key)
     shown = context.picture.materials.get(instance.owner) if context.picture else None
     named = to_lab(srgb)
-    if not (now and shown) or named[0] < 20 or not _near(now, formula):
+    if not (now and shown) or not _near(now, formula):
         return formula
+    if named[0] < 20:
+        return _blackened(formula, shown, context.view) if chroma(named) < _GREYISH else formula
     region: Region = "subject" if instance.role == "subject" else "surroundings"
     wanted = scene_color(from_lab(display_color(srgb, region)), context.view)
     seen = scene_color(from_lab(shown), context.view)
-    logs = [_DAMPED * math.log(max(w, _FLOOR) / max(s, _FLOOR)) for w, s in zip(wanted, seen, strict=True)]
+    logs = [
+        share * _DAMPED * math.log(max(w, _FLOOR) / max(s, _FLOOR)) for w, s in zip(wanted, seen, strict=True)
+    ]
     gain = sum(logs) / 3
     found = [v * math.exp(_held(gain) + _held(log - gain)) for v, log in zip(now, logs, strict=True)]
     if named[0] > 93 and chroma(named) < 4:  # a cast is taken out of white, not light
         return tuple(_WHITEST * max((v / max(found)) ** _WHITENED, _LEAST) for v in found)
     top = max(max(found) / _WHITEST, 1.0) if instance.parameter.name == "base_color" else 1.0
     return tuple(max(v / top, _BLACKEST) for v in found)
+
+
+def _blackened(formula: Values, shown: Lab, view: str) -> Values:
+    """Black without the light's cast, which would make it brown: too dark to tell more."""
+    seen = [max(v, _FAINT) for v in scene_color(from_lab(shown), view)]
+    mean = sum(seen) / 3
+    return tuple(v * min(max(mean / s, 0.5), 2.0) ** _WHITENED for v, s in zip(formula, seen, strict=True))
 
 
 def _held(change: float) -> float:

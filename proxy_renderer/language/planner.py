@@ -8,7 +8,7 @@ from dataclasses import replace
 from ..schema import FAMILIES, Instance, Values, labels
 from .color import to_lab, to_srgb
 from .demands import Demand, lacking, reason_of
-from .illumination import expected, veil
+from .illumination import expected, facing_radiance, veil
 from .meaning import is_vague
 from .owners import Owners
 from .ranges import clip, effect_range
@@ -24,6 +24,8 @@ _CASTS = {
 }  # fmt: skip
 """Of lights, world, fog or film: what changes how colors look."""
 _NOTICED = 0.7  # exponent of a weak vignette's strength: half of it is not noticed at all
+_ADAPTED = 0.5  # share of the cast of colored light that eyes take out
+_PALE, _WHITE = 80.0, 93.0  # L* of pale and of white surroundings
 _NOT = 0.6  # "not glossy" asks for a mild "matte"
 _SECOND = 6  # how much later a mood's own words come than the prompt's
 
@@ -54,7 +56,7 @@ class _Planner:
         self.parsed, self.instances, self.vocabulary = parsed, instances, vocabulary
         self.owners = Owners(parsed, instances, context)
         stops = [i.value[0] for i in instances.values() if i.parameter.name in ("exposure", "grade_exposure")]
-        self.sources = Sources(context, exposure=sum(stops), plain=self._plain())
+        self.sources = Sources(context, exposure=sum(stops), constancy=self._constancy())
         self.notes = list(parsed.conflicts)
         self.demands: dict[str, list[Demand]] = {}
         self.settled: dict[str, tuple[Range, list[Demand]]] = {}
@@ -72,24 +74,24 @@ class _Planner:
         ):
             # "Street lamps on a rainy night": a light that is named is not the neon that such nights have.
             wishes = [w for w in wishes if not (w[0].cause and w[1].family == "light/color")]
-        for stage in range(4):
-            if stage == 2:
+        for stage in range(5):
+            if stage in (2, 3):
                 self._measure_light()
             self._settle([d for a, e in wishes if _stage(e) == stage for d in self._demands(a, e)])
-            self._note_world_color()
+            self._note_sources()
         entries = {key: self._entry(instance) for key, instance in self.instances.items()}
         for (loser, winner), lost in self.beaten.items():
             self.notes.append(
                 f"'{loser}' gives way to '{winner}' on {labels.titles(list(lost))}: "
-                "they contradict each other, and the first one named counts."
+                "they contradict each other; what a word is mainly about counts most, then what comes first."
             )
         self.notes += self._unmet(wishes)
         for reason, keys in self.kept.items():
             self.notes.append(f"Left alone, though the words ask for it: {labels.titles(keys)} ({reason}).")
         return entries
 
-    def _plain(self) -> bool:
-        """Whether no word changes how colors look: dusk, blue light, sepia."""
+    def _constancy(self) -> float:
+        """How far named colors are to look as named: words may change how colors look, as dusk, blue light and sepia do."""
         said = [a for a in self.parsed.attributes if a not in self.parsed.overruled]
         strong = (
             e
@@ -98,7 +100,8 @@ class _Planner:
             for e in self._effects(a)
             if not e.weak
         )
-        return not any(e.name in _CASTS and OWNERS[e.owner] != "material" for e in strong)
+        casts = {OWNERS[e.owner] for e in strong if e.name in _CASTS} - {"material"}
+        return 0.0 if casts & {"film", "volume"} else _ADAPTED if casts else 1.0
 
     def _unmet(self, wishes: list[tuple[Attribute, Effect]]) -> list[str]:
         """Words whose main wish no part of the scene can fulfil: a rim light where there is only one light."""
@@ -125,7 +128,8 @@ class _Planner:
         if attribute.color:
             kind = attribute.kind
             if kind == "surroundings" and self.owners.world_is_hidden():
-                kind = "hidden_pale" if to_lab(attribute.color)[0] > 80 else "hidden"
+                light = to_lab(attribute.color)[0]
+                kind = "hidden_white" if light > _WHITE else "hidden_pale" if light > _PALE else "hidden"
             return [] if attribute.negated else list(self.vocabulary.painted.get(kind, ()))
         entry = self.vocabulary.entries[attribute.entry]
         if not attribute.negated:
@@ -147,7 +151,7 @@ class _Planner:
             strength = _NOT
         demands = []
         for instance in self.owners.of(effect, attribute):
-            light = self.light.get(instance.role, 1.0)
+            light = self.light.get("metered" if effect.mode == "aim" else instance.role, 1.0)
             sources = replace(
                 self.sources,
                 own_color=self._own_color(instance.owner),
@@ -182,12 +186,15 @@ class _Planner:
                 low, high = tuple(map(max, lower, demand.lower)), tuple(map(min, upper, demand.upper))
                 if all(a <= b for a, b in zip(low, high, strict=True)):
                     lower, upper, winners = low, high, [*winners, demand]
-                elif demand.rank == first.rank == (False, False, False) and demand.reason != first.reason:
+                elif not any(demand.rank[:3] + first.rank[:3]) and demand.reason != first.reason:
                     pair = demand.attribute.word, first.attribute.word
                     self.beaten.setdefault(pair, {})[key] = None
             self.settled[key] = (lower, upper), winners
 
-    def _note_world_color(self) -> None:
+    def _note_sources(self) -> None:
+        context, key = self.sources.context, self.owners.key
+        facing = facing_radiance(self.instances, context, self._planned, key)
+        self.sources = replace(self.sources, key=facing)
         color, tint = (self.instances.get(f"world/{name}") for name in ("color", "tint"))
         if color:
             self.sources = replace(self.sources, world_color=self._planned(color))
@@ -202,7 +209,10 @@ class _Planner:
         for region in ("subject", "surroundings"):
             names = self.owners.materials(region)
             level = expected(region, names, self.instances, self.sources.context, self._planned)
-            self.light[region] = max(level, 1.0) if dark else level
+            self.light[region] = (
+                max(level, 1.0) if dark else level
+            )  # what is dark is not painted lighter for it
+            self.light["metered"] = level if region == "subject" else self.light["metered"]
 
     def _planned(self, instance: Instance) -> Values:
         """The artist's value, projected into what is settled so far."""
@@ -243,12 +253,15 @@ class _Planner:
 
 
 def _stage(effect: Effect) -> int:
-    """What has to wait for what: the world's strength for its color, surfaces for the light, glows for surfaces."""
+    """What has to wait for what: the world's strength for its color and for the key, exposure for the light,
+    surfaces for the exposure, glows for surfaces."""
     if effect.color == "own":
-        return 3
+        return 4
     if effect.mode == "color" and OWNERS[effect.owner] == "material":
+        return 3
+    if effect.family == "film/exposure":
         return 2
-    return 1 if effect.owner == "world" and effect.name == "strength" else 0
+    return 1 if effect.mode == "share" or effect.family == "world/strength" else 0
 
 
 def _neutral(effect: Effect) -> float | None:

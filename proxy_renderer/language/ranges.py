@@ -15,6 +15,8 @@ from .view import radiance
 from .vocabulary import Effect
 
 _MIDDLE = 45.0  # L* that neither brightens nor darkens; "slightly" moves towards it
+_MIDDLING = 0.35  # albedo of what is neither light nor dark
+_IN_PLACE_OF_KEY = Effect("world", "strength", "lightness", (62.0,), (88.0,))
 _DIRECTIONS = ("azimuth", "elevation", "rotation")
 
 
@@ -30,7 +32,9 @@ def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sourc
     elif effect.name == "azimuth" and effect.mode in ("camera", "sides"):
         low, high = _azimuth(effect, instance, sources.context.camera_azimuth)
     else:
-        mode = {"times": _times, "plus": _plus, "lightness": _lightness, "aim": _aim}.get(effect.mode, _plain)
+        mode = {"times": _times, "plus": _plus, "lightness": _lightness, "aim": _aim, "share": _share}.get(
+            effect.mode, _plain
+        )
         low, high = mode(effect, attribute.strength, instance, sources)
     return clip(low, high, instance)
 
@@ -88,8 +92,10 @@ def _plain(effect: Effect, strength: float, instance: Instance, _: Sources) -> R
 
 
 def _times(effect: Effect, strength: float, instance: Instance, _: Sources) -> Range:
-    """Multiples of the artist's value; a value too small to multiply counts as a hundredth of the upper bound."""
-    floor = [u * (0.01 if instance.parameter.kind == "scalar" else 0.0) for u in instance.upper]
+    """Multiples of the artist's value; one that is hardly above nothing counts as a little."""
+    scalar, logs = instance.parameter.kind == "scalar", instance.parameter.scale.name == "log"
+    least = tuple(10 * v for v in instance.lower) if logs else tuple(0.01 * v for v in instance.upper)
+    floor = least if scalar else (0.0,) * len(instance.value)
     value = tuple(map(max, instance.value, floor)) if effect.lower[0] > 1 else instance.value
     low = tuple(v * a**strength for v, a in zip(value, _spread(effect.lower, instance), strict=True))
     return low, tuple(v * b**strength for v, b in zip(value, _spread(effect.upper, instance), strict=True))
@@ -119,6 +125,17 @@ def _lightness(effect: Effect, strength: float, instance: Instance, sources: Sou
     return (radiance(low, context.view) * scale,), (radiance(high, context.view) * scale,)
 
 
+def _share(effect: Effect, strength: float, instance: Instance, sources: Sources) -> Range:
+    """Strengths that are shares of the key's light; a world that is the only light takes the key's place."""
+    if not sources.key:
+        return _lightness(_IN_PLACE_OF_KEY, 1.0, instance, sources)
+    if instance.parameter.group == "world":
+        scale = sources.key / max(luminance(sources.world_color), 1e-3)
+    else:
+        scale = sources.key * watts(instance, sources.context) * instance.reference
+    return (effect.lower[0] * scale,), (effect.upper[0] * scale,)
+
+
 def facing_white(instance: Instance, low: float, high: float, sources: Sources) -> Range:
     """Powers of a light at which a white surface that faces it is displayed with these L*."""
     return clip(
@@ -132,20 +149,14 @@ def _fade(goal: float, light: float) -> float:
 
 
 def _aim(effect: Effect, strength: float, instance: Instance, sources: Sources) -> Range:
-    """Stops that bring the subject's mean lightness (or the picture's median) into the range."""
-    context = sources.context
-    now, current = 50.0, context.values.get(instance.key, instance.value)[0]
-    if context.picture and "subject" in context.picture.lab:
-        now = context.picture.lab["subject"][0]
-    elif context.picture and context.picture.percentiles:
-        now = context.picture.percentiles[1]
+    """Stops that bring a middling grey thing in the subject's place into the range, as a light meter would.
+
+    The subject's own color does not count: a black car in bright light stays black.
+    """
     low, high = scaled(effect.lower[0], effect.upper[0], 50.0, strength, (2.0, 94.0))
-    stops = [
-        current + math.log2(radiance(goal, context.view) / radiance(now, context.view))
-        for goal in (low, high)
-    ]
-    # A black subject is not made white: exposure stays within three stops of the artist's.
-    kept = [min(max(s, instance.value[0] - 3.0), instance.value[0] + 3.0) for s in stops]
+    value, now = instance.value[0], _MIDDLING * max(sources.illumination, 1e-3)
+    stops = [value + math.log2(radiance(goal, sources.context.view) / now) for goal in (low, high)]
+    kept = [min(max(s, value - 3.0), value + 3.0) for s in stops]
     return (kept[0],), (kept[1],)
 
 

@@ -21,9 +21,10 @@ class Sources:
         world_color: Linear color of the world that the plan settles on, strength 1.
         own_color: sRGB of the color that the material gets or has, for glows.
         illumination: Radiance, after exposure, of a white surface where the effect acts.
+        key: Radiance, before exposure, of a white surface that faces the key lights; 0 if there are none.
         veil: Radiance that the surface mirrors all over, whatever its color.
         environment: Whether the world is a linked picture.
-        plain: Whether no word is about light, air, film or mood: then a color should look as it is named.
+        constancy: How far colors are to look as named, 0 to 1: less under colored light, not at all in tinted pictures.
     """
 
     context: PlanContext
@@ -31,6 +32,7 @@ class Sources:
     world_color: Values = (1.0, 1.0, 1.0)
     own_color: Values = (1.0, 1.0, 1.0)
     illumination: float = 1.0
+    key: float = 0.0
     veil: float = 0.0
     environment: bool = False
-    plain: bool = False
+    constancy: float = 0.0

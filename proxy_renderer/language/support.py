@@ -85,7 +85,8 @@ def _key_light(
                 and world.priority is not None
                 and (backdrop[0] > 85 or chroma(backdrop) > 25)
             ):
-                levels = (52.0, 74.0) if backdrop[0] > 85 else (78.0, 88.0)
+                white = backdrop[0] > 85 and not owners.world_is_hidden()
+                levels = (52.0, 74.0) if white else (78.0, 88.0)
                 lower, upper = facing_white(instance, *levels, sources)
                 why = "supports the words: the backdrop's own light must not drown the subject's color"
                 entry = PlanEntry(lower, upper, LATE + 1, why, prior=0.2)

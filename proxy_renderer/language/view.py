@@ -11,7 +11,7 @@ from math import exp, log
 from pathlib import Path
 
 from ..schema import Values
-from .color import chroma, luminance, shade, to_lab, to_linear
+from .color import chroma, luminance, to_lab, to_linear, to_srgb
 
 # L* on an sRGB display of scene-linear greys, measured on Blender's own OCIO config; the rest as AgX.
 _GREYS = (0.005, 0.01, 0.02, 0.05, 0.1, 0.18, 0.3, 0.5, 0.8, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 10.0)
@@ -139,10 +139,9 @@ def _inverse(srgb: Sequence[float], view: str) -> Values:
 
 
 def reachable(srgb: Values, view: str, limit: float) -> Values:
-    """`scene_color`, of a darker shade of the same hue where a component would exceed `limit`."""
-    color = scene_color(srgb, view)
-    lightness = 1.0
-    while max(color) > limit and lightness > 0.2:
-        lightness -= 0.04
-        color = scene_color(shade(srgb, lightness=lightness, towards=0.0), view)
+    """`scene_color`, of the same color in less light where a component would exceed `limit`."""
+    color, light = scene_color(srgb, view), 1.0
+    while max(color) > limit and light > 0.05:
+        light *= 0.92
+        color = scene_color(to_srgb(tuple(light * v for v in to_linear(srgb))), view)
     return color
