@@ -205,4 +205,7 @@ class Binding:
             )
         if means and not word.negated:
             inner = self._read_means(means, entry)
-            self.attributes += [replace(a, strength=a.strength * word.strength) for a in inner.attributes]
+            guess = bool(word.token.guess)
+            self.attributes += [
+                replace(a, strength=a.strength * word.strength, guess=guess) for a in inner.attributes
+            ]

@@ -31,9 +31,11 @@ class Demand:
     @property
     def rank(self) -> tuple[bool, bool, bool, int]:
         """Words of the prompt before those that a mood stands for, a finish or a color before the usual one of a
-        material or of an atmosphere, what a word is about before what another one implies; defaults last."""
+        material or of an atmosphere, what a word is about before what another one implies; defaults and guessed moods last."""
         usual = self.vague or self.key.rpartition("/")[2] in _USUAL.get(self.attribute.slot, ())
-        return self.weak, bool(self.attribute.cause), usual, self.priority
+        cause = bool(self.attribute.cause)
+        late = self.weak or (cause and self.attribute.guess)
+        return late, cause, usual, 0 if self.weak else self.priority
 
 
 def lacking(owner: str) -> str:

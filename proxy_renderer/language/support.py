@@ -144,8 +144,8 @@ def _saturation(parsed: Parsed, instance: Instance, context: PlanContext) -> Pla
             missing.append(1.0 if shown is None else chroma(shown) / (0.75 * chroma(wanted)))
     if not missing:
         return None
-    low, high = (1.25, 1.5) if min(missing) < 0.5 else (1.12, 1.35) if min(missing) < 0.8 else (1.0, 1.25)
-    lower, upper = clip((instance.value[0] * low,), (instance.value[0] * high,), instance)
+    most = 1.5 if min(missing) < 0.5 else 1.35 if min(missing) < 0.8 else 1.25
+    lower, upper = clip(instance.value, (instance.value[0] * most,), instance)
     return PlanEntry(lower, upper, LATE + 2, "supports the words: the named colors are seen", prior=0.3)
 
 
