@@ -61,4 +61,8 @@ def guess(job: Job) -> float:
     options = dict(a[2:].split("=", 1) for a in job.arguments if "=" in a)
     rounds, steps = int(options["rounds"]), int(options["steps"])
     pictures = (int(options["size"]) / 512) ** 2 * int(options["samples"]) / 128
-    return _FIXED + rounds * (_ROUND + steps * _STEP) + _RENDERS * pictures
+    shots = 1 + len(job.more)
+    for several in ("cameras", "frames"):
+        shots *= 1 + options.get(several, "").count(",")
+    # Steps take the shots in turn; anchors and final pictures are made of each.
+    return _FIXED + rounds * (_ROUND * shots + steps * _STEP) + _RENDERS * pictures * shots

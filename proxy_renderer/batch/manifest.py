@@ -123,7 +123,7 @@ class _Reader:
 
     def _single(self, common: dict[str, Any], everything: str) -> Iterator[Shot]:
         """The scenes, each for itself."""
-        if "scenes" not in self._content and "shots" in self._content:
+        if self._content.get("scenes", []) == [] and "shots" in self._content:
             return
         found = dict(self._files.scenes(self._content.get("scenes"), "scenes"))
         named = self._table(self._content, "scene")
