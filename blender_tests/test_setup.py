@@ -71,7 +71,7 @@ def test_downloads_are_followed():
     made._hear("Progress 50 of 200\n")
     assert made.fraction == 0.25
     made._hear("Installing collected packages: numpy, torch\n")
-    assert made.text == "Installing 2 packages"
+    assert made.text == "Installing 2 packages, for some minutes"
 
 
 @pytest.mark.parametrize(

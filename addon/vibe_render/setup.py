@@ -136,7 +136,7 @@ class Setup:
         elif line.startswith("Collecting"):
             self.text, self.fraction = f"Looking for {re.split(r'[<>=!;@ ]', line.split()[1])[0]}", None
         elif line.startswith("Installing collected packages"):
-            self.text, self.fraction = f"Installing {line.count(',') + 1} packages", None
+            self.text, self.fraction = f"Installing {line.count(',') + 1} packages, for some minutes", None
 
 
 def _python() -> Path:

@@ -8,7 +8,7 @@ import math
 from ..schema import Instance, Values
 from .color import chroma, from_lab, to_lab
 from .meaning import display_color
-from .types import Lab, PlanContext, Region
+from .types import PlanContext, Region
 from .view import scene_color
 
 _NEAR = math.log(2.5)  # how far the value may be from the formula's for the picture to tell
@@ -18,9 +18,9 @@ _WHITENED, _LEAST = (
     0.6,
     0.85,
 )  # share of a cast that is taken out of white, as the eye does in part, and its end
-_GREYISH = 10.0  # chroma below which a dark color is called black
+_DARK = 20.0  # L* below which only the hue can be told
 _FLOOR = 0.01  # radiance below which there is nothing to measure
-_FAINT = 0.002  # the same where only the cast of black is asked for
+_FAINT = 0.002  # the same where only the hue is asked for
 _BLACKEST, _WHITEST = 0.006, 0.85
 
 
@@ -41,8 +41,8 @@ def measured(
     named = to_lab(srgb)
     if not (now and shown) or not _near(now, formula):
         return formula
-    if named[0] < 20:
-        return _blackened(formula, shown, context.view) if chroma(named) < _GREYISH else formula
+    if named[0] < _DARK:
+        return _recast(formula, scene_color(srgb, context.view), scene_color(from_lab(shown), context.view))
     region: Region = "subject" if instance.role == "subject" else "surroundings"
     wanted = scene_color(from_lab(display_color(srgb, region)), context.view)
     seen = scene_color(from_lab(shown), context.view)
@@ -57,11 +57,12 @@ def measured(
     return tuple(max(v / top, _BLACKEST) for v in found)
 
 
-def _blackened(formula: Values, shown: Lab, view: str) -> Values:
-    """Black without the light's cast, which would make it brown: too dark to tell more."""
-    seen = [max(v, _FAINT) for v in scene_color(from_lab(shown), view)]
-    mean = sum(seen) / 3
-    return tuple(v * min(max(mean / s, 0.5), 2.0) ** _WHITENED for v, s in zip(formula, seen, strict=True))
+def _recast(formula: Values, wanted: Values, seen: Values) -> Values:
+    """A dark color without the light's cast, which would make black brown: its lightness cannot be told."""
+    (want, see) = ([max(v, _FAINT) for v in color] for color in (wanted, seen))
+    level = sum(see) / sum(want)
+    ratios = (level * w / s for w, s in zip(want, see, strict=True))
+    return tuple(v * min(max(r, 0.5), 2.0) ** _WHITENED for v, r in zip(formula, ratios, strict=True))
 
 
 def _held(change: float) -> float:

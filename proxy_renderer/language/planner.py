@@ -24,6 +24,7 @@ _CASTS = {
 }  # fmt: skip
 """Of lights, world, fog or film: what changes how colors look."""
 _NOTICED = 0.7  # exponent of a weak vignette's strength: half of it is not noticed at all
+_PALED = 0.6  # saturation below which named colors are not what is wanted
 _ADAPTED = 0.5  # share of the cast of colored light that eyes take out
 _PALE, _WHITE = 80.0, 93.0  # L* of pale and of white surroundings
 _NOT = 0.6  # "not glossy" asks for a mild "matte"
@@ -100,8 +101,11 @@ class _Planner:
             for e in self._effects(a)
             if not e.weak
         )
-        casts = {OWNERS[e.owner] for e in strong if e.name in _CASTS} - {"material"}
-        return 0.0 if casts & {"film", "volume"} else _ADAPTED if casts else 1.0
+        casts = [e for e in strong if e.name in _CASTS and OWNERS[e.owner] != "material"]
+        hidden = any(
+            OWNERS[e.owner] == "volume" or (e.name == "saturation" and e.upper[0] < _PALED) for e in casts
+        )
+        return 0.0 if hidden else _ADAPTED if casts else 1.0
 
     def _unmet(self, wishes: list[tuple[Attribute, Effect]]) -> list[str]:
         """Words whose main wish no part of the scene can fulfil: a rim light where there is only one light."""
