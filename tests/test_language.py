@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 from dataclasses import replace
 from pathlib import Path
@@ -20,7 +21,7 @@ from proxy_renderer.language import (
     plan,
 )
 from proxy_renderer.language.attributes import ATTRIBUTES, COLORS
-from proxy_renderer.language.color import basic, from_hex, from_lab, to_lab
+from proxy_renderer.language.color import basic, from_hex, from_lab, luminance, to_lab
 from proxy_renderer.language.explain import as_dict
 from proxy_renderer.language.lexer import Lexer
 from proxy_renderer.language.view import lightness, radiance
@@ -611,3 +612,50 @@ def test_a_place_in_the_dark_is_about_what_is_around():
     assert parsed.objects[0].name == "sign"
     assert [a.entry for a in parsed.attributes if a.region == "surroundings"] == ["dark surroundings"]
     assert not parsed.ignored
+
+
+# ---- how much light there is
+
+
+def test_hard_light_and_noon_leave_the_world_a_share_of_the_key():
+    lamps = make_instances()
+    for prompt, most in (("hard light", 0.35), ("bright noon", 0.28), ("light from the left", 0.4)):
+        plan_ = make_plan(prompt, lamps)
+        power, world = plan_["light/Key/power"], plan_["world/strength"]
+        facing = min(max(lamps["light/Key/power"].value[0], power.lower[0]), power.upper[0])
+        key = facing / (math.pi**2 * REFERENCES["light_distance_squared"])
+        glow = luminance(plan_["world/color"].lower if "noon" in prompt else lamps["world/color"].value)
+        assert world.upper[0] <= 1.3 * most * key / glow, prompt
+
+
+def test_a_dim_lamp_is_not_made_nine_times_brighter():
+    lamps = make_instances()
+    lamps["light/Key/power"] = replace(lamps["light/Key/power"], value=(150.0,))
+    entry = make_plan("bright light", lamps)["light/Key/power"]
+    assert 1.2 * 150.0 < entry.lower[0] < entry.upper[0] < 5 * 150.0
+
+
+def test_bright_light_does_not_make_dark_things_light():
+    """Exposure is for a grey thing in the subject's place, whatever the subject's own color."""
+    stops = [make_plan(f"{color} vase, bright")["film/exposure"].upper[0] for color in ("black", "white")]
+    assert abs(stops[0] - stops[1]) < 0.2
+
+
+def test_a_word_about_contrast_beats_what_sepia_implies():
+    assert make_plan("sepia photograph, high contrast")["film/contrast"].lower[0] > 1.1
+    assert make_plan("sepia photograph")["film/contrast"].upper[0] < 1.0
+
+
+# ---- what words mean beside others
+
+
+def test_under_water_nothing_is_made_of_water():
+    assert ("water", "subject") not in bound("underwater, murky green water")
+    assert ("water", "subject") in bound("a vase made of water")
+
+
+@pytest.mark.parametrize("prompt", ["Overcast day, matte navy blue car", "Stormy weather, navy blue car"])
+def test_a_day_is_not_the_subject(prompt):
+    parsed = parse(prompt, SceneWords())
+    assert parsed.objects[0].name == "car"
+    assert parsed.objects[0].attributes["color"] == "navy blue"

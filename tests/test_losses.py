@@ -162,6 +162,19 @@ def test_views_are_reproducible_and_differ_between_seeds():
     assert not torch.equal(first[1:], other[1:])
 
 
+def test_a_subject_lit_from_everywhere_has_no_relief():
+    mask = torch.zeros(24, 24)
+    mask[6:18, 6:18] = 1.0
+    flat = picture([0.6, 0.6, 0.6], [0.8, 0.8, 0.8], mask).requires_grad_()
+    lost = L.relief_loss(srgb_to_lab(flat), mask)
+    assert lost.item() > 0.9
+    shaded = flat.detach() * torch.linspace(0.4, 1.3, 24)[:, None, None]
+    assert L.relief_loss(srgb_to_lab(shaded.clamp(0, 1)), mask).item() == 0.0
+    faint = (flat.detach() * torch.linspace(0.97, 1.03, 24)[:, None, None]).requires_grad_()
+    L.relief_loss(srgb_to_lab(faint), mask).backward()
+    assert faint.grad[6, 12].mean() * faint.grad[17, 12].mean() < 0  # darker above, lighter below
+
+
 def test_a_subject_without_any_light_on_it_has_no_form():
     mask = disk()
     gain = torch.tensor(1.0, requires_grad=True)

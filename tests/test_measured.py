@@ -9,7 +9,7 @@ from proxy_renderer.language.meaning import display_color, forget_parts
 from proxy_renderer.language.measured import measured
 from proxy_renderer.language.prompts import compose
 from proxy_renderer.language.types import PictureStats, PlanContext
-from proxy_renderer.language.view import scene_color
+from proxy_renderer.language.view import reachable, scene_color
 from proxy_renderer.language.vocabulary import default_vocabulary
 from proxy_renderer.schema import FAMILIES, Instance
 
@@ -98,3 +98,18 @@ def test_a_part_is_not_its_region():
     assert parsed.colors == {}
     assert "subject_color" not in parsed.targets
     assert parsed.targets["subject_metal"] == "metal"
+
+
+def test_colors_in_less_light_keep_their_hue():
+    """An orange that AgX cannot show in dim light is a darker orange, not a red."""
+    for srgb in ((1.0, 0.54, 0.13), (1.0, 0.8, 0.1), (0.1, 0.5, 0.5)):
+        bright, dim = (reachable(srgb, "AgX", limit) for limit in (3.0, 0.5))
+        assert max(dim) <= 0.5
+        ratio = [max(c[1], 0.01) / max(c[0], 0.01) for c in (bright, dim)]
+        assert 0.7 < ratio[1] / ratio[0] < 1.4
+
+
+def test_black_in_warm_light_is_made_cooler():
+    black = (0.016, 0.016, 0.016)
+    red, _, blue = measured(black, (0.11, 0.1, 0.1), COLOR, seen((12.0, 6.0, 9.0), black))
+    assert blue > 1.3 * red
