@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..schema import FAMILIES, Instance, Values, labels
-from .color import to_lab, to_srgb
+from ..schema import Instance, Values, labels
+from .color import to_srgb
 from .demands import Demand, lacking, reason_of
 from .illumination import expected, facing_radiance, veil
 from .meaning import is_vague
@@ -16,17 +16,10 @@ from .sources import Range, Sources
 from .support import supports
 from .types import Attribute, Parsed, Plan, PlanContext, PlanEntry, Prompts
 from .vignette import seen_vignette
-from .vocabulary import OWNERS, Effect, Vocabulary, default_vocabulary
+from .vocabulary import Effect, Vocabulary, default_vocabulary
+from .wishes import STAGES, Wishes, stage_of
 
-_CASTS = {
-    "color", "temperature", "tint", "power", "strength", "gain", "midtone", "lift", "saturation", "hue",
-    "exposure", "grade_exposure", "contrast", "gamma", "grade_gamma",
-}  # fmt: skip
-"""Of lights, world, fog or film: what changes how colors look."""
 _NOTICED = 0.7  # exponent of a weak vignette's strength: half of it is not noticed at all
-_PALED = 0.6  # saturation below which named colors are not what is wanted
-_ADAPTED = 0.5  # share of the cast of colored light that eyes take out
-_PALE, _WHITE = 80.0, 93.0  # L* of pale and of white surroundings
 _NOT = 0.6  # "not glossy" asks for a mild "matte"
 _SECOND = 6  # how much later a mood's own words come than the prompt's
 
@@ -56,8 +49,9 @@ class _Planner:
     ) -> None:
         self.parsed, self.instances, self.vocabulary = parsed, instances, vocabulary
         self.owners = Owners(parsed, instances, context)
+        self.wishes = Wishes(parsed, vocabulary, self.owners)
         stops = [i.value[0] for i in instances.values() if i.parameter.name in ("exposure", "grade_exposure")]
-        self.sources = Sources(context, exposure=sum(stops), constancy=self._constancy())
+        self.sources = Sources(context, exposure=sum(stops), constancy=self.wishes.constancy())
         self.notes = list(parsed.conflicts)
         self.demands: dict[str, list[Demand]] = {}
         self.settled: dict[str, tuple[Range, list[Demand]]] = {}
@@ -67,18 +61,11 @@ class _Planner:
 
     def entries(self) -> dict[str, PlanEntry]:
         """An entry for every instance, from the words alone."""
-        wishes = [
-            (attribute, effect) for attribute in self._attributes() for effect in self._effects(attribute)
-        ]
-        if any(
-            a.slot == "lighting" and not a.cause and e.name == "temperature" for a, e in wishes if not e.weak
-        ):
-            # "Street lamps on a rainy night": a light that is named is not the neon that such nights have.
-            wishes = [w for w in wishes if not (w[0].cause and w[1].family == "light/color")]
-        for stage in range(5):
+        wishes = self.wishes.all()
+        for stage in range(STAGES):
             if stage in (2, 3):
                 self._measure_light()
-            self._settle([d for a, e in wishes if _stage(e) == stage for d in self._demands(a, e)])
+            self._settle([d for a, e in wishes if stage_of(e) == stage for d in self._demands(a, e)])
             self._note_sources()
         entries = {key: self._entry(instance) for key, instance in self.instances.items()}
         for (loser, winner), lost in self.beaten.items():
@@ -91,22 +78,6 @@ class _Planner:
             self.notes.append(f"Left alone, though the words ask for it: {labels.titles(keys)} ({reason}).")
         return entries
 
-    def _constancy(self) -> float:
-        """How far named colors are to look as named: words may change how colors look, as dusk, blue light and sepia do."""
-        said = [a for a in self.parsed.attributes if a not in self.parsed.overruled]
-        strong = (
-            e
-            for a in said
-            if a.kind not in ("subject", "surroundings")
-            for e in self._effects(a)
-            if not e.weak
-        )
-        casts = [e for e in strong if e.name in _CASTS and OWNERS[e.owner] != "material"]
-        hidden = any(
-            OWNERS[e.owner] == "volume" or (e.name == "saturation" and e.upper[0] < _PALED) for e in casts
-        )
-        return 0.0 if hidden else _ADAPTED if casts else 1.0
-
     def _unmet(self, wishes: list[tuple[Attribute, Effect]]) -> list[str]:
         """Words whose main wish no part of the scene can fulfil: a rim light where there is only one light."""
         missing: dict[str, str] = {}
@@ -117,34 +88,6 @@ class _Planner:
             if main and not any(self.owners.of(e, attribute) for e in main):
                 missing.setdefault(attribute.cause or attribute.word, lacking(main[0].owner))
         return [f"'{word}' is not fully possible here: {what}." for word, what in missing.items()]
-
-    def _attributes(self) -> list[Attribute]:
-        """What is not overruled, with "red and blue lights" shared out: the first color to the key, the next to the others."""
-        said = [a for a in self.parsed.attributes if a not in self.parsed.overruled]
-        gels = [a for a in said if a.color and a.kind == "light" and not a.role and not a.cause]
-        if len(gels) < 2:
-            return said
-        roles = {id(gels[0]): "key", id(gels[1]): "others"}
-        return [replace(a, role=roles.get(id(a), a.role)) for a in said]
-
-    def _effects(self, attribute: Attribute) -> list[Effect]:
-        """What a word does; negated, what it forbids or the mild opposite."""
-        if attribute.color:
-            kind = attribute.kind
-            if kind == "surroundings" and self.owners.world_is_hidden():
-                light = to_lab(attribute.color)[0]
-                kind = "hidden_white" if light > _WHITE else "hidden_pale" if light > _PALE else "hidden"
-            return [] if attribute.negated else list(self.vocabulary.painted.get(kind, ()))
-        entry = self.vocabulary.entries[attribute.entry]
-        if not attribute.negated:
-            return list(entry.effects)
-        if entry.never:
-            return list(entry.never)
-        if entry.opposite:
-            return list(self.vocabulary.entries[entry.opposite].effects)
-        return [
-            Effect(e.owner, e.name, "", (n,), (n,)) for e in entry.effects if (n := _neutral(e)) is not None
-        ]
 
     def _demands(self, attribute: Attribute, effect: Effect) -> list[Demand]:
         shown = self.vocabulary.entries.get(attribute.entry)
@@ -254,21 +197,3 @@ class _Planner:
         lower, upper = clip(lower, upper, instance)
         reason = "; ".join(dict.fromkeys(d.reason for d in winners))
         return PlanEntry(lower, upper, min(d.priority for d in winners), reason, prior=0.0)
-
-
-def _stage(effect: Effect) -> int:
-    """What has to wait for what: the world's strength for its color and for the key, exposure for the light,
-    surfaces for the exposure, glows for surfaces."""
-    if effect.color == "own":
-        return 4
-    if effect.mode == "color" and OWNERS[effect.owner] == "material":
-        return 3
-    if effect.family == "film/exposure":
-        return 2
-    return 1 if effect.mode == "share" or effect.family == "world/strength" else 0
-
-
-def _neutral(effect: Effect) -> float | None:
-    """The value at which an effect does nothing, where a parameter has one."""
-    measured = effect.mode == "" and len(effect.lower) == 1 and OWNERS[effect.owner] != "light"
-    return FAMILIES[effect.family].default if measured else None

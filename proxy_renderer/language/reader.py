@@ -17,6 +17,7 @@ from .roles import (
     likened,
     next_content,
     speaks_of_looks,
+    submerged,
 )
 from .types import Parsed, Region, SceneWords
 from .vocabulary import Vocabulary
@@ -59,7 +60,7 @@ class Reader:
         """Binds every clause; the result lacks what `meaning.complete` adds."""
         previous: Thing | None = None
         self.carried: list[Word] = []
-        for tokens in self._submerged(self.lexer.clauses(text)):
+        for tokens in submerged(self.lexer.clauses(text), self.vocabulary):
             previous = self._clause(tokens, previous)
         self.binding.bind_rest(self.carried, None, False, False)
         if not self.binding.cause:
@@ -71,20 +72,6 @@ class Reader:
             guesses=self.guesses,
             confidence=self.confidence,
         )
-
-    def _submerged(self, clauses: list[list[Token]]) -> list[list[Token]]:
-        """Under water, "water" is what is all around, and nothing is made of it."""
-
-        def is_under(token: Token) -> bool:
-            entry = self.vocabulary.entries.get(token.entry)
-            return bool(entry and entry.slot == "atmosphere" and "water" in entry.phrase)
-
-        if not any(is_under(token) for tokens in clauses for token in tokens):
-            return clauses
-        return [
-            [replace(t, entry="", noun="fog") if t.entry == "water" else t for t in tokens]
-            for tokens in clauses
-        ]
 
     def _means(self, text: str, cause: str) -> Parsed:
         return Reader(self.vocabulary, SceneWords(), cause).read(text)

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from .binding import BOUND_SLOTS, Binding
 from .clause import ClauseState
 from .lexer import Token
@@ -140,3 +142,17 @@ def is_the_thing(state: ClauseState, rest: list[Token]) -> bool:
     """Whether a name that is also a look stands as the thing: "the lemon is ...", "the lemon more yellow"."""
     after = rest[0] if rest else None
     return state.definite and (after is None or "link" in after.lists or after.strength is not None)
+
+
+def submerged(clauses: list[list[Token]], vocabulary: Vocabulary) -> list[list[Token]]:
+    """The clauses; under water, "water" is what is all around, and nothing is made of it."""
+
+    def is_under(token: Token) -> bool:
+        entry = vocabulary.entries.get(token.entry)
+        return bool(entry and entry.slot == "atmosphere" and "water" in entry.phrase)
+
+    if not any(is_under(token) for tokens in clauses for token in tokens):
+        return clauses
+    return [
+        [replace(t, entry="", noun="fog") if t.entry == "water" else t for t in tokens] for tokens in clauses
+    ]

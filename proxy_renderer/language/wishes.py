@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the words of a prompt wish: effects, in the order in which they can be decided."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..schema import FAMILIES
+from .color import to_lab
+from .owners import Owners
+from .types import Attribute, Parsed
+from .vocabulary import OWNERS, Effect, Vocabulary
+
+_CASTS = {
+    "color", "temperature", "tint", "power", "strength", "gain", "midtone", "lift", "saturation", "hue",
+    "exposure", "grade_exposure", "contrast", "gamma", "grade_gamma",
+}  # fmt: skip
+"""Of lights, world, fog or film: what changes how colors look."""
+_PALE, _WHITE = 80.0, 93.0  # L* of pale and of white surroundings
+_PALED = 0.6  # saturation below which named colors are not what is wanted
+_ADAPTED = 0.5  # share of the cast of colored light that eyes take out
+STAGES = 5
+"""How many there are, see `stage_of`."""
+
+
+class Wishes:
+    """Attributes with what they ask for."""
+
+    def __init__(self, parsed: Parsed, vocabulary: Vocabulary, owners: Owners) -> None:
+        self._parsed, self._vocabulary, self._owners = parsed, vocabulary, owners
+
+    def all(self) -> list[tuple[Attribute, Effect]]:
+        """Each with its attribute, in the order of the prompt."""
+        wishes = [(a, effect) for a in self._shared_out() for effect in self._effects(a)]
+        strong = [(a, e) for a, e in wishes if not e.weak]
+        if any(a.slot == "lighting" and not a.cause and e.name == "temperature" for a, e in strong):
+            # "Street lamps on a rainy night": a light that is named is not the neon that such nights have.
+            wishes = [w for w in wishes if not (w[0].cause and w[1].family == "light/color")]
+        return wishes
+
+    def constancy(self) -> float:
+        """How far named colors are to look as named: words may change how colors look, as dusk, blue light and sepia do."""
+        others = [a for a in self._said() if a.kind not in ("subject", "surroundings")]
+        strong = [e for a in others for e in self._effects(a) if not e.weak]
+        casts = [e for e in strong if e.name in _CASTS and OWNERS[e.owner] != "material"]
+        hidden = any(
+            OWNERS[e.owner] == "volume" or (e.name == "saturation" and e.upper[0] < _PALED) for e in casts
+        )
+        return 0.0 if hidden else _ADAPTED if casts else 1.0
+
+    def _said(self) -> list[Attribute]:
+        return [a for a in self._parsed.attributes if a not in self._parsed.overruled]
+
+    def _shared_out(self) -> list[Attribute]:
+        """What is not overruled, with "red and blue lights" shared out: the first color to the key, the next to the others."""
+        said = self._said()
+        gels = [a for a in said if a.color and a.kind == "light" and not a.role and not a.cause]
+        if len(gels) < 2:
+            return said
+        roles = {id(gels[0]): "key", id(gels[1]): "others"}
+        return [replace(a, role=roles.get(id(a), a.role)) for a in said]
+
+    def _effects(self, attribute: Attribute) -> list[Effect]:
+        """What a word does; negated, what it forbids or the mild opposite."""
+        if attribute.color:
+            kind = attribute.kind
+            if kind == "surroundings" and self._owners.world_is_hidden():
+                light = to_lab(attribute.color)[0]
+                kind = "hidden_white" if light > _WHITE else "hidden_pale" if light > _PALE else "hidden"
+            return [] if attribute.negated else list(self._vocabulary.painted.get(kind, ()))
+        entry = self._vocabulary.entries[attribute.entry]
+        if not attribute.negated:
+            return list(entry.effects)
+        if entry.never:
+            return list(entry.never)
+        if entry.opposite:
+            return list(self._vocabulary.entries[entry.opposite].effects)
+        return [
+            Effect(e.owner, e.name, "", (n,), (n,)) for e in entry.effects if (n := _neutral(e)) is not None
+        ]
+
+
+def stage_of(effect: Effect) -> int:
+    """What has to wait for what: the world's strength for its color and for the key, exposure for the light,
+    surfaces for the exposure, glows for surfaces."""
+    if effect.color == "own":
+        return 4
+    if effect.mode == "color" and OWNERS[effect.owner] == "material":
+        return 3
+    if effect.family == "film/exposure":
+        return 2
+    return 1 if effect.mode == "share" or effect.family == "world/strength" else 0
+
+
+def _neutral(effect: Effect) -> float | None:
+    """The value at which an effect does nothing, where a parameter has one."""
+    measured = effect.mode == "" and len(effect.lower) == 1 and OWNERS[effect.owner] != "light"
+    return FAMILIES[effect.family].default if measured else None
