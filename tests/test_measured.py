@@ -113,3 +113,9 @@ def test_black_in_warm_light_is_made_cooler():
     black = (0.016, 0.016, 0.016)
     red, _, blue = measured(black, (0.11, 0.1, 0.1), COLOR, seen((12.0, 6.0, 9.0), black))
     assert blue > 1.3 * red
+
+
+def test_a_pale_color_is_nothing_garish_in_disguise():
+    """AgX shows pale pink exactly only where a hot pink is overexposed, and hot pink in any other light."""
+    red, green, _ = reachable((1.0, 0.74, 0.84), "AgX", 1.0)
+    assert red < 4 * green

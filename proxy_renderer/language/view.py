@@ -57,7 +57,7 @@ _LIGHTNESS = {
 }
 
 _BLEACHED = 1.6  # exponent that gives pale colors about the saturation that highlights lose
-_PALE = (12.0, 45.0)  # chroma below which a color is pale, and above which it is not
+_PALE = (20.0, 60.0)  # chroma below which a color is pale, and above which it is not
 
 
 def radiance(lightness: float, view: str) -> float:
