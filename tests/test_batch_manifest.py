@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from proxy_renderer.batch.estimate import guess
 from proxy_renderer.batch.manifest import load
 from proxy_renderer.batch.plan import Plan
 from proxy_renderer.schema import VibeError
@@ -207,3 +208,15 @@ def test_a_dry_run_tells_the_plan_and_does_nothing(place):
     assert "4  shots/a.blend" in done.stdout
     assert "with 2 workers" in done.stdout
     assert not (place / "out").exists()
+
+
+@pytest.mark.parametrize("scenes", ["", "scenes = []\n"])
+def test_a_group_alone_needs_no_scenes_and_its_shots_take_their_time(place, scenes):
+    group = '[[shots]]\nname = "g"\nscenes = ["shots/*.blend"]\n'
+    times = []
+    for cameras in ("", 'cameras = ["Wide", "Close"]\n'):
+        (place / "m.toml").write_text(f'{scenes}prompts = ["noir"]\n{group}{cameras}')
+        (job,) = Plan(load(place / "m.toml", place / "out").shots)
+        assert job.scene == "g"
+        times.append(guess(job))
+    assert times[1] > 1.5 * times[0]

@@ -61,8 +61,8 @@ def guess(job: Job) -> float:
     options = dict(a[2:].split("=", 1) for a in job.arguments if "=" in a)
     rounds, steps = int(options["rounds"]), int(options["steps"])
     pictures = (int(options["size"]) / 512) ** 2 * int(options["samples"]) / 128
-    shots = 1 + len(job.more)
-    for several in ("cameras", "frames"):
-        shots *= 1 + options.get(several, "").count(",")
+    cameras = sum(a.startswith("--cameras=") for a in job.arguments)
+    frames = 1 + options.get("frames", "").count(",")
+    shots = (1 + len(job.more)) * max(cameras, 1) * frames
     # Steps take the shots in turn; anchors and final pictures are made of each.
     return _FIXED + rounds * (_ROUND * shots + steps * _STEP) + _RENDERS * pictures * shots

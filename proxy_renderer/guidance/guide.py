@@ -35,7 +35,7 @@ _LIT, _DIM = 50.0, 20.0
 _FORM = 0.46
 """Lightness of a subject's best-lit tenth, as a share of that: more turns black things in warm light brown."""
 _RELIEF, _FLAT = 6.5, 3.5
-"""Least spread of L* within a subject; the latter where words ask for fog, dark or little contrast."""
+"""Least spread of L* within a subject; the latter where words ask for dark or little contrast."""
 _PLAIN = "a picture of an object"  # says nothing of its look
 _FULL_FRAME = ("vignette", "brightness")  # attributes that a crop changes
 
@@ -102,8 +102,8 @@ class Guide:
         self.encoder, self.weights, self.views = encoder, weights or Weights(), views or regions.Views()
         self.colors, self.silhouette = colors, silhouette
         self._light = _DIM if targets.get("brightness") == "dark" else _LIT
-        flat = {"fog": "dense", "brightness": "dark", "contrast": "low"}.items()
-        self._relief = _FLAT if any(targets.get(a) == c for a, c in flat) else _RELIEF
+        flat = targets.get("brightness") == "dark" or targets.get("contrast") == "low"
+        self._relief = _FLAT if flat else _RELIEF
         self.heads = heads if heads is not None and heads.heads is not None else None
         names = self.heads.heads.names if self.heads is not None and self.heads.heads is not None else {}
         self.targets = {a: names[a].index(c) for a, c in targets.items() if c in names.get(a, [])}

@@ -13,6 +13,7 @@ from torch import Tensor
 
 from . import regions
 
+_FEW = 10  # pixels that say nothing of a subject
 _CLOSE = 6.0  # a Lab distance that still is the named color
 
 
@@ -103,8 +104,8 @@ def form_loss(lab: Tensor, mask: Tensor, least: float = 18.0) -> Tensor:
         mask: (H, W) subject coverage.
         least: Mean lightness of that tenth.
     """
-    inside = lab[..., 0][mask.detach() > 0.9]
-    if len(inside) < 10:
+    inside = _lightness_inside(lab, mask)
+    if len(inside) < _FEW:
         return lab.new_zeros(())
     return F.relu(1.0 - inside.topk(len(inside) // 10).values.mean() / least)
 
@@ -119,10 +120,15 @@ def relief_loss(lab: Tensor, mask: Tensor, least: float = 6.0) -> Tensor:
         mask: (H, W) subject coverage.
         least: Standard deviation of L*.
     """
-    inside = lab[..., 0][mask.detach() > 0.9]
-    if len(inside) < 10:
+    inside = _lightness_inside(lab, mask)
+    if len(inside) < _FEW:
         return lab.new_zeros(())
     return F.relu(1.0 - (inside.var() + 1e-4).sqrt() / least)
+
+
+def _lightness_inside(lab: Tensor, mask: Tensor) -> Tensor:
+    """(N,) L* of the pixels that show nothing but the subject."""
+    return lab[..., 0][mask.detach() > 0.9]
 
 
 def leash_loss(where: Tensor, colors: Tensor, free: Tensor) -> Tensor:

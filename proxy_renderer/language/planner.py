@@ -98,11 +98,10 @@ class _Planner:
             strength = _NOT
         demands = []
         for instance in self.owners.of(effect, attribute):
-            light = self.light.get("metered" if effect.mode == "aim" else instance.role, 1.0)
             sources = replace(
                 self.sources,
                 own_color=self._own_color(instance.owner),
-                illumination=light,
+                illumination=self._light_for(effect, instance),
                 veil=veil(instance.owner, self.instances, self.sources.context, self._planned),
             )
             lower, upper = effect_range(effect, replace(attribute, strength=strength), instance, sources)
@@ -152,14 +151,17 @@ class _Planner:
 
     def _measure_light(self) -> None:
         """How brightly each region is lit, now that lights and world are settled."""
-        dark = self.parsed.targets.get("brightness") == "dark"
         for region in ("subject", "surroundings"):
             names = self.owners.materials(region)
-            level = expected(region, names, self.instances, self.sources.context, self._planned)
-            self.light[region] = (
-                max(level, 1.0) if dark else level
-            )  # what is dark is not painted lighter for it
-            self.light["metered"] = level if region == "subject" else self.light["metered"]
+            self.light[region] = expected(region, names, self.instances, self.sources.context, self._planned)
+
+    def _light_for(self, effect: Effect, instance: Instance) -> float:
+        """The light that an effect reckons with: exposure is for the subject's, and what is dark is not painted
+        lighter for it."""
+        if effect.mode == "aim":
+            return self.light.get("subject", 1.0)
+        level = self.light.get(instance.role, 1.0)
+        return max(level, 1.0) if self.parsed.targets.get("brightness") == "dark" else level
 
     def _planned(self, instance: Instance) -> Values:
         """The artist's value, projected into what is settled so far."""
