@@ -151,8 +151,9 @@ class Binding:
         token = word.token
         kinds = self.vocabulary.adjectives.get(token.adjective, {})
         slot = self.slot(token.entry) if token.entry else ""
-        if thing.kind in kinds:
-            self._add_adjective(word, kinds[thing.kind], thing)
+        kind = "place" if "place" in kinds and self._is_place(thing) else thing.kind
+        if kind in kinds:
+            self._add_adjective(word, kinds[kind], thing)
         elif slot in BOUND_SLOTS and (thing.matter or slot == "setting"):
             self.add(
                 word,
@@ -166,6 +167,10 @@ class Binding:
         else:
             return False
         return True
+
+    def _is_place(self, thing: Thing) -> bool:
+        entry = self.vocabulary.synonyms.get(thing.name, "")
+        return thing.kind == "surroundings" and bool(entry) and self.slot(entry) == "setting"
 
     def _add_adjective(self, word: Word, entry: str, thing: Thing) -> None:
         slot = self.slot(entry)

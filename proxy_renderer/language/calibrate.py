@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 VIEWS = ("AgX", "Filmic")
-STEPS = 7  # of the grid of display colors, per component
+STEPS = 11  # of the grid of display colors, per component
 _LIGHTNESS_WEIGHT = 0.35  # colors out of reach: rather too dark than too pale
 
 

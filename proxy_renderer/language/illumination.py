@@ -15,6 +15,7 @@ from .view import radiance
 _WATTS = {"POINT": 4 * math.pi**2, "SPOT": 4 * math.pi**2, "AREA": math.pi**2, "SUN": math.pi}
 _FACING = 0.45  # mean cosine over the lit side, times the share of what is seen that is lit
 _MIRRORED = 0.05  # of a dielectric at an index of 1.5, grazing angles included
+_PUREST = 0.3  # share of white light that the weakest component of colored light is taken to have
 _OPEN = 0.8  # what occlusion leaves of the world's light
 
 Value = Callable[[Instance], Values]
@@ -56,6 +57,21 @@ def world_radiance(instances: dict[str, Instance], context: PlanContext, value: 
     world = luminance(value(color)) if color else context.environment_luminance
     world *= luminance(value(tint)) if tint else 1.0
     return world * value(strength)[0] * _exposed(instances, value)
+
+
+def cast(instances: dict[str, Instance], context: PlanContext, value: Value) -> Values:
+    """The color, of luminance 1, of the light that falls on the scene, by gels and the world: eyes are used to warm and cool lamps."""
+    total = [0.0, 0.0, 0.0]
+    for name in context.light_types:
+        color = instances.get(f"light/{name}/color")
+        gel = value(color) if color else (1.0, 1.0, 1.0)
+        bright = _FACING * facing_radiance(instances, context, value, (name,)) / max(luminance(gel), 1e-3)
+        total = [t + bright * v for t, v in zip(total, gel, strict=True)]
+    color, strength = instances.get("world/color"), instances.get("world/strength")
+    if color and strength:
+        total = [t + _OPEN * value(strength)[0] * v for t, v in zip(total, value(color), strict=True)]
+    level = luminance(total)
+    return tuple(max(v / level, _PUREST) for v in total) if level > 1e-3 else (1.0, 1.0, 1.0)
 
 
 def _exposed(instances: dict[str, Instance], value: Value) -> float:

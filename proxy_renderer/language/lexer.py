@@ -164,7 +164,7 @@ class Lexer:
                 and all(w in v.shades or v.intensity.get(w) for w in leading)
                 and leading[-1] in v.shades
             ):
-                if " ".join(words) in v.colors:
+                if " ".join(words) in v.colors or self._is_grade(last):
                     return None
                 shades = self._shades(leading)
                 for arguments in shades:
@@ -175,6 +175,11 @@ class Lexer:
                     " ".join(words), "", color, last if both else "", name=name, shades=shades if both else ()
                 )
         return None
+
+    def _is_grade(self, text: str) -> bool:
+        """Whether a color's name says how a picture is graded: "faded sepia" is both, and no paler brown."""
+        entry = self.vocabulary.entries.get(self.vocabulary.synonyms.get(text, ""))
+        return entry is not None and entry.slot == "grade"
 
     def _shaded_material(self, words: list[str]) -> Token | None:
         """A material with its own color, lighter or darker: "dark oak", "very pale wood"."""

@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 
 from ..schema import Instance, Values
-from .color import chroma, from_lab, to_lab
+from .color import chroma, from_lab, to_lab, to_linear, to_srgb
 from .meaning import display_color
 from .types import PlanContext, Region
 from .view import scene_color
@@ -22,6 +22,7 @@ _DARK = 20.0  # L* below which only the hue can be told
 _FLOOR = 0.01  # radiance below which there is nothing to measure
 _FAINT = 0.002  # the same where only the hue is asked for
 _BLACKEST, _WHITEST = 0.006, 0.85
+_DIMMED, _DIMMEST = 0.92, 0.3  # steps in which the wanted light is lowered, and their end
 
 
 def measured(
@@ -44,17 +45,29 @@ def measured(
     if named[0] < _DARK:
         return _recast(formula, scene_color(srgb, context.view), scene_color(from_lab(shown), context.view))
     region: Region = "subject" if instance.role == "subject" else "surroundings"
-    wanted = scene_color(from_lab(display_color(srgb, region)), context.view)
-    seen = scene_color(from_lab(shown), context.view)
-    logs = [
-        share * _DAMPED * math.log(max(w, _FLOOR) / max(s, _FLOOR)) for w, s in zip(wanted, seen, strict=True)
-    ]
-    gain = sum(logs) / 3
-    found = [v * math.exp(_held(gain) + _held(log - gain)) for v, log in zip(now, logs, strict=True)]
+    wanted, seen = from_lab(display_color(srgb, region)), scene_color(from_lab(shown), context.view)
+    found = _mended(now, wanted, seen, context.view, share)
     if named[0] > 93 and chroma(named) < 4:  # a cast is taken out of white, not light
         return tuple(_WHITEST * max((v / max(found)) ** _WHITENED, _LEAST) for v in found)
-    top = max(max(found) / _WHITEST, 1.0) if instance.parameter.name == "base_color" else 1.0
+    light, limit = 1.0, _WHITEST if instance.parameter.name == "base_color" else math.inf
+    while (
+        max(found) > limit and light > _DIMMEST
+    ):  # as light as can be, and no more saturated than that looks
+        light *= _DIMMED
+        dimmed = to_srgb(tuple(light * v for v in to_linear(wanted)))
+        found = _mended(now, dimmed, seen, context.view, share)
+    top = max(max(found) / limit, 1.0)
     return tuple(max(v / top, _BLACKEST) for v in found)
+
+
+def _mended(now: Values, wanted: Values, seen: Values, view: str, share: float) -> Values:
+    """The value that shows a display color, or nearly, where the present one shows a scene-linear color."""
+    logs = [
+        share * _DAMPED * math.log(max(w, _FLOOR) / max(s, _FLOOR))
+        for w, s in zip(scene_color(wanted, view), seen, strict=True)
+    ]
+    gain = sum(logs) / 3
+    return tuple(v * math.exp(_held(gain) + _held(log - gain)) for v, log in zip(now, logs, strict=True))
 
 
 def _recast(formula: Values, wanted: Values, seen: Values) -> Values:

@@ -21,6 +21,7 @@ class Sources:
         world_color: Linear color of the world that the plan settles on, strength 1.
         own_color: sRGB of the color that the material gets or has, for glows.
         illumination: Radiance, after exposure, of a white surface where the effect acts.
+        cast: Color of that light, of luminance 1.
         key: Radiance, before exposure, of a white surface that faces the key lights; 0 if there are none.
         veil: Radiance that the surface mirrors all over, whatever its color.
         environment: Whether the world is a linked picture.
@@ -32,6 +33,7 @@ class Sources:
     world_color: Values = (1.0, 1.0, 1.0)
     own_color: Values = (1.0, 1.0, 1.0)
     illumination: float = 1.0
+    cast: Values = (1.0, 1.0, 1.0)
     key: float = 0.0
     veil: float = 0.0
     environment: bool = False

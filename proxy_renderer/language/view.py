@@ -7,7 +7,7 @@ from bisect import bisect_left
 from collections.abc import Sequence
 from functools import cache
 from itertools import product
-from math import exp, log
+from math import exp, log, sqrt
 from pathlib import Path
 
 from ..schema import Values
@@ -57,7 +57,8 @@ _LIGHTNESS = {
 }
 
 _BLEACHED = 1.6  # exponent that gives pale colors about the saturation that highlights lose
-_PALE = (20.0, 60.0)  # chroma below which a color is pale, and above which it is not
+_PALE = (20.0, 60.0)  # chroma below which a light color is pale, and above which it is not
+_LIGHT = (70.0, 84.0)  # L* above which a color can be pale, and above which it is
 
 
 def radiance(lightness: float, view: str) -> float:
@@ -98,27 +99,45 @@ def _tables() -> dict[str, list[Values]]:
 def scene_color(srgb: Sequence[float], view: str) -> Values:
     """The scene-linear color that a view shows as `srgb`, or as near as it can; above 1 for light colors.
 
-    Views that bleach highlights show no pale color exactly: only something garish would come near. Pale colors
-    keep their own hue and saturation instead, at the radiance that has their lightness.
+    Views that bleach highlights show no pale color exactly: only something garish would come near, which colors all
+    around it. Pale colors keep their own hue and saturation instead, at the radiance that has their lightness.
     """
+    return _blended(srgb, view, _paleness(srgb) if view in _tables() else 0.0)
+
+
+def reachable(srgb: Values, view: str, limit: float) -> Values:
+    """`scene_color`, of the same color in less light where a component would exceed `limit`."""
+    pale, light = _paleness(srgb) if view in _tables() else 0.0, 1.0
+    color = _blended(srgb, view, pale)
+    while max(color) > limit and light > 0.05:
+        light *= 0.92
+        color = _blended(to_srgb(tuple(light * v for v in to_linear(srgb))), view, pale)
+    return color
+
+
+def _paleness(srgb: Sequence[float]) -> float:
+    """0 for a dark or a saturated color, 1 for a pale one."""
     lab = to_lab(srgb)
-    share = min(max((chroma(lab) - _PALE[0]) / (_PALE[1] - _PALE[0]), 0.0), 1.0)
-    if share == 1.0 or view not in _tables():
-        return _inverse(srgb, view)
-    linear = tuple(v**_BLEACHED for v in to_linear(srgb))
-    level = radiance(lab[0], view) / max(luminance(linear), 1e-6)
-    plain = tuple(v * level for v in linear)
-    if share == 0.0:
-        return plain
+    faint = (_PALE[1] - chroma(lab)) / (_PALE[1] - _PALE[0])
+    light = (lab[0] - _LIGHT[0]) / (_LIGHT[1] - _LIGHT[0])
+    return max(min(faint, light, 1.0), 0.0)
+
+
+def _blended(srgb: Sequence[float], view: str, pale: float) -> Values:
+    """What is shown as a color, or, as far as it is pale, what is of its saturation and shown as lightly."""
     exact = _inverse(srgb, view)
+    if not pale:
+        return exact
+    linear = tuple(v**_BLEACHED for v in to_linear(srgb))
+    level = radiance(to_lab(srgb)[0], view) / max(luminance(linear), 1e-6)
     return tuple(
-        exp((1 - share) * log(max(p, 1e-5)) + share * log(max(e, 1e-5)))
-        for p, e in zip(plain, exact, strict=True)
+        exp(pale * log(max(level * v, 1e-5)) + (1 - pale) * log(max(e, 1e-5)))
+        for v, e in zip(linear, exact, strict=True)
     )
 
 
 def _inverse(srgb: Sequence[float], view: str) -> Values:
-    """The nearest color of the view's table."""
+    """The nearest color by the view's table; between its rows square roots are closer to straight lines than logarithms."""
     lab = to_lab(srgb)
     if chroma(lab) < 4:
         return (radiance(lab[0], view),) * 3
@@ -134,14 +153,5 @@ def _inverse(srgb: Sequence[float], view: str) -> Values:
         for place, corner, offset in zip(places, corners, offsets, strict=True):
             weight *= (place - corner) if offset else 1 - (place - corner)
             index = index * steps + corner + offset
-        sums = [s + weight * log(v) for s, v in zip(sums, table[index], strict=True)]
-    return tuple(exp(s) for s in sums)
-
-
-def reachable(srgb: Values, view: str, limit: float) -> Values:
-    """`scene_color`, of the same color in less light where a component would exceed `limit`."""
-    color, light = scene_color(srgb, view), 1.0
-    while max(color) > limit and light > 0.05:
-        light *= 0.92
-        color = scene_color(to_srgb(tuple(light * v for v in to_linear(srgb))), view)
-    return color
+        sums = [s + weight * sqrt(v) for s, v in zip(sums, table[index], strict=True)]
+    return tuple(s**2 for s in sums)
