@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The film: OCIO views as tables, the grade's formulas, and gradients through all of it."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +9,8 @@ import pytest
 import torch
 from tiny_job import blender_config
 
+from proxy_renderer.language.color import to_lab
+from proxy_renderer.language.view import scene_color
 from proxy_renderer.render import grade
 from proxy_renderer.render.bloom import bloom
 from proxy_renderer.render.film import Film
@@ -46,6 +49,20 @@ def test_the_table_is_ocio(view, look):
     got = ViewTransform(SPEC.ocio, "sRGB", view, look)(torch.from_numpy(colors)).clamp(0, 1).numpy()
     assert np.abs(got - exact).mean() < 0.3 / 255
     assert np.quantile(np.abs(got - exact), 0.99) < 2.5 / 255
+
+
+@pytest.mark.parametrize("view", ["AgX", "Filmic"])
+def test_the_language_knows_what_a_view_shows(view):
+    """Surfaces in ordinary light, dark and saturated ones too, shown and found again."""
+    random = np.random.default_rng(2)
+    tint = random.uniform(0.02, 1, (600, 3)) ** 1.5
+    colors = tint / tint.max(-1, keepdims=True) * 10 ** random.uniform(-2, 0.2, (600, 1))
+    shown = apply_ocio(colors.astype(np.float32), SPEC.ocio, "sRGB", view, "").clip(0, 1)
+    found = np.array([scene_color(tuple(map(float, c)), view) for c in shown], np.float32)
+    again = apply_ocio(found, SPEC.ocio, "sRGB", view, "").clip(0, 1)
+    off = [math.dist(to_lab(tuple(a)), to_lab(tuple(b))) for a, b in zip(shown, again, strict=True)]
+    assert np.median(off) < 1.2
+    assert np.quantile(off, 0.9) < 4
 
 
 def test_an_unknown_view_is_refused():

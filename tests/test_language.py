@@ -344,6 +344,29 @@ def test_moods_stand_for_plain_words_and_explicit_words_beat_them():
     assert make_plan("cosy teapot, cold light")["light/Key/temperature"].lower[0] > 7000
 
 
+def test_words_mean_what_they_mean_of_what_they_stand_with():
+    golden = make_plan("golden kitchen")
+    assert "golden" in golden["light/Key/temperature"].reason
+    assert "golden" not in golden["material/Floor/base_color"].reason
+    assert "golden" in make_plan("golden background")["material/Floor/base_color"].reason
+    assert bound("a faded sepia photograph") == {("faded", "tone"), ("sepia", "tone")}
+    assert bound("amber mood") == {("amber", "tone")}
+
+
+def test_an_adjective_says_more_than_the_place_that_it_describes():
+    dim, plain = (
+        make_plan(f"vase in a {words}")["world/strength"].upper[0] for words in ("dim museum", "museum")
+    )
+    assert dim < 0.3 * plain
+
+
+def test_words_that_mean_more_of_the_same_agree():
+    warm = make_plan("dim warm light, candlelit")["light/Key/temperature"]
+    assert warm.upper[0] < 2301
+    assert "warm light" in warm.reason
+    assert "candlelit" in warm.reason
+
+
 def test_contradictions_are_resolved_and_reported():
     plan_ = make_plan("hard light, soft light")
     assert plan_["light/Key/size"].upper[0] <= 0.1 * 4

@@ -4,7 +4,8 @@
 import math
 
 from proxy_renderer.language import SceneWords, parse, plan
-from proxy_renderer.language.color import from_lab
+from proxy_renderer.language.color import from_lab, luminance
+from proxy_renderer.language.illumination import cast
 from proxy_renderer.language.meaning import display_color, forget_parts
 from proxy_renderer.language.measured import measured
 from proxy_renderer.language.prompts import compose
@@ -113,6 +114,25 @@ def test_black_in_warm_light_is_made_cooler():
     black = (0.016, 0.016, 0.016)
     red, _, blue = measured(black, (0.11, 0.1, 0.1), COLOR, seen((12.0, 6.0, 9.0), black))
     assert blue > 1.3 * red
+
+
+def test_what_cannot_be_light_enough_is_not_made_more_saturated():
+    """Celadon in a dim room, already as light as paint can be and of the right saturation for that."""
+    albedo = (0.195, 0.829, 0.258)
+    red, green, blue = measured(albedo, (0.67, 0.88, 0.69), COLOR, seen((58.0, -25.0, 23.0), albedo))
+    assert green <= 0.85
+    assert red / green > albedo[0] / albedo[1]
+    assert blue / green > albedo[2] / albedo[1]
+
+
+def test_colored_skies_count_in_what_they_light():
+    world = Instance(FAMILIES["world/color"], "", (0.1, 0.2, 1.0), 1.0)
+    strength = Instance(FAMILIES["world/strength"], "", (1.0,), 1.0)
+    instances = {i.key: i for i in (world, strength)}
+    red, green, blue = cast(instances, PlanContext(), lambda i: i.value)
+    assert luminance((red, green, blue)) > 0.9
+    assert blue > 2 * green >= red
+    assert cast({}, PlanContext(), lambda i: i.value) == (1.0, 1.0, 1.0)
 
 
 def test_a_pale_color_is_nothing_garish_in_disguise():

@@ -208,11 +208,12 @@ class Reader:
         if absent and not token.entry:
             said = " ".join([*(state.prefix or ["no"]), token.text])
             self.binding.add(Word(token, said, 1.0, False), absent, thing)
-        elif token.entry:
-            self.binding.add(state.word(token), token.entry, thing)
+        own = state.word(token) if token.entry else None
         if kind in regions:
             self.binding.things.append(thing)
         self._arrive(state, thing)
+        if own:  # last, as "dim" says more than "museum"
+            self.binding.add(own, token.entry, thing)
 
     def _scene_name(self, state: ClauseState, token: Token) -> None:
         assert token.scene
