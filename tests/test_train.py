@@ -15,7 +15,7 @@ from proxy_renderer.schema import VibeError
 from proxy_renderer.train import bank as banks
 from proxy_renderer.train import captions, dense, looks, seen, shader, wording
 from proxy_renderer.train.augment import EMPTY, WHOLE
-from proxy_renderer.train.data import LOOKS, contradicts, gather, make_batch
+from proxy_renderer.train.data import LOOKS, choices, contradicts, gather, make_batch
 from proxy_renderer.train.evaluate import skill
 from proxy_renderer.train.shapes import FAMILIES, shape
 from proxy_renderer.train.train import Recipe, Trainer
@@ -124,6 +124,18 @@ def test_no_picture_contradicts_its_own_caption_and_flips_contradict_their_base(
     assert len(batch.captions) == len(batch.pictures) == 96
     assert batch.pictures.min() >= 0
     assert batch.pictures.max() <= 1
+
+
+def test_choices_are_between_lessons_about_one_attribute_that_a_picture_shows() -> None:
+    a, b = looks.INDEX["fog"], looks.INDEX["contrast"]
+    labels = torch.full((2, len(looks.NAMES)), -1)
+    labels[0, a], labels[1, b] = 0, 2
+    taught = torch.full((5, len(looks.NAMES)), -1)
+    taught[0, a], taught[1, a], taught[2, b], taught[3, b] = 0, 1, 2, 0
+    taught[4, a], taught[4, b] = 2, 1  # says two
+    offered, pairs = choices(labels, taught)
+    assert pairs.T.tolist() == [[0, 1], [1, 0], [2, 3], [3, 2]]
+    assert offered.nonzero().tolist() == sorted([[a, 0, 0], [b, 1, 2]])
 
 
 def test_wordings_kept_back_are_not_those_of_training() -> None:

@@ -22,7 +22,7 @@ from .wording import NOUNS, TRAINED, Split
 LOOKS = 4
 """Looks per group: a base, two one-attribute flips, a swap of the two colors."""
 _GROUPS_AT_ONCE = 4
-_LESSONS = 16
+_LESSONS = 32
 
 
 @dataclass
@@ -266,8 +266,11 @@ def _describe(
 
 
 def _lessons(dice: random.Random) -> tuple[list[str], Tensor]:
-    """Phrases of the language, half of them about a thing, and the classes (L, A) that they say."""
-    chosen = dice.choices(wording.lessons(), k=_LESSONS)
+    """Phrases of the language, half of them about a thing, and the classes (L, A) that they say; all come up alike."""
+    attributes = list(wording.lessons_by_class().values())
+    chosen = [
+        dice.choice(dice.choice(list(classes.values()))) for classes in dice.choices(attributes, k=_LESSONS)
+    ]
     taught = torch.full((len(chosen), len(looks.NAMES)), -1)
     for row, (_, asks) in zip(taught, chosen, strict=True):
         for name, value in asks.items():
@@ -279,3 +282,18 @@ def contradicts(labels: Tensor, mentioned: Tensor) -> Tensor:
     """(B, T): whether caption t says something that is known to be false of picture b."""
     wrong = (labels[:, None] >= 0) & (mentioned[None] >= 0) & (labels[:, None] != mentioned[None])
     return wrong.any(-1)
+
+
+def choices(labels: Tensor, taught: Tensor) -> tuple[Tensor, Tensor]:
+    """Pictures (B, A) and pairs of lessons (L, A) that say one attribute each, the same: the first is true, the second not.
+
+    Returns:
+        (A, B, P) where a picture has the choice, and the pairs (2, P) of lessons.
+    """
+    single = (taught >= 0).sum(1) == 1
+    name = taught.argmax(1)
+    rival = single[:, None] & (name[:, None] == name) & (taught[:, None] != taught).any(-1)
+    pairs = rival.nonzero().T
+    said = name[pairs[0]]
+    true = labels[:, said] == taught[pairs[0], said]
+    return true & (said == torch.arange(labels.shape[1], device=said.device)[:, None, None]), pairs

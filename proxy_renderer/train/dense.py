@@ -11,7 +11,7 @@ from torch import Tensor, nn
 
 from .bank import SUBJECT
 
-GRID = 12
+GRID = 16
 """Cells along one side of the maps."""
 _FINE = 40
 CHANNELS = 11

@@ -20,13 +20,13 @@ from ..guidance import network
 from ..guidance.encoder import MERGES, AttributeHeads
 from ..language.attributes import ATTRIBUTES
 from ..schema import VibeError
-from .data import LOOKS, Batch, contradicts
+from .data import LOOKS, Batch, choices, contradicts
 from .dense import Reader
 from .looks import STRESS
 
 CONFIG = {
     "embed_dim": 128,
-    "vision_cfg": {"image_size": 96, "timm_model_name": "vibe_resnet", "timm_pool": "", "timm_proj": ""},
+    "vision_cfg": {"image_size": 128, "timm_model_name": "vibe_resnet", "timm_pool": "", "timm_proj": ""},
     "text_cfg": {"context_length": 40, "width": 64, "heads": 4, "layers": 2},
 }
 JUDGE = {
@@ -119,7 +119,7 @@ class Student(nn.Module):
         assert not left.unexpected_keys, left
 
     def losses(self, batch: Batch, device: torch.device) -> dict[str, Tensor]:
-        """Contrast between pictures and captions, and attributes read off pictures and off captions.
+        """Contrast between pictures and captions, choices of phrases, and attributes read off pictures and off captions.
 
         The captions of two thirds of the groups are left unread: words are costly and are learned sooner.
         """
@@ -133,11 +133,13 @@ class Student(nn.Module):
         image, said = F.normalize(image.float(), dim=-1), F.normalize(said.float(), dim=-1)
         text = said[:read]
         labels, mentioned = batch.labels.to(device), batch.mentioned[:read].to(device)
-        logits = self.clip.logit_scale.exp().clamp(max=60) * image[:read] @ text.T
+        scale = self.clip.logit_scale.exp().clamp(max=60)
+        logits = scale * image[:read] @ text.T
         own = torch.arange(read, device=device)
         rival = contradicts(labels[:read], mentioned) | (own[:, None] == own)
         logits = logits.masked_fill(~rival, float("-inf"))
-        claims = torch.cat([mentioned, batch.taught.to(device)])
+        taught = batch.taught.to(device)
+        claims = torch.cat([mentioned, taught])
         speaks = (mentioned >= 0).any(1)
         self._count(image.detach(), batch.labels)
         truth, weight, stress = batch.maps.to(device), batch.told.to(device), STRESS.to(device)
@@ -147,6 +149,7 @@ class Student(nn.Module):
                 F.cross_entropy(logits[speaks], own[speaks]) + F.cross_entropy(logits.T[speaks], own[speaks])
             )
             / 2,
+            "choice": _choice(scale * image @ said[read:].T, labels, taught),
             "heads": self.heads.loss(image, labels, stress),
             "words": self.heads.loss(said, claims.masked_fill(claims < 0, -100), stress),
         }
@@ -157,6 +160,15 @@ class Student(nn.Module):
             known = labels[:, i] >= 0
             self.tally[name][0] += int((logits.argmax(1).cpu() == labels[:, i])[known].sum())
             self.tally[name][1] += int(known.sum())
+
+
+def _choice(logits: Tensor, labels: Tensor, taught: Tensor) -> Tensor:
+    """Pictures (B, A) choose between two lessons (L, A) about one attribute: the mean over attributes, by logits (B, L)."""
+    offered, (true, false) = choices(labels, taught)
+    doubt = F.softplus(logits[:, false] - logits[:, true])
+    asked = offered.flatten(1).sum(1)
+    each = torch.einsum("abp,bp->a", offered.float(), doubt) / asked.clamp_min(1)
+    return each.sum() / (asked > 0).sum().clamp_min(1)
 
 
 def _last_grid(visual: Any) -> tuple[nn.Module, int]:

@@ -174,9 +174,17 @@ def phrases() -> list[tuple[str, Known]]:
 
 
 @cache
-def lessons() -> list[tuple[str, Known]]:
-    """All that the language tells an encoder for look words, with the attributes that it then asks for."""
-    return [(entry.phrase, entry.heads) for entry in _asking()]
+def lessons_by_class() -> dict[str, dict[str, list[tuple[str, Known]]]]:
+    """What the language tells an encoder for look words, with what it then asks for, by attribute and class.
+
+    Under "" is what asks for several attributes.
+    """
+    found: dict[str, dict[str, list[tuple[str, Known]]]] = {}
+    for entry in _asking():
+        (name, value), *more = entry.heads.items()
+        name, value = ("", "") if more else (name, value)
+        found.setdefault(name, {}).setdefault(value, []).append((entry.phrase, entry.heads))
+    return found
 
 
 def _asking() -> list[Entry]:
