@@ -292,7 +292,7 @@ def choices(labels: Tensor, taught: Tensor) -> tuple[Tensor, Tensor]:
     """
     single = (taught >= 0).sum(1) == 1
     name = taught.argmax(1)
-    rival = single[:, None] & (name[:, None] == name) & (taught[:, None] != taught).any(-1)
+    rival = single[:, None] & single & (name[:, None] == name) & (taught[:, None] != taught).any(-1)
     pairs = rival.nonzero().T
     said = name[pairs[0]]
     true = labels[:, said] == taught[pairs[0], said]
