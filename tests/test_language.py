@@ -353,6 +353,13 @@ def test_words_mean_what_they_mean_of_what_they_stand_with():
     assert bound("amber mood") == {("amber", "tone")}
 
 
+def test_what_is_a_color_and_a_material_is_a_color_before_another_material():
+    attributes = parse("emerald velvet sofa", SceneWords()).attributes
+    assert [(a.entry, bool(a.color)) for a in attributes] == [("emerald", True), ("velvet", False)]
+    assert ("emerald", "subject") not in bound("emerald vase")  # the gem, by its own name
+    assert {entry for entry, _ in bound("emerald and gold vase")} >= {"emerald gem", "gold"}
+
+
 def test_an_adjective_says_more_than_the_place_that_it_describes():
     dim, plain = (
         make_plan(f"vase in a {words}")["world/strength"].upper[0] for words in ("dim museum", "museum")

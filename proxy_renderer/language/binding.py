@@ -86,6 +86,7 @@ class Binding:
         unless it could hardly describe anything else ("warm and soft light", "red and blue light").
         """
         left = []
+        words = self._as_colors(words)
         for position, word in enumerate(words):
             in_list = word.token.color and any(not w.barred and w.token.color for w in words[position:])
             suits = thing.kind in self.vocabulary.adjectives.get(word.token.adjective, {})
@@ -94,6 +95,16 @@ class Binding:
                 left.append(word)
                 self.ignored += [word.text] if final else []
         return left
+
+    def _as_colors(self, words: list[Word]) -> list[Word]:
+        """Words that name a material and its color, as the color alone before another material: "emerald velvet"."""
+        made = [bool(w.token.entry) and self.slot(w.token.entry) == "material" for w in words]
+        return [
+            replace(w, token=replace(w.token, entry="", adjective=""))
+            if w.token.color and not w.barred and any(made[i + 1 :])
+            else w
+            for i, w in enumerate(words)
+        ]
 
     def bind_rest(self, words: list[Word], last: Thing | None, linked: bool, around: bool) -> None:
         """The end of a clause: what still waits describes the last noun, the surroundings, or the subject."""

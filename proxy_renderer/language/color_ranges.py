@@ -12,7 +12,7 @@ from .types import Attribute
 from .view import radiance, reachable
 from .vocabulary import Effect, default_vocabulary
 
-_BLACKEST, _WHITEST = 0.016, 0.85  # hardly a real surface reflects less, or more
+_BLACKEST, _WHITEST = 0.006, 0.85  # hardly a real surface reflects less, or more
 _BRIGHTEST = 2.5  # radiance of a backdrop that has a color
 _DARK = 0.02  # radiance below which a backdrop is black
 _SEEN = 0.7  # relative departure from grey that a tint has at least
@@ -59,7 +59,7 @@ def _surface(
     """The albedo that is displayed as a color under the light that is going to fall on it."""
     if to_lab(srgb)[0] > 93:
         return (_WHITEST,) * 3 if chroma(to_lab(srgb)) < 4 else tuple(_WHITEST * v for v in to_linear(srgb))
-    light = min(max(illumination, 0.6), 3.2)
+    light = min(max(illumination, 0.6), 5.0)
     wanted = reachable(srgb, view, _WHITEST * light)
     albedo = tuple(max(v - veil, 0.7 * v) / (light * tint) for v, tint in zip(wanted, cast, strict=True))
     return tuple(min(max(v, _BLACKEST), _WHITEST) for v in albedo)
