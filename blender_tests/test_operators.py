@@ -10,7 +10,7 @@ import pytest
 import vibe_render
 from dump import difference, dump
 from small_scenes import studio
-from vibe_render import anchoring, bindings, changes, compat, result, session, snapshot
+from vibe_render import anchoring, bindings, changes, compat, first_picture, result, session, snapshot
 from vibe_render.desk import desk, engine_choice
 from vibe_render.engine import Engine
 
@@ -140,8 +140,9 @@ def test_another_variant_brings_its_own_reasons(vibed):
     scene, before = vibed
     other = {"light/Area/power": [90.0], "world/strength": [0.2]}
     original, _ = scene.vibe.changes["film/contrast"].values()
-    variant = messages.Variant(other, "variant-2.png", 0.5, {"light/Area/power": "bright"})
-    result.choose(scene, 1, variant, ())
+    first = messages.Variant(FOUND, "variant-1.png", 0.6, {})
+    second = messages.Variant(other, "variant-2.png", 0.5, {"light/Area/power": "bright"})
+    result.choose(scene, 1, [first, second], ())
     there = bindings.read(scene, (), PIVOT)
     assert there["light/Area/power"] == pytest.approx((90.0,))
     assert there["film/contrast"] == pytest.approx(original)
@@ -151,6 +152,59 @@ def test_another_variant_brings_its_own_reasons(vibed):
     }
     assert bpy.ops.vibe.revert() == {"FINISHED"}
     assert difference(before, contents()) == {}
+
+
+def test_again_leads_from_the_artists_own_values(vibed):
+    """Before, Strength 0 and Revert agree after a second vibe, also about what only the first one changed."""
+    scene, before = vibed
+    own = {change.name: change.values()[0] for change in scene.vibe.changes}
+    more = {"light/Area/power": [90.0], "world/strength": [0.2]}
+    records = {key: {"reason": "bright"} for key in more}
+    result.apply(scene, "bright", messages.Result(more, {"parameters": records}, "prediction.png"), (), PIVOT)
+    listed = {change.name: change for change in scene.vibe.changes}
+    assert set(listed) == set(FOUND) | set(more)
+    assert {key: listed[key].values()[0] for key in own} == own
+    assert (listed["light/Area/power"].reason, listed["film/contrast"].reason) == ("bright", "red")
+    owners = [key.rpartition("/")[0] for key in listed]
+    assert owners == sorted(owners, key=owners.index)  # one heading for each
+    after = read(scene)
+    scene.vibe.strength = 0.0
+    assert read(scene) == {key: pytest.approx(own[key], abs=1e-6) for key in FOUND}
+    scene.vibe.strength = 1.0
+    assert read(scene) == {key: pytest.approx(value, rel=1e-5) for key, value in after.items()}
+    scene.vibe.show_original = True
+    assert read(scene) == {key: pytest.approx(own[key], abs=1e-6) for key in FOUND}
+    assert bpy.ops.vibe.revert() == {"FINISHED"}
+    assert difference(before, contents()) == {}
+
+
+def test_variants_leave_what_an_earlier_vibe_did(vibed):
+    scene, before = vibed
+    own = scene.vibe.changes["light/Area/power"].values()[0]
+    looks = [messages.Variant({"light/Area/power": [p]}, "", 0.5, {}) for p in (90.0, 40.0)]
+    result.apply(scene, "bright", messages.Result(looks[0].values, {}, ""), (), PIVOT)
+    result.choose(scene, 1, looks, ())
+    there = bindings.read(scene, (), PIVOT)
+    assert there["light/Area/power"] == pytest.approx((40.0,))
+    assert there["film/contrast"] == pytest.approx((1.3,))
+    assert {c.name for c in scene.vibe.changes} == set(FOUND)
+    assert scene.vibe.changes["light/Area/power"].values()[0] == own
+    assert bpy.ops.vibe.revert() == {"FINISHED"}
+    assert difference(before, contents()) == {}
+
+
+def test_the_first_picture_stays_the_one_of_before(addon, tmp_path):
+    studio(addon)
+    own, vibed_once = tmp_path / "own.png", tmp_path / "vibed.png"
+    own.write_bytes(b"own")
+    vibed_once.write_bytes(b"vibed")
+    assert first_picture.keep(addon, own, True).read_bytes() == b"own"
+    assert first_picture.keep(addon, vibed_once, False).read_bytes() == b"own"
+    addon.frame_set(addon.frame_current + 1)
+    assert first_picture.keep(addon, vibed_once, False) == vibed_once  # another sight
+    addon.frame_set(addon.frame_current - 1)
+    first_picture.forget(addon)
+    assert first_picture.keep(addon, vibed_once, False) == vibed_once
 
 
 def test_keep_leaves_nothing_to_revert_to(vibed):

@@ -159,16 +159,22 @@ def locks(screen):
     yield from screen.wait(lambda: not settings.change_volume, 30, "a lock for the fog")
     yield from screen.away()
     screen.shoot("group_lock")
-    power = values()["Key.energy"]
+    power, kept = values()["Key.energy"], locked_values(key)
     yield from screen.click_on("vibe.run(again=True)", 851, (0.2,))
     yield from screen.wait(lambda: desk.running, 60, "Again starts")
     yield from screen.wait(lambda: not desk.running, 900, "Again ends")
     yield from screen.away()
     screen.shoot("again")
     seen["locked_stays"] = values()["Key.energy"] == power
-    changed = [change.name for change in bpy.context.scene.vibe.changes]
-    seen["again"] = changed
-    seen["locked_changed"] = [name for name in changed if name == key or name.startswith("volume/")]
+    seen["again"] = [change.name for change in bpy.context.scene.vibe.changes]
+    now = locked_values(key)
+    seen["locked_changed"] = [name for name in {**kept, **now} if now.get(name) != kept.get(name)]
+
+
+def locked_values(key):
+    """What is listed of the locked values: what they were and are, as text."""
+    listed = bpy.context.scene.vibe.changes
+    return {c.name: str(c.values()) for c in listed if c.name == key or c.name.startswith("volume/")}
 
 
 def presets(screen):

@@ -51,7 +51,7 @@ def _apply(scene: bpy.types.Scene, look: preset.Preset, sight: scene_io.Sight) -
     added = {key: [0.0] for key in found.values if key.endswith(_POWER) and key not in sight.instances}
     bindings.write(scene, added, survey.objects, survey.pivot)  # so that strength dims lights that are new
     made = messages.Result(found.values, {}, "")  # no reasons: its name stands above the list
-    result.apply(scene, look.prompt or look.name, made, survey.objects, survey.pivot)
+    result.apply(scene, look.prompt or look.name, made, survey.objects, survey.pivot, onto=True)
     return found.rest
 
 

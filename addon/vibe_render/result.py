@@ -8,8 +8,8 @@ from typing import Any
 
 import bpy
 
-from . import bindings, changes, snapshot
-from .contract import messages, schema
+from . import bindings, changes, first_picture, snapshot
+from .contract import labels, messages, schema
 
 
 def apply(
@@ -18,8 +18,11 @@ def apply(
     found: messages.Result,
     subject: Sequence[bpy.types.Object],
     pivot: Sequence[float],
+    onto: bool = False,
 ) -> None:
     """Writes a result into the scene and lists what it changed; a failure leaves the scene as it was.
+
+    After an earlier vibe the list still leads from the artist's own values, as Revert does.
 
     Args:
         scene: The scene that was exported.
@@ -27,16 +30,38 @@ def apply(
         found: The engine's result.
         subject: The subject at export.
         pivot: Its centre at export.
+        onto: Whether the list leads from the scene as it is now instead.
 
     Raises:
         VibeError: If the result does not fit the scene.
     """
-    before = bindings.read(scene, subject, pivot)
-    skipped = bindings.write(scene, found.values, subject, pivot)
     settings = scene.vibe
+    earlier = {} if onto else {c.name: (c.values()[0], c.reason) for c in settings.changes}
+    now = bindings.read(scene, subject, pivot)
+    skipped = bindings.write(scene, found.values, subject, pivot)
+    records = dict(found.report.get("parameters", {}))
+    values: dict[str, Sequence[float]] = {k: v for k, v in found.values.items() if k not in skipped}
+    for key, (own, reason) in earlier.items():
+        if key not in values and not labels.same(
+            key, own, now.get(key, own)
+        ):  # it stays as the earlier vibe left it
+            values[key], records[key] = now[key], {"reason": reason}
     forget(scene)
     settings.vibed_prompt, settings.pivot = prompt, pivot
-    _list_changes(settings, before, found.values, skipped, found.report.get("parameters", {}))
+    before = {**now, **{key: own for key, (own, _) in earlier.items()}}
+    _list_changes(settings, before, _in_order(values, now), {}, records)
+
+
+def _in_order(
+    values: Mapping[str, Sequence[float]], scene: Mapping[str, schema.Values]
+) -> dict[str, Sequence[float]]:
+    """The values as the scene has them, thing by thing; lights that were not there last of the lights."""
+    place = {key: number for number, key in enumerate(scene)}
+
+    def order(key: str) -> tuple[int, int]:
+        return schema.GROUPS.index(schema.split_key(key)[0]), place.get(key, len(place))
+
+    return {key: values[key] for key in sorted(values, key=order)}
 
 
 def _list_changes(
@@ -65,28 +90,34 @@ def _list_change(
 
 
 def choose(
-    scene: bpy.types.Scene, number: int, variant: messages.Variant, subject: Sequence[bpy.types.Object]
+    scene: bpy.types.Scene,
+    number: int,
+    variants: Sequence[messages.Variant],
+    subject: Sequence[bpy.types.Object],
 ) -> None:
     """Puts another variant of the last vibe in place of the one that is in the scene.
 
     Args:
         scene: The vibed scene.
-        number: Of the variant.
-        variant: Its values and their reasons.
+        number: Of the one to put there.
+        variants: All of them: what none of them speaks of stays as an earlier vibe left it.
         subject: The subject at export.
 
     Raises:
         VibeError: If the values do not fit the scene.
     """
-    settings, values = scene.vibe, variant.values
+    settings, theirs = scene.vibe, {key for variant in variants for key in variant.values}
     old = {change.name: change.values()[0] for change in settings.changes}
-    before = {**bindings.read(scene, subject, settings.pivot), **old}
+    earlier = {c.name: (c.values()[1], c.reason) for c in settings.changes if c.name not in theirs}
+    now = bindings.read(scene, subject, settings.pivot)
+    values = {**{key: new for key, (new, _) in earlier.items()}, **variants[number].values}
     back = {key: was for key, was in old.items() if key not in values}
     skipped = bindings.write(scene, {**back, **values}, subject, settings.pivot)
     settings.changes.clear()
     settings.strength, settings.show_original, settings.variant = 1.0, False, number
-    records = {key: {"reason": reason} for key, reason in variant.reasons.items()}
-    _list_changes(settings, before, values, skipped, records)
+    reasons = {**{key: reason for key, (_, reason) in earlier.items()}, **variants[number].reasons}
+    records = {key: {"reason": reason} for key, reason in reasons.items()}
+    _list_changes(settings, {**now, **old}, _in_order(values, now), skipped, records)
 
 
 def mix(scene: bpy.types.Scene) -> None:
@@ -115,11 +146,13 @@ def keep(scene: bpy.types.Scene) -> None:
     if settings.show_original:
         settings.show_original = False
     snapshot.forget(scene)
+    first_picture.forget(scene)
     forget(scene)
 
 
 def revert(scene: bpy.types.Scene) -> list[str]:
     """Restores the scene as it was before the first vibe; returns what could not be."""
     lost = snapshot.revert(scene)
+    first_picture.forget(scene)
     forget(scene)
     return lost

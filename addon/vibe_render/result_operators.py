@@ -86,9 +86,9 @@ class VIBE_OT_variant(_Vibed):
         if session is None or not 0 <= self.number < len(session.variants):
             self.report({"ERROR"}, "That look is not there any more")
             return {"CANCELLED"}
-        variant, _ = session.variants[self.number]
+        variants = [variant for variant, _ in session.variants]
         try:
-            result.choose(scene, self.number, variant, session.subject(scene))
+            result.choose(scene, self.number, variants, session.subject(scene))
         except schema.VibeError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

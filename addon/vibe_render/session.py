@@ -14,7 +14,7 @@ from typing import cast
 
 import bpy
 
-from . import anchoring, aside, chosen, preferences, result, scene_io, shared, snapshot
+from . import anchoring, aside, chosen, first_picture, preferences, result, scene_io, shared, snapshot
 from .contract import messages, schema
 from .engine import Engine
 from .told import LOOKING, Told
@@ -47,6 +47,7 @@ class Session(Told):
         self.question: dict[str, list[str]] = {}
         self._subject: list[str] = []
         self._pivot = (0.0, 0.0, 0.0)
+        self._vibed = False  # whether an earlier vibe is in the scene
         self._options = settings.engine_options(context)
         held = preferences.get(context)
         self._key = held.vlm_key if held else ""
@@ -101,7 +102,7 @@ class Session(Told):
         self.stage = READING
         yield self.stage
         scene = self._find_scene()
-        vibed, start = snapshot.exists(scene), snapshot.mark(scene)
+        self._vibed, start = snapshot.exists(scene), snapshot.mark(scene)
         try:
             self._export(scene)
             yield from self._settle_shared()
@@ -114,7 +115,7 @@ class Session(Told):
             if self._choice.explicit:
                 chosen.remember(scene, self.subject(scene))
         except BaseException:  # Esc closes this generator, which raises here
-            self._restore(vibed, start)
+            self._restore(start)
             raise
 
     def _export(self, scene: bpy.types.Scene) -> None:
@@ -153,9 +154,11 @@ class Session(Told):
         while self._found is None:
             yield self.stage
             self._check_silence()
-            self._find_scene()  # there is no use in going on without it
+            scene = self._find_scene()  # there is no use in going on without it
             for message in self._engine.poll():
                 self.hear(message)
+                if isinstance(message, messages.Stage) and message.picture:
+                    self.before = first_picture.keep(scene, self._job / message.picture, not self._vibed)
                 if isinstance(message, messages.Anchor):
                     yield from self._anchor(message)
 
@@ -183,13 +186,13 @@ class Session(Told):
         """What is left of the subject."""
         return [scene.objects[name] for name in self._subject if name in scene.objects]
 
-    def _restore(self, vibed: bool, start: int) -> None:
+    def _restore(self, start: int) -> None:
         """Takes back what the export has added, unless an undo or another file has done so already."""
         scene = self._scene_if_there()
         if scene is None or not snapshot.exists(scene) or snapshot.mark(scene) < start:
             return
         snapshot.rollback(scene, start)
-        if vibed:
+        if self._vibed:
             snapshot.take(scene)
 
     def _find_scene(self) -> bpy.types.Scene:
