@@ -56,6 +56,21 @@ def test_renamed_exported_imported_and_deleted(held, tmp_path):
     assert names() == ["Black and White", "Cosy"]
 
 
+def test_one_bad_file_does_not_keep_others_out(held, tmp_path, capfd):
+    (tmp_path / "a.json").write_text("nonsense")
+    (tmp_path / "b.json").write_text(DAY.dumps())
+    (tmp_path / "c.json").write_text("[]")
+    a, b, c = ({"name": f"{name}.json"} for name in "abc")
+    assert bpy.ops.vibe.preset_import(files=[a, b, c], directory=str(tmp_path)) == {"FINISHED"}
+    assert set(names()) == {"Cosy", "Day", "Noir"}
+    assert held.chosen == str(library.find("Day").path)
+    said = capfd.readouterr().out
+    assert "Warning: Day is among your presets. Left out: a.json (" in said
+    assert "; c.json (" in said
+    with pytest.raises(RuntimeError, match=r"a\.json.*; c\.json"):
+        bpy.ops.vibe.preset_import(files=[a, c], directory=str(tmp_path))
+
+
 def test_shipped_presets_are_applied_and_not_deleted(held):
     bpy.ops.vibe.preset_choose(path=str(library.find("Cosy").path))
     assert not bpy.ops.vibe.preset_delete.poll()

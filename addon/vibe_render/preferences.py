@@ -14,7 +14,7 @@ from . import drawing
 from .engine_place import place
 from .own_folder import own_folder
 
-_DEVICES = ("auto", "cpu", "cuda", "mps")
+_DEVICES = ("Auto", "CPU", "CUDA", "MPS")
 _FOLDER = "vibe-render"  # inside a chosen cache folder: what Clear deletes is ours
 
 
@@ -31,8 +31,8 @@ class VibePreferences(bpy.types.AddonPreferences):
     )
     device: StringProperty(
         name="Device",
-        description="What the engine computes on: auto (a graphics card if there is one), cpu, cuda, cuda:1, mps",
-        default="auto",
+        description="What the engine computes on: Auto (a graphics card if there is one), CPU, CUDA, CUDA:1, MPS",
+        default="Auto",
         search=lambda _self, _context, _text: _DEVICES,
         search_options={"SUGGESTION"},
     )
@@ -139,9 +139,12 @@ class VIBE_OT_clear_cache(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Only when there is something."""
-        cls.poll_message_set("The cache is empty")
-        return cache_folder(context).is_dir()
+        """Only when there is something, and nobody reads it."""
+        from .desk import desk  # it reads these preferences
+
+        running = desk.running
+        cls.poll_message_set("A vibe is on its way, and reads it" if running else "The cache is empty")
+        return not running and cache_folder(context).is_dir()
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Deletes our folder in the cache folder, and nothing beside it."""
@@ -188,7 +191,8 @@ def _usage(folder: Path) -> str:
     when, text = _known.get(folder, (0.0, ""))
     if time.monotonic() - when > 3.0:
         files = [f.stat().st_size for f in folder.rglob("*") if f.is_file()] if folder.is_dir() else []
-        text = f"{drawing.size(sum(files))} in {len(files)} files" if files else "Empty"
+        count = f"{len(files)} file{'s' if len(files) > 1 else ''}"
+        text = f"{drawing.size(sum(files))} in {count}" if files else "Empty"
         _known[folder] = time.monotonic(), text
     return text
 

@@ -32,6 +32,8 @@ class VibePresets(bpy.types.PropertyGroup):
 class Idle(bpy.types.Operator):
     """For what must wait until a vibe is over; a failure is one line, and leaves everything as it was."""
 
+    severity = "INFO"  # of what is said in the end
+
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Greyed out, with the reason, while there is an obstacle."""
@@ -55,7 +57,7 @@ class Idle(bpy.types.Operator):
             return {"CANCELLED"}
         for area in context.screen.areas if context.screen else ():
             area.tag_redraw()
-        self.report({"INFO"}, said)
+        self.report({self.severity}, said)
         return {"FINISHED"}
 
     def act(self, context: bpy.types.Context) -> str:

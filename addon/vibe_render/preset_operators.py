@@ -164,16 +164,25 @@ class VIBE_OT_preset_import(Idle, ImportHelper):
     files: CollectionProperty(type=bpy.types.OperatorFileListElement, options={"HIDDEN", "SKIP_SAVE"})
 
     def act(self, context: bpy.types.Context) -> str:
-        """Imports all that can be; the first that cannot is said."""
+        """Imports all that can be; those that cannot are said in one message."""
         paths = [Path(self.directory) / file.name for file in self.files if file.name] or [
             Path(self.filepath)
         ]
+        brought, wrong = [], []
         for path in paths:
-            brought = library.bring(path)
-            context.window_manager.vibe_presets.chosen = str(brought.path)
-        return (
-            f"{brought.name} is among your presets" if len(paths) == 1 else f"{len(paths)} presets imported"
-        )
+            try:
+                brought.append(library.bring(path))
+            except schema.VibeError as error:
+                wrong.append((path.name, error))
+        bad = "Left out: " + "; ".join(f"{name} ({error.message.rstrip('.')})" for name, error in wrong)
+        if not brought:
+            raise wrong[0][1] if len(wrong) == 1 else schema.VibeError(f"{bad}.", "Choose preset files.")
+        context.window_manager.vibe_presets.chosen = str(brought[-1].path)
+        said = f"{brought[0].name} is" if len(brought) == 1 else f"{len(brought)} presets are"
+        said += " among your presets"
+        if wrong:
+            self.severity = "WARNING" if bpy.app.background else "ERROR"  # a pop-up; it would stop a script
+        return f"{said}. {bad}" if wrong else said
 
 
 class VIBE_OT_preset_export(Chosen, Export):
