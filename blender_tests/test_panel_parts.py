@@ -5,7 +5,7 @@ import bpy
 import pytest
 from small_scenes import studio
 from test_operators import addon  # noqa: F401  (a fixture)
-from vibe_render import history, preferences, value_list
+from vibe_render import changes, history, panel_result, preferences, value_list
 from vibe_render.desk import desk
 
 
@@ -96,3 +96,38 @@ def test_the_cache_is_measured_and_cleared_but_not_during_a_vibe(folder, addon, 
     assert not place.exists()
     assert beside.is_file()
     assert preferences._usage(place) == "Empty"
+
+
+@pytest.mark.parametrize(
+    ("reason", "short"),
+    [
+        ("'night' (dark night scene)", "“night”"),
+        ("'noir' means 'hard light'", "“noir”"),
+        ("'painter's light' (soft)", "“painter's light”"),
+        ("model: warmer", "model: warmer"),
+        ("", ""),
+    ],
+)
+def test_reasons_are_short_where_a_word_says_it(reason, short):
+    assert changes.cause(reason) == short
+
+
+@pytest.mark.parametrize(
+    ("difference", "engine", "said", "good"),
+    [
+        (0.04, "CYCLES", "matches Cycles (color difference 0.1)", True),
+        (1.0, "CYCLES", "is close to Cycles", True),
+        (3.2, "CYCLES", "differs from Cycles", False),
+        (0.1, "BLENDER_EEVEE", "shows Cycles; other engines differ", False),
+    ],
+)
+def test_agreement_is_said_in_words_and_of_cycles_alone(difference, engine, said, good):
+    text, is_good = panel_result.agreement(difference, engine)
+    assert said in text
+    assert is_good is good
+
+
+def test_moving_strength_shows_the_look_again(addon):  # noqa: F811
+    addon.vibe.show_original = True
+    addon.vibe.strength = 0.5
+    assert not addon.vibe.show_original

@@ -17,12 +17,27 @@ def test_before_and_after_are_both_seen(tmp_path, before, after):
     """The engine's first picture is small, and the last is as large as was asked for."""
     paths = picture(tmp_path / "a.png", (255, 0, 0), before), picture(tmp_path / "b.png", (0, 0, 255), after)
     preview.icon(*paths)  # has no number without a window
-    _, pictures = preview._slots[paths]
+    _, pictures = preview._slots[False, paths]
     pixels = preview._pixels(pictures["vibe"])
     colors = pixels.view(np.uint8).reshape(*pixels.shape, 4)[..., :3]
     red, blue = ((colors[..., channel] > 250).mean() for channel in (0, 2))
     assert red == pytest.approx(blue)
     assert red > 0.45
+    preview.free()
+
+
+@pytest.mark.parametrize("size", [(192, 108), (108, 192), (64, 64)])
+def test_the_middle_of_a_variant_is_seen(tmp_path, size):
+    path = tmp_path / "a.png"
+    image = Image.new("RGB", size, (0, 0, 255))
+    left, top = ((n - min(size)) // 2 for n in size)
+    image.paste((255, 0, 0), (left, top, left + min(size), top + min(size)))
+    image.save(path)
+    preview.icon(path, square=True)
+    _, pictures = preview._slots[True, (path,)]
+    pixels = preview._pixels(pictures["vibe"])
+    assert pixels.shape == (min(size), min(size))
+    assert (pixels.view(np.uint8).reshape(*pixels.shape, 4)[..., 0] > 250).all()
     preview.free()
 
 

@@ -152,9 +152,8 @@ def locks(screen):
     yield from screen.wait(lambda: key in settings.locks, 30, "a lock for one value")
     yield from screen.away()
     screen.shoot("one_lock")
-    yield from screen.click_at(
-        882, 0.3
-    )  # closes the list of changes: a panel's header says nothing of itself
+    # The list of changes is closed: its header, which says nothing of itself, is above the first of its locks.
+    yield from screen.click_at(seen["found"][f'vibe.lock(key="{key}"'][1] - 54, 0.3)
     yield from screen.click_on("change_volume", 971, (0.72,))
     yield from screen.wait(lambda: not settings.change_volume, 30, "a lock for the fog")
     yield from screen.away()
@@ -182,6 +181,9 @@ def presets(screen):
     from bl_ext.user_default.vibe_render import library, snapshot
 
     yield from a_result(screen)
+    yield from screen.scroll(5, 8)
+    yield from screen.away()
+    screen.shoot("what_changed")
     yield from screen.click_on("vibe.preset_save", 740, (0.7,))
     yield 0.5
     screen.shoot("save")

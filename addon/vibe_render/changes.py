@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 from .contract import labels, schema
 
@@ -11,6 +12,12 @@ from .contract import labels, schema
 def arrow(key: str, before: schema.Values, after: schema.Values) -> str:
     """The old and the new value, the unit once: "400 → 160 W"."""
     return f"{labels.bare(key, before)} → {labels.text(key, after)}"
+
+
+def cause(reason: str) -> str:
+    """A reason in short, the word that it quotes: "'night' (dark night scene)" is “night”."""
+    quoted = re.match(r"'(.+?)'(?!\w)", reason)
+    return f"“{quoted[1]}”" if quoted else reason
 
 
 def blend(key: str, before: schema.Values, after: schema.Values, strength: float) -> schema.Values:

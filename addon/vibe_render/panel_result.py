@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import groupby
 from typing import Any
 
@@ -16,8 +17,8 @@ from .drawing import GROUP_ICONS, columns, paragraph
 from .session import Session
 from .value_list import draw_lock
 
-_VISIBLE = 3.0
-"""Mean CIEDE2000 from which a prediction and a render look different side by side."""
+_AGREEMENTS = ((1.0, "matches"), (3.0, "is close to"), (math.inf, "differs from"))
+"""Mean CIEDE2000 between the preview and a render, up to which it is so: 1 is the least that people see side by side."""
 
 
 class Result:
@@ -35,8 +36,8 @@ class Result:
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
         if not settings.vibed_prompt:
             paragraph(layout, context, "A vibe has been in this scene; Revert takes away what is left of it.")
-        elif settings.vibed_prompt != settings.prompt.strip():
-            paragraph(layout, context, f"“{settings.vibed_prompt}”")
+        else:  # whole, which a field cuts
+            paragraph(layout, context, f"“{settings.vibed_prompt}”", faint=True)
         if desk.session and desk.session.scene == context.scene.name:
             _draw_session(layout, context, desk.session)
         if settings.changes:
@@ -63,9 +64,7 @@ def _draw_compare(layout: bpy.types.UILayout, context: bpy.types.Context) -> Non
     row = column.row(align=True)
     row.prop(settings, "show_original", text="Before", toggle=True)
     row.prop(settings, "show_original", text="After", toggle=True, invert_checkbox=True)
-    strength = column.row(align=True)
-    strength.enabled = not settings.show_original
-    strength.prop(settings, "strength", slider=True)
+    column.prop(settings, "strength", slider=True)
     if context.space_data and context.space_data.type == "VIEW_3D":
         shading = context.space_data.shading
         if shading.type != "RENDERED":
@@ -85,21 +84,30 @@ def _draw_session(layout: bpy.types.UILayout, context: bpy.types.Context, sessio
     if len(session.variants) > 1:
         _draw_variants(layout, session, current)
     if session.agreement is not None and not current:
-        tenths = max(math.ceil(session.agreement * 10.0), 1)
-        close = session.agreement < _VISIBLE
-        text = f"{'Matches' if close else 'Differs from'} Cycles (ΔE {tenths / 10.0:.1f})"
-        layout.label(text=text, icon="CHECKMARK" if close else "INFO")
+        text, good = agreement(session.agreement, context.scene.render.engine)
+        paragraph(layout, context, text, "CHECKMARK" if good else "INFO")
+
+
+def agreement(difference: float, engine: str) -> tuple[str, bool]:
+    """How well the preview tells what a render looks like, and whether that is good news."""
+    if engine != "CYCLES":
+        return "The preview shows Cycles; other engines differ", False
+    words = next(words for most, words in _AGREEMENTS if difference < most)
+    tenths = max(math.ceil(difference * 10.0), 1)
+    return f"The preview {words} Cycles (color difference {tenths / 10.0:.1f})", difference < 3.0
 
 
 def _draw_variants(layout: bpy.types.UILayout, session: Session, current: int) -> None:
-    """The looks to choose from, each a picture with a button."""
+    """The looks to choose from, each a picture with a button. Square, so that the button is close below it."""
     across = min(len(session.variants), 4)
     grid = layout.grid_flow(row_major=True, columns=across, even_columns=True, align=True)
     for number, (_, picture) in enumerate(session.variants):
         cell = grid.column(align=True)
-        if icon := preview.icon(picture):
+        if icon := preview.icon(picture, square=True):
             cell.template_icon(icon_value=icon, scale=max(10.4 / across, 3.2))
-        button = cell.operator("vibe.variant", text=str(number + 1), depress=number == current)
+        used = number == current
+        text, icon_name = (str(number + 1), "CHECKMARK") if used else (f"Use {number + 1}", "NONE")
+        button = cell.operator("vibe.variant", text=text, depress=used, icon=icon_name)
         button.number = number
 
 
@@ -128,8 +136,8 @@ class Changes:
             name, icon = labels.GROUP_TITLES[group], GROUP_ICONS[group]
             column = layout.column(align=True)
             column.label(text=owner or name, icon=icon)
-            for entry in entries:
-                _draw_change(column, context, entry)
+            for why, same in groupby(entries, key=lambda change: changes.cause(change.reason)):
+                _draw_changes(column, context, list(same), why)
 
 
 def _visible(context: bpy.types.Context) -> list[Any]:
@@ -141,9 +149,23 @@ def _owner(change: Any) -> tuple[str, str]:
     return schema.split_key(change.name)[:2]
 
 
-def _draw_change(layout: bpy.types.UILayout, context: bpy.types.Context, change: Any) -> None:
-    """Name, old and new value, a lock; below, the word that caused it."""
-    settings, parameter = context.scene.vibe, labels.parameter(change.name)
+def _draw_changes(
+    layout: bpy.types.UILayout, context: bpy.types.Context, same: Sequence[Any], why: str
+) -> None:
+    """Values that changed for the same reason; below them the word that caused it, with all of it as a tool tip."""
+    for change in same:
+        _draw_change(layout, context.scene.vibe, change)
+    if context.scene.vibe.show_reasons and why:
+        most = columns(context)
+        text = why if len(why) <= most else f"{why[: most - 1].rstrip()}…"
+        row = layout.row()
+        row.active, row.alignment, row.scale_y = False, "LEFT", 0.75
+        row.operator("vibe.why", text=text, emboss=False).key = same[-1].name
+
+
+def _draw_change(layout: bpy.types.UILayout, settings: Any, change: Any) -> None:
+    """Name, old and new value, a lock."""
+    parameter = labels.parameter(change.name)
     row = layout.row(align=True)
     split = row.split(factor=0.44, align=True)
     split.label(text=labels.words(parameter.name))
@@ -157,14 +179,3 @@ def _draw_change(layout: bpy.types.UILayout, context: bpy.types.Context, change:
         values.alignment = "RIGHT"
         values.label(text=changes.arrow(change.name, before, after))
     draw_lock(row, settings, change.name)
-    if settings.show_reasons and change.reason:
-        _draw_reason(layout, context, change)
-
-
-def _draw_reason(layout: bpy.types.UILayout, context: bpy.types.Context, change: Any) -> None:
-    """The reason in one faint line; all of it is the line's tool tip."""
-    most = columns(context)
-    text = change.reason if len(change.reason) <= most else f"{change.reason[: most - 1].rstrip()}…"
-    row = layout.row()
-    row.active, row.alignment, row.scale_y = False, "LEFT", 0.75
-    row.operator("vibe.why", text=text, emboss=False).key = change.name

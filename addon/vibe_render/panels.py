@@ -47,16 +47,16 @@ class _Main:
     def draw(self, context: bpy.types.Context) -> None:
         """Draws the panel."""
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
+        if desk.running and desk.session:  # text instead of greyed fields
+            paragraph(layout, context, f"“{desk.session.prompt}”")
+            panel_progress.draw(layout, context, desk.session)
+            return
         column = layout.column()
-        column.enabled = not desk.running
         column.label(text="Describe the mood")
         field = column.row(align=True)
         field.scale_y = 1.3
         field.prop(settings, "prompt", text="", placeholder="misty, cool blue fog, vignette")
         field.menu("VIBE_MT_history", text="", icon="RECOVER_LAST")
-        if desk.running and desk.session:
-            panel_progress.draw(layout, context, desk.session)
-            return
         place.look(preferences.engine_choice(context))
         row = column.row(align=True)
         for name in schema.BUDGETS:

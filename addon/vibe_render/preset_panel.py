@@ -109,15 +109,23 @@ class VIBE_PT_preset_grid(bpy.types.Panel):
             cell = grid.column(align=True)
             cell.template_icon(icon_value=preset_pictures.icon(look), scale=_WIDTH / _COLUMNS - 1.0)
             picked = str(look.path) == held.chosen
-            cell.operator("vibe.preset_choose", text=look.name, depress=picked).path = str(look.path)
+            row = cell.row(align=True)
+            row.operator("vibe.preset_choose", text=look.name, depress=picked).path = str(look.path)
+            row.operator("vibe.preset_apply", text="", icon="CHECKMARK").path = str(look.path)
         for _ in range(-len(found) % _COLUMNS if len(found) < _COLUMNS else 0):  # pictures keep their size
             grid.label(text="")
         if not found:
-            row = layout.row()
-            row.active, row.alignment = False, "CENTER"
-            row.label(text="No preset has these words")
+            _draw_faint(layout, "No preset has these words")
         elif chosen := _chosen(context):
             _draw_chosen(layout, context, chosen, _LETTERS)
+        else:
+            _draw_faint(layout, "Click a name to read more, or ✓ to apply the look")
+
+
+def _draw_faint(layout: bpy.types.UILayout, text: str) -> None:
+    row = layout.row()
+    row.active, row.alignment = False, "CENTER"
+    row.label(text=text)
 
 
 def _chosen(context: bpy.types.Context) -> library.Look | None:

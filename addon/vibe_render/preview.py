@@ -12,29 +12,32 @@ import numpy as np
 _GAP = 6  # pixels between two pictures
 
 Version = tuple[tuple[Path, int], ...]
-_slots: dict[tuple[Path, ...], tuple[Version, bpy.utils.previews.ImagePreviewCollection]] = {}
+_slots: dict[tuple[bool, tuple[Path, ...]], tuple[Version, bpy.utils.previews.ImagePreviewCollection]] = {}
 
 
-def icon(*pictures: Path | None) -> int:
+def icon(*pictures: Path | None, square: bool = False) -> int:
     """An icon's number for `layout.template_icon`; 0 where there is no picture (yet).
 
     Args:
         pictures: Several are shown in one: wide ones one above the other, others side by side.
+        square: Whether the middle of them is shown, as wide as it is high.
     """
     there = tuple(p for p in pictures if p is not None and p.is_file())
     if not there:
         return 0
     version = tuple((path, path.stat().st_mtime_ns) for path in there)
-    known, collection = _slots.get(there, (None, None))
+    slot = square, there
+    known, collection = _slots.get(slot, (None, None))
     if collection is None:
         collection = bpy.utils.previews.new()
     if version != known:
         collection.clear()
         parts = [_load(collection, path) for path in there]
-        if len(parts) > 1:
-            _compose(collection.new("vibe"), [_pixels(part) for part in parts])
-        _slots[there] = version, collection
-    return collection["vibe" if len(there) > 1 else str(there[0])].icon_id
+        if len(parts) > 1 or square:
+            whole = _composed([_pixels(part) for part in parts])
+            _put(collection.new("vibe"), _middle(whole) if square else whole)
+        _slots[slot] = version, collection
+    return collection["vibe" if "vibe" in collection else str(there[0])].icon_id
 
 
 def _load(collection: bpy.utils.previews.ImagePreviewCollection, path: Path) -> bpy.types.ImagePreview:
@@ -51,17 +54,28 @@ def _pixels(part: bpy.types.ImagePreview) -> np.ndarray:
     return pixels.reshape(height, width)
 
 
-def _compose(target: bpy.types.ImagePreview, parts: list[np.ndarray]) -> None:
-    """Puts pictures of one scene together, as large as the largest; the first at the top or at the left."""
+def _put(target: bpy.types.ImagePreview, pixels: np.ndarray) -> None:
+    target.image_size = pixels.shape[::-1]
+    target.image_pixels.foreach_set(pixels.ravel())
+
+
+def _middle(pixels: np.ndarray) -> np.ndarray:
+    """The square in the middle."""
+    height, width = pixels.shape
+    side = min(height, width)
+    bottom, left = (height - side) // 2, (width - side) // 2
+    return pixels[bottom : bottom + side, left : left + side]
+
+
+def _composed(parts: list[np.ndarray]) -> np.ndarray:
+    """Pictures of one scene together, as large as the largest; the first at the top or at the left."""
     height, width = max((part.shape for part in parts), key=math.prod)
     fitting = [resized(part, height, width) for part in parts]
     wide = width >= height
     gap = np.zeros((_GAP, width) if wide else (height, _GAP), np.int32)
     ordered = fitting[::-1] if wide else fitting
     pieces = [piece for part in ordered for piece in (part, gap)][:-1]
-    whole = np.concatenate(pieces, axis=0 if wide else 1)
-    target.image_size = whole.shape[::-1]
-    target.image_pixels.foreach_set(whole.ravel())
+    return np.concatenate(pieces, axis=0 if wide else 1)
 
 
 def resized(pixels: np.ndarray, height: int, width: int) -> np.ndarray:

@@ -62,6 +62,14 @@ def _mix(settings: "VibeSettings", context: bpy.types.Context) -> None:
     result.mix(settings.id_data)
 
 
+def _dim(settings: "VibeSettings", context: bpy.types.Context) -> None:
+    """Moving the slider shows what it does, also while the original is shown."""
+    if settings.show_original:
+        settings.show_original = False  # which mixes
+    else:
+        _mix(settings, context)
+
+
 def _choose_anew(settings: "VibeSettings", context: bpy.types.Context) -> None:
     chosen.forget(settings.id_data)
 
@@ -148,7 +156,7 @@ class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
         min=0.0,
         max=1.0,
         subtype="FACTOR",
-        update=_mix,
+        update=_dim,
     )
     show_original: BoolProperty(
         name="Show Original", description="Look at the scene as it was, to compare", update=_mix
