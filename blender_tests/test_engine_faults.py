@@ -124,6 +124,70 @@ def test_the_vibe_of_one_scene_stays_out_of_another(addon):
     assert not snapshot.exists(other)
 
 
+def undone(tmp_path):
+    """Another action, taken back."""
+    bpy.ops.ed.undo_push(message="Before")
+    bpy.data.objects["Area"].location.x += 1.0
+    bpy.ops.ed.undo_push(message="Move")
+    assert bpy.ops.ed.undo() == {"FINISHED"}
+
+
+def saved(tmp_path):
+    """The file."""
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "meanwhile.blend"))
+
+
+def edited(tmp_path):
+    """Another mode and back, as what is found is written in Object Mode only."""
+    bpy.context.view_layer.objects.active = bpy.data.objects["Subject"]
+    bpy.ops.object.mode_set(mode="EDIT")
+
+
+def elsewhere(tmp_path):
+    """Another scene is looked at."""
+    bpy.context.window.scene = bpy.data.scenes.new("Other")
+
+
+@pytest.mark.parametrize("act", [undone, saved, edited, elsewhere])
+def test_what_artists_do_meanwhile_is_safe(addon, tmp_path, act):
+    """The vibe comes to the scene that it is for, and Revert takes all of it away."""
+    name, before = addon.name, contents()
+    running = advance(lambda r: r.progress)
+    act(tmp_path)
+    running.stop()
+    for _ in range(3000):
+        if not running.advance():
+            break
+        if running.stage.startswith("Found"):
+            assert not bpy.data.scenes[name].vibe.changes
+            bpy.ops.object.mode_set(mode="OBJECT")
+        time.sleep(0.02)
+    desk.end()
+    scene = bpy.data.scenes[name]
+    assert scene.vibe.changes
+    assert [s.name for s in bpy.data.scenes if snapshot.exists(s)] == [name]
+    bpy.context.window.scene = scene
+    assert bpy.ops.vibe.revert() == {"FINISHED"}
+    others = ("scenes[Other]", "is_runtime_data")  # made by the switch, and by undo
+    assert [path for path in difference(before, contents()) if not any(o in path for o in others)] == []
+
+
+def test_deleting_the_subject_meanwhile_is_safe(addon):
+    """What is left of the scene gets its values, and is as it was after Revert."""
+    addon.vibe.prompt = "glossy red cube, dark, warm light"
+    running = advance(lambda r: r.progress)
+    powers = [light.energy for light in bpy.data.lights]
+    bpy.data.objects.remove(bpy.data.objects["Subject"])
+    running.stop()
+    while running.advance():
+        time.sleep(0.02)
+    desk.end()
+    assert any(change.name.startswith("light/") for change in addon.vibe.changes)
+    assert bpy.ops.vibe.revert() == {"FINISHED"}
+    assert [light.energy for light in bpy.data.lights] == powers
+    assert not snapshot.exists(addon)
+
+
 def test_another_file_ends_the_vibe_before_it_is_opened(addon, tmp_path):
     """The file that is opened has a snapshot of its own, which must stay."""
     subject = [bpy.data.objects["Subject"]]

@@ -64,7 +64,8 @@ class VIBE_OT_preset_apply(Chosen):
             raise schema.VibeError(look.problem, "Delete it, or correct the file.")
         rest = preset_use.apply(context.scene, look.preset, context.scene.vibe.choice())
         desk.forget()  # its pictures and variants are not of this look
-        context.window_manager.vibe_presets.rest = "\n".join(rest)
+        held = context.window_manager.vibe_presets
+        held.chosen, held.rest = str(look.path), "\n".join(rest)
         left = (
             f"; {len(rest)} things did not fit"
             if len(rest) > 1
