@@ -191,7 +191,7 @@ class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
             variants=self.variants,
             lock=(*filter(None, (pattern.strip() for pattern in self.lock.split(","))), *self.locks.keys()),
             encoder=chosen.encoder if chosen else "",
-            device=chosen.device.lower() if chosen else "auto",
+            device=(chosen.device.strip().lower() if chosen else "") or "auto",
             vlm_model=chosen.vlm_model if chosen else "",
             vlm_url=chosen.vlm_url if chosen else "",
             online=preferences.online(),
