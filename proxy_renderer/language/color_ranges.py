@@ -41,8 +41,8 @@ def color_range(effect: Effect, attribute: Attribute, instance: Instance, source
         linear = reachable(srgb, view, _BRIGHTEST)
         linear = tuple(v / max(linear) for v in linear) if max(linear) > _DARK else linear
     else:
-        cast = tuple(v**sources.constancy for v in sources.cast)
-        linear = _surface(srgb, view, sources.illumination, sources.veil, cast)
+        tint = tuple(v**sources.constancy for v in sources.cast)
+        linear = _surface(srgb, view, sources.illumination, sources.veil, tint)
     if instance.parameter.family == "material/tint":
         texture = max(sources.context.texture_luminance.get(instance.owner, 0.4), 0.02)
         linear = tuple(v / texture for v in linear)
@@ -54,14 +54,14 @@ def color_range(effect: Effect, attribute: Attribute, instance: Instance, source
 
 
 def _surface(
-    srgb: Values, view: str, illumination: float, veil: float, cast: Values = (1.0, 1.0, 1.0)
+    srgb: Values, view: str, illumination: float, veil: float, tint: Values = (1.0, 1.0, 1.0)
 ) -> Values:
-    """The albedo that is displayed as a color under the light that is going to fall on it."""
+    """The albedo that is displayed as a color under the light, of some tint, that is going to fall on it."""
     if to_lab(srgb)[0] > 93:
         return (_WHITEST,) * 3 if chroma(to_lab(srgb)) < 4 else tuple(_WHITEST * v for v in to_linear(srgb))
     light = min(max(illumination, 0.6), 5.0)
     wanted = reachable(srgb, view, _WHITEST * light)
-    albedo = tuple(max(v - veil, 0.7 * v) / (light * tint) for v, tint in zip(wanted, cast, strict=True))
+    albedo = tuple(max(v - veil, 0.7 * v) / (light * t) for v, t in zip(wanted, tint, strict=True))
     return tuple(min(max(v, _BLACKEST), _WHITEST) for v in albedo)
 
 

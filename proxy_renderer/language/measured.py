@@ -50,10 +50,8 @@ def measured(
     if named[0] > 93 and chroma(named) < 4:  # a cast is taken out of white, not light
         return tuple(_WHITEST * max((v / max(found)) ** _WHITENED, _LEAST) for v in found)
     light, limit = 1.0, _WHITEST if instance.parameter.name == "base_color" else math.inf
-    while (
-        max(found) > limit and light > _DIMMEST
-    ):  # as light as can be, and no more saturated than that looks
-        light *= _DIMMED
+    while max(found) > limit and light > _DIMMEST:
+        light *= _DIMMED  # as light as can be, and no more saturated than that looks
         dimmed = to_srgb(tuple(light * v for v in to_linear(wanted)))
         found = _mended(now, dimmed, seen, context.view, share)
     top = max(max(found) / limit, 1.0)

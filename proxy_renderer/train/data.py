@@ -266,7 +266,7 @@ def _describe(
 
 
 def _lessons(dice: random.Random) -> tuple[list[str], Tensor]:
-    """Phrases of the language, half of them about a thing, and the classes (L, A) that they say; all come up alike."""
+    """Phrases of the language, half of them about a thing, and the classes (L, A) that they say, each as often."""
     attributes = list(wording.lessons_by_class().values())
     chosen = [
         dice.choice(dice.choice(list(classes.values()))) for classes in dice.choices(attributes, k=_LESSONS)
