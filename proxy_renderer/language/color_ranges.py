@@ -17,7 +17,7 @@ _BRIGHTEST = 2.5  # radiance of a backdrop that has a color
 _DARK = 0.02  # radiance below which a backdrop is black
 _SEEN = 0.7  # relative departure from grey that a tint has at least
 _DEEP = 0.4  # of that scale: the box of a darker color is smaller, as its hues are nearer
-_MOOD = 0.6  # of a tint, where light and film share it: things keep some color of their own
+_MOOD = 0.6  # of a tint, where light, air and film share it: things keep some color of their own
 _BOX = 0.06  # half the width of a color's box, in steps that look even
 OWN_COLOR = ("base_color", "tint")
 """Parameters that hold a material's color."""
@@ -30,7 +30,7 @@ def color_range(effect: Effect, attribute: Attribute, instance: Instance, source
     if effect.mode == "shown" and instance.parameter.kind == "scalar":
         return _shown_strength(srgb, instance, sources)
     if effect.mode == "cast":
-        amount = _MOOD * 0.2 if attribute.kind == "ambience" else 0.2
+        amount = _MOOD * 0.2 if attribute.kind in ("ambience", "fog") else 0.2
         cast = _cast(to_linear(srgb), 0.06 if instance.parameter.name == "lift" else amount)
         return tuple(v - 0.02 for v in cast), tuple(v + 0.02 for v in cast)
     if effect.mode == "gel":

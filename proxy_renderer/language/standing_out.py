@@ -16,6 +16,7 @@ from .view import lightness, radiance
 LATE = 12  # priority of exposure; what words name comes first
 _STAND_OUT = 20.0  # difference in L* at which a subject stands out by lightness alone
 _DARK = 30.0  # L* below which two colors look alike
+_AIRY = 66.0  # L* to which a bright picture's surroundings are darkened at most
 _STEPS = (0.5, 2.0)  # the most that a world that no word names is dimmed or brightened
 _SHADE = 18.0  # the most that L* of a surface that no word names may move
 _STANDS_OUT = "supports the words: the subject stands out from its surroundings"
@@ -43,7 +44,10 @@ def stand_out(
     dim = parsed.targets.get("brightness") == "dark"
     gap = 14.0 if dim else 24.0
     lighter = subject[0] < (30 if dim else 50)
-    low, high = (subject[0] + gap, 60.0 if dim else 85.0) if lighter else (5.0, max(subject[0] - gap, 12.0))
+    darkest = _AIRY if parsed.targets.get("brightness") == "bright" else 12.0
+    low, high = (
+        (subject[0] + gap, 60.0 if dim else 85.0) if lighter else (5.0, max(subject[0] - gap, darkest))
+    )
     # Two darks are one to the eye, so they must part; anything else keeps what the artist made if it can.
     merged = max(subject[0], around[0]) < _DARK
     shift = _shifted_albedo if merged else _shaded_albedo
