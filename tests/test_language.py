@@ -348,7 +348,8 @@ def test_words_mean_what_they_mean_of_what_they_stand_with():
     golden = make_plan("golden kitchen")
     assert "golden" in golden["light/Key/temperature"].reason
     assert "golden" not in golden["material/Floor/base_color"].reason
-    assert "golden" in make_plan("golden background")["material/Floor/base_color"].reason
+    for painted in ("golden background", "golden studio background"):
+        assert "golden" in make_plan(painted)["material/Floor/base_color"].reason
     assert bound("a faded sepia photograph") == {("faded", "tone"), ("sepia", "tone")}
     assert bound("amber mood") == {("amber", "tone")}
 

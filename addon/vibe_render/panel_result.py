@@ -17,8 +17,9 @@ from .drawing import GROUP_ICONS, columns, paragraph
 from .session import Session
 from .value_list import draw_lock
 
-_AGREEMENTS = ((1.0, "matches"), (3.0, "is close to"), (math.inf, "differs from"))
-"""Mean CIEDE2000 between the preview and a render, up to which it is so: 1 is the least that people see side by side."""
+_AGREEMENTS = ((1.0, "matches", True), (3.0, "is close to", True), (math.inf, "differs from", False))
+"""Mean CIEDE2000 between the preview and a render, up to which it is so, and whether that is good news: 1 is the least
+that people see side by side."""
 
 
 class Result:
@@ -92,9 +93,9 @@ def agreement(difference: float, engine: str) -> tuple[str, bool]:
     """How well the preview tells what a render looks like, and whether that is good news."""
     if engine != "CYCLES":
         return "The preview shows Cycles; other engines differ", False
-    words = next(words for most, words in _AGREEMENTS if difference < most)
+    words, good = next((words, good) for most, words, good in _AGREEMENTS if difference < most)
     tenths = max(math.ceil(difference * 10.0), 1)
-    return f"The preview {words} Cycles (color difference {tenths / 10.0:.1f})", difference < 3.0
+    return f"The preview {words} Cycles (color difference {tenths / 10.0:.1f})", good
 
 
 def _draw_variants(layout: bpy.types.UILayout, session: Session, current: int) -> None:

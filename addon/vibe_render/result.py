@@ -42,10 +42,9 @@ def apply(
     records = dict(found.report.get("parameters", {}))
     values: dict[str, Sequence[float]] = {k: v for k, v in found.values.items() if k not in skipped}
     for key, (own, reason) in earlier.items():
-        if key not in values and not labels.same(
-            key, own, now.get(key, own)
-        ):  # it stays as the earlier vibe left it
-            values[key], records[key] = now[key], {"reason": reason}
+        left = now.get(key, own)  # as the earlier vibe did, which stays
+        if key not in values and not labels.same(key, own, left):
+            values[key], records[key] = left, {"reason": reason}
     forget(scene)
     settings.vibed_prompt, settings.pivot = prompt, pivot
     before = {**now, **{key: own for key, (own, _) in earlier.items()}}

@@ -15,6 +15,8 @@ _LESS = 0.7  # how much of the opposite "less" asks for
 _TONED = ("muted", "faded", "dusty", "dull", "smoky", "murky", "stormy", "moody")
 """Shades that pictures have rather than things."""
 _CLEAR = 0.02  # density of air that has no color
+_PAINTED = ("background", "backdrop", "wall", "walls")
+"""Ends of names of settings that are a surface behind the subject."""
 BOUND_SLOTS = ("finish", "material", "color", "setting")
 """Slots whose words wait for the noun that they describe; the others describe the whole picture."""
 
@@ -180,8 +182,10 @@ class Binding:
         return True
 
     def _is_place(self, thing: Thing) -> bool:
+        """Whether it is somewhere to be, a kitchen or a beach; a studio's background can be painted."""
         entry = self.vocabulary.synonyms.get(thing.name, "")
-        return thing.kind == "surroundings" and bool(entry) and self.slot(entry) == "setting"
+        somewhere = thing.kind == "surroundings" and not thing.name.endswith(_PAINTED)
+        return somewhere and bool(entry) and self.slot(entry) == "setting"
 
     def _add_adjective(self, word: Word, entry: str, thing: Thing) -> None:
         slot = self.slot(entry)

@@ -53,9 +53,7 @@ def color_range(effect: Effect, attribute: Attribute, instance: Instance, source
     return _box(linear)
 
 
-def _surface(
-    srgb: Values, view: str, illumination: float, veil: float, tint: Values = (1.0, 1.0, 1.0)
-) -> Values:
+def _surface(srgb: Values, view: str, illumination: float, veil: float, tint: Values) -> Values:
     """The albedo that is displayed as a color under the light, of some tint, that is going to fall on it."""
     if to_lab(srgb)[0] > 93:
         return (_WHITEST,) * 3 if chroma(to_lab(srgb)) < 4 else tuple(_WHITEST * v for v in to_linear(srgb))

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator
 
 from ..schema import Instance, Values
 from .color import luminance
@@ -38,14 +38,19 @@ def facing_radiance(
     instances: dict[str, Instance], context: PlanContext, value: Value, lights: Collection[str] | None = None
 ) -> float:
     """Radiance, before exposure, of a white surface that faces these lights, or all of them."""
-    total = 0.0
+    lamps = _lamps(instances, context, value)
+    return sum(luminance(gel) * bright for name, gel, bright in lamps if lights is None or name in lights)
+
+
+def _lamps(
+    instances: dict[str, Instance], context: PlanContext, value: Value
+) -> Iterator[tuple[str, Values, float]]:
+    """Name and gel of every light, and the radiance of a white surface that faces it without the gel."""
     for instance in instances.values():
-        named = lights is None or instance.owner in lights
-        if named and instance.parameter.group == "light" and instance.parameter.name in ("power", "strength"):
+        if instance.parameter.group == "light" and instance.parameter.name in ("power", "strength"):
             color = instances.get(f"light/{instance.owner}/color")
-            gel = luminance(value(color)) if color else 1.0
-            total += gel * value(instance)[0] / (watts(instance, context) * instance.reference)
-    return total
+            gel = value(color) if color else (1.0, 1.0, 1.0)
+            yield instance.owner, gel, value(instance)[0] / (watts(instance, context) * instance.reference)
 
 
 def world_radiance(instances: dict[str, Instance], context: PlanContext, value: Value) -> float:
@@ -62,11 +67,8 @@ def world_radiance(instances: dict[str, Instance], context: PlanContext, value: 
 def cast(instances: dict[str, Instance], context: PlanContext, value: Value) -> Values:
     """The color, of luminance 1, of the light that falls on the scene, by gels and the world: eyes are used to warm and cool lamps."""
     total = [0.0, 0.0, 0.0]
-    for name in context.light_types:
-        color = instances.get(f"light/{name}/color")
-        gel = value(color) if color else (1.0, 1.0, 1.0)
-        bright = _FACING * facing_radiance(instances, context, value, (name,)) / max(luminance(gel), 1e-3)
-        total = [t + bright * v for t, v in zip(total, gel, strict=True)]
+    for _, gel, bright in _lamps(instances, context, value):
+        total = [t + _FACING * bright * v for t, v in zip(total, gel, strict=True)]
     color, strength = instances.get("world/color"), instances.get("world/strength")
     if color and strength:
         total = [t + _OPEN * value(strength)[0] * v for t, v in zip(total, value(color), strict=True)]

@@ -14,7 +14,7 @@ from .names import SceneName, scene_names
 from .nearest import Guess, nearest, table
 from .tinges import spelled_out, tending, tinged
 from .types import SceneWords
-from .vocabulary import Vocabulary, normalize
+from .vocabulary import Entry, Vocabulary, normalize
 
 _LONGEST = 5  # words in a phrase
 _BREAK = re.compile(r"[.,;:!?()\[\]{}<>|\n\"*#=+]|\s[-–—/]\s|/")
@@ -130,15 +130,14 @@ class Lexer:
             base = text.removesuffix(ending)
             stems = (base, base + "e", base[:-1], base[:-1] + "y") if base != text and len(base) > 2 else ()
             for stem in stems:
-                entry = v.entries.get(v.synonyms.get(stem, ""))
+                entry = self._entry(stem)
                 if stem in v.adjectives or (entry and entry.slot in ("finish", "grade")):
                     return replace(self._phrase(stem), text=text)
         return None
 
     def _head_noun(self, text: str) -> str:
         """Phrases for a setting end in the thing itself: "minimal backdrop"."""
-        v = self.vocabulary
-        entry = v.entries.get(v.synonyms.get(text, ""))
+        v, entry = self.vocabulary, self._entry(text)
         return v.nouns.get(text.rpartition(" ")[2], "") if entry and entry.slot == "setting" else ""
 
     def _ends_in_thing(self, words: list[str]) -> bool:
@@ -176,9 +175,13 @@ class Lexer:
                 )
         return None
 
+    def _entry(self, text: str) -> Entry | None:
+        """What a phrase means on its own, if it is one."""
+        return self.vocabulary.entries.get(self.vocabulary.synonyms.get(text, ""))
+
     def _is_grade(self, text: str) -> bool:
         """Whether a color's name says how a picture is graded: "faded sepia" is both, and no paler brown."""
-        entry = self.vocabulary.entries.get(self.vocabulary.synonyms.get(text, ""))
+        entry = self._entry(text)
         return entry is not None and entry.slot == "grade"
 
     def _shaded_material(self, words: list[str]) -> Token | None:
@@ -186,7 +189,7 @@ class Lexer:
         v = self.vocabulary
         for split in range(1, len(words)):
             leading, rest = words[:split], " ".join(words[split:])
-            entry = v.entries.get(v.synonyms.get(rest, ""))
+            entry = self._entry(rest)
             fits = leading[-1] in v.shades and all(w in v.shades or v.intensity.get(w) for w in leading)
             if not (entry and entry.slot == "material" and fits and _lightness_only(leading)):
                 continue

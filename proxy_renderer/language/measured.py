@@ -6,10 +6,10 @@ from __future__ import annotations
 import math
 
 from ..schema import Instance, Values
-from .color import chroma, from_lab, to_lab, to_linear, to_srgb
+from .color import chroma, from_lab, to_lab
 from .meaning import display_color
 from .types import PlanContext, Region
-from .view import scene_color
+from .view import dimming, first_within, scene_color
 
 _NEAR = math.log(2.5)  # how far the value may be from the formula's for the picture to tell
 _DAMPED = 0.8  # share of the error that is mended at once
@@ -22,7 +22,7 @@ _DARK = 20.0  # L* below which only the hue can be told
 _FLOOR = 0.01  # radiance below which there is nothing to measure
 _FAINT = 0.002  # the same where only the hue is asked for
 _BLACKEST, _WHITEST = 0.006, 0.85
-_DIMMED, _DIMMEST = 0.92, 0.3  # steps in which the wanted light is lowered, and their end
+_DIMMEST = 0.3  # share of the wanted light below which there is no use in less
 
 
 def measured(
@@ -46,14 +46,13 @@ def measured(
         return _recast(formula, scene_color(srgb, context.view), scene_color(from_lab(shown), context.view))
     region: Region = "subject" if instance.role == "subject" else "surroundings"
     wanted, seen = from_lab(display_color(srgb, region)), scene_color(from_lab(shown), context.view)
-    found = _mended(now, wanted, seen, context.view, share)
     if named[0] > 93 and chroma(named) < 4:  # a cast is taken out of white, not light
+        found = _mended(now, wanted, seen, context.view, share)
         return tuple(_WHITEST * max((v / max(found)) ** _WHITENED, _LEAST) for v in found)
-    light, limit = 1.0, _WHITEST if instance.parameter.name == "base_color" else math.inf
-    while max(found) > limit and light > _DIMMEST:
-        light *= _DIMMED  # as light as can be, and no more saturated than that looks
-        dimmed = to_srgb(tuple(light * v for v in to_linear(wanted)))
-        found = _mended(now, dimmed, seen, context.view, share)
+    limit = _WHITEST if instance.parameter.name == "base_color" else math.inf
+    # As light as can be, and no more saturated than that looks.
+    tries = (_mended(now, dimmed, seen, context.view, share) for dimmed in dimming(wanted, _DIMMEST))
+    found = first_within(tries, limit)
     top = max(max(found) / limit, 1.0)
     return tuple(max(v / top, _BLACKEST) for v in found)
 

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from itertools import product
 from math import exp, log, sqrt
@@ -58,6 +58,7 @@ _LIGHTNESS = {
 
 _BLEACHED = 1.6  # exponent that gives pale colors about the saturation that highlights lose
 _PALE = (20.0, 60.0)  # chroma below which a light color is pale, and above which it is not
+_DIMMED, _DIMMEST = 0.92, 0.05  # steps in which a color's light is lowered, and their end
 _LIGHT = (70.0, 84.0)  # L* above which a color can be pale, and above which it is
 
 
@@ -102,21 +103,38 @@ def scene_color(srgb: Sequence[float], view: str) -> Values:
     Views that bleach highlights show no pale color exactly: only something garish would come near, which colors all
     around it. Pale colors keep their own hue and saturation instead, at the radiance that has their lightness.
     """
-    return _blended(srgb, view, _paleness(srgb) if view in _tables() else 0.0)
+    return _blended(srgb, view, _paleness(srgb, view))
 
 
 def reachable(srgb: Values, view: str, limit: float) -> Values:
     """`scene_color`, of the same color in less light where a component would exceed `limit`."""
-    pale, light = _paleness(srgb) if view in _tables() else 0.0, 1.0
-    color = _blended(srgb, view, pale)
-    while max(color) > limit and light > 0.05:
-        light *= 0.92
-        color = _blended(to_srgb(tuple(light * v for v in to_linear(srgb))), view, pale)
+    pale = _paleness(srgb, view)
+    found = (_blended(dimmed, view, pale) for dimmed in dimming(srgb, _DIMMEST))
+    return first_within(found, limit)
+
+
+def dimming(srgb: Values, least: float) -> Iterator[Values]:
+    """The same color in less and less light, down to a share of it."""
+    light = 1.0
+    yield srgb
+    while light > least:
+        light *= _DIMMED
+        yield to_srgb(tuple(light * v for v in to_linear(srgb)))
+
+
+def first_within(colors: Iterable[Values], limit: float) -> Values:
+    """The first color of which no component exceeds a limit, or else the last."""
+    color: Values = ()
+    for color in colors:
+        if max(color) <= limit:
+            break
     return color
 
 
-def _paleness(srgb: Sequence[float]) -> float:
-    """0 for a dark or a saturated color, 1 for a pale one."""
+def _paleness(srgb: Sequence[float], view: str) -> float:
+    """0 for a dark or a saturated color, 1 for a pale one, where the view bleaches such."""
+    if view not in _tables():
+        return 0.0
     lab = to_lab(srgb)
     faint = (_PALE[1] - chroma(lab)) / (_PALE[1] - _PALE[0])
     light = (lab[0] - _LIGHT[0]) / (_LIGHT[1] - _LIGHT[0])
