@@ -27,6 +27,7 @@ VOLATILE = {
     "rna_type",
     "session_uid",
     "tag",
+    "uv_sculpt",  # Blender 4.2 dies of reading it
 }
 BULK = {"vertices": "co", "polygons": "material_index"}  # of meshes, read as arrays
 OF_MESHES = {*BULK, "name", "materials", "users", "use_fake_user"}

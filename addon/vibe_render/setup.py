@@ -94,7 +94,8 @@ class Setup:
             with contextlib.suppress(schema.VibeError):  # an old one only tells less about downloads
                 self._run("Updating pip", *pip, "--upgrade", "pip")
             told = ("--progress-bar", "raw") if _pip_version(self.folder) >= (24, 1) else ()
-            self._run("Looking for packages", *pip, *told, *self._packages)
+            # Compiling thousands of modules, of which an engine uses some, would take most of a minute.
+            self._run("Looking for packages", *pip, "--no-compile", *told, *self._packages)
             self.text, self.fraction = "Checking", None
             if python is None or not has_engine(python):
                 raise schema.VibeError("The new environment has no engine in it.", _AGAIN)
