@@ -49,7 +49,7 @@ def _end(status: list[int]) -> None:
     Those of Blender 4.5 may wait for ever on a thread of theirs (seen with bpy 4.5.15 on Linux).
     """
     bpy = sys.modules.get("bpy")
-    if bpy and bpy.app.module:
+    if bpy and not bpy.app.binary_path:
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(status[0])

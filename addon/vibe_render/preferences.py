@@ -10,7 +10,7 @@ from pathlib import Path
 import bpy
 from bpy.props import StringProperty
 
-from . import drawing
+from . import compat, drawing
 from .engine_place import place
 from .own_folder import own_folder
 
@@ -180,7 +180,7 @@ def online() -> bool:
 
     Where Blender is a Python module there is no such setting to click: the command line decides.
     """
-    return bpy.app.module or bpy.app.online_access
+    return compat.IS_MODULE or bpy.app.online_access
 
 
 _known: dict[Path, tuple[float, str]] = {}  # when a folder was measured, and what was found
