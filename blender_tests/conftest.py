@@ -6,6 +6,8 @@ import sys
 
 import bpy
 import pytest
+import vibe_render
+from small_scenes import studio
 
 os.environ.pop("VIBE_VLM_MODEL", None)  # no test asks the model that its reader may have configured
 
@@ -15,6 +17,18 @@ def scene():
     """An empty scene in a fresh file."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     return bpy.context.scene
+
+
+@pytest.fixture
+def addon(scene):
+    """The add-on, registered, with a studio whose vibe lasts for as long as a test wants."""
+    vibe_render.register()
+    studio(scene)
+    settings = scene.vibe
+    settings.prompt, settings.budget, settings.anchor = "glossy red cube, warm light", "CUSTOM", False
+    settings.rounds, settings.steps, settings.size = 100, 1000, 64
+    yield scene
+    vibe_render.unregister()
 
 
 _status = pytest.StashKey[int]()

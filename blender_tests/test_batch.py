@@ -228,34 +228,3 @@ def test_a_computer_without_the_engine(vibed, tmp_path):
     assert code == 2, output
     assert "engine" in output
     assert not any(tmp_path.iterdir())
-
-
-def test_an_engine_that_dies_leaves_nothing(vibed, tmp_path):
-    command = [
-        sys.executable,
-        str(BATCH),
-        "--events",
-        "run",
-        str(vibed[0] / "shot.blend"),
-        "--prompt=blue box",
-    ]
-    command += [f"--out={tmp_path}", "--rounds=500", "--steps=500", *QUICK[2:]]
-    with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8"
-    ) as process:
-        for line in process.stdout:
-            if '"progress"' in line:
-                break
-        assert '"progress"' in line
-        for child in children(process.pid):
-            os.kill(child, signal.SIGKILL)
-        said = process.stdout.read()
-    assert process.wait() == 2, said
-    assert "engine stopped unexpectedly" in said
-    assert not any(tmp_path.iterdir())
-
-
-def children(pid):
-    """The processes that a process has started."""
-    listed = subprocess.run(["ps", "-o", "pid=", "--ppid", str(pid)], capture_output=True, text=True).stdout
-    return [int(number) for number in listed.split()]

@@ -2,104 +2,19 @@
 """Faults tried on purpose: in each a clear message, the scene as it was, and a next vibe that works."""
 
 import errno
-import os
-import signal
-import subprocess
-import sys
 import time
-from pathlib import Path
 
 import bpy
 import pytest
-import vibe_render
-from dump import difference, dump
-from small_scenes import cube, studio
-from vibe_render import result, scene_io, session, snapshot
+from dump import difference
+from small_scenes import cube
+from test_operators import contents
+from vibe_render import result, scene_io, snapshot
 from vibe_render.desk import desk
 from vibe_render.operators import obstacle
+from vibing import advance, fails
 
-from proxy_renderer.schema import VibeError, messages
-
-PROMPT = "glossy red cube, warm light"
-
-
-@pytest.fixture
-def addon(scene):
-    """The add-on, registered, with a studio to vibe quickly."""
-    vibe_render.register()
-    studio(scene)
-    settings = scene.vibe
-    settings.prompt, settings.budget, settings.anchor = PROMPT, "CUSTOM", False
-    settings.rounds, settings.steps, settings.size = 100, 1000, 64
-    yield scene
-    vibe_render.unregister()
-
-
-def contents():
-    """Everything in the file but the panel's own fields."""
-    return {k: v for k, v in dump().items() if ".vibe" not in k and "Render Result" not in k}
-
-
-def advance(until):
-    """A new vibe, as far as a condition of it."""
-    running = desk.begin(bpy.context)
-    while not until(running):
-        assert running.advance()
-        time.sleep(0.02)
-    return running
-
-
-def fails(running):
-    """What the panel says in the end."""
-    try:
-        while running.advance():
-            time.sleep(0.02)
-    except VibeError as error:
-        desk.end(error)
-        return str(error)
-    pytest.fail("it did not fail")
-
-
-def test_killed_and_hung_engines_and_then_a_vibe(addon, monkeypatch):
-    before = contents()
-    running = advance(lambda r: r.asked)
-    os.kill(running._engine._process.pid, signal.SIGKILL)
-    assert "stopped unexpectedly" in fails(running)
-    assert difference(before, contents()) == {}
-
-    running = advance(lambda r: r.progress)
-    os.kill(running._engine._process.pid, signal.SIGKILL)
-    assert "stopped unexpectedly" in fails(running)
-    assert difference(before, contents()) == {}
-
-    monkeypatch.setattr(session, "SILENT", 1.0)
-    running = advance(lambda r: r.asked)
-    hung = running._engine._process
-    os.kill(hung.pid, signal.SIGSTOP)
-    time.sleep(1.2)
-    while running.silence < session.SILENT:  # what it had said before
-        assert running.advance()
-        time.sleep(0.3)
-    desk.cancel()
-    assert hung.poll() is not None
-    assert difference(before, contents()) == {}
-
-    addon.vibe.rounds, addon.vibe.steps = 1, 2
-    assert bpy.ops.vibe.run() == {"FINISHED"}
-    assert addon.vibe.changes
-
-
-def test_an_engine_that_hangs_when_given_up_does_not_hold_up_the_next(addon, monkeypatch):
-    from vibe_render import engine
-
-    monkeypatch.setattr(engine, "_LET_GO", 0.5)
-    running = advance(lambda r: r.asked)
-    hung = running._engine._process
-    os.kill(hung.pid, signal.SIGSTOP)
-    desk.cancel()
-    advance(lambda r: r.asked)
-    assert hung.poll() is not None
-    desk.cancel()
+from proxy_renderer.schema import messages
 
 
 def test_a_full_disk_is_named(addon, monkeypatch):
@@ -191,7 +106,9 @@ def test_deleting_the_subject_meanwhile_is_safe(addon):
 def test_another_file_ends_the_vibe_before_it_is_opened(addon, tmp_path):
     """The file that is opened has a snapshot of its own, which must stay."""
     subject = [bpy.data.objects["Subject"]]
-    result.apply(addon, PROMPT, messages.Result({"light/Point/power": [7.0]}, {}, ""), subject, (0, 0, 0))
+    result.apply(
+        addon, addon.vibe.prompt, messages.Result({"light/Point/power": [7.0]}, {}, ""), subject, (0, 0, 0)
+    )
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "vibed.blend"))
     advance(lambda r: r.asked)
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "vibed.blend"))
@@ -210,7 +127,9 @@ def test_a_read_only_file_is_only_read(addon, tmp_path):
     held = path.read_bytes()
     bpy.ops.wm.open_mainfile(filepath=str(path))
     scene, subject = bpy.context.scene, [bpy.data.objects["Subject"]]
-    result.apply(scene, PROMPT, messages.Result({"light/Point/power": [7.0]}, {}, ""), subject, (0, 0, 0))
+    result.apply(
+        scene, scene.vibe.prompt, messages.Result({"light/Point/power": [7.0]}, {}, ""), subject, (0, 0, 0)
+    )
     assert bpy.ops.vibe.revert() == {"FINISHED"}
     assert path.read_bytes() == held
 
@@ -231,29 +150,3 @@ def test_modes_without_whole_undo_are_refused_with_the_reason(addon):
     assert "Object Mode" in obstacle(bpy.context)
     bpy.ops.object.mode_set(mode="OBJECT")
     assert obstacle(bpy.context) == ""
-
-
-ORPHAN = """
-import os, signal, sys, time
-from pathlib import Path
-from vibe_render.engine import Engine
-engine = Engine("", Path(sys.argv[1]))
-engine.start()
-print(engine._process.pid, flush=True)
-os.kill(os.getpid(), signal.SIGKILL)
-"""
-
-
-def test_no_engine_outlives_its_blender(tmp_path):
-    """Not even one that is killed, and so cannot say goodbye."""
-    command = [sys.executable, "-c", ORPHAN, str(tmp_path / "log")]
-    done = subprocess.run(command, capture_output=True, text=True)
-    pid, end = int(done.stdout), time.monotonic() + 120.0
-    while _lives(pid) and time.monotonic() < end:
-        time.sleep(0.2)
-    assert not _lives(pid)
-
-
-def _lives(pid):
-    state = Path(f"/proc/{pid}/stat")
-    return state.exists() and state.read_text().rpartition(")")[2].split()[0] != "Z"

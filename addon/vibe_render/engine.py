@@ -42,6 +42,8 @@ class Engine:
         self._inbox: queue.Queue[_Item] = queue.Queue()
         self._owed = False  # an answer that nobody waits for any more
         self._owed_since = 0.0
+        self._died: schema.VibeError | None = None  # what to say of it, to every thread that asks
+        self._dying = threading.Lock()
 
     @property
     def alive(self) -> bool:
@@ -57,7 +59,7 @@ class Engine:
         if self.alive:
             return
         python = find_python(self._choice)
-        self._inbox, self._owed = queue.Queue(), False
+        self._inbox, self._owed, self._died = queue.Queue(), False, None
         try:
             with self.log.open("wb") as log:
                 self._process = subprocess.Popen(
@@ -82,11 +84,13 @@ class Engine:
         Raises:
             VibeError: If the engine is gone.
         """
-        if self._process is None or self._process.stdin is None:
-            raise schema.VibeError("The engine is not running.", "Start it first.")
+        process = self._process
+        if process is None or process.stdin is None:
+            with self._dying:  # another thread may be about to find out
+                raise self._died or schema.VibeError("The engine is not running.", "Start it first.")
         try:
-            self._process.stdin.write(wire.encode(message))
-            self._process.stdin.flush()
+            process.stdin.write(wire.encode(message))
+            process.stdin.flush()
         except (OSError, ValueError) as error:
             raise self._death() from error
 
@@ -167,6 +171,11 @@ class Engine:
 
     def _death(self) -> schema.VibeError:
         """What to say when the process has gone by itself."""
+        with self._dying:
+            self._died = self._died or self._bury()
+            return self._died
+
+    def _bury(self) -> schema.VibeError:
         code = None
         if self._process is not None:
             with contextlib.suppress(subprocess.TimeoutExpired):
