@@ -370,7 +370,7 @@ def test_an_adjective_says_more_than_the_place_that_it_describes():
 
 def test_words_that_mean_more_of_the_same_agree():
     warm = make_plan("dim warm light, candlelit")["light/Key/temperature"]
-    assert warm.upper[0] < 2301
+    assert warm.upper[0] < 2701
     assert "warm light" in warm.reason
     assert "candlelit" in warm.reason
 

@@ -9,16 +9,14 @@ from dataclasses import dataclass, replace
 from ..schema import VibeError
 from .lexer import Token
 from .types import Attribute, Parsed, Region
+from .unclaimed import BOUND_SLOTS, Unclaimed
 from .vocabulary import Vocabulary
 
 _LESS = 0.7  # how much of the opposite "less" asks for
-_TONED = ("muted", "faded", "dusty", "dull", "smoky", "murky", "stormy", "moody")
-"""Shades that pictures have rather than things."""
-_CLEAR = 0.02  # density of air that has no color
 _PAINTED = ("background", "backdrop", "wall", "walls")
 """Ends of names of settings that are a surface behind the subject."""
-BOUND_SLOTS = ("finish", "material", "color", "setting")
-"""Slots whose words wait for the noun that they describe; the others describe the whole picture."""
+_LIT = ("light", "lit", "glow", "sun", "rays", "beams", "shine")
+"""Ends of names of hours that are of their light."""
 
 
 @dataclass
@@ -68,7 +66,7 @@ class Binding:
         self.attributes: list[Attribute] = []
         self.ignored: list[str] = []
         self.things: list[Thing] = []
-        self._loose: list[int] = []  # attributes that no noun claimed
+        self.unclaimed = Unclaimed(self.attributes, self.things, vocabulary)
 
     def slot(self, entry: str) -> str:
         """The slot of a vocabulary entry."""
@@ -125,40 +123,9 @@ class Binding:
             self.bind(loose, Thing("whole", region="whole"), final=True)
             thing = subject
             first = len(self.attributes)
-            words = self.bind(words, subject)
-            self._loose += range(first, len(self.attributes))
+            said, words = words, self.bind(words, subject)
+            self.unclaimed.add(first, said)
         self.bind(self.bind(words, thing), subject, final=True)
-
-    def tint_the_picture(self, several: bool) -> None:
-        """A color that nothing claims, in a prompt that speaks of a mood alone, tints the picture, not the subject.
-
-        Args:
-            several: Whether the scene has several subjects, none of which can be meant.
-        """
-        for i in self._loose:  # "muted greens"
-            attribute = self.attributes[i]
-            if attribute.color and attribute.word.endswith("s") and not attribute.entry.endswith("s"):
-                self.attributes[i] = replace(attribute, region="whole", kind="ambience", thing="tint")
-        loose = [self.attributes[i] for i in self._loose if self.attributes[i].color]
-        rest = [a for a in self.attributes if a not in loose and not a.cause]
-        if any(a.slot in BOUND_SLOTS or a.kind == "subject" for a in rest) or self.things:
-            return
-        air = next((a for a in rest if self._fills_the_air(a)), None)
-        airy = air or any(a.slot == "mood" for a in rest)
-        for i in self._loose:
-            attribute = self.attributes[i]
-            toned = bool(set(attribute.entry.split()[:-1]) & set(_TONED))
-            if attribute.color and (airy or toned or several):
-                self.attributes[i] = replace(attribute, region="whole", kind="ambience", thing="tint")
-            if attribute.color and air:  # "underwater, murky green": so is the water
-                said = replace(attribute, region="whole", kind=air.kind, thing=air.thing)
-                self.attributes.append(said)
-
-    def _fills_the_air(self, attribute: Attribute) -> bool:
-        if attribute.slot != "atmosphere" or attribute.negated:
-            return False
-        effects = self.vocabulary.entries[attribute.entry].effects
-        return any(e.name == "density" and e.lower[0] > _CLEAR for e in effects)
 
     def _bind_word(self, word: Word, thing: Thing) -> bool:
         token = word.token
@@ -174,7 +141,8 @@ class Binding:
                 thing if slot != "setting" else Thing("surroundings", region="surroundings"),
             )
         elif token.color and thing.kind in self.vocabulary.painted:
-            self.add(word, token.name or token.text, thing)
+            sky = Thing("sky", thing.name, "surroundings")
+            self.add(word, token.name or token.text, sky if self._is_hour(thing) else thing)
         elif "otherwise" in kinds and not (token.color and thing.kind == "whole"):
             self._add_adjective(word, kinds["otherwise"], thing)
         else:
@@ -186,6 +154,14 @@ class Binding:
         entry = self.vocabulary.synonyms.get(thing.name, "")
         somewhere = thing.kind == "surroundings" and not thing.name.endswith(_PAINTED)
         return somewhere and bool(entry) and self.slot(entry) == "setting"
+
+    def _is_hour(self, thing: Thing) -> bool:
+        """Whether it is a time of day with a sky of its own, which colors describe: "purple sunset", but not "sunset light"."""
+        entry = self.vocabulary.synonyms.get(thing.name, "")
+        if thing.kind != "light" or not entry or thing.name.endswith(_LIT):
+            return False
+        effects = self.vocabulary.entries[entry].effects
+        return any((e.owner, e.name, e.mode) == ("world", "color", "color") for e in effects)
 
     def _add_adjective(self, word: Word, entry: str, thing: Thing) -> None:
         slot = self.slot(entry)

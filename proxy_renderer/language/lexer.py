@@ -76,7 +76,18 @@ class Lexer:
         text = spelled_out(re.sub(r"\s*&\s*", " and ", prompt), self.vocabulary.colors)
         text = normalize(text)
         words = [re.findall(r"[^\W_]+(?:'[a-z]+)?", part) for part in _BREAK.split(text)]
-        return [self._tokens(part) for part in words if part]
+        return [self._tokens(self._gathered(part)) for part in words if part]
+
+    def _gathered(self, words: list[str]) -> list[str]:
+        """ "Deep glossy blue" as "glossy deep blue": a shade is its color's, whatever stands between them."""
+        v, words = self.vocabulary, list(words)
+        for i in range(len(words) - 2):
+            shade_, between, color = words[i : i + 3]
+            entry = self._entry(between)
+            finish = entry is not None and entry.slot in ("finish", "material") and between not in v.colors
+            if shade_ in v.shades and finish and color in v.colors:
+                words[i : i + 2] = between, shade_
+        return words
 
     def _tokens(self, words: list[str]) -> list[Token]:
         tokens: list[Token] = []

@@ -64,7 +64,7 @@ class Reader:
             previous = self._clause(tokens, previous)
         self.binding.bind_rest(self.carried, None, False, False)
         if not self.binding.cause:
-            self.binding.tint_the_picture(several=_subjects(self.scene) > 1)
+            self.binding.unclaimed.share_out(several=_subjects(self.scene) > 1)
         return Parsed(
             text,
             attributes=self.binding.attributes,

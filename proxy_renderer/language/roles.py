@@ -5,10 +5,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from .binding import BOUND_SLOTS, Binding
+from .binding import Binding
 from .clause import ClauseState
 from .lexer import Token
 from .nearest import Guess
+from .unclaimed import BOUND_SLOTS
 from .vocabulary import Vocabulary
 
 _STYLE = (

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Look words that no noun claims: they are the subject's, the picture's, or of two colors one is the surroundings'."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from .types import Attribute
+from .vocabulary import Vocabulary
+
+if TYPE_CHECKING:
+    from .binding import Thing, Word
+
+BOUND_SLOTS = ("finish", "material", "color", "setting")
+"""Slots whose words wait for the noun that they describe; the others describe the whole picture."""
+_TONED = ("muted", "faded", "dusty", "dull", "smoky", "murky", "stormy", "moody")
+"""Shades that pictures have rather than things."""
+_CLEAR = 0.02  # density of air that has no color
+
+
+class Unclaimed:
+    """Collects them while a text is read, and decides at its end.
+
+    Args:
+        attributes: All that are bound so far; what is decided changes them in place.
+        things: Nouns met so far.
+        vocabulary: What words mean.
+    """
+
+    def __init__(self, attributes: list[Attribute], things: list[Thing], vocabulary: Vocabulary) -> None:
+        self._attributes, self._things, self._vocabulary = attributes, things, vocabulary
+        self._loose: list[int] = []
+        self._opening: list[Word] = []  # colors that the text begins with
+
+    def add(self, first: int, words: list[Word]) -> None:
+        """Words that were bound to the subject for want of a noun: the attributes from the first one on."""
+        self._opening += [] if first else [w for w in words if w.token.color]
+        self._loose += range(first, len(self._attributes))
+
+    def share_out(self, several: bool) -> None:
+        """Gives colors to subject, surroundings or picture.
+
+        Args:
+            several: Whether the scene has several subjects, none of which can be meant.
+        """
+        placed = bool(self._things) or any(
+            a.region == "surroundings" and not a.cause for a in self._attributes
+        )
+        if len(self._opening) == 2 and self._opening[0].barred and not (several or placed):
+            self._paint_the_rest(self._opening[1])
+        else:
+            self._tint_the_picture(several)
+
+    def _paint_the_rest(self, word: Word) -> None:
+        """ "Black and gold": one thing cannot be both, but a picture can."""
+        index = next(i for i in self._loose if self._attributes[i].word == word.text)
+        self._attributes[index] = replace(
+            self._attributes[index],
+            entry=word.token.name or word.token.text,
+            slot="color",
+            color=word.token.color,
+            region="surroundings",
+            kind="surroundings",
+            thing="surroundings",
+            shades=(),
+        )
+
+    def _tint_the_picture(self, several: bool) -> None:
+        """A color in a prompt that speaks of a mood alone tints the picture, unless the prompt begins with it."""
+        for i in self._loose:  # "muted greens"
+            attribute = self._attributes[i]
+            if attribute.color and attribute.word.endswith("s") and not attribute.entry.endswith("s"):
+                self._attributes[i] = _tint(attribute)
+        loose = [self._attributes[i] for i in self._loose if self._attributes[i].color]
+        rest = [a for a in self._attributes if a not in loose and not a.cause]
+        if any(a.slot in BOUND_SLOTS or a.kind == "subject" for a in rest) or self._things:
+            return
+        air = next((a for a in rest if self._fills_the_air(a)), None)
+        airy = air or any(a.slot == "mood" for a in rest)
+        for i in self._loose:
+            attribute = self._attributes[i]
+            toned = bool(set(attribute.entry.split()[:-1]) & set(_TONED))
+            first = not air and len(self._opening) == 1 and self._opening[0].text == attribute.word
+            if attribute.color and ((airy and not first) or toned or several):
+                self._attributes[i] = _tint(attribute)
+            if attribute.color and air:  # "underwater, murky green": so is the water
+                said = replace(attribute, region="whole", kind=air.kind, thing=air.thing)
+                self._attributes.append(said)
+
+    def _fills_the_air(self, attribute: Attribute) -> bool:
+        if attribute.slot != "atmosphere" or attribute.negated:
+            return False
+        effects = self._vocabulary.entries[attribute.entry].effects
+        return any(e.name == "density" and e.lower[0] > _CLEAR for e in effects)
+
+
+def _tint(attribute: Attribute) -> Attribute:
+    return replace(attribute, region="whole", kind="ambience", thing="tint")
