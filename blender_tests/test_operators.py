@@ -10,7 +10,7 @@ import pytest
 import vibe_render
 from dump import difference, dump
 from small_scenes import studio
-from vibe_render import anchoring, bindings, changes, compat, first_picture, result, session, snapshot
+from vibe_render import anchoring, bindings, changes, compat, result, session, snapshot
 from vibe_render.desk import desk, engine_choice
 from vibe_render.engine import Engine
 
@@ -191,20 +191,6 @@ def test_variants_leave_what_an_earlier_vibe_did(vibed):
     assert scene.vibe.changes["light/Area/power"].values()[0] == own
     assert bpy.ops.vibe.revert() == {"FINISHED"}
     assert difference(before, contents()) == {}
-
-
-def test_the_first_picture_stays_the_one_of_before(addon, tmp_path):
-    studio(addon)
-    own, vibed_once = tmp_path / "own.png", tmp_path / "vibed.png"
-    own.write_bytes(b"own")
-    vibed_once.write_bytes(b"vibed")
-    assert first_picture.keep(addon, own, True).read_bytes() == b"own"
-    assert first_picture.keep(addon, vibed_once, False).read_bytes() == b"own"
-    addon.frame_set(addon.frame_current + 1)
-    assert first_picture.keep(addon, vibed_once, False) == vibed_once  # another sight
-    addon.frame_set(addon.frame_current - 1)
-    first_picture.forget(addon)
-    assert first_picture.keep(addon, vibed_once, False) == vibed_once
 
 
 def test_keep_leaves_nothing_to_revert_to(vibed):

@@ -14,15 +14,23 @@ from pathlib import Path
 import bpy
 
 
-def keep(scene: bpy.types.Scene, picture: Path, first: bool) -> Path:
+def place(scene: bpy.types.Scene) -> Path:
+    """Where the first picture of the scene as its camera sees it now is kept, if there is one."""
+    camera, size = scene.camera, (scene.render.resolution_x, scene.render.resolution_y)
+    where = [round(x, 4) for row in camera.matrix_world for x in row] if camera else []
+    lens = round(camera.data.angle, 4) if camera else 0.0
+    sight = zlib.crc32(repr((size, scene.frame_current, where, lens)).encode())
+    return Path(bpy.app.tempdir) / f"{_name(scene)}{sight:08x}.png"
+
+
+def keep(kept: Path, picture: Path, first: bool) -> Path:
     """The picture to compare with.
 
     Args:
-        scene: What it shows.
-        picture: Of the scene as it is now.
-        first: Whether nothing has been vibed yet, so that this is the one to keep.
+        kept: The place of what the picture shows, as it was when the scene was exported.
+        picture: Of the scene as it was then.
+        first: Whether nothing had been vibed yet, so that this is the one to keep.
     """
-    kept = _place(scene)
     if first:
         with contextlib.suppress(OSError):  # a full disk: then there is none to compare with later
             shutil.copyfile(picture, kept)
@@ -37,11 +45,3 @@ def forget(scene: bpy.types.Scene) -> None:
 
 def _name(scene: bpy.types.Scene) -> str:
     return f"vibe-before-{scene.session_uid}-"
-
-
-def _place(scene: bpy.types.Scene) -> Path:
-    camera, size = scene.camera, (scene.render.resolution_x, scene.render.resolution_y)
-    where = [round(x, 4) for row in camera.matrix_world for x in row] if camera else []
-    lens = round(camera.data.angle, 4) if camera else 0.0
-    sight = zlib.crc32(repr((size, scene.frame_current, where, lens)).encode())
-    return Path(bpy.app.tempdir) / f"{_name(scene)}{sight:08x}.png"

@@ -47,6 +47,7 @@ class Session(Told):
         self.question: dict[str, list[str]] = {}
         self._subject: list[str] = []
         self._pivot = (0.0, 0.0, 0.0)
+        self._first = Path()  # where the picture of before the first vibe is kept
         self._vibed = False  # whether an earlier vibe is in the scene
         self._options = settings.engine_options(context)
         held = preferences.get(context)
@@ -121,6 +122,7 @@ class Session(Told):
     def _export(self, scene: bpy.types.Scene) -> None:
         subject, pivot = scene_io.export(scene, self._job, self._choice)
         self._subject, self._pivot = [obj.name_full for obj in subject], pivot
+        self._first = first_picture.place(scene)  # the camera may move before the picture comes
 
     def _settle_shared(self) -> Generator[str]:
         """Asks about materials that other things use too, unless that is settled; may export anew."""
@@ -154,11 +156,12 @@ class Session(Told):
         while self._found is None:
             yield self.stage
             self._check_silence()
-            scene = self._find_scene()  # there is no use in going on without it
+            self._find_scene()  # there is no use in going on without it
             for message in self._engine.poll():
                 self.hear(message)
                 if isinstance(message, messages.Stage) and message.picture:
-                    self.before = first_picture.keep(scene, self._job / message.picture, not self._vibed)
+                    picture = self._job / message.picture
+                    self.before = first_picture.keep(self._first, picture, not self._vibed)
                 if isinstance(message, messages.Anchor):
                     yield from self._anchor(message)
 
