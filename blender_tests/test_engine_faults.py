@@ -37,6 +37,12 @@ def test_the_vibe_of_one_scene_stays_out_of_another(addon):
     bpy.data.scenes.remove(addon)
     assert "is gone" in fails(running)
     assert not snapshot.exists(other)
+    settings = other.vibe
+    settings.prompt, settings.budget, settings.anchor = "blue cube", "CUSTOM", False
+    settings.rounds, settings.steps, settings.size = 1, 2, 64
+    assert bpy.ops.vibe.run() == {"FINISHED"}  # and what comes is not the answer that the first one left
+    assert "material/Body" not in " ".join(change.name for change in settings.changes)
+    assert any(change.name.startswith("material/") for change in settings.changes)
 
 
 def undone(tmp_path):

@@ -96,8 +96,11 @@ def save_picture(picture: Tensor, path: Path) -> None:
 def save_image(image: Image.Image, path: Path) -> None:
     """Writes a PNG, all at once or not at all."""
     part = path.with_name(f".{path.name}.part")
-    image.save(part, format="PNG")
-    os.replace(part, path)
+    try:
+        image.save(part, format="PNG")
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)
 
 
 def load_picture(path: Path) -> np.ndarray:

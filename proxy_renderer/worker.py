@@ -159,16 +159,25 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
                 messages.Error("The engine ran out of memory.", "Use a smaller --size or a lighter scene.")
             )
         except OSError as error:
-            remedy = "Please report this with the engine's log."
-            if error.errno == errno.ENOSPC:
-                remedy = "Make room where temporary files are kept."
-            wire.send(messages.Error(f"The engine cannot work with its files: {error}.", remedy))
+            wire.send(_file_trouble(request, error))
         except Exception as error:
             traceback.print_exc()
             said = " ".join(f"{type(error).__name__}: {error}".split())[:300]
             wire.send(
                 messages.Error(f"The engine failed: {said}.", "Please report this with the engine's log.")
             )
+
+
+def _file_trouble(request: object, error: OSError) -> messages.Error:
+    """What to say where files cannot be read or written."""
+    if error.errno not in (errno.ENOSPC, errno.EDQUOT):
+        remedy = "Please report this with the engine's log."
+        return messages.Error(f"The engine cannot work with its files: {error}.", remedy)
+    folder = Path(request.compare_out).parent if isinstance(request, messages.Finish) else None
+    folder = Path(request.job) if isinstance(request, messages.Vibe) else folder
+    return messages.Error(
+        f"There is no room left on the disk, in {folder or 'its folder'}.", "Make room there."
+    )
 
 
 def _vibe(wire: Wire, request: messages.Vibe) -> Session:

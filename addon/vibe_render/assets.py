@@ -6,8 +6,6 @@ Copies are written, and removed again: the open file stays as it is.
 
 from __future__ import annotations
 
-import os
-import uuid
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -19,6 +17,7 @@ from mathutils import Matrix, Vector
 
 from . import asset_catalog, asset_preview, compat, grade, owned, roster, thumbnail
 from .contract import schema
+from .disk import whole
 from .survey import Survey
 
 _TOP = "Vibe Render"
@@ -143,11 +142,5 @@ def _show(crate: _Crate, surfaces: list[Material], picture: Path) -> None:
 
 
 def _write(path: Path, blocks: set[ID]) -> None:
-    part = path.with_name(f".{uuid.uuid4().hex[:8]}.blend")
-    try:
+    with whole(path) as part:
         bpy.data.libraries.write(str(part), blocks, path_remap="RELATIVE_ALL", fake_user=True, compress=True)
-        os.replace(part, path)
-    except (OSError, RuntimeError) as error:
-        raise schema.VibeError(f"{path} cannot be written: {error}.", "Choose another folder.") from error
-    finally:
-        part.unlink(missing_ok=True)

@@ -14,6 +14,7 @@ import bpy
 import numpy as np
 
 from . import compat
+from .disk import whole
 from .settings import changed
 
 
@@ -63,8 +64,9 @@ def render_linear(scene: bpy.types.Scene, samples: int, bounces: int = 0) -> np.
         if hasattr(picture, "media_type"):
             picture.media_type = "IMAGE"
         picture.file_format, picture.color_depth, picture.color_mode = "OPEN_EXR", "32", "RGB"
-        scene.render.filepath = str(path)
-        bpy.ops.render.render(scene=scene.name, layer=scene.view_layers[0].name, write_still=True)
+        with whole(path) as part:
+            scene.render.filepath = str(part)
+            bpy.ops.render.render(scene=scene.name, layer=scene.view_layers[0].name, write_still=True)
         image = bpy.data.images.load(str(path))
         try:
             return pixels(image)

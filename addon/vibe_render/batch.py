@@ -10,6 +10,7 @@ A mistake of the user's is one clear line and exit code 2.
 import atexit
 import os
 import sys
+import tempfile
 from pathlib import Path
 
 if not __package__:
@@ -20,6 +21,7 @@ if not __package__:
     if (here.parents[1] / "proxy_renderer").is_dir():  # a clone
         sys.path.insert(1, str(here.parents[1]))
 
+from vibe_render import disk
 from vibe_render.batch_arguments import arguments_of_process, parse
 from vibe_render.batch_report import Reporter
 from vibe_render.contract import schema
@@ -40,7 +42,11 @@ def main() -> int:
         return 0
     except schema.VibeError as error:
         reporter.error(error)
-        return 2
+    except OSError as error:
+        if not disk.is_full(error):
+            raise
+        reporter.error(disk.unwritable(Path(tempfile.gettempdir(), "vibe"), error, ""))
+    return 2
 
 
 def _end(status: list[int]) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import bpy
 
-from . import demo, stage
+from . import demo, disk, stage
 from .batch_report import Reporter
 from .contract import schema
 from .subject import Choice
@@ -49,4 +49,4 @@ def save_blend(path: Path) -> None:
     try:
         bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True, relative_remap=True, check_existing=False)
     except RuntimeError as error:
-        raise schema.VibeError(f"{path.name} cannot be saved: {error}", "Choose another --out.") from error
+        raise disk.unwritable(path, error, "Make room there, or choose another --out.") from error

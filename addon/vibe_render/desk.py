@@ -45,7 +45,9 @@ class Desk:
         return self.session
 
     def end(self, failure: schema.VibeError | None = None) -> None:
-        """The vibe is over."""
+        """The vibe is over; of one that failed, nothing is left."""
+        if self.session and failure:
+            self.session.cancel()
         self.running, self.failure = False, failure
 
     def cancel(self) -> None:

@@ -22,6 +22,8 @@ from .find_engine import engine_environment, find_python, own_group
 
 _LET_GO = 10.0  # seconds that an engine may take to let go of a vibe that was given up
 
+_ANSWERS = (wire.Result, wire.Finished, wire.Error)
+
 _Item: TypeAlias = wire.Message | schema.VibeError | None  # None: the engine's output has ended
 
 
@@ -42,6 +44,7 @@ class Engine:
         self._inbox: queue.Queue[_Item] = queue.Queue()
         self._owed = False  # an answer that nobody waits for any more
         self._owed_since = 0.0
+        self._busy = False  # an answer is on its way
         self._died: schema.VibeError | None = None  # what to say of it, to every thread that asks
         self._dying = threading.Lock()
 
@@ -59,7 +62,7 @@ class Engine:
         if self.alive:
             return
         python = find_python(self._choice)
-        self._inbox, self._owed, self._died = queue.Queue(), False, None
+        self._inbox, self._owed, self._busy, self._died = queue.Queue(), False, False, None
         try:
             with self.log.open("wb") as log:
                 self._process = subprocess.Popen(
@@ -91,6 +94,7 @@ class Engine:
         try:
             process.stdin.write(wire.encode(message))
             process.stdin.flush()
+            self._busy = self._busy or isinstance(message, wire.Vibe | wire.Finish)
         except (OSError, ValueError) as error:
             raise self._death() from error
 
@@ -116,6 +120,8 @@ class Engine:
 
     def abandon(self) -> None:
         """Gives up the vibe that it works on, and keeps it warm, unless it has not let go of the last one yet."""
+        if not self._busy:
+            return
         if self._owed:
             self.stop(patience=0.2)
             return
@@ -136,7 +142,7 @@ class Engine:
                     self.stop(patience=0.02)
                     self._owed = False
                 return not self._owed
-            self._owed = isinstance(item, wire.Message) and not isinstance(item, wire.Result | wire.Error)
+            self._owed = self._busy = isinstance(item, wire.Message) and not isinstance(item, _ANSWERS)
         return True
 
     def stop(self, patience: float = 3.0) -> None:
@@ -157,6 +163,8 @@ class Engine:
     def _checked(self, item: _Item) -> wire.Message:
         if item is None:
             raise self._death()
+        if isinstance(item, _ANSWERS):
+            self._busy = False
         if isinstance(item, schema.VibeError):
             raise item
         if isinstance(item, wire.Error):

@@ -13,6 +13,9 @@ from pathlib import Path
 
 import bpy
 
+from .contract import schema
+from .disk import whole
+
 
 def place(scene: bpy.types.Scene) -> Path:
     """Where the first picture of the scene as its camera sees it now is kept, if there is one."""
@@ -32,8 +35,9 @@ def keep(kept: Path, picture: Path, first: bool) -> Path:
         first: Whether nothing had been vibed yet, so that this is the one to keep.
     """
     if first:
-        with contextlib.suppress(OSError):  # a full disk: then there is none to compare with later
-            shutil.copyfile(picture, kept)
+        # on a full disk there is none to compare with later
+        with contextlib.suppress(schema.VibeError), whole(kept) as part:
+            shutil.copyfile(picture, part)
     return kept if kept.is_file() else picture
 
 

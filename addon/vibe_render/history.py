@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import contextlib
 import json
-import os
-from pathlib import Path
 
+from .contract import schema
+from .disk import whole
 from .own_folder import own_folder
 
 _MOST = 30  # prompts that are kept
@@ -26,17 +26,11 @@ def prompts() -> list[str]:
 def remember(prompt: str) -> None:
     """Puts a prompt first. A folder that cannot be written keeps none, which is no reason to fail."""
     kept = [prompt, *(text for text in prompts() if text != prompt)][:_MOST]
-    with contextlib.suppress(OSError):
-        _write(own_folder("", create=True) / _NAME, kept)
+    with contextlib.suppress(OSError, schema.VibeError), whole(own_folder("", create=True) / _NAME) as part:
+        part.write_text(json.dumps(kept, ensure_ascii=False, indent=1), encoding="utf-8")
 
 
 def clear() -> None:
     """Forgets all."""
     with contextlib.suppress(OSError):
         (own_folder("") / _NAME).unlink(missing_ok=True)
-
-
-def _write(path: Path, kept: list[str]) -> None:
-    part = path.with_suffix(".part")
-    part.write_text(json.dumps(kept, ensure_ascii=False, indent=1), encoding="utf-8")
-    os.replace(part, path)

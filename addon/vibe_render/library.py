@@ -6,18 +6,16 @@ A preset is NAME.json with a picture NAME.jpg beside it. Other files in the fold
 
 from __future__ import annotations
 
-import os
 import re
 import shutil
 import unicodedata
-import uuid
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
 from . import presets, thumbnail
 from .contract import preset, schema
+from .disk import whole
 from .own_folder import own_folder
 
 SHIPPED = Path(__file__).parent / "looks"
@@ -78,7 +76,7 @@ def looks(words: str = "") -> list[Look]:
     """The artist's own presets, then those that come with us, by name; those that match some words."""
     found: list[Look] = []
     for place in (folder(), SHIPPED):
-        theirs = [_read(path, *_stamp(path)) for path in place.glob("*.json")]
+        theirs = [_read(path, *_stamp(path)) for path in place.glob("[!.]*.json")]
         found += sorted(theirs, key=lambda look: (look.name.casefold(), look.path.name))
     return [look for look in found if look.matches(words)]
 
@@ -211,18 +209,13 @@ def _write(place: Path, look: preset.Preset, picture: Path | None, instead: Path
 
 
 def _put(path: Path, look: preset.Preset, picture: Path | None) -> None:
-    """Writes a preset, whole or not at all; another Blender may be at it too."""
-    part = path.with_name(f".{path.name}-{uuid.uuid4().hex[:8]}")
-    try:
+    """Writes a preset, and its picture first; whole or not at all, for another Blender may be at it too."""
+    beside = path.with_suffix(PICTURE)
+    with whole(path, "Check the folder.") as part:
         part.write_text(look.dumps() + "\n", encoding="utf-8")
-        if picture and picture != path.with_suffix(PICTURE) and _is_picture(picture):
-            shutil.copyfile(picture, path.with_suffix(PICTURE))
-        os.replace(part, path)
-    except OSError as error:
-        raise schema.VibeError(f"{path} cannot be written: {error.strerror}.", "Check the folder.") from error
-    finally:
-        with suppress(OSError):
-            part.unlink(missing_ok=True)
+        if picture and picture != beside and _is_picture(picture):
+            with whole(beside) as copied:
+                shutil.copyfile(picture, copied)
 
 
 def _is_picture(path: Path) -> bool:

@@ -11,14 +11,13 @@ two colors of the file, a straight line through black is nearer to the grade tha
 
 from __future__ import annotations
 
-import os
-import uuid
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from .contract import schema
+from .disk import whole
 from .tint import LUMA
 
 SIZE = 65  # colors along each edge: the largest that is usual
@@ -98,16 +97,7 @@ def write(path: Path, name: str, values: Mapping[str, Sequence[float]]) -> None:
         "# Without vignette, bloom and view transform: for pictures rendered with the view Standard.\n"
         f'TITLE "{title}"\nLUT_3D_SIZE {SIZE}\n'
     )
-    part = path.with_name(f".{path.name}-{uuid.uuid4().hex[:8]}")
-    try:
-        with part.open("w", encoding="utf-8", newline="\n") as file:
-            file.write(head)
-            rows = table(values)
-            file.write("%.6f %.6f %.6f\n" * len(rows) % tuple(rows.ravel().tolist()))
-        os.replace(part, path)
-    except OSError as error:
-        raise schema.VibeError(
-            f"{path} cannot be written: {error.strerror}.", "Choose another folder."
-        ) from error
-    finally:
-        part.unlink(missing_ok=True)
+    rows = table(values)
+    with whole(path) as part, part.open("w", encoding="utf-8", newline="\n") as file:
+        file.write(head)
+        file.write("%.6f %.6f %.6f\n" * len(rows) % tuple(rows.ravel().tolist()))

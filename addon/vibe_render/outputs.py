@@ -11,7 +11,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from .contract import schema
+from .disk import unwritable
+
+_REMEDY = "Choose another --out."
 
 
 class Outputs:
@@ -37,7 +39,10 @@ class Outputs:
 
     def write_text(self, name: str, text: str) -> None:
         """Adds a text file."""
-        self.path(name).write_text(text + "\n", encoding="utf-8")
+        try:
+            self.path(name).write_text(text + "\n", encoding="utf-8")
+        except OSError as error:
+            raise unwritable(self.folder / name, error, _REMEDY) from error
 
     def __enter__(self) -> Outputs:
         return self
@@ -50,9 +55,7 @@ class Outputs:
                 for name in self._names:
                     os.replace(self.path(name), self.folder / name)
         except OSError as broken:
-            raise schema.VibeError(
-                f"{self.folder} cannot be written: {broken}.", "Choose another --out."
-            ) from broken
+            raise unwritable(self.folder / self._names[-1], broken, _REMEDY) from broken
         finally:
             for name in self._names:
                 with contextlib.suppress(OSError):

@@ -3,10 +3,9 @@
 
 from __future__ import annotations
 
-import os
-import uuid
+import tempfile
 from collections.abc import Iterable, Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,7 @@ import bpy
 import numpy as np
 
 from . import compat
-from .contract import schema
+from .disk import whole
 from .export_mesh import has_surface
 from .settings import changed
 
@@ -93,12 +92,10 @@ def render_mask(scene: bpy.types.Scene, path: Path, size: int, subject: Iterable
             fog = thing.type == "VOLUME" or _is_fog(thing)
             holdout = thing.name_full not in theirs and thing.type not in ("LIGHT", "CAMERA")
             stack.enter_context(changed(thing, **({"hide_render": True} if fog else {"is_holdout": holdout})))
-        whole = _beside(path)
-        try:
-            _write(scene, whole, "RGBA")
-            _keep_alpha(whole, path)
-        finally:
-            whole.unlink(missing_ok=True)
+        with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
+            rendered = Path(folder) / path.name
+            _write(scene, rendered, "RGBA")
+            _keep_alpha(rendered, path)
 
 
 def render_clear(scene: bpy.types.Scene, path: Path, size: int, samples: int, seed: int = 0) -> None:
@@ -176,16 +173,12 @@ def _write(scene: bpy.types.Scene, path: Path, mode: str) -> None:
 
 def _write_as(scene: bpy.types.Scene, path: Path, kind: dict[str, Any], **options: str) -> None:
     """Renders to a file of a kind, atomically."""
-    whole = _beside(path)
-    try:
-        with _kind(scene.render.image_settings, kind), changed(scene.render, filepath=str(whole)):
-            bpy.ops.render.render(scene=scene.name, write_still=True, **options)
-        os.replace(whole, path)
-    except (OSError, RuntimeError) as error:
-        raise schema.VibeError(f"{path} cannot be written: {error}.", "Choose another folder.") from error
-    finally:
-        with suppress(OSError):
-            whole.unlink(missing_ok=True)
+    with (
+        whole(path) as part,
+        _kind(scene.render.image_settings, kind),
+        changed(scene.render, filepath=str(part)),
+    ):
+        bpy.ops.render.render(scene=scene.name, write_still=True, **options)
 
 
 @contextmanager
@@ -202,10 +195,6 @@ def _kind(picture: bpy.types.ImageFormatSettings, kind: dict[str, Any]) -> Itera
             setattr(picture, name, value)
 
 
-def _beside(path: Path) -> Path:
-    return path.with_name(f".{path.stem}-{uuid.uuid4().hex[:8]}{path.suffix}")
-
-
 def _is_fog(thing: bpy.types.Object) -> bool:
     slots = [slot.material for slot in thing.material_slots if slot.material]
     return bool(slots) and not any(has_surface(m) for m in slots)
@@ -220,13 +209,11 @@ def _keep_alpha(rendered: Path, path: Path) -> None:
     flat = np.empty(width * height * 4, np.float32)
     source.pixels.foreach_get(flat)
     bpy.data.images.remove(source)
-    whole = _beside(path)
     mask = bpy.data.images.new("Vibe Mask", width, height, alpha=False, is_data=True)
     try:
         mask.pixels.foreach_set(np.repeat(flat[3::4, None], 4, axis=1).ravel())
-        mask.filepath_raw, mask.file_format = str(whole), "PNG"
-        mask.save()
-        os.replace(whole, path)
+        with whole(path) as part:
+            mask.filepath_raw, mask.file_format = str(part), "PNG"
+            mask.save()
     finally:
         bpy.data.images.remove(mask)
-        whole.unlink(missing_ok=True)

@@ -3,10 +3,9 @@
 
 from __future__ import annotations
 
-import errno
 import shutil
-import tempfile
 import time
+import uuid
 from collections.abc import Generator
 from dataclasses import asdict
 from pathlib import Path
@@ -14,7 +13,7 @@ from typing import cast
 
 import bpy
 
-from . import anchoring, aside, chosen, first_picture, preferences, result, scene_io, shared, snapshot
+from . import anchoring, aside, chosen, disk, first_picture, preferences, result, scene_io, shared, snapshot
 from .contract import messages, schema
 from .engine import Engine
 from .told import LOOKING, Told
@@ -39,7 +38,7 @@ class Session(Told):
     """
 
     def __init__(self, context: bpy.types.Context, engine: Engine, ask: bool = False) -> None:
-        super().__init__(Path(tempfile.mkdtemp(prefix="vibe-", dir=bpy.app.tempdir)))
+        super().__init__(Path(bpy.app.tempdir) / f"vibe-{uuid.uuid4().hex[:8]}")
         settings = context.scene.vibe
         self.scene, self._uid = context.scene.name, context.scene.session_uid
         self.prompt = settings.prompt.strip()
@@ -65,7 +64,7 @@ class Session(Told):
         try:
             return next(self._steps, None) is not None
         except OSError as error:
-            if error.errno not in (errno.ENOSPC, errno.EDQUOT):
+            if not disk.is_full(error):
                 raise
             raise schema.VibeError(
                 f"There is no room left on the disk, in {bpy.app.tempdir}.",
@@ -78,7 +77,7 @@ class Session(Told):
         self._engine.send(messages.Stop())
 
     def cancel(self) -> None:
-        """Gives up; the scene is as it was."""
+        """Gives up, or ends what has failed; the scene is as it was."""
         self._steps.close()
         if self.asked and self._found is None:
             if self.silence > SILENT:

@@ -3,9 +3,7 @@
 
 from __future__ import annotations
 
-import os
 import tempfile
-import uuid
 from pathlib import Path
 
 import bpy
@@ -13,6 +11,7 @@ import numpy as np
 
 from . import rendering
 from .contract import schema
+from .disk import whole
 
 SIZE = 128  # pixels
 SUFFIX = ".jpg"
@@ -29,9 +28,9 @@ def render(scene: bpy.types.Scene, out: Path) -> None:
     width, height = scene.render.resolution_x, scene.render.resolution_y
     longer = round(SIZE * max(width, height) / min(width, height))
     with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
-        whole = Path(folder) / "whole.png"
-        rendering.render(scene, whole, longer, _SAMPLES)
-        shrink(whole, out)
+        picture = Path(folder) / "whole.png"
+        rendering.render(scene, picture, longer, _SAMPLES)
+        shrink(picture, out)
 
 
 def shrink(picture: Path, out: Path) -> None:
@@ -40,9 +39,11 @@ def shrink(picture: Path, out: Path) -> None:
     Raises:
         VibeError: The picture cannot be read, or the file cannot be written.
     """
-    part = out.with_name(f".{uuid.uuid4().hex[:8]}{SUFFIX}")
     try:
         middle = _middle(picture)
+    except RuntimeError as error:
+        raise schema.VibeError(f"No thumbnail could be made: {error}.", "Check the folder.") from error
+    with whole(out, "Check the folder.") as part:
         side = middle.shape[0]
         small = bpy.data.images.new("Vibe Thumbnail", side, side, alpha=False, is_data=True)
         try:
@@ -52,11 +53,6 @@ def shrink(picture: Path, out: Path) -> None:
             small.save(quality=_QUALITY)
         finally:
             bpy.data.images.remove(small)
-        os.replace(part, out)
-    except (OSError, RuntimeError) as error:
-        raise schema.VibeError(f"No thumbnail could be made: {error}.", "Check the folder.") from error
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def pixels(picture: Path) -> np.ndarray:
