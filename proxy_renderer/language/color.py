@@ -30,6 +30,7 @@ _FROM_CONES = (
     (-1.2684380, 2.6097574, -0.3413194),
     (-0.0041961, -0.7034186, 1.7076147),
 )
+_GREYISH = 20.0  # chroma below which a hue says little
 _TO_OKLAB = (
     (0.2104543, 0.7936178, -0.0040720),
     (1.9779985, -2.4285922, 0.4505937),
@@ -140,6 +141,15 @@ def mix(first: Values, second: Values, share: float) -> Values:
 def chroma(lab: Lab) -> float:
     """Distance from grey."""
     return math.hypot(lab[1], lab[2])
+
+
+def hue_apart(one: Values, other: Values) -> float:
+    """Degrees between the Lab hues of two sRGB colors; 0 where one of them is greyish."""
+    labs = to_lab(one), to_lab(other)
+    if min(map(chroma, labs)) < _GREYISH:
+        return 0.0
+    hues = [math.degrees(math.atan2(b, a)) for _, a, b in labs]
+    return abs((hues[0] - hues[1] + 180) % 360 - 180)
 
 
 def basic(srgb: Sequence[float]) -> str:

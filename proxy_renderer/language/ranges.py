@@ -36,6 +36,9 @@ def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sourc
             effect.mode, _plain
         )
         low, high = mode(effect, attribute.strength, instance, sources)
+    if effect.name == "elevation":
+        bottom, top = sources.context.light_elevations.get(instance.owner, (-90.0, 90.0))
+        low, high = ((min(max(v[0], bottom), top),) for v in (low, high))
     return clip(low, high, instance)
 
 

@@ -158,6 +158,7 @@ class PlanContext:
         view: View transform: "AgX", "Filmic", "Standard", ...
         light_types: Light -> "POINT", "SPOT", "AREA" or "SUN"; watts mean different things to them.
         light_stops: Light -> stops that Blender adds to its power (its `exposure`); none where missing.
+        light_elevations: Light -> lowest and highest elevation that floor and ceiling leave it, degrees; any where missing.
         world_share: Fraction of the surroundings' pixels that show the world, not a surface; None if unknown.
         material_share: Material -> fraction of its region's pixels; empty if unknown.
         environment_luminance: Mean luminance of a linked environment at strength 1, untinted.
@@ -170,6 +171,7 @@ class PlanContext:
     view: str = "AgX"
     light_types: dict[str, str] = field(default_factory=dict)
     light_stops: dict[str, float] = field(default_factory=dict)
+    light_elevations: dict[str, tuple[float, float]] = field(default_factory=dict)
     world_share: float | None = None
     material_share: dict[str, float] = field(default_factory=dict)
     environment_luminance: float = 0.5

@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..schema import FAMILIES
-from .color import to_lab
+from .color import hue_apart, to_lab
 from .owners import Owners
 from .types import Attribute, Parsed
 from .vocabulary import OWNERS, Effect, Vocabulary
@@ -19,6 +19,7 @@ _CASTS = {
 _PALE, _WHITE = 80.0, 93.0  # L* of pale and of white surroundings
 _PALED = 0.6  # saturation below which named colors are not what is wanted
 _ADAPTED = 0.5  # share of the cast of colored light that eyes take out
+_HIDDEN = 60.0  # degrees of hue between a thing and its light from which neither looks as named
 STAGES = 5
 """How many there are, see `stage_of`."""
 
@@ -55,10 +56,27 @@ class Wishes:
         """What is not overruled, with "red and blue lights" shared out: the first color to the key, the next to the others."""
         said = self._said()
         gels = [a for a in said if a.color and a.kind == "light" and not a.role and not a.cause]
-        if len(gels) < 2:
-            return said
-        roles = {id(gels[0]): "key", id(gels[1]): "others"}
+        roles: dict[int, str] = {}
+        if len(gels) > 1:
+            roles = {id(gels[0]): "key", id(gels[1]): "others"}
+        elif gels and self._would_hide(gels[0], said):
+            roles = {id(gels[0]): "others"}
         return [replace(a, role=roles.get(id(a), a.role)) for a in said]
+
+    def _would_hide(self, gel: Attribute, said: list[Attribute]) -> bool:
+        """Whether a color of light, without a direction, leaves nothing of the subject's: "orange pumpkin, purple light".
+
+        The key then stays for the one, and the other lights get the other.
+        """
+        entries = [self._vocabulary.entries[a.entry] for a in said if not a.color and not a.cause]
+        directed = any(
+            e.owner in ("light", "key") and e.name == "azimuth" for n in entries for e in n.effects
+        )
+        colors = [a.color for a in said if a.color and a.kind == "subject" and not a.negated]
+        if directed or not colors or len(self._owners.lights) <= len(self._owners.key):
+            return False
+        assert gel.color
+        return all(c and hue_apart(c, gel.color) > _HIDDEN for c in colors)
 
     def _effects(self, attribute: Attribute) -> list[Effect]:
         """What a word does; negated, what it forbids or the mild opposite."""

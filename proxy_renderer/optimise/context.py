@@ -18,6 +18,7 @@ from ..render.color import LUMA, srgb_to_lab
 from ..render.settings import Settings
 from ..scene import SceneData
 from ..schema import Values
+from . import headroom
 
 if TYPE_CHECKING:
     from ..render.proxy import Proxy, Render
@@ -58,6 +59,7 @@ def plan_context(proxy: Proxy, values: dict[str, Values], picture: Render) -> Pl
         view=scene.film.view,
         light_types={light.name: light.type for light in scene.lights},
         light_stops={light.name: light.exposure for light in scene.lights if light.exposure},
+        light_elevations=headroom.elevations(scene),
         world_share=world,
         material_share=materials,
         environment_luminance=_environment_luminance(scene),
