@@ -33,6 +33,10 @@ class Disk:
         """Empties what `fill` has written."""
         self._rest.unlink()
 
+    def protect(self):
+        """Makes it read-only, for root too."""
+        subprocess.run(["mount", "-o", "remount,ro", str(self.folder)], check=True)
+
     def files(self):
         """All files in it but for what fills it."""
         return {str(p.relative_to(self.folder)) for p in self.folder.rglob("*") if p.is_file()} - {"rest"}

@@ -126,20 +126,6 @@ def test_another_file_ends_the_vibe_before_it_is_opened(addon, tmp_path):
     assert snapshot.revert(scene) == []
 
 
-def test_a_read_only_file_is_only_read(addon, tmp_path):
-    path = tmp_path / "read_only.blend"
-    bpy.ops.wm.save_as_mainfile(filepath=str(path))
-    path.chmod(0o444)
-    held = path.read_bytes()
-    bpy.ops.wm.open_mainfile(filepath=str(path))
-    scene, subject = bpy.context.scene, [bpy.data.objects["Subject"]]
-    result.apply(
-        scene, scene.vibe.prompt, messages.Result({"light/Point/power": [7.0]}, {}, ""), subject, (0, 0, 0)
-    )
-    assert bpy.ops.vibe.revert() == {"FINISHED"}
-    assert path.read_bytes() == held
-
-
 def test_a_damaged_snapshot_is_explained_in_the_panel_and_keep_ends_it(addon):
     addon[snapshot.KEY] = "somebody else's"
     with pytest.raises(RuntimeError, match="damaged"):

@@ -28,7 +28,7 @@ from . import (
 )
 from .batch_arguments import engine_options
 from .batch_report import Reporter
-from .batch_scene import open_blend, open_scene, save_blend
+from .batch_scene import check_writable, open_blend, open_scene, save_blend
 from .batch_summary import Laps, numbered
 from .contract import labels, messages, schema
 from .conversation import Conversation, on_interrupt
@@ -215,6 +215,7 @@ def revert(a: argparse.Namespace, reporter: Reporter) -> None:
         raise schema.VibeError(
             f"{path.name} holds no vibe to revert.", "Only a vibed .blend can be reverted."
         )
+    check_writable(path)
     lost = [line for scene in scenes for line in snapshot.revert(scene)]
     with Outputs(path.parent) as out:
         save_blend(out.path(path.name))

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 from pathlib import Path
 
 import bpy
@@ -42,6 +43,14 @@ def open_blend(path: Path) -> None:
         raise schema.VibeError(
             f"{path.name} cannot be opened: {reason}.", "Check that it is a .blend."
         ) from error
+
+
+def check_writable(path: Path) -> None:
+    """Refuses a file that its owner has protected; replacing it would not ask for permission."""
+    if not os.access(path, os.W_OK):
+        raise schema.VibeError(
+            f"{path.name} is read-only.", "Make it writable, or copy it to where it can be changed."
+        )
 
 
 def save_blend(path: Path) -> None:
