@@ -95,6 +95,13 @@ def test_nonsense_is_one_clear_line_and_changes_nothing(held, own, act):  # noqa
     assert sorted(own.iterdir()) == there
 
 
+def test_what_is_no_file_or_a_name_of_ours(held, tmp_path):
+    with pytest.raises(RuntimeError, match="No file was chosen"):
+        bpy.ops.vibe.preset_import(filepath=str(tmp_path), directory=str(tmp_path))
+    assert bpy.ops.vibe.preset_rename(name="Cosy") == {"FINISHED"}
+    assert library.at(held.chosen).name == "Cosy 2"
+
+
 def test_assets_and_lut_of_the_look(held, tmp_path):
     assert not bpy.ops.vibe.export_lut.poll()
     assert not bpy.ops.vibe.export_assets.poll()
@@ -114,4 +121,4 @@ def test_assets_and_lut_of_the_look(held, tmp_path):
 def test_panel_finds_what_it_draws(held):
     """What is drawn without a window: nothing; but its icons and columns can be asked for."""
     assert all(preset_pictures.icon(look) for look in library.looks())
-    assert preset_panel.VIBE_PT_presets.poll(bpy.context)
+    assert preset_panel.Presets.poll(bpy.context)

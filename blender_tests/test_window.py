@@ -18,6 +18,7 @@ TOOL = REPOSITORY.parent / "shared" / "tools" / "blender-window"
 pytestmark = pytest.mark.timeout(2500)  # minutes where others use the machine too
 _ATTEMPTS = 3
 SIZE = "1920", "1080"  # pixels; what the driver knows about places is for this size
+ENGINELESS = ("without_engine", "files")  # ways that find no engine
 _BUNDLED = ("numpy", "requests")  # official builds bring them along; Debian's minimal one does not
 
 
@@ -73,7 +74,11 @@ def _walk(way, out, user):
         "PYTHONPATH": str(REPOSITORY),  # for the engine; Blender itself must not need it
     }
     environment.setdefault("VIBE_ENGINE", sys.executable)
-    blender = ["blender", "--window-geometry", "0", "0", *SIZE, "--factory-startup", "--offline-mode"]
+    blender = ["blender", "--window-geometry", "0", "0", *SIZE, "--factory-startup"]
+    if way in ENGINELESS:
+        environment["VIBE_ENGINE"] = str(out)
+    else:
+        blender.append("--offline-mode")  # which the factory's settings are too, but leave to the artist
     driver = ["--python", REPOSITORY / "blender_tests" / "window_driver.py", "--", way]
     for _ in range(_ATTEMPTS):
         done = subprocess.run(
@@ -151,6 +156,32 @@ def test_a_preset_is_saved_found_and_put_on_another_scene(walk):
     assert seen["saved"] == seen["chosen"]
     assert seen["applied"]
     assert seen["preset_revert_restores"]
+
+
+def test_without_an_engine_the_panel_says_so_and_the_rest_works(walk):
+    """Earlier prompts, locks, a preset, compare, strength, the render properties; nothing is downloaded offline."""
+    seen = walk("without_engine")
+    assert seen["vibe_it_waits"]
+    assert seen["recalled"] == "noir, one hard light"
+    assert seen["unlocked"]
+    assert seen["preset"] == "Moonlight"
+    assert 0.3 < seen["strength"] < 0.9
+    assert len(seen["powers_on_the_way"]) > 5, "the light follows while the slider is dragged"
+    for shown in ("dimmed", "before_shows_before", "rendered", "revert_restores"):
+        assert seen[shown], shown
+    assert "no Vibe engine" in seen["tested"]
+    assert seen["offline_sets_up_nothing"]
+
+
+def test_presets_and_looks_as_files(walk):
+    """A preset is saved beside ours, renamed, exported, deleted and imported; a light rig comes back by drag and drop."""
+    seen = walk("files")
+    assert seen["saved"] == "Moonlight 2"
+    assert seen["renamed"] == seen["imported"] == "Blue Night"
+    assert seen["exported"] == ["blue-night.jpg", "blue-night.json"]
+    assert seen["deleted"]
+    assert set(seen["assets"]) == {"Moonlight Light Rig", "Moonlight Grade", "Moonlight World"}
+    assert seen["rig"] == ["LIGHT", "LIGHT"]
 
 
 def test_shared_materials_are_asked_about(walk):

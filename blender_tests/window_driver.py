@@ -16,11 +16,14 @@ from typing import Any
 import bpy
 
 sys.path.append(str(Path(__file__).parent))
-from window_scene import a_scene, another_scene, effort, same, values
+from window_files import files
+from window_presets import presets
+from window_scene import a_scene, effort, same, values
 from window_screen import Screen
+from window_steps import PROMPT, a_result, open_panel, running
+from window_without import without_engine
 
 WAY, ZIP, OUT = sys.argv[sys.argv.index("--") + 1 :][:3]
-PROMPT = "misty night, cool blue fog, glossy red monkey, vignette"
 seen: dict[str, Any] = {}
 
 
@@ -32,18 +35,6 @@ def start(screen):
         bpy.ops.ed.undo_push(message="Scene")
     seen["schema_is_the_copy"] = not any(name.startswith("proxy_renderer") for name in sys.modules)
     yield from open_panel(screen)
-
-
-def open_panel(screen):
-    """The sidebar with our tab, beside what the camera sees."""
-    screen.look()
-    space = screen.area.spaces.active
-    space.shading.color_type, space.region_3d.view_perspective = "MATERIAL", "CAMERA"
-    space.show_region_ui = True
-    yield 0.5
-    screen.sidebar.active_panel_category = "Vibe"
-    screen.sidebar.tag_redraw()
-    yield 0.5
 
 
 def ways_out(screen):
@@ -176,68 +167,6 @@ def locked_values(key):
     return {c.name: str(c.values()) for c in listed if c.name == key or c.name.startswith("volume/")}
 
 
-def presets(screen):
-    """A look is saved with its picture, found in the grid, put on another scene; then it is kept."""
-    from bl_ext.user_default.vibe_render import library, snapshot
-
-    yield from a_result(screen)
-    yield from screen.scroll(5, 8)
-    yield from screen.away()
-    screen.shoot("what_changed")
-    yield from screen.click_on("vibe.preset_save", 740, (0.7,))
-    yield 0.5
-    screen.shoot("save")
-    screen.press("Return")
-    held = bpy.context.window_manager.vibe_presets
-    yield from screen.wait(lambda: held.chosen, 120, "the preset is saved")
-    yield from screen.away()
-    screen.shoot("saved")
-    seen["saved"] = library.at(held.chosen).name
-    yield from screen.click_on("vibe.keep", 713, (0.2,))
-    yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "it is kept")
-    yield from screen.away()
-    screen.shoot("kept")
-    seen["kept"] = values()["Monkey.Base Color"] != repr([0.75, 0.6, 0.45, 1.0])
-
-    with screen.over(screen.view):
-        another_scene()
-        bpy.ops.ed.undo_push(message="Another scene")
-    screen.area.spaces.active.region_3d.view_perspective = "CAMERA"
-    before = values()
-    yield 0.5
-    yield from screen.click_at(308, 0.45)  # Browse: a popover's button says nothing of itself
-    yield 1.5
-    screen.shoot("grid")
-    yield from search(screen, held)
-    yield from screen.click_on("vibe.preset_apply", 543)
-    yield from screen.wait(lambda: snapshot.exists(bpy.context.scene), 120, "the preset is applied")
-    yield from screen.away()
-    screen.shoot("applied")
-    seen["applied"] = [change.name for change in bpy.context.scene.vibe.changes]
-    seen["rest"] = held.rest.splitlines()
-    yield from screen.click_on("vibe.revert", 687, (0.7,))
-    yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "revert")
-    seen["preset_revert_restores"] = values() == before
-
-
-def search(screen, held):
-    """Words are typed into the grid's search field, and pictures' buttons are clicked; it is below Browse."""
-    from bl_ext.user_default.vibe_render import library
-
-    yield from screen.click_at(348, 0.45)
-    screen.type("misty")
-    screen.press("Return")
-    yield 1.0
-    own = held.chosen
-    for number, place in enumerate((0.18, -0.3)):  # the second and the first of those that are left
-        yield from screen.click_at(488, place)
-        yield from screen.wait(lambda n=number: (held.chosen == own) == bool(n), 30, "a picture is chosen")
-        yield 0.7
-        screen.shoot(f"search_{number + 1}")
-    seen["searched"] = held.search
-    seen["chosen"] = library.at(held.chosen).name
-
-
 def questions(screen):
     """The question about a shared material, answered both ways."""
     from bl_ext.user_default.vibe_render import snapshot
@@ -306,32 +235,6 @@ def second_window(screen, desk):
     seen["closing_it_changes_nothing"] = desk.running and not desk.failure
 
 
-def running(screen):
-    """A long vibe is started, and its first picture awaited."""
-    from bl_ext.user_default.vibe_render.desk import desk
-
-    bpy.context.scene.vibe.prompt = PROMPT
-    effort(20, 60, 256)
-    yield from screen.click_on("vibe.run", 236)
-    yield from screen.wait(lambda: desk.running, 60, "Vibe It starts")
-    yield from screen.wait(lambda: desk.session.progress, 900, "progress is seen")
-    yield 1.0
-    screen.shoot("running")
-
-
-def a_result(screen, variants=1):
-    """A short vibe is run to its end."""
-    from bl_ext.user_default.vibe_render.desk import desk
-
-    effort(1, 4)
-    bpy.context.scene.vibe.variants, bpy.context.scene.vibe.prompt = variants, PROMPT
-    bpy.ops.ed.undo_push(message="Words")
-    yield from screen.click_on("vibe.run", 236)
-    yield from screen.wait(lambda: desk.running, 60, "Vibe It starts")
-    yield from screen.wait(lambda: not desk.running, 900, "the vibe ends")
-    yield from screen.away()
-
-
 def preferences(screen):
     """What the add-on's preferences look like, and whether they find and try the engine."""
     from bl_ext.user_default.vibe_render.engine_place import place
@@ -342,16 +245,17 @@ def preferences(screen):
     with bpy.context.temp_override(window=screen.window, area=screen.area):
         bpy.ops.preferences.addon_expand(module="bl_ext.user_default.vibe_render")
     yield from screen.wait(lambda: place.python, 60, "the engine is found")
-    place.test("")
+    screen.shoot("preferences_before")
+    yield from screen.click_on("vibe.test_engine", 300, (0.7, 0.6, 0.8))
     yield from screen.wait(lambda: place.said, 600, "the engine answers")
-    yield 0.5
+    yield from screen.away()
     seen["engine"] = place.said
     screen.shoot("preferences")
     screen.area.type = kind
     yield 0.5
 
 
-WAYS = {way.__name__: way for way in (ways_out, choosing, presets, questions, ends)}
+WAYS = {way.__name__: way for way in (ways_out, choosing, presets, questions, ends, without_engine, files)}
 
 
 def walk():

@@ -26,15 +26,16 @@ class Screen:
         self._number, self._scrolled = 0, False
         self.look()
 
-    def look(self):
-        """Finds the window and the viewport in it; another file brings others."""
-        self.window = bpy.context.window_manager.windows[0]
-        self.area = next(a for a in self.window.screen.areas if a.type == "VIEW_3D")
+    def look(self, kind="VIEW_3D"):
+        """Turns to an editor, in whichever window it is; another file brings others."""
+        windows = bpy.context.window_manager.windows
+        self.window, self.area = next((w, a) for w in windows for a in w.screen.areas if a.type == kind)
 
     @property
     def sidebar(self):
-        """The region of the sidebar."""
-        return next(r for r in self.area.regions if r.type == "UI")
+        """The region that our panels are in: the viewport's sidebar, or the whole of other editors."""
+        kind = "UI" if self.area.type == "VIEW_3D" else "WINDOW"
+        return next(r for r in self.area.regions if r.type == kind)
 
     @property
     def view(self):
@@ -57,8 +58,10 @@ class Screen:
         (self.out / "steps.json").write_text(json.dumps(self.seen, indent=1))
 
     def move(self, x, y):
-        """Moves the mouse; Blender's coordinates, from the lower left."""
-        subprocess.run(["xdotool", "mousemove", str(int(x)), str(int(self.window.height - y))], check=True)
+        """Moves the mouse; Blender's coordinates, from the window's lower left."""
+        screen = bpy.context.window_manager.windows[0].height  # the first window is all of it
+        place = x + self.window.x, screen - self.window.y - y
+        subprocess.run(["xdotool", "mousemove", *(str(int(p)) for p in place)], check=True)
 
     def press(self, *keys):
         """Presses keys, one after the other."""
@@ -131,6 +134,60 @@ class Screen:
         yield 0.5
         self.click()
         yield 0.5
+
+    def open(self, below, place):
+        """Clicks in the sidebar until something opens below: menus and headers say nothing of themselves."""
+        x = self.sidebar.x + self.sidebar.width * place
+        for _ in range(5):
+            self.move(x, self.window.height - below)
+            yield 0.5
+            shown = self.pixels(x - 80, below + 20)
+            self.click()
+            for _ in range(20):
+                yield 0.1
+                if self.pixels(x - 80, below + 20) != shown:
+                    yield 0.5
+                    return
+        raise TimeoutError(f"Nothing opens {below} pixels below the window's top.")
+
+    def pixels(self, x, below):
+        """A small piece of what is shown."""
+        piece = f"100x40+{x:.0f}+{below:.0f}"
+        command = ["import", "-window", "root", "-crop", piece, "-depth", "8", "rgb:-"]
+        return subprocess.run(command, check=True, capture_output=True).stdout
+
+    def click_until(self, place, condition, what):
+        """Clicks a place until that has an effect: a window that is just opening loses clicks.
+
+        Args:
+            place: Pixels from the window's left and below its top.
+            condition: The effect.
+            what: It, in words.
+        """
+        for _ in range(8):
+            self.move(place[0], self.window.height - place[1])
+            yield 0.4
+            self.click()
+            for _ in range(15):
+                yield 0.1
+                if condition():
+                    return
+        raise TimeoutError(what)
+
+    def drag(self, start, end, name):
+        """Drags from one place to another, in pixels from the left and below the top; a screenshot before the end."""
+        self.move(start[0], self.window.height - start[1])
+        yield 0.4
+        subprocess.run(["xdotool", "mousedown", "1"], check=True)
+        yield 0.4
+        step = [str(round((b - a) / 20)) for a, b in zip(start, end, strict=True)]
+        for _ in range(20):
+            subprocess.run(["xdotool", "mousemove_relative", "--", *step], check=True)
+            yield 0.1
+        yield 0.5
+        self.shoot(name)
+        subprocess.run(["xdotool", "mouseup", "1"], check=True)
+        yield 0.7
 
     def away(self):
         """Moves the mouse where no button is, so that no tool tip hides what is shown."""

@@ -11,7 +11,7 @@ from .preferences import engine_choice, online
 
 
 class VIBE_OT_setup_engine(bpy.types.Operator):
-    """Make a Python environment for the engine, in the extension's own folder: downloads packages from the Python Package Index, up to a few GB where there is an NVIDIA card to use"""
+    """Download the engine once, into the extension's own folder: Python packages from the Python Package Index, several GB"""
 
     bl_idname = "vibe.setup_engine"
     bl_label = "Set Up Engine"

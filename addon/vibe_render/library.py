@@ -198,9 +198,9 @@ def _read(path: Path, _time: int, _size: int) -> Look:
 
 
 def _write(place: Path, look: preset.Preset, picture: Path | None, instead: Path | None = None) -> Look:
-    """Writes a preset under its own name, or a numbered one where that is taken."""
+    """Writes a preset under its own name, or a numbered one where that is taken, by ours too."""
     path, number, name = path_for(place, look.name), 1, look.name
-    while path.exists() and path != instead:
+    while (path.exists() and path != instead) or (SHIPPED / path.name).exists():
         number += 1
         look = replace(look, name=f"{name} {number}")
         path = path_for(place, look.name)

@@ -18,7 +18,7 @@ from .preset_actions import Export, Idle, OfLook
 
 
 class VIBE_OT_export_assets(OfLook, Export):
-    """Write materials, world, light rig and grade of the look that the scene has now for the Asset Browser"""
+    """Save materials, world, lights and grade of the look that the scene has now, for the Asset Browser"""
 
     bl_idname = "vibe.export_assets"
     bl_label = "Export as Assets"
@@ -56,7 +56,7 @@ class VIBE_OT_export_assets(OfLook, Export):
 
 
 class VIBE_OT_export_lut(Idle, Export):
-    """Write the scene's grade as a .cube for other programs: sRGB in, sRGB out"""
+    """Save the scene's color grade as a .cube file for other programs: sRGB in, sRGB out"""
 
     bl_idname = "vibe.export_lut"
     bl_label = "Export LUT"

@@ -37,10 +37,10 @@ def draw_no_engine(layout: bpy.types.UILayout, context: bpy.types.Context) -> No
     paragraph(
         box,
         context,
-        "It finds the looks, in a process of its own beside Blender. Presets, strength, compare and revert "
-        "work without it.",
+        "It turns words into looks. Set Up Engine downloads it once: several GB. Presets, strength, compare "
+        "and revert work without it.",
     )
-    if place.said and not place.works:
+    if place.said and not place.works and place.said != str(place.problem):  # the buttons say what to do
         paragraph(box, context, place.said, "ERROR")
     _engine_buttons(box)
 
@@ -50,7 +50,7 @@ def _engine_buttons(layout: bpy.types.UILayout) -> None:
     column.scale_y = 1.2
     column.operator("vibe.setup_engine", icon="IMPORT")
     if not preferences.online():
-        column.label(text="Allow Online Access first: Preferences, System", icon="INTERNET_OFFLINE")
+        column.operator("extensions.userpref_show_online", text="Allow Online Access…", icon="INTERNET")
     row = column.row(align=True)
     row.operator("vibe.look_for_engine", icon="FILE_REFRESH")
     row.operator("preferences.addon_show", text="Preferences", icon="PREFERENCES").module = __package__

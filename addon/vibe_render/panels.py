@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import bpy
 
-from . import history, obstacles, panel_progress, panel_result, panel_trouble, preferences
+from . import history, obstacles, panel_progress, panel_result, panel_trouble, preferences, preset_panel
 from .contract import schema
 from .desk import desk
 from .drawing import paragraph
@@ -150,6 +150,7 @@ class _Advanced(_Idle):
 
 _PANELS: tuple[tuple[str, type, str], ...] = (
     ("main", _Main, ""),
+    ("presets", preset_panel.Presets, "main"),
     ("result", panel_result.Result, ""),
     ("changes", panel_result.Changes, "result"),
     ("scope", _Scope, ""),

@@ -96,7 +96,8 @@ class VibePreferences(bpy.types.AddonPreferences):
             row.operator("vibe.test_engine", icon="CHECKMARK")
             row.operator("vibe.look_for_engine", text="", icon="FILE_REFRESH")
         if place.said and not place.testing:
-            drawing.paragraph(about, context, place.said, "CHECKMARK" if place.works else "ERROR")
+            icon, letters = "CHECKMARK" if place.works else "ERROR", int(drawing.columns(context) * 0.55)
+            drawing.paragraph(about, context, place.said, icon, letters=letters)
         column.separator()
         column.prop(self, "device")
         column.prop(self, "encoder", placeholder="The one that comes with it")

@@ -9,11 +9,11 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import bpy
-from bpy.props import StringProperty
+from bpy.props import BoolProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
 
 from . import library
-from .contract import schema
+from .contract import preset, schema
 from .desk import desk
 
 
@@ -111,10 +111,29 @@ class OfLook(Idle):
         return "" if context.scene.vibe.changes else "Vibe the scene first, or apply a preset"
 
 
-class Export(ExportHelper):
+class Named:
+    """A dialog for a name, which can be typed at once."""
+
+    name: StringProperty(name="Name", maxlen=preset.LONGEST_NAME)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draws the dialog."""
+        layout: bpy.types.UILayout = self.layout  # type: ignore[attr-defined]
+        layout.activate_init = True  # lost where labels are split off
+        layout.prop(self, "name")
+
+
+class FileDialog:
+    """A file dialog without the column for options: there are none."""
+
+    hide_props_region: BoolProperty(default=True, options={"HIDDEN", "SKIP_SAVE"})
+
+
+class Export(FileDialog, ExportHelper):
     """A file dialog that proposes a name."""
 
     def propose(self, name: str, folder: str = "") -> None:
-        """Proposes a file for a look of this name."""
-        if not self.filepath:  # type: ignore[has-type]
-            self.filepath = str(library.path_for(Path(folder), name).with_suffix(self.filename_ext))
+        """Proposes a file for a look of this name, in the folder of the last one."""
+        if self.filepath:  # type: ignore[has-type]
+            folder = str(Path(self.filepath).parent)  # type: ignore[has-type]
+        self.filepath = str(library.path_for(Path(folder), name).with_suffix(self.filename_ext))

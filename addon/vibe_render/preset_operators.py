@@ -16,7 +16,7 @@ from . import library, preset_use, thumbnail
 from .contract import preset, schema
 from .desk import desk
 from .obstacles import untouchable
-from .preset_actions import Chosen, Export, Idle, OfLook, OwnChosen, VibePresets
+from .preset_actions import Chosen, Export, FileDialog, Idle, Named, OfLook, OwnChosen, VibePresets
 from .roster import GEOMETRY
 
 
@@ -45,7 +45,7 @@ class VIBE_OT_preset_choose(bpy.types.Operator):
 
 
 class VIBE_OT_preset_apply(Chosen):
-    """Give the scene this look. Strength, Original, Keep and Revert work as after a vibe"""
+    """Give the scene this look. Strength, Before, Keep and Revert work as after a vibe"""
 
     bl_idname = "vibe.preset_apply"
     bl_label = "Apply"
@@ -76,13 +76,11 @@ class VIBE_OT_preset_apply(Chosen):
         return f"{look.name} is in the scene{left}"
 
 
-class VIBE_OT_preset_save(OfLook):
+class VIBE_OT_preset_save(Named, OfLook):
     """Save the look that the scene has now as a preset, with a picture of it"""
 
     bl_idname = "vibe.preset_save"
     bl_label = "Save Preset"
-
-    name: StringProperty(name="Name", maxlen=preset.LONGEST_NAME)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Asks for a name."""
@@ -103,13 +101,11 @@ class VIBE_OT_preset_save(OfLook):
         return f"Saved as {saved.name}"
 
 
-class VIBE_OT_preset_rename(OwnChosen):
+class VIBE_OT_preset_rename(Named, OwnChosen):
     """Give this preset another name"""
 
     bl_idname = "vibe.preset_rename"
     bl_label = "Rename Preset"
-
-    name: StringProperty(name="Name", maxlen=preset.LONGEST_NAME)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Asks for a name."""
@@ -153,7 +149,7 @@ class VIBE_OT_preset_delete(OwnChosen):
         return f"{look.name} is deleted"
 
 
-class VIBE_OT_preset_import(Idle, ImportHelper):
+class VIBE_OT_preset_import(Idle, FileDialog, ImportHelper):
     """Copy preset files into your presets. Nothing in them is ever run"""
 
     bl_idname = "vibe.preset_import"
@@ -169,6 +165,8 @@ class VIBE_OT_preset_import(Idle, ImportHelper):
         paths = [Path(self.directory) / file.name for file in self.files if file.name] or [
             Path(self.filepath)
         ]
+        if paths[0].is_dir():
+            raise schema.VibeError("No file was chosen.", "Choose preset files.")
         brought, wrong = [], []
         for path in paths:
             try:
@@ -187,7 +185,7 @@ class VIBE_OT_preset_import(Idle, ImportHelper):
 
 
 class VIBE_OT_preset_export(Chosen, Export):
-    """Write this preset, and its picture beside it, for somebody else"""
+    """Save this preset and its picture as files, to pass on"""
 
     bl_idname = "vibe.preset_export"
     bl_label = "Export Preset"

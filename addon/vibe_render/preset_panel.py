@@ -41,15 +41,14 @@ class VIBE_MT_presets(bpy.types.Menu):
         layout = self.layout
         layout.operator_context = "INVOKE_DEFAULT"
         layout.operator("vibe.preset_import", text="Import…", icon="IMPORT")
-        layout.operator("wm.path_open", text="Open Folder", icon="FILE_FOLDER").filepath = str(
-            library.folder()
-        )
+        if (folder := library.folder()).is_dir():
+            layout.operator("wm.path_open", text="Open Folder", icon="FILE_FOLDER").filepath = str(folder)
         layout.separator()
         layout.operator("vibe.export_assets", text="Export Look as Assets…", icon="ASSET_MANAGER")
         layout.operator("vibe.export_lut", text="Export Grade as LUT…", icon="COLOR")
 
 
-class _Presets:
+class Presets:
     """The chosen preset, and the way to the others."""
 
     bl_label = "Presets"
@@ -70,24 +69,6 @@ class _Presets:
         if look := _chosen(context):
             layout.template_icon(icon_value=preset_pictures.icon(look), scale=6.0)
             _draw_chosen(layout, context, look)
-
-
-class VIBE_PT_presets(_Presets, bpy.types.Panel):
-    """In the 3D viewport's sidebar."""
-
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Vibe"
-    bl_parent_id = "VIBE_PT_main"
-
-
-class VIBE_RENDER_PT_presets(_Presets, bpy.types.Panel):
-    """In the render properties."""
-
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "render"
-    bl_parent_id = "VIBE_RENDER_PT_main"
 
 
 class VIBE_PT_preset_grid(bpy.types.Panel):
@@ -157,4 +138,4 @@ def _draw_chosen(
         paragraph(box, context, f"… and {len(rest) - _SHOWN} more", faint=True, letters=letters)
 
 
-CLASSES = (VIBE_MT_preset, VIBE_MT_presets, VIBE_PT_preset_grid, VIBE_PT_presets, VIBE_RENDER_PT_presets)
+CLASSES = (VIBE_MT_preset, VIBE_MT_presets, VIBE_PT_preset_grid)

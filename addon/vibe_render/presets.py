@@ -48,7 +48,9 @@ def load(path: Path) -> preset.Preset:
             raise schema.VibeError(f"{path.name} is too large for a preset.", "Choose a preset file.")
         look = preset.loads(content.decode("utf-8"))
     except (OSError, UnicodeDecodeError) as error:
-        raise schema.VibeError(f"{path} cannot be read: {error}.", "Check the path.") from error
+        raise schema.VibeError(
+            f"{path} cannot be read: {getattr(error, 'strerror', None) or error}.", "Check the path."
+        ) from error
     return look
 
 

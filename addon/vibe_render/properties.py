@@ -85,7 +85,7 @@ class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
     )
     subject: EnumProperty(
         name="Subject",
-        description="What the words about things are about; the rest are its surroundings",
+        description="What the picture is about; everything else is its surroundings",
         items=(
             (
                 "AUTO",
@@ -97,7 +97,9 @@ class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
         ),
         update=_choose_anew,
     )
-    collection: PointerProperty(type=bpy.types.Collection, name="Collection")
+    collection: PointerProperty(
+        type=bpy.types.Collection, name="Collection", description="What the picture is about"
+    )
     budget: EnumProperty(
         name="Effort",
         description="How long to look for the look",
@@ -110,10 +112,12 @@ class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
         ),
         default="STANDARD",
     )
-    rounds: IntProperty(name="Rounds", description="The plan is made anew in each", default=6, min=1, max=100)
+    rounds: IntProperty(
+        name="Rounds", description="How often the plan is made anew", default=6, min=1, max=100
+    )
     steps: IntProperty(name="Steps", description="Refinements in each round", default=40, min=1, max=1000)
     size: IntProperty(
-        name="Picture", description="Longer side of the prediction, pixels", default=512, min=64, max=2048
+        name="Picture", description="Longer side of the preview, in pixels", default=512, min=64, max=2048
     )
     top_k: IntProperty(
         name="Values at Once", description="How many values a round may refine", default=8, min=1, max=64
@@ -159,7 +163,9 @@ class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
         update=_dim,
     )
     show_original: BoolProperty(
-        name="Show Original", description="Look at the scene as it was, to compare", update=_mix
+        name="Show Original",
+        description="Switch between the scene as it was and the new look, to compare",
+        update=_mix,
     )
     changes: CollectionProperty(type=VibeChange)
     vibed_prompt: StringProperty()

@@ -25,7 +25,7 @@ class _Running(bpy.types.Operator):
 
 
 class VIBE_OT_stop(_Running):
-    """Stop looking, and take the best look so far"""
+    """Stop now, and use the best look so far"""
 
     bl_idname = "vibe.stop"
     bl_label = "Stop"
@@ -47,7 +47,7 @@ class VIBE_OT_stop(_Running):
 
 
 class VIBE_OT_cancel(_Running):
-    """Give this vibe up, and leave the scene as it was"""
+    """Stop now, and leave the scene as it was"""
 
     bl_idname = "vibe.cancel"
     bl_label = "Cancel"

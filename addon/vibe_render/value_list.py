@@ -17,7 +17,6 @@ class VibeValue(bpy.types.PropertyGroup):
     """A value of the scene. Its `name` is the parameter's key."""
 
     title: StringProperty()
-    text: StringProperty()
     reason: StringProperty(description="Why it must be left alone; empty where it may change")
 
 
@@ -43,14 +42,17 @@ class VIBE_UL_values(bpy.types.UIList):
         _index: int = 0,
         _flag: int = 0,
     ) -> None:
-        """Draws a line: group, whose value, value, lock."""
+        """Draws a line: group, whose value, lock."""
         settings = context.scene.vibe
         group = schema.split_key(item.name)[0]
+        reason = item.reason
+        if not getattr(settings, f"change_{group}"):
+            reason = f"the group {labels.GROUP_TITLES[group]} is locked"
         row = layout.row(align=True)
         names = row.row()
-        names.active = not item.reason and getattr(settings, f"change_{group}")
+        names.active = not reason
         names.label(text=item.title, icon=drawing.GROUP_ICONS[group])
-        draw_lock(row, settings, item.name, item.reason)
+        draw_lock(row, settings, item.name, reason)
 
     def filter_items(
         self, _context: bpy.types.Context, data: VibeValues, _name: str
@@ -87,7 +89,8 @@ class VIBE_OT_lock(bpy.types.Operator):
         if properties.reason:
             return f"Stays as it is: {properties.reason}"
         locked = properties.key in context.scene.vibe.locks
-        return f"{'Let a vibe change' if locked else 'Keep'} {labels.title(properties.key)}"
+        title = labels.title(properties.key)
+        return f"Let a vibe change {title}" if locked else f"Keep {title} as it is"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Turns the lock."""
@@ -101,7 +104,7 @@ class VIBE_OT_lock(bpy.types.Operator):
 
 
 class VIBE_OT_unlock_all(bpy.types.Operator):
-    """Set all single values free"""
+    """Open the locks of all single values"""
 
     bl_idname = "vibe.unlock_all"
     bl_label = "Unlock All"
@@ -153,7 +156,7 @@ def fill(scene: bpy.types.Scene) -> None:
     for instance in bindings.instances(scene, roster.meshes(scene), scene.vibe.pivot).values():
         row = rows.add()
         row.name, row.title = instance.key, labels.title(instance.key)
-        row.text, row.reason = labels.text(instance.key, instance.value), instance.locked
+        row.reason = instance.locked
 
 
 CLASSES = (VibeValue, VibeValues, VIBE_UL_values, VIBE_OT_lock, VIBE_OT_unlock_all)

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What several ways through the panel begin with. See window_driver.py."""
+
+import bpy
+from window_scene import effort
+
+PROMPT = "misty night, cool blue fog, glossy red monkey, vignette"
+
+
+def open_panel(screen):
+    """The sidebar with our tab, beside what the camera sees."""
+    screen.look()
+    space = screen.area.spaces.active
+    space.shading.color_type, space.region_3d.view_perspective = "MATERIAL", "CAMERA"
+    space.show_region_ui = True
+    yield 0.5
+    screen.sidebar.active_panel_category = "Vibe"
+    screen.sidebar.tag_redraw()
+    yield 0.5
+
+
+def running(screen):
+    """A long vibe is started, and its first picture awaited."""
+    from bl_ext.user_default.vibe_render.desk import desk
+
+    bpy.context.scene.vibe.prompt = PROMPT
+    effort(20, 60, 256)
+    yield from screen.click_on("vibe.run", 236)
+    yield from screen.wait(lambda: desk.running, 60, "Vibe It starts")
+    yield from screen.wait(lambda: desk.session.progress, 900, "progress is seen")
+    yield 1.0
+    screen.shoot("running")
+
+
+def a_result(screen, variants=1):
+    """A short vibe is run to its end."""
+    from bl_ext.user_default.vibe_render.desk import desk
+
+    effort(1, 4)
+    bpy.context.scene.vibe.variants, bpy.context.scene.vibe.prompt = variants, PROMPT
+    bpy.ops.ed.undo_push(message="Words")
+    yield from screen.click_on("vibe.run", 236)
+    yield from screen.wait(lambda: desk.running, 60, "Vibe It starts")
+    yield from screen.wait(lambda: not desk.running, 900, "the vibe ends")
+    yield from screen.away()
+
+
+def confirm(screen, condition, what):
+    """Presses Return until a dialog is done: once for the text, once for the dialog."""
+    for _ in range(4):
+        screen.press("Return")
+        for _ in range(15):
+            yield 0.1
+            if condition():
+                return
+    raise TimeoutError(what)

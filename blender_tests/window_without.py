@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""An artist's way without an engine: what the panel says about it, and all that works without. See window_driver.py."""
+
+import bpy
+from window_scene import same, values
+
+EARLIER = ("golden hour, soft haze", "noir, one hard light")
+KEY = "light/Key/power"
+
+
+def without_engine(screen):
+    """The panel, earlier prompts, single locks, a preset compared and dimmed, the properties editor, the preferences."""
+    from bl_ext.user_default.vibe_render.engine_place import place
+
+    yield from screen.wait(lambda: place.problem, 60, "no engine is found")
+    yield from screen.away()
+    screen.shoot("no_engine")
+    screen.seen["vibe_it_waits"] = not bpy.ops.vibe.run.poll()
+    yield from earlier_prompts(screen)
+    yield from single_values(screen)
+    before = values()
+    yield from a_preset(screen)
+    yield from compared(screen, before, values())
+    yield from in_the_properties(screen, before, values())
+    yield from preferences(screen, place)
+
+
+def earlier_prompts(screen):
+    """One is chosen from the menu, then all are forgotten."""
+    from bl_ext.user_default.vibe_render import history
+
+    history.clear()
+    for prompt in reversed(EARLIER):
+        history.remember(prompt)
+    yield from screen.find("vibe.prompt", 153)
+    row = screen.seen["found"]["vibe.prompt"][1]
+    yield from screen.open(row, 0.83)
+    screen.shoot("earlier_prompts")
+    yield from screen.click_at(row + 47, 0.97)
+    yield from screen.wait(lambda: bpy.context.scene.vibe.prompt, 30, "an earlier prompt")
+    screen.seen["recalled"] = bpy.context.scene.vibe.prompt
+    yield from screen.away()
+    screen.shoot("recalled")
+    yield from screen.open(row, 0.83)
+    yield from screen.click_at(row + 75, 0.97)
+    yield from screen.wait(lambda: not history.prompts(), 30, "they are forgotten")
+
+
+def single_values(screen):
+    """The list is opened, a value locked in it, and all set free."""
+    locks = bpy.context.scene.vibe.locks
+    yield from screen.find("shared", 660)
+    yield from screen.open(screen.seen["found"]["shared"][1] + 32, 0.4)
+    yield from screen.wait(lambda: bpy.context.window_manager.vibe_values.rows, 30, "the list")
+    yield from screen.away()
+    screen.shoot("single_values")
+    yield from screen.click_on(f'vibe.lock(key="{KEY}"', 830, (0.73,))
+    yield from screen.wait(lambda: KEY in locks, 30, "a lock in the list")
+    yield from screen.away()
+    screen.shoot("single_lock")
+    yield from screen.click_on("vibe.unlock_all", 880)
+    yield from screen.wait(lambda: not locks, 30, "no lock")
+    screen.seen["unlocked"] = True
+    yield from screen.click_at(screen.seen["found"]["shared"][1] + 32, 0.4)
+
+
+def a_preset(screen):
+    """One of the pictures is applied with its tick."""
+    from bl_ext.user_default.vibe_render import snapshot
+
+    yield from screen.find("vibe.look_for_engine", 430)
+    row = screen.seen["found"]["vibe.look_for_engine"][1]
+    yield from screen.open(row + 70, 0.45)
+    yield 0.7
+    screen.shoot("grid")
+    yield from screen.click_at(row + 70 + 319, 0.4)
+    yield from screen.wait(lambda: snapshot.exists(bpy.context.scene), 60, "the preset is applied")
+    screen.seen["preset"] = bpy.context.scene.vibe.vibed_preset
+    screen.press("Escape")
+    yield 1.0
+    yield from screen.away()
+    screen.shoot("applied")
+
+
+def compared(screen, before, after):
+    """Strength is dragged, and the scene follows; Before and After; the viewport is set to Rendered."""
+    settings = bpy.context.scene.vibe
+    yield from screen.find("strength", 864)
+    place, row, _ = screen.seen["found"]["strength"]
+    x, powers = screen.sidebar.x + screen.sidebar.width * place, []
+    for wait in screen.drag((x, row), (x - 100, row), "strength_dragged"):
+        powers.append(bpy.data.objects["Key"].data.energy)
+        yield wait
+    screen.seen["strength"], screen.seen["powers_on_the_way"] = settings.strength, sorted(set(powers))
+    dimmed = values()
+    screen.seen["dimmed"] = not same(dimmed, before, after) and not same(dimmed, after, after)
+    yield from screen.click_on("show_original", row - 20, (0.2,))
+    yield from screen.wait(lambda: settings.show_original, 30, "Before")
+    screen.seen["before_shows_before"] = same(values(), before, after)
+    yield from screen.click_on("show_original", row - 20, (0.7,))
+    yield from screen.wait(lambda: not settings.show_original, 30, "After")
+    yield from screen.click_on("type", row + 20)
+    shading = screen.area.spaces.active.shading
+    yield from screen.wait(lambda: shading.type == "RENDERED", 30, "it is seen rendered")
+    yield from screen.away()
+    yield 8.0  # EEVEE's first picture
+    screen.shoot("rendered")
+    shading.type = "SOLID"
+    screen.seen["rendered"] = True
+
+
+def in_the_properties(screen, before, after):
+    """The same panels among the render properties; the look is reverted there."""
+    from bl_ext.user_default.vibe_render import snapshot
+
+    screen.look("PROPERTIES")
+    screen.area.spaces.active.context = "RENDER"
+    yield 1.0
+    yield from screen.open(840, 0.3)
+    yield from screen.scroll(5, 11)
+    yield 1.0
+    screen.shoot("properties")
+    yield from screen.click_on("vibe.revert", 700, (0.7,))
+    yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "revert")
+    yield 0.5
+    screen.shoot("properties_reverted")
+    screen.seen["revert_restores"] = values() == before
+    screen.look()
+
+
+def preferences(screen, place):
+    """The panel's button opens them; the test says what is missing, and nothing is downloaded offline."""
+    yield from screen.click_on("preferences.addon_show", 430, (0.7,))
+    windows = bpy.context.window_manager.windows
+    yield from screen.wait(lambda: len(windows) == 2, 30, "the preferences")
+    yield 1.0
+    screen.look("PREFERENCES")
+    screen.shoot("preferences")
+    yield from screen.click_on("vibe.test_engine", 400, (0.7, 0.6, 0.8))
+    yield from screen.wait(lambda: place.said, 60, "the test's answer")
+    yield 0.7
+    screen.shoot("tested")
+    screen.seen["tested"] = place.said
+    yield from screen.click_on("vibe.setup_engine", 400, (0.5, 0.45))
+    yield 1.0
+    screen.seen["offline_sets_up_nothing"] = not place.setting_up
+    screen.shoot("set_up_offline")
