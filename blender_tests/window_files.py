@@ -2,6 +2,7 @@
 """An artist's way with files: presets saved, renamed, exported, deleted and imported; a look as LUT and assets, which
 are dragged back from the Asset Browser. See window_driver.py."""
 
+import shutil
 from pathlib import Path
 
 import bpy
@@ -15,6 +16,8 @@ def files(screen):
     from bl_ext.user_default.vibe_render import library
 
     folder = screen.out / "files"
+    for old in (folder, library.folder()):
+        shutil.rmtree(old, ignore_errors=True)
     folder.mkdir()
     with screen.over(screen.view):
         bpy.ops.vibe.preset_apply(path=str(library.find("Moonlight").path))

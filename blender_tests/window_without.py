@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """An artist's way without an engine: what the panel says about it, and all that works without. See window_driver.py."""
 
+import shutil
+
 import bpy
 from window_scene import same, values
 
@@ -66,8 +68,9 @@ def single_values(screen):
 
 def a_preset(screen):
     """One of the pictures is applied with its tick."""
-    from bl_ext.user_default.vibe_render import snapshot
+    from bl_ext.user_default.vibe_render import library, snapshot
 
+    shutil.rmtree(library.folder(), ignore_errors=True)  # so that ours are at the same places every time
     yield from screen.find("vibe.look_for_engine", 430)
     row = screen.seen["found"]["vibe.look_for_engine"][1]
     yield from screen.open(row + 70, 0.45)
