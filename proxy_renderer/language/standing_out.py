@@ -17,6 +17,7 @@ LATE = 12  # priority of exposure; what words name comes first
 _STAND_OUT = 20.0  # difference in L* at which a subject stands out by lightness alone
 _DARK = 30.0  # L* below which two colors look alike
 _AIRY = 66.0  # L* to which a bright picture's surroundings are darkened at most
+_LIGHT = 84.0  # L* of what cannot get much lighter
 _STEPS = (0.5, 2.0)  # the most that a world that no word names is dimmed or brightened
 _SHADE = 18.0  # the most that L* of a surface that no word names may move
 _STANDS_OUT = "supports the words: the subject stands out from its surroundings"
@@ -78,15 +79,15 @@ def _shaded_subject(
     """Surroundings that words have settled: a subject that no word colors makes way, by a shade."""
     if "subject" in parsed.colors:
         return {}
-    gap = 22.0 if around[0] > 50 else -22.0
+    colors = [k for n in owners.materials("subject") if (k := f"material/{n}/base_color") in free]
+    albedos = {key: to_lab(to_srgb(free[key].value))[0] for key in colors}
+    gap = 22.0 if around[0] > 50 or min(albedos.values(), default=0.0) > _LIGHT else -22.0
     factor = ((max(around[0] - gap, 1.0) + 16) / (subject[0] + 16)) ** 3
     found = {}
-    for key in (f"material/{name}/base_color" for name in owners.materials("subject")):
-        if key in free:
-            now = to_lab(to_srgb(free[key].value))[0]
-            goal = (now + 16) * factor ** (1 / 3) - 16
-            ends = (goal - 12, goal) if gap > 0 else (goal, goal + 12)
-            found[key] = _shaded_albedo(free[key], max(ends[0], 12.0), min(max(ends[1], 20.0), 94.0))
+    for key, now in albedos.items():
+        goal = (now + 16) * factor ** (1 / 3) - 16
+        ends = (goal - 12, goal) if gap > 0 else (goal, goal + 12)
+        found[key] = _shaded_albedo(free[key], max(ends[0], 12.0), min(max(ends[1], 20.0), 94.0))
     return found
 
 

@@ -21,6 +21,8 @@ _BEHIND = 68.0  # L* behind a silhouette
 _FORMING = (82.0, 91.0)  # L* of a white surface that faces the light of a black subject
 _WHITE, _SHOULDER = 93.0, 1.5  # L* of white, and the radiance from which a view shows it with a long shoulder
 _PALE = 4.0  # chroma by which a color may exceed its name before everything is made more vivid
+_VIVID, _BRIGHT = 30.0, 80.0  # chroma of a color that mirrored light bleaches, L* of what does so
+_ALL_AROUND = 0.6  # share of the surroundings that is the world
 
 
 def supports(
@@ -40,6 +42,7 @@ def supports(
         found["world/strength"] = _around(
             free["world/strength"], 0.5, 2.0, LATE + 2, "keeps the shadows readable"
         )
+    found |= _mirroring(parsed, free, owners, sources.context)
     if "film/contrast" in free and (entry := _contrast(parsed, free["film/contrast"], sources.context)):
         found["film/contrast"] = entry
     if "film/saturation" in free and (entry := _saturation(parsed, free["film/saturation"], sources.context)):
@@ -147,6 +150,24 @@ def _saturation(parsed: Parsed, instance: Instance, context: PlanContext) -> Pla
     most = 1.5 if min(missing) < 0.5 else 1.35 if min(missing) < 0.8 else 1.25
     lower, upper = clip(instance.value, (instance.value[0] * most,), instance)
     return PlanEntry(lower, upper, LATE + 2, "supports the words: the named colors are seen", prior=0.3)
+
+
+def _mirroring(
+    parsed: Parsed, free: dict[str, Instance], owners: Owners, context: PlanContext
+) -> dict[str, PlanEntry]:
+    """Under a white sky all around, mirrored light bleaches a vivid thing: less of it, where no word asks for it."""
+    subject, around = parsed.colors.get("subject"), parsed.colors.get("surroundings")
+    if not (subject and around) or chroma(subject) < _VIVID or around[0] < _BRIGHT:
+        return {}
+    if (context.world_share or 0.0) < _ALL_AROUND:
+        return {}
+    why = "supports the words: the bright surroundings must not bleach the subject's color"
+    keys = (f"material/{name}/specular" for name in owners.materials("subject"))
+    return {
+        key: PlanEntry(*clip((0.1,), (0.2,), free[key]), LATE + 1, why, prior=0.2)
+        for key in keys
+        if key in free and free[key].value[0] > 0.2
+    }
 
 
 def _camera(free: dict[str, Instance]) -> dict[str, PlanEntry]:
