@@ -174,7 +174,7 @@ def test_without_an_engine_the_panel_says_so_and_the_rest_works(walk):
 
 
 def test_presets_and_looks_as_files(walk):
-    """A preset is saved beside ours, renamed, exported, deleted and imported; a light rig comes back by drag and drop."""
+    """A preset is saved beside ours, renamed, exported, deleted and imported; assets come back by drag and drop."""
     seen = walk("files")
     assert seen["saved"] == "Moonlight 2"
     assert seen["renamed"] == seen["imported"] == "Blue Night"

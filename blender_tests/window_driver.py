@@ -246,7 +246,7 @@ def preferences(screen):
         bpy.ops.preferences.addon_expand(module="bl_ext.user_default.vibe_render")
     yield from screen.wait(lambda: place.python, 60, "the engine is found")
     screen.shoot("preferences_before")
-    yield from screen.click_on("vibe.test_engine", 300, (0.7, 0.6, 0.8))
+    yield from screen.click_on("vibe.test_engine", 395, (0.7, 0.6, 0.8))
     yield from screen.wait(lambda: place.said, 600, "the engine answers")
     yield from screen.away()
     seen["engine"] = place.said

@@ -86,7 +86,7 @@ def exports(screen, folder):
 
 
 def dragged_back(screen, folder):
-    """The light rig is dragged from the Asset Browser into the viewport."""
+    """The light rig and the world are dragged from the Asset Browser into the viewport."""
     library = bpy.context.preferences.filepaths.asset_libraries.new(name="Looks", directory=str(folder))
     screen.look("PROPERTIES")
     screen.area.ui_type = "ASSETS"
@@ -99,6 +99,8 @@ def dragged_back(screen, folder):
     yield from screen.drag((1747, 302), (700, 800), "drag_rig")
     yield from screen.wait(lambda: set(scene.objects) - there, 30, "the light rig arrives")
     (rig,) = set(scene.objects) - there
+    yield from screen.drag((1635, 450), (500, 300), "drag_world")
+    yield from screen.wait(lambda: scene.world.name == "Moonlight World", 30, "the world arrives")
     screen.seen["rig"] = [light.type for light in rig.instance_collection.objects]
     screen.look()
     yield from screen.away()

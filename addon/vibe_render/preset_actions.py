@@ -114,7 +114,9 @@ class OfLook(Idle):
 class Named:
     """A dialog for a name, which can be typed at once."""
 
-    name: StringProperty(name="Name", maxlen=preset.LONGEST_NAME)
+    name: StringProperty(
+        name="Name", description="What the preset is called in lists", maxlen=preset.LONGEST_NAME
+    )
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draws the dialog."""

@@ -86,7 +86,7 @@ class VIBE_OT_preset_save(Named, OfLook):
         """Asks for a name."""
         settings = context.scene.vibe
         first = settings.vibed_prompt.partition(",")[0]  # short, for the grid; the rest is its prompt
-        self.name = settings.vibed_preset or preset.title(first)
+        self.name = settings.vibed_preset or preset.title(first[:1].upper() + first[1:])
         return context.window_manager.invoke_props_dialog(self, width=340, confirm_text="Save")
 
     def act(self, context: bpy.types.Context) -> str:

@@ -26,8 +26,8 @@ _LEFT_ALONE = ("camera",)  # unless asked: the artist framed the shot
 class VibeChange(bpy.types.PropertyGroup):
     """One value that the last vibe changed. Its `name` is the parameter's key; a scalar is the first component."""
 
-    before: FloatVectorProperty(size=3, subtype="COLOR")
-    after: FloatVectorProperty(size=3, subtype="COLOR")
+    before: FloatVectorProperty(size=3, subtype="COLOR", description="What it was")
+    after: FloatVectorProperty(size=3, subtype="COLOR", description="What it is with the new look")
     reason: StringProperty()
 
     def values(self) -> tuple[schema.Values, schema.Values]:
@@ -44,7 +44,8 @@ def _toggles() -> dict[str, BoolProperty]:
     """A toggle for every group of the schema."""
     toggles = {}
     for group in schema.GROUPS:
-        names = ", ".join(labels.words(p.name).lower() for p in schema.PARAMETERS if p.group == group)
+        words = [labels.words(p.name) for p in schema.PARAMETERS if p.group == group]
+        names = ", ".join(word if word.isupper() else word.lower() for word in words)  # IOR
         toggles[f"change_{group}"] = BoolProperty(
             name=labels.GROUP_TITLES[group],
             description=f"A vibe may change: {names}",
@@ -171,7 +172,7 @@ class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
     vibed_prompt: StringProperty()
     vibed_preset: StringProperty(description="The preset that the look comes from, if any")
     variant: IntProperty(description="Number of the variant that is in the scene", min=0)
-    pivot: FloatVectorProperty(size=3, description="What lights and camera orbit: the subject's centre")
+    pivot: FloatVectorProperty(size=3, description="What lights and camera orbit: the subject's center")
 
     def choice(self) -> Choice:
         """What the picture is about."""
