@@ -142,9 +142,7 @@ class _Advanced(_Idle):
         column.prop(settings, "anchor")
         column = layout.column()
         column.prop(settings, "budget")
-        column = column.column()
-        column.active = settings.budget == "CUSTOM"
-        for name in ("rounds", "steps", "size"):
+        for name in ("rounds", "steps", "size") if settings.budget == "CUSTOM" else ():
             column.prop(settings, name)
 
 

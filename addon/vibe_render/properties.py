@@ -118,7 +118,11 @@ class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
     )
     steps: IntProperty(name="Steps", description="Refinements in each round", default=40, min=1, max=1000)
     size: IntProperty(
-        name="Picture", description="Longer side of the preview, in pixels", default=512, min=64, max=2048
+        name="Preview Size",
+        description="Longer side of the preview, in pixels",
+        default=512,
+        min=64,
+        max=2048,
     )
     top_k: IntProperty(
         name="Values at Once", description="How many values a round may refine", default=8, min=1, max=64
@@ -138,7 +142,7 @@ class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
         default=True,
     )
     lock: StringProperty(
-        name="Lock",
+        name="Lock by Name",
         description="Values that must stay, separated by commas: light/Key, material/*/metallic, film/exposure",
     )
     locks: CollectionProperty(type=VibeLock, description="Single values that must stay")
