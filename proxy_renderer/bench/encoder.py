@@ -96,7 +96,8 @@ def _batch(real: dict[str, np.ndarray]) -> Batch:
     count, none = len(real["labels"]), torch.empty(0)
     pictures = torch.from_numpy(real["pictures"]).float() / 255
     labels, flipped = (torch.from_numpy(real[name]) for name in ("labels", "flipped"))
-    return Batch(pictures, labels, [], none, flipped, torch.full((count,), WHOLE), none, none, [], none)
+    whole, masks = torch.full((count,), WHOLE), torch.from_numpy(real["masks"]) > 127
+    return Batch(pictures, labels, [], none, flipped, whole, none, none, [], none, masks)
 
 
 def _measure(asked: Encoder, sets: dict[str, list[Batch]], mistakes: list[Mistake]) -> dict[str, Any]:

@@ -29,6 +29,10 @@ _PATIENCE = 8.0
 """Seconds to wait for the hub's answer."""
 
 
+OF_SURFACES = ("subject_finish", "subject_metal")
+"""Attributes that are read off the subject alone."""
+
+
 class AttributeHeads(nn.Module):
     """Reads every attribute's class off picture features, by one small network for all of them.
 
@@ -53,6 +57,11 @@ class AttributeHeads(nn.Module):
             [len(classes) for classes in self.names.values()], -1
         )
         return dict(zip(self.names, parts, strict=True))
+
+    def read(self, whole: Tensor, subject: Tensor) -> dict[str, Tensor]:
+        """As `logits`, of features of whole pictures (B, D) and of the subject, framed closely (C, D), which shows its surface better."""
+        of_surfaces = self.logits(subject)
+        return self.logits(whole) | {name: of_surfaces[name] for name in OF_SURFACES if name in self.names}
 
     def loss(self, features: Tensor, labels: Tensor, stress: Tensor) -> Tensor:
         """Mean cross-entropy against classes (B, A), -100 where an attribute cannot be seen; attributes weigh as `stress` (A,)."""

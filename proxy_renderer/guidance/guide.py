@@ -142,7 +142,7 @@ class Guide:
             toward = direction_loss(features["whole"], self.start, self.positive["whole"], self.plain)
             terms["direction"] = w.direction * toward
         if self.targets and self.heads is not None:
-            seen = self._head_features(display, features["whole"], generator)
+            seen = self._head_logits(display, mask, features, generator)
             terms["attributes"] = w.attributes * self._attribute_loss(seen)
         lab = srgb_to_lab(display)
         for region, target in self.colors.items():
@@ -156,13 +156,12 @@ class Guide:
             terms["relief"] = w.visibility * relief_loss(lab, mask, self._relief)
         return terms
 
-    def measure(self, display: Tensor) -> dict[str, float]:
-        """Attribute -> probability of the class that the words ask for, in a picture (H, W, 3)."""
+    def measure(self, display: Tensor, mask: Tensor) -> dict[str, float]:
+        """Attribute -> probability of the class that the words ask for, in a picture (H, W, 3) with a subject (H, W)."""
         if not self.targets or self.heads is None:
             return {}
         with torch.no_grad():
-            picture = regions.whole_views(display, 1, torch.Generator(), self.heads.size)
-            logits = self.heads.heads.logits(self.heads.encode_images(picture))  # type: ignore[union-attr]
+            logits = self._read(display, mask, 1, torch.Generator().manual_seed(0))
         return {a: round(float(logits[a].softmax(-1)[0, c]), 3) for a, c in self.targets.items()}
 
     def _features(self, display: Tensor, mask: Tensor, generator: torch.Generator) -> dict[str, Tensor]:
@@ -176,18 +175,33 @@ class Guide:
         features = self.encoder.encode_images(torch.cat(list(batch.values())))
         return dict(zip(batch, features.split([len(v) for v in batch.values()]), strict=True))
 
-    def _head_features(self, display: Tensor, whole: Tensor, generator: torch.Generator) -> Tensor:
-        """Whole-picture features of the encoder that has the heads."""
-        if self.heads is None or self.heads is self.encoder:
-            return whole
-        return self.heads.encode_images(
-            regions.whole_views(display, self.views.whole, generator, self.heads.size)
-        )
+    def _head_logits(
+        self, display: Tensor, mask: Tensor, features: dict[str, Tensor], generator: torch.Generator
+    ) -> dict[str, Tensor]:
+        """What the heads see; of their own encoder there are features already."""
+        if self.heads is not self.encoder:
+            return self._read(display, mask, self.views.whole, generator)
+        return self._own_heads.read(features["whole"], features["subject"][:: regions.EVERY_PLAIN])
 
-    def _attribute_loss(self, features: Tensor) -> Tensor:
+    def _read(
+        self, display: Tensor, mask: Tensor, count: int, generator: torch.Generator
+    ) -> dict[str, Tensor]:
+        """What the heads see in some views of the whole picture, and in one of the subject."""
+        assert self.heads is not None
+        whole = regions.whole_views(display, count, generator, self.heads.size)
+        subject = regions.subject_views(display, mask, 1, generator, self.heads.size)
+        features = self.heads.encode_images(torch.cat([whole, subject]))
+        return self._own_heads.read(features[:count], features[count:])
+
+    @property
+    def _own_heads(self) -> AttributeHeads:
+        assert self.heads is not None
+        assert self.heads.heads is not None
+        return self.heads.heads
+
+    def _attribute_loss(self, logits: Mapping[str, Tensor]) -> Tensor:
         """Mean over the named attributes of how far each is from being there, as far as its head can tell."""
-        heads: AttributeHeads = self.heads.heads  # type: ignore[union-attr, assignment]
-        logits, losses = heads.logits(features), []
+        heads, losses = self._own_heads, []
         for attribute, target in self.targets.items():
             seen = logits[attribute][:1] if attribute in _FULL_FRAME else logits[attribute]
             entropy = F.cross_entropy(seen, torch.full((len(seen),), target, device=seen.device))

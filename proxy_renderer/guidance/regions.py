@@ -26,6 +26,10 @@ def mean(values: Tensor, mask: Tensor) -> Tensor:
     return (values * weight).sum((0, 1)) / weight.sum((0, 1)).clamp_min(1e-6)
 
 
+EVERY_PLAIN = 2
+"""Every so-manieth view of a subject stands in the light of its surroundings, the first among them."""
+
+
 def subject_views(display: Tensor, mask: Tensor, count: int, generator: torch.Generator, size: int) -> Tensor:
     """I ⊙ M, framed by the subject, each view on another plain background.
 
@@ -46,7 +50,7 @@ def subject_views(display: Tensor, mask: Tensor, count: int, generator: torch.Ge
     box = _frame(mask)
     display, mask = display[box], mask[box]
     backgrounds = torch.rand(count, 3, generator=generator).to(display)
-    backgrounds[::2] = mean(display, 1.0 - mask).detach()
+    backgrounds[::EVERY_PLAIN] = mean(display, 1.0 - mask).detach()
     layers = torch.cat([display * mask[..., None], mask[..., None]], -1).permute(2, 0, 1)[None]
     cut = augment.warp(layers, augment.keeping(mask, count, generator), size)
     return cut[:, :3] + (1.0 - cut[:, 3:]) * backgrounds[:, :, None, None]

@@ -40,6 +40,6 @@ class GlobalGuide:
         seen = regions.whole_views(display, self.views.whole, generator, self.encoder.size)
         return {"whole": positive_loss(self.encoder.encode_images(seen), self.text)}
 
-    def measure(self, display: Tensor) -> dict[str, float]:
+    def measure(self, display: Tensor, mask: Tensor) -> dict[str, float]:
         """Nothing: the baseline does not know what the words ask for."""
         return {}

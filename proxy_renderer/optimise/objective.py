@@ -32,7 +32,7 @@ class Terms(Protocol):
     def __call__(self, display: Tensor, mask: Tensor, generator: torch.Generator) -> dict[str, Tensor]:
         """The weighted loss terms of a picture (H, W, 3) with its mask (H, W)."""
 
-    def measure(self, display: Tensor) -> dict[str, float]:
+    def measure(self, display: Tensor, mask: Tensor) -> dict[str, float]:
         """Probabilities of the attributes that the words ask for."""
 
 
@@ -97,7 +97,7 @@ class RoundObjective:
                 picture = shot.draw(u)
                 terms.append({k: float(v) for k, v in self._terms(picture, fixed_views(), number).items()})
             assert shot.terms is not None
-            seen.append(shot.terms.measure(picture.display))
+            seen.append(shot.terms.measure(picture.display, picture.mask))
         return {"terms": _means(terms, 4), "seen": _means(seen, 3)}
 
     def _terms(self, picture: Render, generator: torch.Generator, shot: int) -> dict[str, Tensor]:

@@ -40,6 +40,7 @@ class Batch:
         told: (B, 1, GRID, GRID) weight of each part of the maps.
         lessons: Phrases of the language without a picture: few pictures show all that a phrase says.
         taught: (L, A) class that each of them says, -1 where it says nothing.
+        masks: (B, H, W) where the subject is; empty where pictures were cropped.
     """
 
     pictures: Tensor
@@ -52,6 +53,7 @@ class Batch:
     told: Tensor
     lessons: list[str]
     taught: Tensor
+    masks: Tensor
 
 
 def make_batch(
@@ -102,7 +104,8 @@ def make_batch(
     if real is not None:
         told[:LOOKS] = 0.0  # nobody traced these
     labels, flipped = made.labels.flatten(0, 1), made.flipped.flatten()
-    return Batch(pictures, labels, texts, mentioned, flipped, each, maps, told, *_lessons(dice))
+    masks = torch.empty(0) if augment else made.masks.flatten(0, 1)
+    return Batch(pictures, labels, texts, mentioned, flipped, each, maps, told, *_lessons(dice), masks)
 
 
 @dataclass

@@ -18,7 +18,8 @@ import torch
 import trimesh
 from torch import Tensor
 
-from ..guidance.encoder import Encoder, load_encoder
+from ..guidance import regions
+from ..guidance.encoder import OF_SURFACES, Encoder, load_encoder
 from ..language.attributes import ATTRIBUTES
 from . import bank as banks
 from .captions import caption
@@ -118,20 +119,24 @@ def judge(
     dice = random.Random(_SEED)
     for batch in batches:
         with torch.no_grad():
-            features = encoder.encode_images(batch.pictures.to(encoder.device)).cpu()
-            logits = (
-                {name: value.cpu() for name, value in encoder.heads.logits(features).items()}
-                if encoder.heads
-                else {}
-            )
+            features, framed = looks_at(encoder, batch)
+            logits = encoder.heads.read(features, framed) if encoder.heads else {}
+        features, framed = features.cpu(), framed.cpu()
+        logits = {name: value.cpu() for name, value in logits.items()}
         for name, value in logits.items():
             known = batch.labels[:, INDEX[name]] >= 0
             right[f"heads/{name}"] += (value.argmax(1) == batch.labels[:, INDEX[name]])[known].tolist()
             shown[name] += batch.labels[known, INDEX[name]].tolist()
         comparisons = _comparisons(batch, dice, sentence or describe)
+        if not comparisons:
+            continue
         true = encoder.encode_texts([said for _, _, said, _ in comparisons]).cpu()
         false = encoder.encode_texts([otherwise for _, _, _, otherwise in comparisons]).cpu()
-        closer = (features[[picture for _, picture, _, _ in comparisons]] * (true - false)).sum(1) > 0
+        shown_by = [
+            (framed if asked.removeprefix("flip/") in OF_SURFACES else features)[picture]
+            for asked, picture, _, _ in comparisons
+        ]
+        closer = (torch.stack(shown_by) * (true - false)).sum(1) > 0
         for (asked, picture, said, otherwise), correct in zip(comparisons, closer.tolist(), strict=True):
             right[asked].append(correct)
             if mistakes is not None and not correct:
@@ -145,6 +150,17 @@ def judge(
         "commonest": {name: round(max(Counter(c).values()) / len(c), 4) for name, c in shown.items() if c},
         "comparisons": {key: len(values) for key, values in right.items()},
     }  # fmt: skip
+
+
+def looks_at(encoder: Encoder, batch: Batch) -> tuple[Tensor, Tensor]:
+    """Features (B, D) of whole pictures and of their subjects framed closely, as guidance looks at them."""
+    pictures, masks = batch.pictures.to(encoder.device), batch.masks.to(encoder.device).float()
+    dice = torch.Generator().manual_seed(_SEED)
+    subjects = [
+        regions.subject_views(picture.permute(1, 2, 0), mask, 1, dice, encoder.size)
+        for picture, mask in zip(pictures, masks, strict=True)
+    ]
+    return encoder.encode_images(pictures), encoder.encode_images(torch.cat(subjects))
 
 
 def _comparisons(batch: Batch, dice: random.Random, sentence: Sentence) -> list[tuple[str, int, str, str]]:
