@@ -2,6 +2,7 @@
 """A disk that is really full: one clear line with the remedy, nothing cut off stays, and it works when there is room."""
 
 import re
+from dataclasses import replace
 
 import bpy
 import pytest
@@ -12,7 +13,7 @@ from test_batch import QUICK, batch, save_scene
 from test_library import NOIR, wide  # noqa: F401  (a fixture)
 from test_model import run, sensible, serving
 from test_operators import contents
-from vibe_render import first_picture, history, library, lut, rendering, session
+from vibe_render import asset_catalog, first_picture, history, library, lut, rendering, session
 from vibe_render.desk import desk
 from vibing import advance, fails
 
@@ -30,21 +31,23 @@ def disk(tmp_path):
 @pytest.mark.parametrize("left", [0, 1])
 def test_presets(disk, monkeypatch, wide, left):  # noqa: F811
     """With one page left, the preset has room, and its picture does not."""
+    mine = replace(NOIR, name="Mine")
     monkeypatch.setattr(library, "folder", lambda create=False: disk.folder)
-    library.save(NOIR, wide)
+    library.save(mine, wide)
     there = disk.files()
     disk.fill(left)
     for act in (
-        lambda: library.save(NOIR, wide),
-        lambda: library.export(library.find("Noir"), disk.folder / "other.json"),
+        lambda: library.save(mine, wide),
+        lambda: library.export(library.find("Mine"), disk.folder / "other.json"),
+        lambda: asset_catalog.add(disk.folder, ["Vibe Render/Materials"]),
         lambda: lut.write(disk.folder / "noir.cube", "Noir", {}),
     ):
         with pytest.raises(VibeError, match=f"{re.escape(NO_ROOM)}{disk.folder}. Make room"):
             act()
         assert disk.files() == there
-    assert library.find("Noir").preset == NOIR
+    assert library.find("Mine").preset == mine
     disk.make_room()
-    assert library.save(NOIR, wide).picture.is_file()
+    assert library.save(mine, wide).picture.is_file()
 
 
 def test_pictures_of_blender(scene, disk):

@@ -3,12 +3,12 @@
 
 from __future__ import annotations
 
-import os
 import uuid
 from collections.abc import Iterable
 from pathlib import Path
 
 from .contract import schema
+from .disk import whole
 
 FILE = "blender_assets.cats.txt"
 _SPACE = uuid.UUID(
@@ -62,8 +62,7 @@ def add(place: Path, paths: Iterable[str]) -> None:
         missing = [row for row in rows if row.partition(":")[0] not in known]
         if not missing:
             return
-        part = file.with_name(f".{uuid.uuid4().hex[:8]}.part")
-        part.write_text(text.rstrip("\n") + "\n" + "\n".join(missing) + "\n", encoding="utf-8")
-        os.replace(part, file)
+        with whole(file) as part:
+            part.write_text(text.rstrip("\n") + "\n" + "\n".join(missing) + "\n", encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise schema.VibeError(f"{file} cannot be changed: {error}.", "Choose another folder.") from error

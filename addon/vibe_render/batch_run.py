@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import argparse
-import shutil
 import tempfile
 from collections.abc import Callable
 from dataclasses import asdict
@@ -169,7 +168,7 @@ def _write_variants(out: Outputs, a: argparse.Namespace, reel: Reel, found: mess
         look = presets.extract(a.prompt, job, variant.values, f"{number}: {a.prompt}")
         out.write_text(f"preset-{number}.json", look.dumps())
     if found.variants:
-        shutil.copyfile(Path(job.folder) / messages.VARIANTS, out.path(messages.VARIANTS))
+        out.copy(messages.VARIANTS, Path(job.folder) / messages.VARIANTS)
 
 
 def export(a: argparse.Namespace, reporter: Reporter) -> None:

@@ -6,7 +6,9 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import shutil
 import uuid
+from collections.abc import Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -39,8 +41,18 @@ class Outputs:
 
     def write_text(self, name: str, text: str) -> None:
         """Adds a text file."""
+        with self._writing(name) as path:
+            path.write_text(text + "\n", encoding="utf-8")
+
+    def copy(self, name: str, source: Path) -> None:
+        """Adds a copy of a file."""
+        with self._writing(name) as path:
+            shutil.copyfile(source, path)
+
+    @contextlib.contextmanager
+    def _writing(self, name: str) -> Iterator[Path]:
         try:
-            self.path(name).write_text(text + "\n", encoding="utf-8")
+            yield self.path(name)
         except OSError as error:
             raise unwritable(self.folder / name, error, _REMEDY) from error
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,7 +13,7 @@ import bpy
 from bpy.props import BoolProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
 
-from . import library
+from . import disk, library
 from .contract import preset, schema
 from .desk import desk
 
@@ -52,7 +53,9 @@ class Idle(bpy.types.Operator):
         try:
             with _waiting(context):
                 said = self.act(context)
-        except schema.VibeError as error:
+        except (schema.VibeError, OSError) as error:
+            if isinstance(error, OSError):  # what we write for a moment only
+                error = disk.unwritable(Path(tempfile.gettempdir(), "vibe"), error, "Check that folder.")
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         for area in context.screen.areas if context.screen else ():
