@@ -15,9 +15,7 @@ COMPOSITOR_IS_GROUP = "compositing_node_group" in Scene.bl_rna.properties  # 5.0
 HAS_TEMPERATURE = "use_temperature" in bpy.types.Light.bl_rna.properties  # 4.5 and later
 HAS_IMAGE_COORDINATES = hasattr(bpy.types, "CompositorNodeImageCoordinates")  # 4.5 and later
 
-IS_MODULE = (
-    not bpy.app.binary_path
-)  # whether Python runs Blender, not Blender Python; 4.5 and later say `app.module`
+IS_MODULE = not bpy.app.binary_path  # Python runs Blender, not Blender Python: `app.module` since 4.5
 EEVEE = "BLENDER_EEVEE" if COMPOSITOR_IS_GROUP else "BLENDER_EEVEE_NEXT"  # the identifier of the engine
 
 

@@ -24,7 +24,7 @@ from .model import CONFIG, Student, export
 from .wording import GUIDES, Split
 
 _LOGGED = 50
-_FALLS = 0.5
+_FALLS = 0.15
 """From this share of a sitting on the learning rate falls."""
 
 
