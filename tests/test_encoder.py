@@ -95,6 +95,17 @@ def test_heads_read_the_attributes_of_the_language(encoder: Encoder) -> None:
     }
 
 
+def test_surfaces_are_read_off_the_subject_alone(encoder: Encoder) -> None:
+    heads = encoder.heads
+    assert heads is not None
+    whole, subject = encoder.encode_images(torch.rand(2, 3, 64, 64)).split(1)
+    read, of_whole, of_subject = heads.read(whole, subject), heads.logits(whole), heads.logits(subject)
+    for name in heads.names:
+        seen = of_subject if name in ("subject_finish", "subject_metal") else of_whole
+        assert torch.equal(read[name], seen[name])
+        assert not torch.equal(of_subject[name], of_whole[name])
+
+
 def test_looks_of_unseen_shapes_are_told_apart(encoder: Encoder) -> None:
     views = [bank.trace(shape(HELD_OUT + 500 + k), np.random.default_rng(k), 128) for k in range(10)]
     layout = bank.fields(128)
