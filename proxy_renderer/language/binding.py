@@ -15,8 +15,6 @@ from .vocabulary import Vocabulary
 _LESS = 0.7  # how much of the opposite "less" asks for
 _PAINTED = ("background", "backdrop", "wall", "walls")
 """Ends of names of settings that are a surface behind the subject."""
-_LIT = ("light", "lit", "glow", "sun", "rays", "beams", "shine")
-"""Ends of names of hours that are of their light."""
 
 
 @dataclass
@@ -48,7 +46,8 @@ class Word:
     @property
     def less(self) -> bool:
         """Whether it is to be there in a smaller degree than now: a step towards its opposite."""
-        return self.text.startswith("less ") and not self.negated
+        itself = self.token.text.startswith("less ")  # "less contrast" is a word of its own
+        return self.text.startswith("less ") and not (itself or self.negated)
 
 
 class Binding:
@@ -157,11 +156,7 @@ class Binding:
 
     def _is_hour(self, thing: Thing) -> bool:
         """Whether it is a time of day with a sky of its own, which colors describe: "purple sunset", but not "sunset light"."""
-        entry = self.vocabulary.synonyms.get(thing.name, "")
-        if thing.kind != "light" or not entry or thing.name.endswith(_LIT):
-            return False
-        effects = self.vocabulary.entries[entry].effects
-        return any((e.owner, e.name, e.mode) == ("world", "color", "color") for e in effects)
+        return thing.kind == "light" and thing.name in self.vocabulary.lists["hour"]
 
     def _add_adjective(self, word: Word, entry: str, thing: Thing) -> None:
         slot = self.slot(entry)

@@ -261,7 +261,9 @@ class Reader:
     def _flush(self, state: ClauseState) -> None:
         """What waits cannot describe anything that comes later."""
         if state.waiting:
-            self.binding.bind_rest(state.waiting, state.last, state.linked or state.bare, state.around)
+            slots = [self.binding.slot(w.token.entry) for w in state.waiting if w.token.entry]
+            around = state.around or (state.inside and "setting" in slots)  # "in a dark temple"
+            self.binding.bind_rest(state.waiting, state.last, state.linked or state.bare, around)
         state.waiting = []
 
 
