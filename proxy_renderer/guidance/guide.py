@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import torch
-import torch.nn.functional as F
 from torch import Tensor
 
 from ..language.types import Lab, Prompts, Region
 from ..render.color import srgb_to_lab
 from . import regions
+from .attributes import Attributes, attributes
 from .losses import (
     border_loss,
     color_loss,
@@ -26,10 +26,9 @@ from .losses import (
 )
 
 if TYPE_CHECKING:
-    from .encoder import AttributeHeads, Encoder
+    from .encoder import Encoder
 
 _REGIONS = ("subject", "surroundings", "whole")
-_SURE = 0.1  # cross-entropy below which an attribute counts as there: p > 0.9
 _LIT, _DIM = 50.0, 20.0
 """Least lightness of the subject or of what is around it; the latter for dark pictures."""
 _FORM = 0.46
@@ -37,7 +36,6 @@ _FORM = 0.46
 _RELIEF, _FLAT = 6.5, 3.5
 """Least spread of L* within a subject; the latter where words ask for dark or little contrast."""
 _PLAIN = "a picture of an object"  # says nothing of its look
-_FULL_FRAME = ("vignette", "brightness")  # attributes that a crop changes
 
 
 @dataclass(frozen=True)
@@ -104,9 +102,7 @@ class Guide:
         self._light = _DIM if targets.get("brightness") == "dark" else _LIT
         flat = targets.get("brightness") == "dark" or targets.get("contrast") == "low"
         self._relief = _FLAT if flat else _RELIEF
-        self.heads = heads if heads is not None and heads.heads is not None else None
-        names = self.heads.heads.names if self.heads is not None and self.heads.heads is not None else {}
-        self.targets = {a: names[a].index(c) for a, c in targets.items() if c in names.get(a, [])}
+        self.wanted = attributes(heads, targets)
         self.positive = {
             region: _texts(encoder, (text,))
             for region, text in zip(
@@ -141,9 +137,9 @@ class Guide:
         if len(self.positive["whole"]):
             toward = direction_loss(features["whole"], self.start, self.positive["whole"], self.plain)
             terms["direction"] = w.direction * toward
-        if self.targets and self.heads is not None:
-            seen = self._head_logits(display, mask, features, generator)
-            terms["attributes"] = w.attributes * self._attribute_loss(seen)
+        if self.wanted:
+            seen = self._of_heads(self.wanted, display, mask, features, generator)
+            terms["attributes"] = w.attributes * self.wanted.loss(*seen)
         lab = srgb_to_lab(display)
         for region, target in self.colors.items():
             terms[f"{region} color"] = w.color * color_loss(
@@ -158,11 +154,7 @@ class Guide:
 
     def measure(self, display: Tensor, mask: Tensor) -> dict[str, float]:
         """Attribute -> probability of the class that the words ask for, in a picture (H, W, 3) with a subject (H, W)."""
-        if not self.targets or self.heads is None:
-            return {}
-        with torch.no_grad():
-            logits = self._read(display, mask, 1, torch.Generator().manual_seed(0))
-        return {a: round(float(logits[a].softmax(-1)[0, c]), 3) for a, c in self.targets.items()}
+        return self.wanted.measure(display, mask) if self.wanted else {}
 
     def _features(self, display: Tensor, mask: Tensor, generator: torch.Generator) -> dict[str, Tensor]:
         """Image features (views, D) of each region, in one batch."""
@@ -175,38 +167,18 @@ class Guide:
         features = self.encoder.encode_images(torch.cat(list(batch.values())))
         return dict(zip(batch, features.split([len(v) for v in batch.values()]), strict=True))
 
-    def _head_logits(
-        self, display: Tensor, mask: Tensor, features: dict[str, Tensor], generator: torch.Generator
-    ) -> dict[str, Tensor]:
-        """What the heads see; of their own encoder there are features already."""
-        if self.heads is not self.encoder:
-            return self._read(display, mask, self.views.whole, generator)
-        return self._own_heads.read(features["whole"], features["subject"][:: regions.EVERY_PLAIN])
-
-    def _read(
-        self, display: Tensor, mask: Tensor, count: int, generator: torch.Generator
-    ) -> dict[str, Tensor]:
-        """What the heads see in some views of the whole picture, and in one of the subject."""
-        assert self.heads is not None
-        whole = regions.whole_views(display, count, generator, self.heads.size)
-        subject = regions.subject_views(display, mask, 1, generator, self.heads.size)
-        features = self.heads.encode_images(torch.cat([whole, subject]))
-        return self._own_heads.read(features[:count], features[count:])
-
-    @property
-    def _own_heads(self) -> AttributeHeads:
-        assert self.heads is not None
-        assert self.heads.heads is not None
-        return self.heads.heads
-
-    def _attribute_loss(self, logits: Mapping[str, Tensor]) -> Tensor:
-        """Mean over the named attributes of how far each is from being there, as far as its head can tell."""
-        heads, losses = self._own_heads, []
-        for attribute, target in self.targets.items():
-            seen = logits[attribute][:1] if attribute in _FULL_FRAME else logits[attribute]
-            entropy = F.cross_entropy(seen, torch.full((len(seen),), target, device=seen.device))
-            losses.append(heads.skill[attribute] * F.relu(entropy - _SURE))
-        return torch.stack(losses).mean()
+    def _of_heads(
+        self,
+        wanted: Attributes,
+        display: Tensor,
+        mask: Tensor,
+        seen: dict[str, Tensor],
+        dice: torch.Generator,
+    ) -> tuple[Tensor, Tensor]:
+        """Features of the whole and of the subject for the heads; of their own encoder there are some already."""
+        if wanted.encoder is not self.encoder:
+            return wanted.look(display, mask, self.views.whole, dice)
+        return seen["whole"], seen["subject"][:: regions.EVERY_PLAIN]
 
     def _margin(self, features: Tensor, region: str) -> float:
         """How alike this encoder finds the starting picture and the region's phrases on average."""
