@@ -85,6 +85,17 @@ def test_colors_that_cannot_be_seen_are_not_claimed() -> None:
     assert seen.called(red[:1], grey_blue, torch.zeros(1, dtype=torch.bool)).tolist() == [looks.UNKNOWN]
 
 
+def test_a_finish_is_asked_of_bent_surfaces_only() -> None:
+    y, x = torch.meshgrid(*[torch.linspace(-0.6, 0.6, SIZE)] * 2, indexing="ij")
+    ball = torch.stack([x, y, (1 - x**2 - y**2).sqrt()])
+    roof = torch.stack([x.sign() * 0.6, 0 * x, 0 * x + 0.8])  # two flat faces
+    view = {"kind": torch.full((2, SIZE, SIZE), banks.SUBJECT), "normal": torch.stack([ball, roof]).half(),
+            "shadow": torch.zeros(2, 5, 2, SIZE, SIZE)}  # fmt: skip
+    glossy = classes(subject_finish="glossy").expand(2, 1, -1)
+    gleam = (x.abs() < 0.1).float().expand(2, 1, SIZE, SIZE)
+    assert seen.shown(view, glossy, gleam)["subject_finish"].tolist() == [[True], [False]]
+
+
 def test_captions_say_every_mentioned_attribute_and_no_other() -> None:
     words = {
         "subject_color": wording.COLOR_WORDS,

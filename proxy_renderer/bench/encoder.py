@@ -29,7 +29,7 @@ from ..train import bank, cycles
 from ..train.augment import WHOLE
 from ..train.captions import caption
 from ..train.data import LOOKS, Batch
-from ..train.evaluate import Mistake, cost, judge, shaded, skill
+from ..train.evaluate import FEW, Mistake, cost, judge, shaded, skill
 from ..train.looks import INDEX, NAMES
 from ..train.wording import Split
 from . import cache
@@ -39,13 +39,11 @@ WORDS = Path(__file__).with_name("unseen_words.txt")
 HELD_OUT = 100_000
 """Seeds of shapes from here on are never trained on."""
 _SIZE, _SHAPES = 160, 48
-_FEW = 10
-"""Comparisons below which a set says nothing of an attribute."""
 _KEPT = Split(held_out=True)
 
 
 def run(
-    out: Path, encoder: str = "embedded", views: int = 96, pairs: int = 80, cache_folder: str = ""
+    out: Path, encoder: str = "embedded", views: int = 96, pairs: int = 240, cache_folder: str = ""
 ) -> dict[str, Any]:
     """Measures an encoder, and the judge beside it, and writes OUT/results.json and OUT/mistakes.png.
 
@@ -109,7 +107,7 @@ def _measure(asked: Encoder, sets: dict[str, list[Batch]], mistakes: list[Mistak
             name: _mean(
                 one[kind].get(name)
                 for one in found.values()
-                if one["comparisons"].get(f"{what}/{name}", 0) >= _FEW
+                if one["comparisons"].get(f"{what}/{name}", 0) >= FEW
             )
             for name in NAMES
         }

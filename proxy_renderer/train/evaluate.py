@@ -29,7 +29,9 @@ from .surfaces import Shape
 from .wording import NOUNS, TRAINED, Split
 
 _GROUPS, _BATCHES, _SEED = 48, 10, 7_000_000
-_UNIFORM, _FEW = 0.8, 15
+_UNIFORM = 0.8
+FEW = 15
+"""Comparisons below which a set says nothing of an attribute."""
 
 
 def evaluate(model: Path, held_out: Path, meshes: list[Path], out: Path | None = None) -> dict:
@@ -67,7 +69,7 @@ def skill(sets: Iterable[dict]) -> dict[str, float]:
     for one in sets:
         for name, right in one["heads"].items():
             blind = one["commonest"][name]
-            if blind > _UNIFORM or one["comparisons"][f"heads/{name}"] < _FEW:
+            if blind > _UNIFORM or one["comparisons"][f"heads/{name}"] < FEW:
                 continue
             found[name] = min(
                 found.get(name, 1.0), round(max(right - blind, 0.0) / max(1.0 - blind, 1e-6), 3)

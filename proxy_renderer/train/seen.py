@@ -13,6 +13,8 @@ _NOTICED = 0.02
 """Mean difference of display values from which a change of one attribute can be seen."""
 _GLEAMS = 0.1
 """Standard deviation over the subject of the gleam's brightness from which a finish can be seen."""
+_STEP, _BENDS, _CURVED = 3, (0.015, 0.45), 0.3
+"""Pixels between two normals, angles between them (radians) at which a surface bends, and the least share that does."""
 _EDGES = 0.02
 """Mean difference between hard and soft shadows from which the light's softness can be seen."""
 _HUES = {
@@ -164,7 +166,7 @@ def display_to_lab(picture: Tensor) -> Tensor:
 
 
 def shown(view: dict[str, Tensor], classes: Tensor, gleam: Tensor) -> dict[str, Tensor]:
-    """Attribute → (G, LOOKS) whether a finish gleams anywhere, and whether the edge of a shadow is in the picture."""
+    """Attribute → (G, LOOKS) whether a finish gleams anywhere on bent surfaces, and whether the edge of a shadow is in the picture."""
     finish, side = classes[..., INDEX["subject_finish"]], classes[..., INDEX["light_side"]]
     mask = (view["kind"] == SUBJECT)[:, None].float()
     count = mask.sum((2, 3)).clamp_min(1)
@@ -173,9 +175,23 @@ def shown(view: dict[str, Tensor], classes: Tensor, gleam: Tensor) -> dict[str, 
     edges = (view["shadow"][:, :, 0].float() - view["shadow"][:, :, 1].float()).abs().mean((2, 3)) / 255
     matte = finish == ATTRIBUTES["subject_finish"].index("matte")
     return {
-        "subject_finish": matte | (uneven.cpu() > _GLEAMS),
+        "subject_finish": (matte | (uneven.cpu() > _GLEAMS)) & (_curved(view).cpu() > _CURVED)[:, None],
         "light_softness": edges.cpu().gather(1, side) > _EDGES,
     }
+
+
+def _curved(view: dict[str, Tensor]) -> Tensor:
+    """Share of the subjects (G,) whose surface bends: a flat face mirrors one direction, whatever its finish."""
+    normal, inside = view["normal"].float(), view["kind"] == SUBJECT
+    shares = []
+    for axis in (-1, -2):
+        size = inside.shape[axis] - _STEP
+        here, there = normal.narrow(axis, 0, size), normal.narrow(axis, _STEP, size)
+        both = inside.narrow(axis, 0, size) & inside.narrow(axis, _STEP, size)
+        turn = (there - here).norm(dim=1)
+        bends = both & (turn > _BENDS[0]) & (turn < _BENDS[1])
+        shares.append(bends.sum((1, 2)) / both.sum((1, 2)).clamp_min(1))
+    return torch.maximum(*shares)
 
 
 def noticed(pictures: Tensor, masks: Tensor, labels: Tensor, flipped: Tensor) -> Tensor:
