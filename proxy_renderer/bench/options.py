@@ -86,9 +86,9 @@ def _encoder(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--pairs",
         type=int,
-        default=80,
+        default=240,
         metavar="N",
-        help="pairs of Cycles pictures; 0 for none (default: 80)",
+        help="pairs of Cycles pictures; 0 for none (default: 240)",
     )
     sub.add_argument(
         "--cache",
