@@ -60,7 +60,8 @@ def carry_out(a: argparse.Namespace, reporter: Reporter, talk: Conversation) -> 
         The scene as it was looked at; it has its new values now.
     """
     laps = Laps()
-    with tempfile.TemporaryDirectory(prefix="vibe-") as folder, Outputs(a.out) as out:
+    temporary = tempfile.TemporaryDirectory(prefix="vibe-", ignore_cleanup_errors=True)
+    with temporary as folder, Outputs(a.out) as out:
         reel = Reel(a, Path(folder), reporter)
         reel.export()
         laps.lap("open and export")
@@ -133,7 +134,10 @@ def _finish(
         rendering.render_mask(scene, out.path(numbered("mask.png", number)), a.size, survey.objects)
         laps.lap("render after")
         pictures = [out.path(numbered(name, number)) for name in ("before.png", "after.png")]
-        pictures.append(out.path("compare.png"))
+        compared = (
+            Path(job.folder) / "compare.png"
+        )  # not in `out`, which a failure clears while the engine writes
+        pictures.append(compared)
         talk.ask(messages.Finish(*map(str, pictures), shot=number))  # type: ignore[misc, arg-type]
         if number == 0:
             out.write_text("preset.json", presets.extract(a.prompt, job, found.values).dumps())
@@ -143,6 +147,7 @@ def _finish(
                 reel.restore()
             save_blend(out.path(batch_summary.blend_of(a, reel, number)))
         measured.append(talk.wait(messages.Finished))
+        out.copy("compare.png", compared)
         laps.lap("save and measure")
     return measured, skipped
 
