@@ -10,6 +10,9 @@ from torch import Tensor
 
 from . import augment
 
+EVERY_PLAIN = 2
+"""Step between the views of a subject that stand on the mean color of its surroundings; the first one does."""
+
 
 @dataclass(frozen=True)
 class Views:
@@ -24,10 +27,6 @@ def mean(values: Tensor, mask: Tensor) -> Tensor:
     """Mean over a region: values (H, W, C), mask (H, W) -> (C,)."""
     weight = mask[..., None]
     return (values * weight).sum((0, 1)) / weight.sum((0, 1)).clamp_min(1e-6)
-
-
-EVERY_PLAIN = 2
-"""Every so-manieth view of a subject stands in the light of its surroundings, the first among them."""
 
 
 def subject_views(display: Tensor, mask: Tensor, count: int, generator: torch.Generator, size: int) -> Tensor:
