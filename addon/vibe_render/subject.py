@@ -15,6 +15,7 @@ from .contract import schema
 from .export_mesh import Geometry
 
 _RAYS = 48  # along each side of the picture
+_SLACK = 1e-3  # of a step between rays: what rounding may move a corner
 _PROMINENT = 0.1  # of the most prominent object's weight: what is less is decoration
 _FLAT = 0.35  # height over width of things that others stand on
 
@@ -95,7 +96,10 @@ def see(scene: bpy.types.Scene, geometry: Geometry) -> Visibility:
     """Casts the camera's rays. All -1 for an empty geometry."""
     hits = np.full((_RAYS, _RAYS), -1)
     if len(geometry.faces):
-        tree = BVHTree.FromPolygons(geometry.vertices.tolist(), geometry.faces.tolist(), all_triangles=True)
+        near = np.flatnonzero(_may_meet(scene, geometry))
+        corners = geometry.vertices[geometry.faces[near]].reshape(-1, 3)
+        faces = np.arange(len(corners)).reshape(-1, 3)
+        tree = BVHTree.FromPolygons(corners.tolist(), faces.tolist(), all_triangles=True)
         starts, directions = camera_rays(scene, _RAYS)
         ahead = -np.array(scene.camera.matrix_world.normalized())[:3, 2]
         lens = scene.camera.data
@@ -103,9 +107,26 @@ def see(scene: bpy.types.Scene, geometry: Geometry) -> Visibility:
             toward, slant = Vector(directions[index]), 1.0 / max(directions[index] @ ahead, 1e-6)
             start = Vector(starts[index]) + toward * (slant * lens.clip_start)
             face = tree.ray_cast(start, toward, slant * (lens.clip_end - lens.clip_start))[2]
-            hits[index] = -1 if face is None else face
+            hits[index] = -1 if face is None else near[face]
     owner, material = (np.append(a, -1)[hits] for a in (geometry.object, geometry.material))
     return Visibility(owner, material)
+
+
+def _may_meet(scene: bpy.types.Scene, geometry: Geometry) -> np.ndarray:
+    """(F,) bool: triangles that a ray may meet. Most of a fine mesh lies between the rays, and need not be sorted."""
+    camera = scene.camera
+    frame = np.array(camera.data.view_frame(scene=scene))
+    low, high = frame[:, :2].min(0), frame[:, :2].max(0)
+    pose = np.array(camera.matrix_world.normalized().inverted())
+    points = geometry.vertices @ pose[:3, :3].T + pose[:3, 3]
+    places = points[:, :2]
+    if camera.data.type != "ORTHO":
+        places = places * (frame[0, 2] / np.minimum(points[:, 2:], -1e-6))
+    column = ((places - low) / (high - low) * _RAYS - 0.5)[geometry.faces]  # (F, 3, 2), in rays
+    first = np.ceil(np.maximum(column.min(1), 0) - _SLACK)
+    last = np.floor(np.minimum(column.max(1), _RAYS - 1) + _SLACK)
+    behind = (points[:, 2] > -1e-6)[geometry.faces].any(1)
+    return (first <= last).all(1) | behind
 
 
 def camera_rays(scene: bpy.types.Scene, count: int) -> tuple[np.ndarray, np.ndarray]:
