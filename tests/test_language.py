@@ -493,6 +493,20 @@ def test_albedo_allows_for_the_light():
     assert make_plan("teal dolphin")["material/Body/base_color"].upper[1] < in_the_dark.lower[1]
 
 
+def planned_color(prompt):
+    """Middle of the range of the subject's color."""
+    entry = make_plan(prompt)["material/Body/base_color"]
+    return [(a + b) / 2 for a, b in zip(entry.lower, entry.upper, strict=True)]
+
+
+def test_blue_stays_blue_by_candlelight_and_orange_just_grows_warm():
+    """Eyes are used to warm lamps, but not so far that they see blue where candles leave violet."""
+    plain, warm = (planned_color(f"cobalt blue subject{light}") for light in ("", ", candlelight"))
+    assert warm[0] / warm[2] < 0.6 * plain[0] / plain[2]
+    plain, warm = (planned_color(f"orange subject{light}") for light in ("", ", candlelight"))
+    assert warm[0] / warm[1] == pytest.approx(plain[0] / plain[1], rel=0.1)
+
+
 def test_small_parts_keep_their_color():
     instances = make_instances(materials=(("Paint", "subject"), ("Tyre", "subject")))
     context = PlanContext(material_share={"Paint": 0.95, "Tyre": 0.05})

@@ -3,15 +3,19 @@
 
 import math
 
+import pytest
+import torch
+
 from proxy_renderer.language import SceneWords, parse, plan
 from proxy_renderer.language.color import from_lab, luminance
-from proxy_renderer.language.illumination import cast
+from proxy_renderer.language.illumination import cast, warmth
 from proxy_renderer.language.meaning import display_color, forget_parts
 from proxy_renderer.language.measured import measured
 from proxy_renderer.language.prompts import compose
 from proxy_renderer.language.types import PictureStats, PlanContext
 from proxy_renderer.language.view import reachable, scene_color
 from proxy_renderer.language.vocabulary import default_vocabulary
+from proxy_renderer.render.color import blackbody
 from proxy_renderer.schema import FAMILIES, Instance
 
 GREEN = (0.08, 0.63, 0.13)
@@ -133,6 +137,16 @@ def test_colored_skies_count_in_what_they_light():
     assert luminance((red, green, blue)) > 0.9
     assert blue > 2 * green >= red
     assert cast({}, PlanContext(), lambda i: i.value) == (1.0, 1.0, 1.0)
+
+
+@pytest.mark.parametrize("kelvin", [2100.0, 2700.0, 3500.0, 5000.0, 6500.0, 9000.0])
+def test_warmth_is_about_blenders_blackbody(kelvin):
+    power = Instance(FAMILIES["light/power"], "Key", (100.0,), 1.0)
+    temperature = Instance(FAMILIES["light/temperature"], "Key", (kelvin,), 1.0)
+    instances = {i.key: i for i in (power, temperature)}
+    ours = warmth(instances, PlanContext(), lambda i: i.value)
+    for mine, theirs in zip(ours, blackbody(torch.tensor(kelvin)).tolist(), strict=True):
+        assert abs(mine - theirs) < 0.12
 
 
 def test_a_pale_color_is_nothing_garish_in_disguise():

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from ..schema import Instance, Values
-from .color import chroma, from_hex, luminance, shade, to_lab, to_linear
+from .color import chroma, from_hex, hue_apart, luminance, shade, to_lab, to_linear, to_srgb
 from .meaning import fog_color
 from .measured import measured
 from .sources import Range, Sources
@@ -18,6 +18,11 @@ _DARK = 0.02  # radiance below which a backdrop is black
 _SEEN = 0.7  # relative departure from grey that a tint has at least
 _DEEP = 0.4  # of that scale: the box of a darker color is smaller, as its hues are nearer
 _MOOD = 0.6  # of a tint, where light, air and film share it: things keep some color of their own
+_ALIKE, _OPPOSED = (
+    60.0,
+    120.0,
+)  # degrees of hue from warm light up to which a color bears it, and from which not
+_MADE_UP = 0.9  # share of such light's color that a surface then makes up for
 _BOX = 0.06  # half the width of a color's box, in steps that look even
 OWN_COLOR = ("base_color", "tint")
 """Parameters that hold a material's color."""
@@ -41,7 +46,7 @@ def color_range(effect: Effect, attribute: Attribute, instance: Instance, source
         linear = reachable(srgb, view, _BRIGHTEST)
         linear = tuple(v / max(linear) for v in linear) if max(linear) > _DARK else linear
     else:
-        tint = tuple(v**sources.constancy for v in sources.cast)
+        tint = _tint(srgb, sources)
         linear = _surface(srgb, view, sources.illumination, sources.veil, tint)
     if instance.parameter.family == "material/tint":
         texture = max(sources.context.texture_luminance.get(instance.owner, 0.4), 0.02)
@@ -61,6 +66,18 @@ def _surface(srgb: Values, view: str, illumination: float, veil: float, tint: Va
     wanted = reachable(srgb, view, _WHITEST * light)
     albedo = tuple(max(v - veil, 0.7 * v) / (light * t) for v, t in zip(wanted, tint, strict=True))
     return tuple(min(max(v, _BLACKEST), _WHITEST) for v in albedo)
+
+
+def _tint(srgb: Values, sources: Sources) -> Values:
+    """The color of the light that a surface makes up for, to look as named.
+
+    Eyes are used to warm and cool lamps, but not so far that they see blue where candles leave violet.
+    """
+    against = hue_apart(srgb, to_srgb(tuple(v / max(sources.warmth) for v in sources.warmth)))
+    share = _MADE_UP * min(max((against - _ALIKE) / (_OPPOSED - _ALIKE), 0.0), 1.0)
+    return tuple(
+        gel**sources.constancy * warm**share for gel, warm in zip(sources.cast, sources.warmth, strict=True)
+    )
 
 
 def _named(effect: Effect, attribute: Attribute, sources: Sources) -> Values:

@@ -16,6 +16,8 @@ _WATTS = {"POINT": 4 * math.pi**2, "SPOT": 4 * math.pi**2, "AREA": math.pi**2, "
 _FACING = 0.45  # mean cosine over the lit side, times the share of what is seen that is lit
 _MIRRORED = 0.05  # of a dielectric at an index of 1.5, grazing angles included
 _PUREST = 0.3  # share of white light that the weakest component of colored light is taken to have
+_MIRED = (0.0029, -0.0009, -0.0072)
+"""By how much the logarithms of warm light's red, green and blue grow per mired (1e6 / K): about `color.blackbody`."""
 _OPEN = 0.8  # what occlusion leaves of the world's light
 
 Value = Callable[[Instance], Values]
@@ -40,6 +42,19 @@ def facing_radiance(
     """Radiance, before exposure, of a white surface that faces these lights, or all of them."""
     lamps = _lamps(instances, context, value)
     return sum(luminance(gel) * bright for name, gel, bright in lamps if lights is None or name in lights)
+
+
+def warmth(instances: dict[str, Instance], context: PlanContext, value: Value) -> Values:
+    """The color, of luminance 1, that the temperatures of the lamps give to the light, the world's being white."""
+    white = _OPEN * world_radiance(instances, context, value) / _exposed(instances, value)
+    total: Values = (white, white, white)
+    for name, gel, bright in _lamps(instances, context, value):
+        temperature = instances.get(f"light/{name}/temperature")
+        mireds = 1e6 / value(temperature)[0] - 1e6 / 6500.0 if temperature else 0.0
+        level = _FACING * bright * luminance(gel)
+        total = tuple(t + level * math.exp(m * mireds) for t, m in zip(total, _MIRED, strict=True))
+    level = luminance(total)
+    return tuple(v / level for v in total) if level > 1e-3 else (1.0, 1.0, 1.0)
 
 
 def _lamps(

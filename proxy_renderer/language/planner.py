@@ -8,7 +8,7 @@ from dataclasses import replace
 from ..schema import Instance, Values, labels
 from .color import to_srgb
 from .demands import Demand, lacking, reason_of
-from .illumination import cast, expected, facing_radiance, veil
+from .illumination import cast, expected, facing_radiance, veil, warmth
 from .meaning import is_vague
 from .owners import Owners
 from .ranges import clip, effect_range
@@ -154,7 +154,8 @@ class _Planner:
         for region in ("subject", "surroundings"):
             names = self.owners.materials(region)
             self.light[region] = expected(region, names, self.instances, self.sources.context, self._planned)
-        self.sources = replace(self.sources, cast=cast(self.instances, self.sources.context, self._planned))
+        light = self.instances, self.sources.context, self._planned
+        self.sources = replace(self.sources, cast=cast(*light), warmth=warmth(*light))
 
     def _light_for(self, effect: Effect, instance: Instance) -> float:
         """The light that an effect reckons with: exposure is for the subject's, and what is dark is not painted

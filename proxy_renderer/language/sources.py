@@ -22,6 +22,7 @@ class Sources:
         own_color: sRGB of the color that the material gets or has, for glows.
         illumination: Radiance, after exposure, of a white surface where the effect acts.
         cast: Color of that light, of luminance 1.
+        warmth: Color of it that comes of the lamps' temperatures, likewise.
         key: Radiance, before exposure, of a white surface that faces the key lights; 0 if there are none.
         veil: Radiance that the surface mirrors all over, whatever its color.
         environment: Whether the world is a linked picture.
@@ -34,6 +35,7 @@ class Sources:
     own_color: Values = (1.0, 1.0, 1.0)
     illumination: float = 1.0
     cast: Values = (1.0, 1.0, 1.0)
+    warmth: Values = (1.0, 1.0, 1.0)
     key: float = 0.0
     veil: float = 0.0
     environment: bool = False

@@ -18,6 +18,7 @@ _CASTS = {
 """Of lights, world, fog or film: what changes how colors look."""
 _PALE, _WHITE = 80.0, 93.0  # L* of pale and of white surroundings
 _PALED = 0.6  # saturation below which named colors are not what is wanted
+_THICK = 0.5  # fog through which named colors are not to look as named; less is haze
 _ADAPTED = 0.5  # share of the cast of colored light that eyes take out
 _HIDDEN = 60.0  # degrees of hue between a thing and its light from which neither looks as named
 STAGES = 5
@@ -45,9 +46,12 @@ class Wishes:
         strong = [e for a in others for e in self._effects(a) if not e.weak]
         casts = [e for e in strong if e.name in _CASTS and OWNERS[e.owner] != "material"]
         hidden = any(
-            OWNERS[e.owner] == "volume" or (e.name == "saturation" and e.upper[0] < _PALED) for e in casts
+            (e.family == "volume/density" and e.upper[0] > _THICK)
+            or (e.family == "film/saturation" and e.upper[0] < _PALED)
+            for e in strong
         )
-        return 0.0 if hidden else _ADAPTED if casts else 1.0
+        veiled = any(OWNERS[e.owner] == "volume" for e in strong)
+        return 0.0 if hidden else _ADAPTED if casts or veiled else 1.0
 
     def _said(self) -> list[Attribute]:
         return [a for a in self._parsed.attributes if a not in self._parsed.overruled]
