@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Prompts written as keys and values, as programs and form fillers write them, said as a sentence would."""
+"""Prompts written as keys and values or as lists, as programs and form fillers write them, said as a sentence would."""
 
 from __future__ import annotations
 
@@ -17,11 +17,17 @@ _SPARED = re.compile(
     r"\b(?:alone|unchanged|untouched|as is|as (?:it|they) (?:is|are|was|were)|the same)\b",
     re.IGNORECASE,
 )
+_COLOR = r"([a-z]+(?: (?!and\b)[a-z]+)?)"
+_LIGHTS = re.compile(
+    r"\b(?:\w+ )?(?:two|both|colou?red|contrasting|different) (?:colou?red )?(?:lights|lamps|gels)\s*[,:(]\s*(?:one )?"
+    rf"{_COLOR}\s*,?\s*(?:and (?:one |the other )?|(?:the other|one) ){_COLOR}(?=\s*(?:[,;.)]|$))",
+    re.IGNORECASE,
+)
 _MOST = 4  # words of a value; more are a sentence of their own
 
 
 def spoken(text: str, vocabulary: Vocabulary, names: Container[str] = ()) -> str:
-    """ "fog: none, background: white" -> "no fog, white background"; other colons stay as they are.
+    """ "fog: none, background: white" -> "no fog, white background"; lights that are listed get their colors likewise.
 
     Args:
         text: The prompt.
@@ -38,7 +44,12 @@ def spoken(text: str, vocabulary: Vocabulary, names: Container[str] = ()) -> str
         noun = key in vocabulary.nouns and key not in vocabulary.lists["stop"]
         return f"{value} {key}" if noun and len(value.split()) <= _MOST else pair[0]
 
-    return _PAIR.sub(said, text)
+    def colored(lights: re.Match[str]) -> str:
+        """ "Two lights, one red, one blue" -> "red and blue lights"."""
+        both = all(name.lower() in vocabulary.colors for name in lights.groups())
+        return f"{lights[1]} and {lights[2]} lights" if both else lights[0]
+
+    return _LIGHTS.sub(colored, _PAIR.sub(said, text))
 
 
 def without_spared(text: str) -> tuple[str, list[str]]:

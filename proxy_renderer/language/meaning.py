@@ -23,7 +23,7 @@ Named = tuple[str, Region, tuple[str, ...]]
 
 def complete(parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[Named]) -> None:
     """Fills in objects, targets, colors and conflicts of a prompt whose attributes are bound."""
-    parsed.attributes = _qualified(parsed.attributes)
+    parsed.attributes = _qualified(parsed.attributes, vocabulary)
     parsed.objects = _objects(parsed.attributes, subject, things)
     _settle_targets(parsed, vocabulary)
     _region_colors(parsed, parsed.attributes)
@@ -69,10 +69,13 @@ def is_vague(attribute: Attribute, vocabulary: Vocabulary) -> bool:
     return entry is not None and entry.slot == "lighting" and len(entry.heads) > 1
 
 
-def _qualified(attributes: list[Attribute]) -> list[Attribute]:
-    """ "Dark, but not too dark": the later word says how the earlier one was meant."""
+def _qualified(attributes: list[Attribute], vocabulary: Vocabulary) -> list[Attribute]:
+    """What later words say of earlier ones: "dark, but not too dark"; "the fog is too thick" asks for none of it."""
     later = {(a.entry, a.kind, a.owners): i for i, a in enumerate(attributes) if a.word.startswith("not ")}
-    return [a for i, a in enumerate(attributes) if later.get((a.entry, a.kind, a.owners), i) <= i]
+    kept = [a for i, a in enumerate(attributes) if later.get((a.entry, a.kind, a.owners), i) <= i]
+    heads = {name: entry.heads for name, entry in vocabulary.entries.items() if entry.heads}
+    much = [(a.kind, heads[a.entry]) for a in kept if a.word.startswith("too ") and a.entry in heads]
+    return [a for a in kept if a.negated or a.cause or a.color or (a.kind, heads.get(a.entry)) not in much]
 
 
 def color_class(attribute: Attribute) -> str:
