@@ -102,6 +102,17 @@ def test_one_thing_is_not_guessed_to_be_several():
     assert {a.owners for a in parse("golden tires", scene).attributes} == {("Rubber",)}
 
 
+def test_a_thing_in_parts_is_meant_as_a_whole():
+    parts = {"Hull": ("Paint",), "Mast": ("Pole",), "Sail": ("Cloth",)}
+    scene = SceneWords(
+        objects=dict.fromkeys(parts, "subject"),
+        materials=dict.fromkeys(("Paint", "Pole", "Cloth"), "subject"),
+        object_materials=parts,
+    )
+    assert {a.owners for a in parse("weathered red boat", scene).attributes} == {()}
+    assert {a.owners for a in parse("red sail", scene).attributes} == {("Cloth",)}
+
+
 @pytest.mark.parametrize(
     "prompt",
     [

@@ -10,7 +10,7 @@ from functools import cached_property
 
 from ..schema import Values
 from .color import shade
-from .names import SceneName, scene_names
+from .names import SceneName, in_parts, scene_names
 from .nearest import Guess, nearest, table
 from .tinges import spelled_out, tending, tinged
 from .types import SceneWords
@@ -64,7 +64,7 @@ class Lexer:
 
     def __init__(self, vocabulary: Vocabulary, words: SceneWords) -> None:
         self.vocabulary = vocabulary
-        self.names = scene_names(words)
+        self.names, self._in_parts = scene_names(words), in_parts(words)
 
     @cached_property
     def _spelling(self) -> list[str]:
@@ -218,12 +218,19 @@ class Lexer:
                 found.append(_shade(v.shades[leading[position]], v.intensity.get(before, 1.0)))
         return tuple(found)
 
+    def _may_be_called(self, word: str) -> list[str]:
+        """Names of what a thing may be: "a red car" is none of its four wheels, nor its bonnet."""
+        if word.endswith("s"):
+            return list(self.names)
+        return [
+            name
+            for name, thing in self.names.items()
+            if not (thing.several or (self._in_parts and thing.region == "subject"))
+        ]
+
     def _guess(self, token: Token) -> Token:
         """The nearest known word, where it can only be a slip of the keyboard."""
-        one = not token.text.endswith("s")  # "a red car" is none of its four wheels
-        if same := table().same_sort(
-            token.text, [name for name, thing in self.names.items() if not (one and thing.several)]
-        ):
+        if same := table().same_sort(token.text, self._may_be_called(token.text)):
             token.scene, token.guess, token.name = self.names[same], self.names[same].name, same
             return token
         token.near = nearest(self.vocabulary).guess(token.text)

@@ -34,6 +34,8 @@ _DETAILS = _words(
     "lace sole label logo text decal sticker wick flame screen display keys grill grille exhaust plate"
 )
 """Parts that keep a color of their own when the whole is painted."""
+_CORES = _words("hull body bodywork torso chassis cabin fuselage trunk walls")
+"""Parts that stand for a whole where nothing else is called by its name."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +68,11 @@ def is_detail(material: str) -> bool:
     """Whether a name is that of a part with a color of its own: tyres, eyes, windows."""
     last = plain_name(material).rpartition(" ")[2]
     return last in _DETAILS or last.removesuffix("s") in _DETAILS
+
+
+def in_parts(words: SceneWords) -> bool:
+    """Whether the subject is one thing, of which only parts have names: a hull, a mast and a sail are a boat."""
+    return any(region == "subject" and plain_name(name) in _CORES for name, region in words.objects.items())
 
 
 def scene_names(words: SceneWords) -> dict[str, SceneName]:
