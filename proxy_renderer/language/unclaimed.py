@@ -32,11 +32,15 @@ class Unclaimed:
         self._attributes, self._things, self._vocabulary = attributes, things, vocabulary
         self._loose: list[int] = []
         self._opening: list[Word] = []  # colors that the text begins with
+        self._pair: list[int] = []  # two colors in a clause of their own
 
     def add(self, first: int, words: list[Word]) -> None:
         """Words that were bound to the subject for want of a noun: the attributes from the first one on."""
-        self._opening += [] if first else [w for w in words if w.token.color]
+        colors = [w for w in words if w.token.color]
+        self._opening += [] if first else colors
         self._loose += range(first, len(self._attributes))
+        if len(colors) == 2 and colors[0].barred and len(words) == 2:
+            self._pair = list(range(first, len(self._attributes)))
 
     def share_out(self, several: bool) -> None:
         """Gives colors to subject, surroundings or picture.
@@ -47,10 +51,26 @@ class Unclaimed:
         placed = bool(self._things) or any(
             a.region == "surroundings" and not a.cause for a in self._attributes
         )
-        if len(self._opening) == 2 and self._opening[0].barred and not (several or placed):
+        if self._pair and self._has_lights_of_two_colors():
+            self._color_the_lights()
+        elif len(self._opening) == 2 and self._opening[0].barred and not (several or placed):
             self._paint_the_rest(self._opening[1])
         else:
             self._tint_the_picture(several)
+
+    def _has_lights_of_two_colors(self) -> bool:
+        asked = (
+            {e.owner for e in self._vocabulary.entries[a.entry].effects if e.family == "light/color"}
+            for a in self._attributes
+            if not a.color and not a.negated
+        )
+        return any({"key", "others"} <= owners for owners in asked)
+
+    def _color_the_lights(self) -> None:
+        """ "Neon noir, pink and cyan": where words ask for lights of two colors, those are theirs."""
+        for i in self._pair:
+            lit = replace(self._attributes[i], slot="color", region="whole", kind="light", thing="lights")
+            self._attributes[i] = lit
 
     def _paint_the_rest(self, word: Word) -> None:
         """ "Black and gold": one thing cannot be both, but a picture can."""
