@@ -18,6 +18,7 @@ from proxy_renderer.train.augment import EMPTY, WHOLE
 from proxy_renderer.train.data import LOOKS, choices, contradicts, gather, make_batch
 from proxy_renderer.train.evaluate import skill
 from proxy_renderer.train.shapes import FAMILIES, shape
+from proxy_renderer.train.surfaces import bent, box, ellipsoid, merge
 from proxy_renderer.train.train import Recipe, Trainer
 
 SIZE = 64
@@ -83,6 +84,13 @@ def test_colors_that_cannot_be_seen_are_not_claimed() -> None:
     assert names.tolist() == [red[0], ATTRIBUTES["subject_color"].index("black"), red[0]]
     grey_blue = torch.tensor([[50.0, -4.0, -22.0]])
     assert seen.called(red[:1], grey_blue, torch.zeros(1, dtype=torch.bool)).tolist() == [looks.UNKNOWN]
+
+
+def test_boxes_are_flat_and_balls_are_bent() -> None:
+    cube, ball = box((0, 0, 0), (1, 2, 3)), ellipsoid((5, 0, 0), (1, 1, 1))
+    assert bent(cube) == 0.0
+    assert bent(ball) == pytest.approx(1.0)
+    assert bent(merge([cube, ball])) == pytest.approx(4 * np.pi / (4 * np.pi + 22), rel=0.02)
 
 
 def test_a_finish_is_asked_of_bent_surfaces_only() -> None:

@@ -18,10 +18,8 @@ _DARK = 0.02  # radiance below which a backdrop is black
 _SEEN = 0.7  # relative departure from grey that a tint has at least
 _DEEP = 0.4  # of that scale: the box of a darker color is smaller, as its hues are nearer
 _MOOD = 0.6  # of a tint, where light, air and film share it: things keep some color of their own
-_ALIKE, _OPPOSED = (
-    60.0,
-    120.0,
-)  # degrees of hue from warm light up to which a color bears it, and from which not
+_ALIKE, _OPPOSED = 60.0, 120.0
+"""Degrees of hue from warm light up to which a color bears it, and from which on it does not."""
 _MADE_UP = 0.9  # share of such light's color that a surface then makes up for
 _BOX = 0.06  # half the width of a color's box, in steps that look even
 OWN_COLOR = ("base_color", "tint")

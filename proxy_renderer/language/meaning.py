@@ -70,7 +70,7 @@ def is_vague(attribute: Attribute, vocabulary: Vocabulary) -> bool:
 
 
 def _qualified(attributes: list[Attribute], vocabulary: Vocabulary) -> list[Attribute]:
-    """What later words say of earlier ones: "dark, but not too dark"; "the fog is too thick" asks for none of it."""
+    """What later words say of earlier ones: "dark, but not too dark"; "the fog is too thick" asks for less."""
     later = {(a.entry, a.kind, a.owners): i for i, a in enumerate(attributes) if a.word.startswith("not ")}
     kept = [a for i, a in enumerate(attributes) if later.get((a.entry, a.kind, a.owners), i) <= i]
     heads = {name: entry.heads for name, entry in vocabulary.entries.items() if entry.heads}

@@ -28,6 +28,7 @@ from ..schema.orbit import frame
 from . import looks, seen
 from .bank import SIDES
 from .shapes import shape
+from .surfaces import bent
 
 SAMPLES = 24
 _TWINNED = ("subject_finish", "subject_metal", "light_softness")
@@ -107,6 +108,7 @@ def _pair(folder: Path, seed: int, size: int, samples: int) -> list[dict[str, An
         "size": size, "samples": samples, "mesh": mesh, "elevation": dice.uniform(2, 35), "fov": dice.uniform(22, 50),
         "fill": dice.uniform(0.55, 0.95), "stage": dice.choice(("none", "floor", "cove", "cove")), "radius": dice.uniform(5, 9),
         "transform": "AgX" if dice.random() < 0.6 else "Standard", "spread": [dice.uniform(-1, 1), dice.uniform(-1, 1)],
+        "bent": bent(subject),
     }  # fmt: skip
     kinds = (-1, -2 if torch.equal(flipped, looks.swap(base)) else int(attribute))
     return [
@@ -154,6 +156,8 @@ def _collect(folder: Path, rows: list[dict[str, Any]]) -> None:
     look["ambient"] = torch.where(bare[:, None], look["world"], look["ambient"])
     flipped = torch.tensor([row["flipped"] for row in rows])
     labels = _borne_out(classes, look, torch.from_numpy(pictures), torch.from_numpy(masks > 127), flipped)
+    faceted = torch.tensor([row["bent"] <= seen.CURVED for row in rows])
+    labels[faceted, looks.INDEX["subject_finish"]] = looks.UNKNOWN
     for name, values in (
         ("pictures", pictures),
         ("masks", masks),

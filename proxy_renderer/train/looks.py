@@ -57,7 +57,7 @@ _PLAIN = {"fog": "none", "brightness": "medium", "contrast": "medium"}
 _PLAIN_SHARE = 0.5
 """So many looks hide nothing of a thing's surface and of its light, which are the hardest to learn."""
 _HARD = {
-    "subject_finish": 4.0,
+    "subject_finish": 6.0,
     "light_softness": 4.0,
     "subject_metal": 2.0,
     "light_side": 2.0,

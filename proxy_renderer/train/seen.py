@@ -13,8 +13,10 @@ _NOTICED = 0.02
 """Mean difference of display values from which a change of one attribute can be seen."""
 _GLEAMS = 0.1
 """Standard deviation over the subject of the gleam's brightness from which a finish can be seen."""
-_STEP, _BENDS, _CURVED = 3, (0.015, 0.45), 0.3
-"""Pixels between two normals, angles between them (radians) at which a surface bends, and the least share that does."""
+_STEP, _BENDS = 3, (0.015, 0.45)
+"""Pixels between two normals, and angles between them (radians) at which a surface bends."""
+CURVED = 0.3
+"""Share of a subject that bends, below which its finish cannot be told: a flat face mirrors one direction, whatever it is."""
 _EDGES = 0.02
 """Mean difference between hard and soft shadows from which the light's softness can be seen."""
 _HUES = {
@@ -175,13 +177,13 @@ def shown(view: dict[str, Tensor], classes: Tensor, gleam: Tensor) -> dict[str, 
     edges = (view["shadow"][:, :, 0].float() - view["shadow"][:, :, 1].float()).abs().mean((2, 3)) / 255
     matte = finish == ATTRIBUTES["subject_finish"].index("matte")
     return {
-        "subject_finish": (matte | (uneven.cpu() > _GLEAMS)) & (_curved(view).cpu() > _CURVED)[:, None],
+        "subject_finish": (matte | (uneven.cpu() > _GLEAMS)) & (_curved(view).cpu() > CURVED)[:, None],
         "light_softness": edges.cpu().gather(1, side) > _EDGES,
     }
 
 
 def _curved(view: dict[str, Tensor]) -> Tensor:
-    """Share of the subjects (G,) whose surface bends: a flat face mirrors one direction, whatever its finish."""
+    """Share of the subjects (G,) whose surface bends."""
     normal, inside = view["normal"].float(), view["kind"] == SUBJECT
     shares = []
     for axis in (-1, -2):

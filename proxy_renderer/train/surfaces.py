@@ -14,6 +14,18 @@ class Shape(NamedTuple):
     normals: np.ndarray
 
 
+_FLAT = 0.01
+"""Difference of two corners' normals up to which a triangle is flat."""
+
+
+def bent(shape: Shape) -> float:
+    """Share of a shape's area that is curved: smooth triangles, whose corner normals differ."""
+    a, b, c = np.moveaxis(shape.triangles, 1, 0)
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    turn = np.linalg.norm(shape.normals - shape.normals[:, [1, 2, 0]], axis=2).max(1)
+    return float(area[turn > _FLAT].sum() / max(area.sum(), 1e-12))
+
+
 def merge(parts: list[Shape]) -> Shape:
     """All parts as one shape."""
     return Shape(np.concatenate([p.triangles for p in parts]), np.concatenate([p.normals for p in parts]))
