@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from .color import chroma, to_lab
 from .types import Attribute
 from .vocabulary import Vocabulary
 
@@ -16,6 +17,7 @@ BOUND_SLOTS = ("finish", "material", "color", "setting")
 """Slots whose words wait for the noun that they describe; the others describe the whole picture."""
 _TONED = ("muted", "faded", "dusty", "dull", "smoky", "murky", "stormy", "moody")
 """Shades that pictures have rather than things."""
+_VIVID = 20.0  # chroma of colors that light may have
 _CLEAR = 0.02  # density of air that has no color
 
 
@@ -39,7 +41,8 @@ class Unclaimed:
         colors = [w for w in words if w.token.color]
         self._opening += [] if first else colors
         self._loose += range(first, len(self._attributes))
-        if len(colors) == 2 and colors[0].barred and len(words) == 2:
+        vivid = [w for w in colors if w.token.color and chroma(to_lab(w.token.color)) > _VIVID]
+        if len(vivid) == len(words) == 2 and words[0].barred:
             self._pair = list(range(first, len(self._attributes)))
 
     def share_out(self, several: bool) -> None:
@@ -51,7 +54,8 @@ class Unclaimed:
         placed = bool(self._things) or any(
             a.region == "surroundings" and not a.cause for a in self._attributes
         )
-        if self._pair and self._has_lights_of_two_colors():
+        named = any(thing.kind == "subject" for thing in self._things)
+        if self._pair and not named and self._has_lights_of_two_colors():
             self._color_the_lights()
         elif len(self._opening) == 2 and self._opening[0].barred and not (several or placed):
             self._paint_the_rest(self._opening[1])
