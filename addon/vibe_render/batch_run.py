@@ -134,9 +134,8 @@ def _finish(
         rendering.render_mask(scene, out.path(numbered("mask.png", number)), a.size, survey.objects)
         laps.lap("render after")
         pictures = [out.path(numbered(name, number)) for name in ("before.png", "after.png")]
-        compared = (
-            Path(job.folder) / "compare.png"
-        )  # not in `out`, which a failure clears while the engine writes
+        # Not in `out`, which a failure clears while the engine writes.
+        compared = Path(job.folder) / "compare.png"
         pictures.append(compared)
         talk.ask(messages.Finish(*map(str, pictures), shot=number))  # type: ignore[misc, arg-type]
         if number == 0:

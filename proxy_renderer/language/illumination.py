@@ -18,6 +18,7 @@ _MIRRORED = 0.05  # of a dielectric at an index of 1.5, grazing angles included
 _PUREST = 0.3  # share of white light that the weakest component of colored light is taken to have
 _MIRED = (0.0029, -0.0009, -0.0072)
 """By how much the logarithms of warm light's red, green and blue grow per mired (1e6 / K): about `color.blackbody`."""
+_WHITE: Values = (1.0, 1.0, 1.0)
 _OPEN = 0.8  # what occlusion leaves of the world's light
 
 Value = Callable[[Instance], Values]
@@ -46,15 +47,20 @@ def facing_radiance(
 
 def warmth(instances: dict[str, Instance], context: PlanContext, value: Value) -> Values:
     """The color, of luminance 1, that the temperatures of the lamps give to the light, the world's being white."""
-    white = _OPEN * world_radiance(instances, context, value) / _exposed(instances, value)
-    total: Values = (white, white, white)
+    parts = [(_OPEN * world_radiance(instances, context, value) / _exposed(instances, value), _WHITE)]
     for name, gel, bright in _lamps(instances, context, value):
         temperature = instances.get(f"light/{name}/temperature")
         mireds = 1e6 / value(temperature)[0] - 1e6 / 6500.0 if temperature else 0.0
-        level = _FACING * bright * luminance(gel)
-        total = tuple(t + level * math.exp(m * mireds) for t, m in zip(total, _MIRED, strict=True))
+        tint = tuple(math.exp(m * mireds) for m in _MIRED)
+        parts.append((_FACING * bright * luminance(gel), tint))
+    return _mixed(parts)
+
+
+def _mixed(parts: list[tuple[float, Values]]) -> Values:
+    """The color, of luminance 1, of light that comes in parts: how much of it, and its color."""
+    total = [sum(amount * color[i] for amount, color in parts) for i in range(3)]
     level = luminance(total)
-    return tuple(v / level for v in total) if level > 1e-3 else (1.0, 1.0, 1.0)
+    return tuple(v / level for v in total) if level > 1e-3 else _WHITE
 
 
 def _lamps(
@@ -81,14 +87,11 @@ def world_radiance(instances: dict[str, Instance], context: PlanContext, value: 
 
 def cast(instances: dict[str, Instance], context: PlanContext, value: Value) -> Values:
     """The color, of luminance 1, of the light that falls on the scene, by gels and the world: eyes are used to warm and cool lamps."""
-    total = [0.0, 0.0, 0.0]
-    for _, gel, bright in _lamps(instances, context, value):
-        total = [t + _FACING * bright * v for t, v in zip(total, gel, strict=True)]
+    parts = [(_FACING * bright, gel) for _, gel, bright in _lamps(instances, context, value)]
     color, strength = instances.get("world/color"), instances.get("world/strength")
     if color and strength:
-        total = [t + _OPEN * value(strength)[0] * v for t, v in zip(total, value(color), strict=True)]
-    level = luminance(total)
-    return tuple(max(v / level, _PUREST) for v in total) if level > 1e-3 else (1.0, 1.0, 1.0)
+        parts.append((_OPEN * value(strength)[0], value(color)))
+    return tuple(max(v, _PUREST) for v in _mixed(parts))
 
 
 def _exposed(instances: dict[str, Instance], value: Value) -> float:
