@@ -148,14 +148,14 @@ def test_lights_that_share_data_are_one_group(studio):
 
 def test_an_anchored_proxy_shows_what_cycles_renders(scene, tmp_path):
     """Other powers, colors and materials than the anchor's: nearer to Cycles than without it."""
-    subject = scenes.studio(scene)
+    scenes.studio(scene)
     scene.render.resolution_x = scene.render.resolution_y = 64
-    subject, pivot = scene_io.export(scene, tmp_path, Choice(objects=("Subject",)))
+    found = scene_io.open_job(scene, tmp_path, Choice(objects=("Subject",))).survey
     data = load_scene(tmp_path)
     path = tmp_path / "a.exr"
-    groups = anchoring.render_anchor(scene, path, {}, subject, pivot, 64, 64)
+    groups = anchoring.render_anchor(scene, path, {}, found.objects, found.pivot, 64, 64)
     values = {"light/Area/power": [300.0], "light/Sun/color": [1.0, 0.6, 0.3], "film/exposure": [-1.0]}
-    with bindings.trial(scene, values, subject, pivot):
+    with bindings.trial(scene, values, found.objects, found.pivot):
         rendering.render(scene, tmp_path / "after.png", 64, 256)
     from proxy_renderer.report import load_picture
 

@@ -23,7 +23,7 @@ def test_the_halo_of_a_bulb_in_fog(tmp_path):
         "bulb", "lantern", finishes, (), world, ground=ground, fog=Fog(0.4), view=View(12.0, 10.0)
     )
     scene, subject = build(recipe, 0)
-    scene_io.export(scene, tmp_path, Choice(tuple(o.name for o in subject)))
+    scene_io.open_job(scene, tmp_path, Choice(tuple(o.name for o in subject)))
     rendering.render(scene, tmp_path / "cycles.png", 64, 96)
     cycles = torch.from_numpy(load_picture(tmp_path / "cycles.png").copy())
     proxy = Proxy(load_scene(tmp_path), (64, 64))

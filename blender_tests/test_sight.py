@@ -5,14 +5,12 @@ import bpy
 import numpy as np
 import pytest
 from mathutils import Vector
-from vibe_render import demo, render_view, subject
-from vibe_render.export_material import uv_of
-from vibe_render.export_mesh import collect
+from vibe_render import demo, survey, visibility
 
 
 def blenders(scene):
     """The object that each ray meets, by Blender's own casting; "" for none."""
-    starts, directions = subject.camera_rays(scene, 48)
+    starts, directions = visibility.rays(visibility.view(scene), 48)
     graph = bpy.context.evaluated_depsgraph_get()
     lens, ahead = scene.camera.data, -np.array(scene.camera.matrix_world.normalized())[:3, 2]
     names = np.full(starts.shape[:2], "", object)
@@ -36,8 +34,7 @@ def test_rays_meet_what_blenders_own_meet(kind, lens, shift):
     camera.type, camera.shift_x = kind, shift
     camera.lens, camera.ortho_scale = lens, lens
     bpy.context.view_layer.update()
-    geometry = render_view.look(scene, lambda graph: collect(graph, uv_of))
-    seen = subject.see(scene, geometry)
-    names = np.array([name for name, _ in geometry.objects] + [""], object)[seen.object]
+    found = survey.capture(scene).prospect()
+    names = np.array([name for name, _ in found.geometry.objects] + [""], object)[found.seen.object]
     assert len(set(names.ravel())) > 2
     assert (names == blenders(scene)).mean() > 0.99  # edges are rounded otherwise

@@ -18,7 +18,7 @@ def test_the_sun_of_a_city_throws_a_shadow(tmp_path):
     world = World(1.0, picture="city")
     recipe = Recipe("city", "head", (matte,), (), world, ground=matte, view=View(12.0, 20.0, fill=0.6))
     scene, subject = build(recipe, 0)
-    scene_io.export(scene, tmp_path, Choice(tuple(o.name for o in subject)))
+    scene_io.open_job(scene, tmp_path, Choice(tuple(o.name for o in subject)))
     rendering.render(scene, tmp_path / "cycles.png", 64, 64)
     cycles = torch.from_numpy(load_picture(tmp_path / "cycles.png").copy())
     proxy = Proxy(load_scene(tmp_path), (64, 64))

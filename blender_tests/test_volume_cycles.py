@@ -42,7 +42,7 @@ def test_fog_matches_cycles(tmp_path, name):
     lamps, world = LIGHTS[light]
     recipe = Recipe(name, "head", (FINISH,), lamps, world, ground=GROUND, fog=FOGS[fog], view=VIEW)
     scene, subject = build(recipe, 0)
-    scene_io.export(scene, tmp_path, Choice(tuple(o.name for o in subject)))
+    scene_io.open_job(scene, tmp_path, Choice(tuple(o.name for o in subject)))
     rendering.render(scene, tmp_path / "cycles.png", 48, 64)
     cycles = torch.from_numpy(load_picture(tmp_path / "cycles.png").copy())
     with torch.no_grad():

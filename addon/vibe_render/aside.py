@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Generator
+from collections.abc import Callable
 from concurrent.futures import Future
 from typing import TypeVar
 
@@ -23,11 +23,3 @@ def begin(act: Callable[[], T]) -> Future[T]:
 
     threading.Thread(target=work, daemon=True).start()
     return future
-
-
-def wait(act: Callable[[], T]) -> Generator[None, None, T]:
-    """Does the same, yields until it is done, and returns what it returned or raises what it raised."""
-    future = begin(act)
-    while not future.done():
-        yield
-    return future.result()

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import TypeVar
 
@@ -18,23 +19,9 @@ from .export import Job, known
 from .export import export as write_job
 from .prepare import prepare
 from .subject import Choice, named
-from .survey import Survey, like, refuse, survey
+from .survey import Capture, Prospect, Survey, capture, like, refuse, survey
 
-Vector = tuple[float, float, float]
 Read = TypeVar("Read")
-
-
-def export(scene: bpy.types.Scene, folder: Path, choice: Choice) -> tuple[Sequence[bpy.types.Object], Vector]:
-    """Adds what the scene lacks and writes its job folder; a failure leaves the scene as it was.
-
-    Returns:
-        The subject's objects and the pivot, as `bindings.write` wants them.
-
-    Raises:
-        VibeError: The scene cannot be worked with; see `survey.survey`.
-    """
-    job = open_job(scene, folder, choice)
-    return job.survey.objects, job.survey.pivot
 
 
 def open_job(
@@ -44,11 +31,17 @@ def open_job(
     around: Survey | None = None,
     eyes: Sequence[Vector3] = (),
 ) -> Job:
-    """The same, returning all that is known about the scene.
+    """Adds what the scene lacks and writes its job folder; a failure leaves the scene as it was.
 
     Args:
+        scene: The scene.
+        folder: Made if it does not exist.
+        choice: How the subject is chosen.
         around: Of an earlier shot of this scene: the same things are the subject, and lights turn around where it was.
         eyes: Where the cameras of all its shots stand: the same fog holds them all.
+
+    Raises:
+        VibeError: The scene cannot be worked with; see `survey.survey`.
     """
 
     def write(found: Survey) -> Job:
@@ -57,6 +50,25 @@ def open_job(
         return write_job(like(found, around) if around else found, folder)
 
     return _opened(scene, choice, write)
+
+
+def begin(scene: bpy.types.Scene, choice: Choice) -> Capture:
+    """Half of `open_job`, for a Blender that stays free in between. Taking back what failed is the caller's."""
+    refuse(scene)
+    ready(scene, choice)
+    return capture(scene)
+
+
+def finish(scene: bpy.types.Scene, folder: Path, choice: Choice, prospect: Prospect) -> Job | None:
+    """The other half; None if what was read is not all there any more, so that one has to begin again."""
+    if scene.camera is None or not snapshot.exists(scene):
+        return None
+    geometry = prospect.geometry
+    objects = {o.name_full for o in bpy.data.objects} | {""}
+    materials = {m.name_full for m in bpy.data.materials} | {""}
+    if not materials.issuperset(geometry.materials) or not objects.issuperset(chain(*geometry.objects)):
+        return None
+    return write_job(survey(scene, choice, prospect), folder)
 
 
 def ready(scene: bpy.types.Scene, choice: Choice) -> None:
@@ -79,14 +91,14 @@ class Sight:
 
 
 def look_at(scene: bpy.types.Scene, choice: Choice) -> Sight:
-    """Looks at a scene; nothing in it is changed. Raises as `export` does."""
+    """Looks at a scene; nothing in it is changed. Raises as `open_job` does."""
     refuse(scene)
     found = survey(scene, choice)
     return Sight(found, known(found))
 
 
 def open_sight(scene: bpy.types.Scene, choice: Choice) -> Sight:
-    """Adds what the scene lacks and looks at it; a failure leaves the scene as it was. Raises as `export` does."""
+    """Adds what the scene lacks and looks at it; a failure leaves the scene as it was. Raises as `open_job` does."""
     return _opened(scene, choice, lambda found: Sight(found, known(found)))
 
 
@@ -107,6 +119,5 @@ def untouched_on_failure(scene: bpy.types.Scene) -> Iterator[None]:
 def _opened(scene: bpy.types.Scene, choice: Choice, read: Callable[[Survey], Read]) -> Read:
     refuse(scene)
     with untouched_on_failure(scene):
-        prepare(scene, named(scene, choice))
-        snapshot.take(scene)
+        ready(scene, choice)
         return read(survey(scene, choice))

@@ -6,10 +6,10 @@ from __future__ import annotations
 import shutil
 import time
 import uuid
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from dataclasses import asdict
 from pathlib import Path
-from typing import cast
+from typing import TypeVar, cast
 
 import bpy
 
@@ -24,6 +24,8 @@ PAUSING = (READING, ANCHORING)
 """While these go on, Blender is not free: for long where the scene is large."""
 SILENT = 30.0  # seconds without a word from the engine that are worth a note
 _LOST = 900.0  # and that mean that it hangs
+
+T = TypeVar("T")
 
 
 class Session(Told):
@@ -93,18 +95,16 @@ class Session(Told):
     def _run(self) -> Generator[str]:
         """Yields before every wait, so that the panel can show what comes."""
         yield self.stage
-        for _ in aside.wait(self._engine.start):
-            yield self.stage
+        yield from self._beside(self._engine.start)
         while not self._engine.settle():
             yield self.stage
-        for _ in aside.wait(self._engine.start):  # it may have died of the last one
-            yield self.stage
+        yield from self._beside(self._engine.start)  # it may have died of the last one
         self.stage = READING
         yield self.stage
         scene = self._find_scene()
         self._vibed, start = snapshot.exists(scene), snapshot.mark(scene)
         try:
-            self._export(scene)
+            yield from self._export()
             yield from self._settle_shared()
             yield from self._wait_for_result()
             while bpy.context.mode != "OBJECT":  # elsewhere one undo would not take the vibe back
@@ -118,10 +118,25 @@ class Session(Told):
             self._restore(start)
             raise
 
-    def _export(self, scene: bpy.types.Scene) -> None:
-        subject, pivot = scene_io.export(scene, self._job, self._choice)
-        self._subject, self._pivot = [obj.name_full for obj in subject], pivot
-        self._first = first_picture.place(scene)  # the camera may move before the picture comes
+    def _beside(self, act: Callable[[], T]) -> Generator[str, None, T]:
+        """Waits for what needs no Blender; returns what it returned."""
+        work = aside.begin(act)
+        yield self.stage
+        while not work.done():
+            yield self.stage
+        return work.result()
+
+    def _export(self) -> Generator[str]:
+        """Reads the scene; the artist may have changed it whenever this has yielded."""
+        found = None
+        while found is None:
+            scene = self._find_scene()
+            captured = scene_io.begin(scene, self._choice)
+            self._first = first_picture.place(scene)  # the camera may move before the picture comes
+            prospect = yield from self._beside(captured.prospect)
+            found = scene_io.finish(self._find_scene(), self._job, self._choice, prospect)
+        self._subject = [obj.name_full for obj in found.survey.objects]
+        self._pivot = found.survey.pivot
 
     def _settle_shared(self) -> Generator[str]:
         """Asks about materials that other things use too, unless that is settled; may export anew."""
@@ -139,7 +154,7 @@ class Session(Told):
             scene = self._find_scene()
         if self.shared == "SINGLE":
             shared.separate(scene, self.subject(scene))
-            self._export(scene)
+            yield from self._export()
 
     def answer(self, shared: str) -> None:
         """The artist's answer to the question: "ALL" or "SINGLE"."""

@@ -7,15 +7,12 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
-from mathutils import Vector
-from mathutils.bvhtree import BVHTree
 
 from .chosen import recall
 from .contract import schema
-from .export_mesh import Geometry
+from .geometry import Geometry
+from .visibility import RAYS, Visibility
 
-_RAYS = 48  # along each side of the picture
-_SLACK = 1e-3  # of a step between rays: what rounding may move a corner
 _PROMINENT = 0.1  # of the most prominent object's weight: what is less is decoration
 _FLAT = 0.35  # height over width of things that others stand on
 
@@ -36,19 +33,6 @@ class Choice:
     def explicit(self) -> bool:
         """Whether somebody chose."""
         return self.selected or bool(self.objects)
-
-
-@dataclass(frozen=True)
-class Visibility:
-    """What the camera sees through a coarse grid of rays.
-
-    Attributes:
-        object: (R, R) int, number of the object in the geometry, -1 for none; row 0 is the bottom.
-        material: (R, R) int, likewise.
-    """
-
-    object: np.ndarray
-    material: np.ndarray
 
 
 def choose(scene: bpy.types.Scene, geometry: Geometry, seen: Visibility, choice: Choice) -> np.ndarray:
@@ -92,61 +76,6 @@ def named(scene: bpy.types.Scene, choice: Choice) -> list[bpy.types.Object]:
     return list(dict.fromkeys(o for thing in chosen for o in (thing, *thing.children_recursive)))
 
 
-def see(scene: bpy.types.Scene, geometry: Geometry) -> Visibility:
-    """Casts the camera's rays. All -1 for an empty geometry."""
-    hits = np.full((_RAYS, _RAYS), -1)
-    if len(geometry.faces):
-        near = np.flatnonzero(_may_meet(scene, geometry))
-        corners = geometry.vertices[geometry.faces[near]].reshape(-1, 3)
-        faces = np.arange(len(corners)).reshape(-1, 3)
-        tree = BVHTree.FromPolygons(corners.tolist(), faces.tolist(), all_triangles=True)
-        starts, directions = camera_rays(scene, _RAYS)
-        ahead = -np.array(scene.camera.matrix_world.normalized())[:3, 2]
-        lens = scene.camera.data
-        for index in np.ndindex(hits.shape):
-            toward, slant = Vector(directions[index]), 1.0 / max(directions[index] @ ahead, 1e-6)
-            start = Vector(starts[index]) + toward * (slant * lens.clip_start)
-            face = tree.ray_cast(start, toward, slant * (lens.clip_end - lens.clip_start))[2]
-            hits[index] = -1 if face is None else near[face]
-    owner, material = (np.append(a, -1)[hits] for a in (geometry.object, geometry.material))
-    return Visibility(owner, material)
-
-
-def _may_meet(scene: bpy.types.Scene, geometry: Geometry) -> np.ndarray:
-    """(F,) bool: triangles that a ray may meet. Most of a fine mesh lies between the rays, and need not be sorted."""
-    camera = scene.camera
-    frame = np.array(camera.data.view_frame(scene=scene))
-    low, high = frame[:, :2].min(0), frame[:, :2].max(0)
-    pose = np.array(camera.matrix_world.normalized().inverted())
-    points = geometry.vertices @ pose[:3, :3].T + pose[:3, 3]
-    places = points[:, :2]
-    if camera.data.type != "ORTHO":
-        places = places * (frame[0, 2] / np.minimum(points[:, 2:], -1e-6))
-    column = ((places - low) / (high - low) * _RAYS - 0.5)[geometry.faces]  # (F, 3, 2), in rays
-    first = np.ceil(np.maximum(column.min(1), 0) - _SLACK)
-    last = np.floor(np.minimum(column.max(1), _RAYS - 1) + _SLACK)
-    behind = (points[:, 2] > -1e-6)[geometry.faces].any(1)
-    return (first <= last).all(1) | behind
-
-
-def camera_rays(scene: bpy.types.Scene, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Origins and directions, (count, count, 3) each, of rays through the picture; row 0 is the bottom."""
-    camera = scene.camera
-    corners = np.array(camera.data.view_frame(scene=scene))  # (4, 3), camera space
-    low, high = corners.min(0), corners.max(0)
-    u = (np.arange(count) + 0.5) / count
-    x, y = np.meshgrid(low[0] + u * (high[0] - low[0]), low[1] + u * (high[1] - low[1]))
-    points = np.stack([x, y, np.full_like(x, corners[0, 2])], axis=-1)
-    ahead = np.array([0.0, 0.0, -1.0])
-    if camera.data.type == "ORTHO":
-        starts, directions = points * (1, 1, 0), np.broadcast_to(ahead, points.shape)
-    else:
-        starts, directions = np.zeros_like(points), points
-    pose = np.array(camera.matrix_world.normalized())
-    directions = directions / np.linalg.norm(directions, axis=-1, keepdims=True)
-    return starts @ pose[:3, :3].T + pose[:3, 3], directions @ pose[:3, :3].T
-
-
 def automatic(scene: bpy.types.Scene, geometry: Geometry, seen: Visibility) -> np.ndarray:
     """The prominent things in view, without what they stand on or in front of: (number of objects,) bool.
 
@@ -160,10 +89,9 @@ def automatic(scene: bpy.types.Scene, geometry: Geometry, seen: Visibility) -> n
     weight = np.array([(_centrality() * (seen.object == i)).sum() for i in range(count)])
     if not weight.any():
         raise schema.VibeError("The camera sees no mesh.", "Point the scene's camera at something.")
-    boxes = np.array([_box(geometry, i) for i in range(count)])  # (N, 2, 3)
     visible = weight > 0
-    apart = visible & ~_enclosing(scene, boxes) & (_borders(seen.object, count) < 3)
-    apart &= ~_grounds(boxes, visible, _borders(seen.object, count))
+    apart = visible & ~_enclosing(scene, geometry.boxes) & (_borders(seen.object, count) < 3)
+    apart &= ~_grounds(geometry.boxes, visible, _borders(seen.object, count))
     if not apart.any():  # a close-up fills the picture, and is what it is about
         apart = weight == weight.max()
     return apart & (weight >= _PROMINENT * weight[apart].max())
@@ -171,13 +99,8 @@ def automatic(scene: bpy.types.Scene, geometry: Geometry, seen: Visibility) -> n
 
 def _centrality() -> np.ndarray:
     """(R, R): how much a place in the picture matters, 1 in the middle."""
-    u = (np.arange(_RAYS) + 0.5) / _RAYS * 2 - 1
+    u = (np.arange(RAYS) + 0.5) / RAYS * 2 - 1
     return np.exp(-1.5 * (u[:, None] ** 2 + u**2))
-
-
-def _box(geometry: Geometry, number: int) -> tuple[np.ndarray, np.ndarray]:
-    corners = geometry.vertices[np.unique(geometry.faces[geometry.object == number])]
-    return corners.min(0), corners.max(0)
 
 
 def _enclosing(scene: bpy.types.Scene, boxes: np.ndarray) -> np.ndarray:

@@ -8,10 +8,38 @@ from dataclasses import dataclass, replace
 import bpy
 import numpy as np
 
-from . import render_view, subject
+from . import render_view, subject, visibility
 from .contract import schema
 from .export_material import uv_of
-from .export_mesh import Geometry, collect
+from .export_mesh import collect
+from .geometry import Geometry, Placed, assembled
+
+
+@dataclass(frozen=True)
+class Prospect:
+    """What the scene's camera has before it, apart from the scene.
+
+    Attributes:
+        geometry: Everything that a render shows.
+        seen: What the camera sees of it.
+    """
+
+    geometry: Geometry
+    seen: visibility.Visibility
+
+
+@dataclass(frozen=True)
+class Capture:
+    """A scene as it was read from Blender, apart from it."""
+
+    things: list[Placed]
+    warnings: list[str]
+    view: visibility.View
+
+    def prospect(self) -> Prospect:
+        """Works out what the camera sees; nothing of Blender's data is read, so it may go on beside Blender."""
+        geometry = assembled(self.things, self.warnings)
+        return Prospect(geometry, visibility.see(self.view, geometry))
 
 
 @dataclass(frozen=True)
@@ -31,7 +59,7 @@ class Survey:
 
     scene: bpy.types.Scene
     geometry: Geometry
-    seen: subject.Visibility
+    seen: visibility.Visibility
     chosen: np.ndarray
     objects: tuple[bpy.types.Object, ...]
     low: tuple[float, float, float]
@@ -62,30 +90,44 @@ def refuse(scene: bpy.types.Scene) -> None:
         raise schema.VibeError(f"{camera.name} has no usable place: it is not a number.", "Move it back.")
 
 
-def survey(scene: bpy.types.Scene, choice: subject.Choice) -> Survey:
-    """Looks at the scene; nothing in it is changed.
+def capture(scene: bpy.types.Scene) -> Capture:
+    """Reads what a render of the scene shows; nothing in it is changed.
 
     Raises:
-        VibeError: There is no mesh, no usable camera, no mesh in view, or no such subject.
+        VibeError: There is no camera, or no usable one.
     """
     if scene.camera is None:
         raise schema.VibeError("The scene has no camera.", "Add one, and aim it at the subject.")
     refuse(scene)
-    geometry = render_view.look(scene, lambda depsgraph: collect(depsgraph, uv_of))
+    things, warnings = render_view.look(scene, lambda depsgraph: collect(depsgraph, uv_of))
+    return Capture(things, warnings, visibility.view(scene))
+
+
+def survey(scene: bpy.types.Scene, choice: subject.Choice, prospect: Prospect | None = None) -> Survey:
+    """Looks at the scene; nothing in it is changed.
+
+    Args:
+        scene: The scene.
+        choice: How the subject is chosen.
+        prospect: What the camera has before it, if that is known.
+
+    Raises:
+        VibeError: There is no mesh, no usable camera, no mesh in view, or no such subject.
+    """
+    known = prospect or capture(scene).prospect()
+    geometry, seen = known.geometry, known.seen
     if not len(geometry.faces):
         raise schema.VibeError(
             "The scene has no mesh that a render shows.", "Add one, or unhide it for renders."
         )
-    seen = subject.see(scene, geometry)
     if (seen.object < 0).all():
         raise schema.VibeError("The camera sees no mesh.", "Point the scene's camera at the subject.")
     chosen = subject.choose(scene, geometry, seen, choice)
-    points = geometry.vertices[np.unique(geometry.faces[chosen[geometry.object]])].astype(float)
+    boxes = geometry.boxes[chosen].astype(float)
+    low, high = boxes[:, 0].min(0), boxes[:, 1].max(0)
     names = {n for keep, pair in zip(chosen, geometry.objects, strict=True) if keep for n in pair if n}
     objects = tuple(o for o in scene.objects if o.name_full in names)
-    return Survey(
-        scene, geometry, seen, chosen, objects, tuple(points.min(0).tolist()), tuple(points.max(0).tolist())
-    )
+    return Survey(scene, geometry, seen, chosen, objects, tuple(low.tolist()), tuple(high.tolist()))
 
 
 def like(found: Survey, earlier: Survey) -> Survey:

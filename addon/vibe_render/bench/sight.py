@@ -11,8 +11,8 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-from ..subject import camera_rays
 from ..survey import Survey
+from ..visibility import rays, view
 
 
 def save_sight(survey: Survey, path: Path, count: int) -> None:
@@ -29,7 +29,7 @@ def save_sight(survey: Survey, path: Path, count: int) -> None:
     """
     geometry = survey.geometry
     tree = BVHTree.FromPolygons(geometry.vertices.tolist(), geometry.faces.tolist(), all_triangles=True)
-    starts, directions = camera_rays(survey.scene, count)
+    starts, directions = rays(view(survey.scene), count)
     face = np.full((count, count), -1)
     depth = np.full((count, count), np.inf, np.float32)
     for index in np.ndindex(face.shape):
