@@ -117,11 +117,11 @@ def test_extension_needs_no_engine_code(walk):
 
 
 def test_blender_stays_responsive(walk):
-    """Nothing but what the panel announces keeps Blender; a redraw in software, as here, takes a while itself."""
-    pauses = walk("ways_out")["pauses"]
-    announced = {"Reading the scene", "Rendering an anchor"}
-    assert "Looking for the look" in pauses
-    assert max(seconds for stage, seconds in pauses.items() if stage not in announced) < 1.0, pauses
+    """Nothing but the renders that the panel announces keeps Blender for long."""
+    ticks = dict(walk("ways_out")["ticks"])
+    assert ticks.pop("Rendering an anchor") > 0.0
+    assert {"Reading the scene", "Looking for the look"} <= set(ticks)
+    assert max(ticks.values()) < 0.5, ticks  # .1 on an idle machine
 
 
 def test_vibe_changes_what_it_lists(walk):

@@ -201,19 +201,28 @@ class Screen:
         self.press("ctrl+z")
 
     def wait(self, condition, seconds, what):
-        """Waits; notes the longest time, by what goes on, that Blender did not come back.
-
-        It is this thread's time on a core: what the artist waits for, without what other programs take.
-        """
-        from bl_ext.user_default.vibe_render.desk import desk
-
+        """Waits; notes how long each tick of a vibe keeps Blender from its next redraw."""
+        self._watch()
         end = time.monotonic() + seconds
         while not condition():
-            last = time.monotonic()
-            if last > end:
+            if time.monotonic() > end:
                 raise TimeoutError(f"{what} within {seconds} s")
-            stage = desk.session.stage if desk.running and desk.session else "idle"
-            busy = time.thread_time()
             yield 0.1
-            pauses = self.seen.setdefault("pauses", {})
-            pauses[stage] = round(max(pauses.get(stage, 0.0), time.thread_time() - busy), 3)
+
+    def _watch(self):
+        """Notes the longest tick by what goes on: this thread's time on a core, without what other programs take."""
+        from bl_ext.user_default.vibe_render.session import Session
+
+        advance = Session.advance
+        if advance.__name__ == "watched":
+            return
+
+        def watched(session):
+            stage, began = session.stage, time.thread_time()
+            try:
+                return advance(session)
+            finally:
+                ticks = self.seen.setdefault("ticks", {})
+                ticks[stage] = round(max(ticks.get(stage, 0.0), time.thread_time() - began), 3)
+
+        Session.advance = watched
