@@ -107,6 +107,18 @@ def test_the_color_of_the_air_is_the_words():
     assert {a.kind for a in clear.attributes if a.entry == "sand"} == {"subject"}
 
 
+@pytest.mark.parametrize(
+    ("prompt", "kind"),
+    [
+        ("cottage in a snowstorm at dusk, cold blue", "ambience"),
+        ("cottage, cold blue", "subject"),
+        ("cup, warm light, pale blue", "subject"),
+    ],
+)
+def test_a_color_after_light_or_air_is_theirs_if_light_can_have_it(prompt, kind):
+    assert {a.kind for a in parse(prompt, SceneWords()).attributes if a.color} == {kind}
+
+
 def test_light_of_gold_is_no_metal():
     assert "subject_metal" not in parse("red vase, gold light", SceneWords()).targets
 

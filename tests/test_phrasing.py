@@ -47,6 +47,23 @@ def said(prompt: str, scene: SceneWords = TABLE) -> dict[str, tuple[str, ...]]:
             "sleek white product shot",
             {"studio light": ("whole",), "glossy": ("subject",), "white": ("subject",)},
         ),
+        (
+            "red cup, bright product shot",
+            {"red": ("Cup",), "bright": ("whole",), "studio light": ("whole",)},
+        ),
+        ("the wall dark teal in warm light", {"dark teal": ("Wall",), "warm light": ("light",)}),
+        ("a cup in a dark garage", {"dark": ("tone",), "industrial": ("whole",)}),
+        (
+            "a lantern glowing orange in a deep blue night",
+            {
+                "lantern light": ("light",),
+                "bloom": ("light",),
+                "orange": ("light",),
+                "deep blue": ("sky",),
+                "night": ("light",),
+            },
+        ),
+        ("a toxic green cup in fog", {"toxic green": ("Cup",), "fog": ("fog",)}),
     ],
 )
 def test_what_is_meant_is_found(prompt, meant):

@@ -169,6 +169,8 @@ class Reader:
             toned = following is not None and following.noun in ("shadow", "highlight", "tone")
             if not (state.last or toned):  # "blue in the shadows" is a color of theirs
                 self._flush(state)
+            elif state.last and token.text == "in" and not toned:  # "the wall teal in warm light"
+                state.waiting = self.binding.bind(state.waiting, state.last)
             state.linked, state.inside = True, token.text == "in"
         else:
             self._flush(state)
@@ -184,6 +186,10 @@ class Reader:
         pictured = token.text.rpartition(" ")[2] in _PICTURES
         kind = token.noun or KIND_OF_SLOT.get(self.binding.slot(entry), "")
         kind = "" if silhouette or pictured else kind
+        if pictured:  # "bright product shot"
+            tones = [w for w in state.waiting if w.token.adjective and not w.token.color]
+            state.waiting = [w for w in state.waiting if w not in tones]
+            self.binding.bind(tones, Thing("whole", region="whole"), final=True)
         role = light_role(token)
         if kind == "light" and self.binding.directs_light(entry) and not role:
             role = (light_role(following) if following else "") or (state.last.role if state.last else "")

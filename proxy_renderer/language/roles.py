@@ -73,11 +73,11 @@ class Roles:
         return kind in self.vocabulary.adjectives[token.adjective]
 
     def goes_on(self, token: Token, state: ClauseState, following: Token | None) -> bool:
-        """Whether an adjective is said of the noun before it: "the background is bright", "the wall less dark"."""
+        """Whether an adjective is said of the noun before it: "the background is bright", but not "a cup in a dark garage"."""
         return (
             state.last is not None
             and state.last.matter
-            and (state.linked or following is None)
+            and (following is None or (state.linked and not state.inside))
             and state.last.kind in self.vocabulary.adjectives[token.adjective]
         )
 

@@ -17,6 +17,8 @@ BOUND_SLOTS = ("finish", "material", "color", "setting")
 """Slots whose words wait for the noun that they describe; the others describe the whole picture."""
 _TONED = ("muted", "faded", "dusty", "dull", "smoky", "murky", "stormy", "moody")
 """Shades that pictures have rather than things."""
+_LIT = (*_TONED, "cold", "cool", "icy", "warm", "gloomy")
+"""Shades that light has too, where what is said before is about light or air."""
 _VIVID = 20.0  # chroma of colors that light may have
 _CLEAR = 0.02  # density of air that has no color
 
@@ -92,9 +94,13 @@ class Unclaimed:
 
     def _tint_the_picture(self, several: bool) -> None:
         """A color in a prompt that speaks of a mood alone tints the picture, unless the prompt begins with it."""
-        for i in self._loose:  # "muted greens"
+        for i in self._loose:
             attribute = self._attributes[i]
-            if attribute.color and attribute.word.endswith("s") and not attribute.entry.endswith("s"):
+            several_of_it = attribute.word.endswith("s") and not attribute.entry.endswith(
+                "s"
+            )  # "muted greens"
+            lit = i > 0 and self._tells_of_light(attribute, self._attributes[i - 1])
+            if attribute.color and (several_of_it or lit):
                 self._attributes[i] = _tint(attribute)
         loose = [self._attributes[i] for i in self._loose if self._attributes[i].color]
         rest = [a for a in self._attributes if a not in loose and not a.cause]
@@ -111,6 +117,12 @@ class Unclaimed:
             if attribute.color and air:  # "underwater, murky green": so is the water
                 said = replace(attribute, region="whole", kind=air.kind, thing=air.thing)
                 self._attributes.append(said)
+
+    def _tells_of_light(self, attribute: Attribute, before: Attribute) -> bool:
+        """Whether a color goes on about the light or the air: "a cottage at dusk, cold blue"."""
+        color, shaded = attribute.color, not set(attribute.word.split()[:-1]).isdisjoint(_LIT)
+        lit = color is not None and chroma(to_lab(color)) > _VIVID and shaded
+        return lit and before.kind in ("light", "fog", "sky") and not before.color
 
     def _fills_the_air(self, attribute: Attribute) -> bool:
         if attribute.slot != "atmosphere" or attribute.negated:
