@@ -12,6 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
+from .color import TO_CONES, TO_OKLAB
+
 VIEWS = ("AgX", "Filmic")
 STEPS = 11  # of the grid of display colors, per component
 _LIGHTNESS_WEIGHT = 0.35  # colors out of reach: rather too dark than too pale
@@ -24,22 +26,14 @@ def _show(linear: np.ndarray, processor) -> np.ndarray:
     return np.clip(shown, 0, 1)
 
 
-def _lab(srgb: np.ndarray) -> np.ndarray:
+def _oklab(srgb: np.ndarray) -> np.ndarray:
+    """OKLab (Ottosson 2020), scaled to CIELAB's numbers, whose blues would be matched by violet."""
     linear = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
-    matrix = np.array(
-        [
-            [0.4124564, 0.3575761, 0.1804375],
-            [0.2126729, 0.7151522, 0.0721750],
-            [0.0193339, 0.1191920, 0.9503041],
-        ]
-    )
-    t = linear @ matrix.T / np.array([0.95047, 1.0, 1.08883])
-    f = np.where(t > 216 / 24389, np.cbrt(t), t * 841 / 108 + 4 / 29)
-    return np.stack([116 * f[:, 1] - 16, 500 * (f[:, 0] - f[:, 1]), 200 * (f[:, 1] - f[:, 2])], -1)
+    return np.cbrt(linear @ np.array(TO_CONES).T) @ np.array(TO_OKLAB).T * (100.0, 300.0, 300.0)
 
 
 def _error(lab: np.ndarray, target: np.ndarray) -> np.ndarray:
-    """Squared CIE94 difference from target colors: hue counts more than chroma does."""
+    """Squared difference from target colors, weighted as CIE94: hue counts more than chroma does."""
     chroma, wanted = np.hypot(lab[..., 1], lab[..., 2]), np.hypot(target[..., 1], target[..., 2])
     flat = ((lab - target)[..., 1:] ** 2).sum(-1)
     hue = np.maximum(flat - (chroma - wanted) ** 2, 0)
@@ -50,17 +44,17 @@ def _error(lab: np.ndarray, target: np.ndarray) -> np.ndarray:
 def invert(processor) -> np.ndarray:
     """(STEPS**3, 3) linear colors whose display is nearest to the grid's, by a search from coarse to fine."""
     steps = np.linspace(0, 1, STEPS)
-    targets = _lab(np.array(list(itertools.product(steps, repeat=3))))
+    targets = _oklab(np.array(list(itertools.product(steps, repeat=3))))
     levels = np.concatenate([[2e-4], np.geomspace(1e-3, 12, 34)])
     candidates = np.array(list(itertools.product(levels, repeat=3)))
-    labs = _lab(_show(candidates, processor))
+    labs = _oklab(_show(candidates, processor))
     best = np.stack([candidates[np.argmin(_error(labs, t))] for t in targets])
     random = np.random.default_rng(0)
     for width in np.geomspace(0.3, 0.01, 24):
         tries = best[:, None] * np.exp(random.normal(0, width, (len(best), 64, 3)))
         tries[:, 0] = best
         tries = np.clip(tries, 1e-4, 12)
-        error = _error(_lab(_show(tries.reshape(-1, 3), processor)).reshape(tries.shape), targets[:, None])
+        error = _error(_oklab(_show(tries.reshape(-1, 3), processor)).reshape(tries.shape), targets[:, None])
         best = tries[np.arange(len(best)), error.argmin(1)]
     return best
 

@@ -20,7 +20,7 @@ _TO_RGB = (
     (-0.9692660, 1.8760108, 0.0415560),
     (0.0556434, -0.2040259, 1.0572252),
 )
-_TO_CONES = (
+TO_CONES = (
     (0.4122215, 0.5363325, 0.0514460),
     (0.2119035, 0.6806995, 0.1073970),
     (0.0883025, 0.2817188, 0.6299787),
@@ -31,7 +31,7 @@ _FROM_CONES = (
     (-0.0041961, -0.7034186, 1.7076147),
 )
 _GREYISH = 20.0  # chroma below which a hue says little
-_TO_OKLAB = (
+TO_OKLAB = (
     (0.2104543, 0.7936178, -0.0040720),
     (1.9779985, -2.4285922, 0.4505937),
     (0.0259040, 0.7827718, -0.8086758),
@@ -97,8 +97,8 @@ def from_lab(lab: Lab) -> Values:
 
 def _oklab(srgb: Sequence[float]) -> Lab:
     """OKLab (Ottosson 2020): its hues stay put when a blue is lightened, where CIE Lab turns it purple."""
-    cone = (sum(m * v for m, v in zip(row, to_linear(srgb), strict=True)) ** (1 / 3) for row in _TO_CONES)
-    return _apply(_TO_OKLAB, tuple(cone))
+    cone = (sum(m * v for m, v in zip(row, to_linear(srgb), strict=True)) ** (1 / 3) for row in TO_CONES)
+    return _apply(TO_OKLAB, tuple(cone))
 
 
 def _from_oklab(lab: Lab) -> Values:
