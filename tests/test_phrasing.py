@@ -63,6 +63,25 @@ def said(prompt: str, scene: SceneWords = TABLE) -> dict[str, tuple[str, ...]]:
                 "night": ("light",),
             },
         ),
+        ("gold cup, black marble", {"gold": ("Cup",), "black marble": ("surroundings",)}),
+        (
+            "copper cup, polished concrete table",
+            {"copper metal": ("Cup",), "glossy": ("Table",), "concrete": ("Table",)},
+        ),
+        (
+            "wet street, blue neon",
+            {
+                "wet": ("surroundings",),
+                "city street": ("surroundings",),
+                "blue": ("light",),
+                "neon light": ("light",),
+            },
+        ),
+        ("neon cup", {"neon": ("Cup",)}),
+        (
+            "jade cup, red temple",
+            {"jade": ("Cup",), "red": ("surroundings",), "cathedral interior": ("surroundings",)},
+        ),
         ("a toxic green cup in fog", {"toxic green": ("Cup",), "fog": ("fog",)}),
     ],
 )

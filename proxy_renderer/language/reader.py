@@ -268,7 +268,7 @@ class Reader:
         """What waits cannot describe anything that comes later."""
         if state.waiting:
             slots = [self.binding.slot(w.token.entry) for w in state.waiting if w.token.entry]
-            around = state.around or (state.inside and "setting" in slots)  # "in a dark temple"
+            around = state.around or ("setting" in slots and (state.inside or not state.last))  # "red temple"
             self.binding.bind_rest(state.waiting, state.last, state.linked or state.bare, around)
         state.waiting = []
 

@@ -35,6 +35,7 @@ class Unclaimed:
     def __init__(self, attributes: list[Attribute], things: list[Thing], vocabulary: Vocabulary) -> None:
         self._attributes, self._things, self._vocabulary = attributes, things, vocabulary
         self._loose: list[int] = []
+        self._clauses: list[range] = []  # the same, by clause
         self._opening: list[Word] = []  # colors that the text begins with
         self._pair: list[int] = []  # two colors in a clause of their own
 
@@ -42,7 +43,8 @@ class Unclaimed:
         """Words that were bound to the subject for want of a noun: the attributes from the first one on."""
         colors = [w for w in words if w.token.color]
         self._opening += [] if first else colors
-        self._loose += range(first, len(self._attributes))
+        self._clauses.append(range(first, len(self._attributes)))
+        self._loose += self._clauses[-1]
         vivid = [w for w in colors if w.token.color and chroma(to_lab(w.token.color)) > _VIVID]
         if len(vivid) == len(words) == 2 and words[0].barred:
             self._pair = list(range(first, len(self._attributes)))
@@ -53,6 +55,9 @@ class Unclaimed:
         Args:
             several: Whether the scene has several subjects, none of which can be meant.
         """
+        for clause in self._clauses:
+            self._light_up(clause)
+            self._surround(clause)
         placed = bool(self._things) or any(
             a.region == "surroundings" and not a.cause for a in self._attributes
         )
@@ -63,6 +68,27 @@ class Unclaimed:
             self._paint_the_rest(self._opening[1])
         else:
             self._tint_the_picture(several)
+
+    def _light_up(self, clause: range) -> None:
+        """ "Wet streets, blue neon": a glow that no thing has is the lights', and so is its color."""
+        found = [self._attributes[i] for i in clause]
+        twins = {a.entry: f"{a.entry} light" for a in found if a.slot == "material"}
+        twins = {entry: twin for entry, twin in twins.items() if twin in self._vocabulary.entries}
+        for i, attribute in zip(clause, found, strict=True):
+            lit = replace(attribute, region="whole", kind="light", thing="lights")
+            if attribute.entry in twins:
+                self._attributes[i] = replace(lit, entry=twins[attribute.entry], slot="lighting")
+            elif twins and attribute.color:
+                self._attributes[i] = lit
+
+    def _surround(self, clause: range) -> None:
+        """ "Gold vase, black marble": of what the subject cannot be as well, the surroundings are made."""
+        rest = [a for i, a in enumerate(self._attributes) if i not in self._loose and not a.cause]
+        made = any(a.slot == "material" and a.region == "subject" and not a.negated for a in rest)
+        ends = bool(clause) and self._attributes[clause[-1]].slot == "material"  # "porcelain skin" does not
+        if made and ends and not any(a.region == "surroundings" for a in self._attributes):
+            for i in clause:
+                self._attributes[i] = _around(self._attributes[i])
 
     def _has_lights_of_two_colors(self) -> bool:
         asked = (
@@ -82,13 +108,10 @@ class Unclaimed:
         """ "Black and gold": one thing cannot be both, but a picture can."""
         index = next(i for i in self._loose if self._attributes[i].word == word.text)
         self._attributes[index] = replace(
-            self._attributes[index],
+            _around(self._attributes[index]),
             entry=word.token.name or word.token.text,
             slot="color",
             color=word.token.color,
-            region="surroundings",
-            kind="surroundings",
-            thing="surroundings",
             shades=(),
         )
 
@@ -96,11 +119,9 @@ class Unclaimed:
         """A color in a prompt that speaks of a mood alone tints the picture, unless the prompt begins with it."""
         for i in self._loose:
             attribute = self._attributes[i]
-            several_of_it = attribute.word.endswith("s") and not attribute.entry.endswith(
-                "s"
-            )  # "muted greens"
+            plural = attribute.word.endswith("s") and not attribute.entry.endswith("s")  # "muted greens"
             lit = i > 0 and self._tells_of_light(attribute, self._attributes[i - 1])
-            if attribute.color and (several_of_it or lit):
+            if attribute.color and (plural or lit):
                 self._attributes[i] = _tint(attribute)
         loose = [self._attributes[i] for i in self._loose if self._attributes[i].color]
         rest = [a for a in self._attributes if a not in loose and not a.cause]
@@ -133,3 +154,7 @@ class Unclaimed:
 
 def _tint(attribute: Attribute) -> Attribute:
     return replace(attribute, region="whole", kind="ambience", thing="tint")
+
+
+def _around(attribute: Attribute) -> Attribute:
+    return replace(attribute, region="surroundings", kind="surroundings", thing="surroundings")
