@@ -10,7 +10,7 @@ from .vocabulary import OWNERS
 
 _USUAL = {
     "material": ("roughness", "specular", "coat", "coat_roughness", "sheen"),
-    "atmosphere": ("color", "tint", "gain", "midtone"),
+    "atmosphere": ("color", "temperature", "tint", "gain", "midtone"),
 }
 """What other words may say better than a word of this slot."""
 
