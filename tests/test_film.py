@@ -9,8 +9,9 @@ import pytest
 import torch
 from tiny_job import blender_config
 
-from proxy_renderer.language.color import to_lab
+from proxy_renderer.language.color import to_lab, to_oklab
 from proxy_renderer.language.view import scene_color
+from proxy_renderer.language.vocabulary import default_vocabulary
 from proxy_renderer.render import grade
 from proxy_renderer.render.bloom import bloom
 from proxy_renderer.render.film import Film
@@ -63,6 +64,17 @@ def test_the_language_knows_what_a_view_shows(view):
     off = [math.dist(to_lab(tuple(a)), to_lab(tuple(b))) for a, b in zip(shown, again, strict=True)]
     assert np.median(off) < 1.2
     assert np.quantile(off, 0.9) < 4
+
+
+@pytest.mark.parametrize("view", ["AgX", "Filmic"])
+@pytest.mark.parametrize("name", ["blue", "royal blue", "cobalt blue", "indigo", "red", "orange", "green"])
+def test_a_vivid_color_out_of_reach_keeps_its_hue(name, view):
+    """Views show no screen's blue: what comes nearest is a blue, and no violet."""
+    wanted = default_vocabulary().colors[name]
+    nearest = np.array([scene_color(wanted, view)], np.float32)
+    shown = apply_ocio(nearest, SPEC.ocio, "sRGB", view, "").clip(0, 1)[0]
+    hues = [math.degrees(math.atan2(b, a)) for _, a, b in map(to_oklab, (wanted, shown.tolist()))]
+    assert abs((hues[0] - hues[1] + 180) % 360 - 180) < 4
 
 
 def test_an_unknown_view_is_refused():

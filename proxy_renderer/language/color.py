@@ -95,7 +95,7 @@ def from_lab(lab: Lab) -> Values:
     return to_srgb([sum(m * v for m, v in zip(row, xyz, strict=True)) for row in _TO_RGB])
 
 
-def _oklab(srgb: Sequence[float]) -> Lab:
+def to_oklab(srgb: Sequence[float]) -> Lab:
     """OKLab (Ottosson 2020): its hues stay put when a blue is lightened, where CIE Lab turns it purple."""
     cone = (sum(m * v for m, v in zip(row, to_linear(srgb), strict=True)) ** (1 / 3) for row in TO_CONES)
     return _apply(TO_OKLAB, tuple(cone))
@@ -123,7 +123,7 @@ def shade(
         towards: L* in [0, 100].
         warmth: Moves the hue of greyish colors to orange (+) or blue (-); in units of b*.
     """
-    light, a, b = _oklab(srgb)
+    light, a, b = to_oklab(srgb)
     warmth *= max(0.0, 1 - math.hypot(a, b) / 0.15)
     goal = (towards + 16) / 116  # of a grey of that L*
     return _from_oklab(
@@ -133,7 +133,7 @@ def shade(
 
 def mix(first: Values, second: Values, share: float) -> Values:
     """A color between two, in sRGB, with that share of the second."""
-    pairs = zip(_oklab(first), _oklab(second), strict=True)
+    pairs = zip(to_oklab(first), to_oklab(second), strict=True)
     light, a, b = ((1 - share) * p + share * q for p, q in pairs)
     return _from_oklab((light, a, b))
 
