@@ -82,6 +82,7 @@ def said(prompt: str, scene: SceneWords = TABLE) -> dict[str, tuple[str, ...]]:
             "jade cup, red temple",
             {"jade": ("Cup",), "red": ("surroundings",), "cathedral interior": ("surroundings",)},
         ),
+        ("a white cup at night", {"white": ("Cup",), "night": ("light",)}),
         ("a toxic green cup in fog", {"toxic green": ("Cup",), "fog": ("fog",)}),
     ],
 )

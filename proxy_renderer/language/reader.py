@@ -194,7 +194,8 @@ class Reader:
         if kind == "light" and self.binding.directs_light(entry) and not role:
             role = (light_role(following) if following else "") or (state.last.role if state.last else "")
         thing = Thing(kind or "whole", token.text, "subject" if silhouette else "whole", role=role)
-        if kind and not (following and following.noun and not token.noun):
+        apart = token.text.partition(" ")[0] in _PLACES  # "a white temple at night"
+        if kind and not apart and not (following and following.noun and not token.noun):
             state.waiting = self.binding.bind(
                 state.waiting, thing
             )  # first, as "cold" says more than "morning"
