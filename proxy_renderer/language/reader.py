@@ -235,8 +235,18 @@ class Reader:
         state.waiting = self.binding.bind(state.waiting, thing)
         if state.linked and state.last:
             state.waiting = self.binding.bind(state.waiting, state.last)
+        if thing.kind == "light" and (self.binding.attributes or self.binding.things):
+            # "Dark walls, a brass lamp": better no brass than a brass something else.
+            made = [w for w in state.waiting if self._is_material(w)]
+            state.waiting = [w for w in state.waiting if w not in made]
+            self.binding.ignored += [w.text for w in made]
         state.last, state.linked, state.around, state.inside = thing, False, False, False
         state.prefix, state.strength = [], 1.0
+
+    def _is_material(self, word: Word) -> bool:
+        return (
+            bool(word.token.entry) and self.binding.slot(word.token.entry) == "material" and not word.barred
+        )
 
     def _unknown(self, state: ClauseState, token: Token, following: Token | None) -> None:
         """A word that nobody knows: a name for the subject or for a thing around it, or nothing."""
