@@ -57,15 +57,24 @@ class Wishes:
         return [a for a in self._parsed.attributes if a not in self._parsed.overruled]
 
     def _shared_out(self) -> list[Attribute]:
-        """What is not overruled, with "red and blue lights" shared out: the first color to the key, the next to the others."""
+        """What is not overruled, with "red and blue lights" shared out: the first color to the key, the next to the others.
+
+        A scene of one light has the world for the other.
+        """
         said = self._said()
         gels = [a for a in said if a.color and a.kind == "light" and not a.role and not a.cause]
-        roles: dict[int, str] = {}
+        shared: dict[int, Attribute] = {}
         if len(gels) > 1:
-            roles = {id(gels[0]): "key", id(gels[1]): "others"}
+            shared = {id(gels[0]): replace(gels[0], role="key"), id(gels[1]): self._to_others(gels[1])}
         elif gels and self._would_hide(gels[0], said):
-            roles = {id(gels[0]): "others"}
-        return [replace(a, role=roles.get(id(a), a.role)) for a in said]
+            shared = {id(gels[0]): self._to_others(gels[0])}
+        return [shared.get(id(a), a) for a in said]
+
+    def _to_others(self, gel: Attribute) -> Attribute:
+        return replace(gel, kind="world") if self._one_light() else replace(gel, role="others")
+
+    def _one_light(self) -> bool:
+        return len(self._owners.lights) <= len(self._owners.key)
 
     def _would_hide(self, gel: Attribute, said: list[Attribute]) -> bool:
         """Whether a color of light, without a direction, leaves nothing of the subject's: "orange pumpkin, purple light".
@@ -77,7 +86,7 @@ class Wishes:
             e.owner in ("light", "key") and e.name == "azimuth" for n in entries for e in n.effects
         )
         colors = [a.color for a in said if a.color and a.kind == "subject" and not a.negated]
-        if directed or not colors or len(self._owners.lights) <= len(self._owners.key):
+        if directed or not colors or self._one_light():
             return False
         assert gel.color
         return all(c and hue_apart(c, gel.color) > _HIDDEN for c in colors)
