@@ -83,6 +83,7 @@ def said(prompt: str, scene: SceneWords = TABLE) -> dict[str, tuple[str, ...]]:
             {"jade": ("Cup",), "red": ("surroundings",), "cathedral interior": ("surroundings",)},
         ),
         ("a white cup at night", {"white": ("Cup",), "night": ("light",)}),
+        ("copper cup, glowing", {"copper metal": ("Cup",), "glowing": ("subject",)}),
         ("a red cup, a brass chandelier", {"red": ("Cup",)}),
         ("a brass lamp", {"brass": ("subject",)}),
         ("a toxic green cup in fog", {"toxic green": ("Cup",), "fog": ("fog",)}),

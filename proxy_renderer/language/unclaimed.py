@@ -84,11 +84,17 @@ class Unclaimed:
     def _surround(self, clause: range) -> None:
         """ "Gold vase, black marble": of what the subject cannot be as well, the surroundings are made."""
         rest = [a for i, a in enumerate(self._attributes) if i not in self._loose and not a.cause]
-        made = any(a.slot == "material" and a.region == "subject" and not a.negated for a in rest)
-        ends = bool(clause) and self._attributes[clause[-1]].slot == "material"  # "porcelain skin" does not
+        made = any(self._is_made(a) and a.region == "subject" and not a.negated for a in rest)
+        ends = bool(clause) and self._is_made(self._attributes[clause[-1]])  # "porcelain skin" does not
         if made and ends and not any(a.region == "surroundings" for a in self._attributes):
             for i in clause:
                 self._attributes[i] = _around(self._attributes[i])
+
+    def _is_made(self, attribute: Attribute) -> bool:
+        """Whether it says what a thing is made of, and not just that it glows."""
+        entry = self._vocabulary.entries.get(attribute.entry)
+        effects = entry.effects if entry and entry.slot == "material" else ()
+        return any(e.name in ("base_color", "roughness") for e in effects)
 
     def _has_lights_of_two_colors(self) -> bool:
         asked = (
