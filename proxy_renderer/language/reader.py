@@ -15,6 +15,7 @@ from .roles import (
     is_the_thing,
     light_role,
     likened,
+    listed,
     next_content,
     speaks_of_looks,
     submerged,
@@ -60,7 +61,7 @@ class Reader:
         """Binds every clause; the result lacks what `meaning.complete` adds."""
         previous: Thing | None = None
         self.carried: list[Word] = []
-        for tokens in submerged(self.lexer.clauses(text), self.vocabulary):
+        for tokens in submerged(listed(self.lexer.clauses(text)), self.vocabulary):
             previous = self._clause(tokens, previous)
         self.binding.bind_rest(self.carried, None, False, False)
         if not self.binding.cause:
@@ -226,6 +227,11 @@ class Reader:
         assert token.scene
         kind: Region = "surroundings" if token.scene.region == "surroundings" else "subject"
         thing = Thing(kind, token.text, kind, token.scene.materials)
+        colors = [w for w in state.waiting if w.token.color]
+        if token.scene.several and 1 < len(colors) <= len(thing.owners):  # "red and blue chairs"
+            state.waiting = [w for w in state.waiting if not w.token.color]
+            for i, word in enumerate(colors):
+                self.binding.bind([word], replace(thing, owners=thing.owners[i :: len(colors)]))
         self.binding.things.append(thing)
         self._arrive(state, thing)
 

@@ -157,3 +157,17 @@ def submerged(clauses: list[list[Token]], vocabulary: Vocabulary) -> list[list[T
     return [
         [replace(t, entry="", noun="fog") if t.entry == "water" else t for t in tokens] for tokens in clauses
     ]
+
+
+def listed(clauses: list[list[Token]]) -> list[list[Token]]:
+    """The clauses; "red, green and blue balls" is one, where there are several balls."""
+    found: list[list[Token]] = []
+    for tokens in reversed(clauses):
+        rest = found[0] if found else []
+        link = next((t for t in rest[1:2] if t.text == "and"), None)
+        several = any(t.scene and t.scene.several for t in rest)
+        if len(tokens) == 1 and tokens[0].color and link and rest[0].color and several:
+            found[0] = [*tokens, link, *rest]
+        else:
+            found.insert(0, tokens)
+    return found
