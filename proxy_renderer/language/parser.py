@@ -59,5 +59,5 @@ def parse(prompt: str, scene: SceneWords, vocabulary: Vocabulary | None = None) 
             "or a mood (cosy, ominous).",
         )
     things = [(t.name, t.region, t.owners) for t in reader.binding.things]
-    complete(parsed, reader.vocabulary, reader.subject, things)
+    complete(parsed, reader.vocabulary, reader.act.subject, things)
     return parsed
