@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from itertools import chain
 from pathlib import Path
 from typing import TypeVar
 
@@ -19,7 +18,7 @@ from .export import Job, known
 from .export import export as write_job
 from .prepare import prepare
 from .subject import Choice, named
-from .survey import Capture, Prospect, Survey, capture, like, refuse, survey
+from .survey import Capture, Prospect, Survey, blocks, capture, like, refuse, survey
 
 Read = TypeVar("Read")
 
@@ -61,12 +60,7 @@ def begin(scene: bpy.types.Scene, choice: Choice) -> Capture:
 
 def finish(scene: bpy.types.Scene, folder: Path, choice: Choice, prospect: Prospect) -> Job | None:
     """The other half; None if what was read is not all there any more, so that one has to begin again."""
-    if scene.camera is None or not snapshot.exists(scene):
-        return None
-    geometry = prospect.geometry
-    objects = {o.name_full for o in bpy.data.objects} | {""}
-    materials = {m.name_full for m in bpy.data.materials} | {""}
-    if not materials.issuperset(geometry.materials) or not objects.issuperset(chain(*geometry.objects)):
+    if scene.camera is None or not snapshot.exists(scene) or not prospect.blocks <= blocks():
         return None
     return write_job(survey(scene, choice, prospect), folder)
 

@@ -22,24 +22,29 @@ class Prospect:
     Attributes:
         geometry: Everything that a render shows.
         seen: What the camera sees of it.
+        blocks: Kind and name of the file's objects and materials that it speaks of.
     """
 
     geometry: Geometry
     seen: visibility.Visibility
+    blocks: frozenset[tuple[str, str]]
 
 
 @dataclass(frozen=True)
 class Capture:
-    """A scene as it was read from Blender, apart from it."""
+    """A scene as it was read from Blender, apart from it; `blocks` are those of the whole file."""
 
     things: list[Placed]
     warnings: list[str]
     view: visibility.View
+    blocks: frozenset[tuple[str, str]]
 
     def prospect(self) -> Prospect:
         """Works out what the camera sees; nothing of Blender's data is read, so it may go on beside Blender."""
         geometry = assembled(self.things, self.warnings)
-        return Prospect(geometry, visibility.see(self.view, geometry))
+        named = {("object", name) for pair in geometry.objects for name in pair}
+        named |= {("material", name) for name in geometry.materials}
+        return Prospect(geometry, visibility.see(self.view, geometry), self.blocks & named)
 
 
 @dataclass(frozen=True)
@@ -100,7 +105,13 @@ def capture(scene: bpy.types.Scene) -> Capture:
         raise schema.VibeError("The scene has no camera.", "Add one, and aim it at the subject.")
     refuse(scene)
     things, warnings = render_view.look(scene, lambda depsgraph: collect(depsgraph, uv_of))
-    return Capture(things, warnings, visibility.view(scene))
+    return Capture(things, warnings, visibility.view(scene), blocks())
+
+
+def blocks() -> frozenset[tuple[str, str]]:
+    """Kind and name of the objects and materials that the file has now."""
+    objects = (("object", o.name_full) for o in bpy.data.objects)
+    return frozenset(objects) | {("material", m.name_full) for m in bpy.data.materials}
 
 
 def survey(scene: bpy.types.Scene, choice: subject.Choice, prospect: Prospect | None = None) -> Survey:
