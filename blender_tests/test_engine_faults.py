@@ -21,7 +21,7 @@ def test_a_full_disk_is_named(addon, monkeypatch):
     def full(*_):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(scene_io, "export", full)
+    monkeypatch.setattr(scene_io, "finish", full)
     before = contents()
     assert "no room left on the disk" in fails(desk.begin(bpy.context))
     assert difference(before, contents()) == {}
