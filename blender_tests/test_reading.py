@@ -76,6 +76,21 @@ def test_given_up_while_the_scene_is_read(addon):
     assert difference(before, contents()) == {}
 
 
+def test_edit_mode_while_the_engine_starts(addon):
+    """There a mesh has no triangles that a render shows: the vibe waits for the artist to come back."""
+    addon.vibe.rounds, addon.vibe.steps = 1, 2
+    running = desk.begin(bpy.context)
+    bpy.context.view_layer.objects.active = bpy.data.objects["Subject"]
+    bpy.ops.object.mode_set(mode="EDIT")
+    while "Object Mode" not in running.stage:
+        assert running.advance()
+        time.sleep(0.02)
+    assert not snapshot.exists(addon)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    finish(running)
+    assert any(change.name.startswith("material/Body/") for change in addon.vibe.changes)
+
+
 def test_nothing_left_to_see(addon):
     running = halfway()
     remove("Subject", "Floor")

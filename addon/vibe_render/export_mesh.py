@@ -77,13 +77,15 @@ def has_surface(material: bpy.types.Material | None) -> bool:
 
 
 def _read(mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None], uv_of: UvOf) -> Mesh:
+    """Attributes come as blocks of memory; the same by loops and triangles takes a hundred times as long."""
     mesh.calc_loop_triangles()
     count, corners = len(mesh.loop_triangles), len(mesh.loops)
+    polygon = _array(mesh.loop_triangle_polygons, "value", (count,), np.int32)
     # Blender shows faces whose slot does not exist in the last one.
-    slot = np.clip(_array(mesh.loop_triangles, "material_index", (count,), np.int32), 0, len(slots) - 1)
+    slot = np.clip(_attribute(mesh, "material_index", (len(mesh.polygons),)), 0, len(slots) - 1)[polygon]
     return Mesh(
         vertices=_array(mesh.vertices, "co", (len(mesh.vertices), 3), np.float32),
-        corners=_array(mesh.loops, "vertex_index", (corners,), np.int32),
+        corners=_attribute(mesh, ".corner_vert", (corners,)),
         normals=_array(mesh.corner_normals, "vector", (corners, 3), np.float32),
         triangles=_array(mesh.loop_triangles, "loops", (count, 3), np.int32),
         slot=slot,
@@ -103,6 +105,12 @@ def _uvs(
     layers = [mesh.uv_layers.get(name) or active for name, _ in wanted]
     read = {each.name: _array(each.uv, "vector", (len(mesh.loops), 2), np.float32) for each in layers}
     return [(read[each.name], matrix) for each, (_, matrix) in zip(layers, wanted, strict=True)]
+
+
+def _attribute(mesh: bpy.types.Mesh, name: str, shape: tuple[int, ...]) -> np.ndarray:
+    """Whole numbers of an attribute; zeros where the mesh has none of that name."""
+    found = mesh.attributes.get(name)
+    return _array(found.data, "value", shape, np.int32) if found else np.zeros(shape, np.int32)
 
 
 def _array(collection, attribute: str, shape: tuple[int, ...], kind: type) -> np.ndarray:

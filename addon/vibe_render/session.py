@@ -107,9 +107,8 @@ class Session(Told):
             yield from self._export()
             yield from self._settle_shared()
             yield from self._wait_for_result()
-            while bpy.context.mode != "OBJECT":  # elsewhere one undo would not take the vibe back
-                self.stage = "Found. Go back to Object Mode to see it"
-                yield self.stage
+            # elsewhere one undo would not take the vibe back
+            yield from self._object_mode("Found. Go back to Object Mode to see it")
             scene, found = self._find_scene(), cast(messages.Result, self._found)
             result.apply(scene, self.prompt, found, self.subject(scene), self._pivot)
             if self._choice.explicit:
@@ -126,10 +125,17 @@ class Session(Told):
             yield self.stage
         return work.result()
 
+    def _object_mode(self, words: str) -> Generator[str]:
+        while bpy.context.mode != "OBJECT":
+            self.stage = words
+            yield self.stage
+
     def _export(self) -> Generator[str]:
         """Reads the scene; the artist may have changed it whenever this has yielded."""
         found = None
         while found is None:
+            yield from self._object_mode("Go back to Object Mode to go on")  # elsewhere a mesh shows nothing
+            self.stage = READING
             scene = self._find_scene()
             captured = scene_io.begin(scene, self._choice)
             self._first = first_picture.place(scene)  # the camera may move before the picture comes
