@@ -123,15 +123,11 @@ class Actions:
             state.waiting = self.binding.bind(state.waiting, state.last)
         if thing.kind == "light" and (self.binding.attributes or self.binding.things):
             # "Dark walls, a brass lamp": better no brass than a brass something else.
-            made = [w for w in state.waiting if self._is_material(w)]
+            made = [w for w in state.waiting if self.binding.is_material(w) and not w.barred]
             state.waiting = [w for w in state.waiting if w not in made]
             self.binding.ignored += [w.text for w in made]
         state.last, state.linked, state.around, state.inside = thing, False, False, False
         state.prefix, state.strength = [], 1.0
-
-    def _is_material(self, word: Word) -> bool:
-        entry = word.token.entry
-        return bool(entry) and self.binding.slot(entry) == "material" and not word.barred
 
     def unknown(self, state: ClauseState, token: Token, following: Token | None) -> None:
         """A word that nobody knows: a name for the subject or for a thing around it, or nothing."""

@@ -71,6 +71,10 @@ class Binding:
         """The slot of a vocabulary entry."""
         return self.vocabulary.entries[entry].slot
 
+    def is_material(self, word: Word) -> bool:
+        """Whether a word names what things are made of."""
+        return bool(word.token.entry) and self.slot(word.token.entry) == "material"
+
     def directs_light(self, entry: str) -> bool:
         """Whether a word says where light comes from."""
         effects = self.vocabulary.entries[entry].effects
@@ -97,7 +101,7 @@ class Binding:
 
     def _as_colors(self, words: list[Word]) -> list[Word]:
         """Words that name a material and its color, as the color alone before another material: "emerald velvet"."""
-        made = [bool(w.token.entry) and self.slot(w.token.entry) == "material" for w in words]
+        made = [self.is_material(w) for w in words]
         return [
             replace(w, token=replace(w.token, entry="", adjective=""))
             if w.token.color and not w.barred and any(made[i + 1 :])
