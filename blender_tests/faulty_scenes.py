@@ -12,7 +12,7 @@ import numpy as np
 from bpy.types import Material, Mesh, Node, Object, Scene
 from mathutils import Matrix, Vector
 from small_scenes import cube, light, principled, shader
-from vibe_render import compat
+from vibe_render.core import compat
 
 AIM = Vector((0.0, 0.0, 0.5))
 

@@ -7,7 +7,7 @@ import math
 
 import bpy
 from bpy.types import Light, Material, Mesh, Object, Scene, World
-from vibe_render import compat
+from vibe_render.core import compat
 
 
 def cube(scene: Scene, name: str, location=(0.0, 0.0, 0.0), size: float = 1.0) -> Object:

@@ -5,7 +5,7 @@ import time
 
 import bpy
 import pytest
-from vibe_render.desk import desk
+from vibe_render.session.state import desk
 
 from proxy_renderer.schema import VibeError
 

@@ -40,7 +40,7 @@ def start(screen):
 def ways_out(screen):
     """The preferences; a prompt is typed; a vibe is stopped and given up, by button and by Esc."""
     from bl_ext.user_default.vibe_render import snapshot
-    from bl_ext.user_default.vibe_render.desk import desk
+    from bl_ext.user_default.vibe_render.session.state import desk
 
     yield from preferences(screen)
     screen.shoot("panel")
@@ -85,7 +85,7 @@ def ways_out(screen):
 def choosing(screen):
     """A result: undone, compared, dimmed, another variant, locks, saved as a preset, again, kept or reverted."""
     from bl_ext.user_default.vibe_render import snapshot
-    from bl_ext.user_default.vibe_render.desk import desk
+    from bl_ext.user_default.vibe_render.session.state import desk
 
     before, scene = values(), bpy.context.scene
     yield from a_result(screen, variants=2)
@@ -136,7 +136,7 @@ def choosing(screen):
 
 def locks(screen):
     """The key light's power and the fog are locked; then the same words once more."""
-    from bl_ext.user_default.vibe_render.desk import desk
+    from bl_ext.user_default.vibe_render.session.state import desk
 
     settings, key = bpy.context.scene.vibe, "light/Key/power"
     yield from screen.click_on(f'vibe.lock(key="{key}"', 931, (0.82, 0.84, 0.8))
@@ -170,7 +170,7 @@ def locked_values(key):
 def questions(screen):
     """The question about a shared material, answered both ways."""
     from bl_ext.user_default.vibe_render import snapshot
-    from bl_ext.user_default.vibe_render.desk import desk
+    from bl_ext.user_default.vibe_render.session.state import desk
 
     floor, monkey = bpy.data.objects["Plane"], bpy.data.objects["Suzanne"]
     floor.data.materials[0] = monkey.data.materials[0]
@@ -202,7 +202,7 @@ def questions(screen):
 
 def ends(screen):
     """A second window, another file, and the end of Blender, while a vibe runs."""
-    from bl_ext.user_default.vibe_render.desk import desk
+    from bl_ext.user_default.vibe_render.session.state import desk
 
     yield from running(screen)
     yield from second_window(screen, desk)
@@ -237,7 +237,7 @@ def second_window(screen, desk):
 
 def preferences(screen):
     """What the add-on's preferences look like, and whether they find and try the engine."""
-    from bl_ext.user_default.vibe_render.engine_place import place
+    from bl_ext.user_default.vibe_render.session.engine_state import place
 
     kind, screen.area.type = screen.area.type, "PREFERENCES"
     bpy.context.preferences.active_section = "ADDONS"

@@ -21,7 +21,7 @@ def open_panel(screen):
 
 def running(screen):
     """A long vibe is started, and its first picture awaited."""
-    from bl_ext.user_default.vibe_render.desk import desk
+    from bl_ext.user_default.vibe_render.session.state import desk
 
     bpy.context.scene.vibe.prompt = PROMPT
     effort(20, 60, 256)
@@ -34,7 +34,7 @@ def running(screen):
 
 def a_result(screen, variants=1):
     """A short vibe is run to its end."""
-    from bl_ext.user_default.vibe_render.desk import desk
+    from bl_ext.user_default.vibe_render.session.state import desk
 
     effort(1, 4)
     bpy.context.scene.vibe.variants, bpy.context.scene.vibe.prompt = variants, PROMPT

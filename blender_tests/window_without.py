@@ -12,7 +12,7 @@ KEY = "light/Key/power"
 
 def without_engine(screen):
     """The panel, earlier prompts, single locks, a preset compared and dimmed, the properties editor, the preferences."""
-    from bl_ext.user_default.vibe_render.engine_place import place
+    from bl_ext.user_default.vibe_render.session.engine_state import place
 
     yield from screen.wait(lambda: place.problem, 60, "no engine is found")
     yield from screen.away()

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from proxy_renderer.batch import schedule
 from proxy_renderer.batch.local import LocalPool
-from proxy_renderer.batch.manifest import Limits, Shot
+from proxy_renderer.batch.manifest.manifest import Limits, Shot
 from proxy_renderer.batch.plan import Plan
 from proxy_renderer.batch.sheet import Sheet
 from proxy_renderer.batch.store import Store

@@ -59,9 +59,9 @@ def test_the_schema_is_standard_library_and_relative_imports_only():
     "code",
     [
         "import proxy_renderer",
-        "import proxy_renderer.cli as c; c.parser()",
+        "import proxy_renderer.cli.main as c; c.parser()",
         "import proxy_renderer.language",
-        "import proxy_renderer.worker",
+        "import proxy_renderer.engine.worker",
     ],
 )
 def test_starting_loads_nothing_heavy(code):
@@ -69,7 +69,9 @@ def test_starting_loads_nothing_heavy(code):
 
 
 def test_the_whole_engine_runs_without_blender():
-    assert loaded("import proxy_renderer.session, proxy_renderer.doctor", ["torch", "bpy"]) == ["torch"]
+    assert loaded("import proxy_renderer.engine.session, proxy_renderer.cli.doctor", ["torch", "bpy"]) == [
+        "torch"
+    ]
 
 
 def test_the_checks_can_fail(tmp_path):

@@ -6,30 +6,11 @@ Importing this needs no Blender; registering it does.
 
 
 def _classes() -> tuple[type, ...]:
-    from . import (
-        engine_operators,
-        look_operators,
-        operators,
-        panels,
-        preferences,
-        preset_operators,
-        preset_panel,
-        properties,
-        result_operators,
-        small_operators,
-        value_list,
-    )
+    from .session import preferences
+    from .ui import operators, panels, properties, value_list
 
     data = (preferences, properties, value_list)
-    actions = (
-        engine_operators,
-        operators,
-        small_operators,
-        result_operators,
-        preset_operators,
-        look_operators,
-    )
-    modules = (*data, *actions, panels, preset_panel)
+    modules = (*data, *operators.MODULES, *panels.MODULES)
     return tuple(each for module in modules for each in module.CLASSES)
 
 
@@ -37,10 +18,10 @@ def register() -> None:
     """Registers everything with Blender."""
     import bpy
 
-    from . import handlers
-    from .preset_actions import VibePresets
-    from .properties import VibeSettings
-    from .value_list import VibeValues
+    from .ui import handlers
+    from .ui.operators.preset_actions import VibePresets
+    from .ui.properties import VibeSettings
+    from .ui.value_list import VibeValues
 
     for each in _classes():
         bpy.utils.register_class(each)
@@ -54,14 +35,15 @@ def unregister() -> None:
     """Inverse of `register`; ends the engine."""
     import bpy
 
-    from . import engine_place, handlers, preset_pictures, preview
-    from .desk import desk
+    from .session import engine_state
+    from .session.state import desk
+    from .ui import handlers, look_icons, picture_icons
 
     handlers.unregister()
     desk.close()
-    engine_place.place.close()
-    preview.free()
-    preset_pictures.free()
+    engine_state.place.close()
+    picture_icons.free()
+    look_icons.free()
     del bpy.types.Scene.vibe
     del bpy.types.WindowManager.vibe_presets
     del bpy.types.WindowManager.vibe_values

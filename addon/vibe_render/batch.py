@@ -21,10 +21,10 @@ if not __package__:
     if (here.parents[1] / "proxy_renderer").is_dir():  # a clone
         sys.path.insert(1, str(here.parents[1]))
 
-from vibe_render import disk
-from vibe_render.batch_arguments import arguments_of_process, parse
-from vibe_render.batch_report import Reporter
-from vibe_render.contract import schema
+from vibe_render.core import files
+from vibe_render.core.schema_import import schema
+from vibe_render.headless.arguments import arguments_of_process, parse
+from vibe_render.headless.report import Reporter
 
 
 def main() -> int:
@@ -33,19 +33,19 @@ def main() -> int:
     reporter = Reporter(events="--events" in arguments)
     try:
         given = parse(arguments)
-        from vibe_render import batch_run, batch_serve  # not before: importing bpy takes half a second
+        from vibe_render.headless import commands, serve  # not before: importing bpy takes half a second
 
         if given.command == "serve":
-            batch_serve.serve()
+            serve.serve()
         else:
-            batch_run.COMMANDS[given.command](given, reporter)
+            commands.COMMANDS[given.command](given, reporter)
         return 0
     except schema.VibeError as error:
         reporter.error(error)
     except OSError as error:
-        if not disk.is_full(error):
+        if not files.is_full(error):
             raise
-        reporter.error(disk.unwritable(Path(tempfile.gettempdir(), "vibe"), error, ""))
+        reporter.error(files.unwritable(Path(tempfile.gettempdir(), "vibe"), error, ""))
     return 2
 
 

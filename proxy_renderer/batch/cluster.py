@@ -18,7 +18,7 @@ from typing import Any
 
 from ..schema import VibeError
 from .local import PER_GPU
-from .manifest import Limits
+from .manifest.manifest import Limits
 from .plan import Job
 from .store import TOKEN, Row, Store, read_json
 from .worker import Interrupted, Setup, Worker

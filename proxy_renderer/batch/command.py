@@ -11,12 +11,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from ..language.user import VARIABLE
+from ..prompt.lexicon.user_words import VARIABLE
 from ..schema import VibeError
-from . import manifest, schedule
+from . import schedule
 from .estimate import account
 from .finals import Finals
 from .local import Pool, fitting, local_pool
+from .manifest import manifest
 from .plan import Job, Jobs, Plan
 from .progress import Progress
 from .sheet import Sheet

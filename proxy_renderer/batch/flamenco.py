@@ -6,7 +6,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from ..launch import blender_side
+from ..blender.launch import blender_side
 from ..schema import VibeError
 from .store import write_bytes
 

@@ -14,7 +14,7 @@ from typing import Protocol
 
 import psutil
 
-from .manifest import Limits
+from .manifest.manifest import Limits
 from .plan import Job
 from .store import Row
 from .worker import Interrupted, Setup, Worker

@@ -7,7 +7,7 @@ from collections import Counter, deque
 from collections.abc import Callable, Iterator
 
 from .local import Pool
-from .manifest import Limits
+from .manifest.manifest import Limits
 from .plan import Job, Jobs
 from .store import Row, Store, head
 

@@ -22,7 +22,7 @@ from typing import Any
 
 from filelock import FileLock, Timeout
 
-from .. import check
+from ..options import check
 from ..schema import VibeError
 from .plan import Job
 

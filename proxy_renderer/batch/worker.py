@@ -22,9 +22,9 @@ from typing import Any, TextIO
 
 import psutil
 
-from ..launch import blender_side, environment
+from ..blender.launch import blender_side, environment
 from ..schema import VibeError
-from .manifest import Limits
+from .manifest.manifest import Limits
 from .outcome import leave, leave_frames
 from .plan import Job
 from .store import FRAMES, LOG, Row, head, tidy

@@ -17,9 +17,10 @@ from rich.box import SIMPLE
 from rich.console import Console
 from rich.table import Table
 
-from ..batch import manifest, schedule
+from ..batch import schedule
 from ..batch.local import LocalPool, local_pool
-from ..batch.manifest import Limits, Shot
+from ..batch.manifest import manifest
+from ..batch.manifest.manifest import Limits, Shot
 from ..batch.plan import Job, Plan
 from ..batch.sheet import Sheet
 from ..batch.store import DONE, Row, Store, head, read_json, tidy, write_json

@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from ..launch import events, start
+from ..blender.launch import events, start
 from ..schema import VibeError
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import torch
 
-from ..report import load_picture
+from ..engine.report import load_picture
 from ..schema import VibeError
 from .metrics import difference
 

@@ -20,18 +20,20 @@ from rich.console import Console
 from rich.table import Table
 
 from ..guidance.encoder import JUDGE, Encoder, load_encoder
-from ..language import SceneWords, compose, parse
-from ..language.attributes import ATTRIBUTES
-from ..language.nearest import nearest
-from ..language.vocabulary import normalize, shipped_vocabulary
+from ..prompt.lexicon.attributes import ATTRIBUTES
+from ..prompt.lexicon.nearest import nearest
+from ..prompt.lexicon.vocabulary import normalize, shipped_vocabulary
+from ..prompt.parser import parse
+from ..prompt.prompts import compose
+from ..prompt.types import SceneWords
 from ..schema import VibeError
-from ..train import bank, cycles
-from ..train.augment import WHOLE
-from ..train.captions import caption
 from ..train.data import LOOKS, Batch
 from ..train.evaluate import FEW, Mistake, cost, judge, shaded, skill
-from ..train.looks import INDEX, NAMES
-from ..train.wording import Split
+from ..train.pictures import bank, cycles
+from ..train.pictures.augment import WHOLE
+from ..train.pictures.looks import INDEX, NAMES
+from ..train.text.captions import caption
+from ..train.text.wording import Split
 from . import cache
 from .mistakes import save_mistakes
 

@@ -19,9 +19,9 @@ import torch
 from PIL import Image
 from torch import Tensor
 
-from ..render.cycles import CyclesPicture
+from ..engine.report import load_picture, save_picture
+from ..render.cycles.pictures import CyclesPicture
 from ..render.proxy import Proxy
-from ..report import load_picture, save_picture
 from ..scene import load_scene
 from . import blender, cache, eevee, table
 from .metrics import Difference, difference

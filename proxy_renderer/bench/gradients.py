@@ -22,12 +22,12 @@ from rich.table import Table
 from torch import Tensor
 from torch.nn.functional import adaptive_avg_pool2d
 
+from ..color.torch_color import linear_from_srgb, luma, srgb_to_lab
+from ..engine.report import load_picture
 from ..guidance import augment
 from ..guidance.encoder import Encoder, load_encoder
 from ..guidance.regions import mean
-from ..render.color import linear_from_srgb, luma, srgb_to_lab
 from ..render.proxy import Proxy
-from ..report import load_picture
 from ..scene import load_scene
 from . import blender, cache
 

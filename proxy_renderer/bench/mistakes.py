@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from ..report import save_image
+from ..engine.report import save_image
 from ..train.evaluate import Mistake
 
 _SIDE, _GAP, _TEXT, _COLUMNS, _MOST = 200, 10, 92, 6, 24

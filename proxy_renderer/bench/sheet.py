@@ -11,7 +11,7 @@ import numpy as np
 import torch
 from PIL import Image, ImageDraw, ImageFont
 
-from ..report import save_image
+from ..engine.report import save_image
 from .metrics import delta_e_map
 
 _SIDE, _GAP, _LINE = 256, 6, 24

@@ -16,7 +16,7 @@ import torch
 
 from ..render.proxy import Proxy
 from ..scene import SceneData
-from . import versus
+from .mitsuba import versus
 from .scenes import balls, outdoors
 
 try:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import torch
 from torch import Tensor
 
-from ..language.types import Lab, Prompts, Region
-from ..render.color import srgb_to_lab
+from ..color.torch_color import srgb_to_lab
+from ..prompt.types import Lab, Prompts, Region
 from . import regions
 from .attributes import Attributes, attributes
 from .losses import (

@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING, Any
 import torch
 from torch import Tensor
 
-from ..render.color import mean_difference
-from ..render.cycles import CyclesPicture
+from ..color.torch_color import mean_difference
+from ..render.cycles.pictures import CyclesPicture
 from ..scene import SceneData
 from ..schema import VibeError, messages
 from .objective import chosen_values, draw
 from .vector import ParameterVector
 
 if TYPE_CHECKING:
-    from ..render.correction import Correction
+    from ..render.cycles.correction import Correction
     from ..render.proxy import Proxy
 
 SAMPLES = 32

@@ -11,7 +11,7 @@ from torch import Tensor
 from ..guidance import regions
 from ..guidance.encoder import Encoder
 from ..guidance.losses import positive_loss
-from ..language.types import Plan, PlanEntry
+from ..prompt.types import Plan, PlanEntry
 from ..schema import Instance
 
 

@@ -11,12 +11,12 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
+from ..color.torch_color import LUMA, srgb_to_lab
 from ..guidance import regions
-from ..language.types import Lab, PictureStats, PlanContext, Region, SceneWords
-from ..render.camera import view_of
-from ..render.color import LUMA, srgb_to_lab
-from ..render.settings import Settings
+from ..prompt.types import Lab, PictureStats, PlanContext, Region, SceneWords
+from ..render.geometry.camera import view_of
 from ..scene import SceneData
+from ..scene.values import Settings
 from ..schema import Values
 from . import headroom
 

@@ -15,8 +15,8 @@ from typing import Any
 from torch import Tensor
 
 from ..guidance.encoder import Encoder
-from ..language.advice import Advisor
-from ..language.types import Parsed, Plan, Prompts
+from ..planning.advice import Advisor
+from ..prompt.types import Parsed, Plan, Prompts
 from ..schema import Values
 from ..schema.messages import Options
 from . import starts

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from ..language.types import Plan
+from ..prompt.types import Plan
 from ..schema import GROUPS, Instance, Values, VibeError, labels, matches
 from .vector import nearest_turn
 

@@ -14,8 +14,8 @@ from torch import Tensor
 from ..guidance.encoder import Encoder
 from ..guidance.guide import Guide, Weights
 from ..guidance.regions import Views
-from ..language.advice import Advice, Advisor, OfflineAdvisor
-from ..language.types import Plan, PlanEntry
+from ..planning.advice import Advice, Advisor, OfflineAdvisor
+from ..prompt.types import Plan, PlanEntry
 from ..render.proxy import Proxy, Render
 from ..scene import SceneData
 from ..schema import Values, VibeError

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from torch import Tensor
 
-from ..language.types import Plan
+from ..prompt.types import Plan
 from ..scene import SceneData
 from ..schema import Instance
 from .anchoring import Anchoring, Source

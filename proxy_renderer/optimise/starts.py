@@ -11,8 +11,8 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
-from ..language.types import Plan, PlanEntry
-from ..render.color import srgb_to_lab
+from ..color.torch_color import srgb_to_lab
+from ..prompt.types import Plan, PlanEntry
 from ..schema import Instance
 from .vector import ParameterVector
 

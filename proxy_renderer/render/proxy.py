@@ -10,25 +10,25 @@ import torch
 from torch import Tensor
 
 from ..scene import SceneData
+from ..scene.values import Settings
 from ..schema import FAMILIES, VibeError
-from . import surfaces
-from .camera import View, view_of
-from .correction import Correction
-from .cycles import CyclesPicture
-from .emitters import Emitters
-from .environment import Environment, sky_of
-from .far import Table
-from .film import Film
-from .fog import Fog
-from .frame import Frame, glassy, mirroring, sharp
-from .indirect import Gathered
-from .lamps import lamps_of
-from .paint import Paint, paint_of
-from .settings import Settings
-from .surfaces import beams_of, table_of
-from .view_cache import ViewCache
-from .visibility import Geometry
-from .volume import DIRECTIONS, Volume
+from .cycles.correction import Correction
+from .cycles.pictures import CyclesPicture
+from .film.film import Film
+from .geometry.camera import View, view_of
+from .geometry.visibility import Geometry
+from .lights.emitters import Emitters
+from .lights.environment import Environment, sky_of
+from .lights.lamps import lamps_of
+from .material.shading_inputs import Paint, paint_of
+from .surface import surfaces
+from .surface.frame import Frame, glassy, mirroring, sharp
+from .surface.surfaces import beams_of, table_of
+from .surface.view_cache import ViewCache
+from .transport.fog import Fog
+from .transport.indirect import Gathered
+from .transport.secondary_hits import Table
+from .transport.volume import DIRECTIONS, Volume
 
 _FILM_KEYS = tuple(key for key, p in FAMILIES.items() if p.group == "film")
 

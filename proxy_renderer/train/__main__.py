@@ -11,10 +11,10 @@ from pathlib import Path
 import torch
 
 from ..schema.errors import VibeError
-from . import bank, cycles
 from .model import CONFIG, JUDGE
+from .pictures import bank, cycles
+from .text.wording import GUIDES, JUDGES
 from .train import Recipe, train
-from .wording import GUIDES, JUDGES
 
 GUIDE, HELD_OUT = 50_000, 100_000
 """Seeds of shapes from the first on are the guide's, those before are the judge's; from the second on, nobody's."""

@@ -13,11 +13,12 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
-from ..language.attributes import ATTRIBUTES
-from . import captions, dense, looks, seen, shader, wording
-from .augment import ALONE, EMPTY, WHOLE, cut, frame, wear
-from .bank import SUBJECT
-from .wording import NOUNS, TRAINED, Split
+from ..prompt.lexicon.attributes import ATTRIBUTES
+from .pictures import dense, looks, seen, shader
+from .pictures.augment import ALONE, EMPTY, WHOLE, cut, frame, wear
+from .pictures.bank import SUBJECT
+from .text import captions, wording
+from .text.wording import NOUNS, TRAINED, Split
 
 LOOKS = 4
 """Looks per group: a base, two one-attribute flips, a swap of the two colors."""

@@ -20,13 +20,13 @@ from torch import Tensor
 
 from ..guidance import regions
 from ..guidance.encoder import OF_SURFACES, Encoder, load_encoder
-from ..language.attributes import ATTRIBUTES
-from . import bank as banks
-from .captions import caption
+from ..prompt.lexicon.attributes import ATTRIBUTES
 from .data import Batch, make_batch
-from .looks import INDEX, NAMES
-from .surfaces import Shape
-from .wording import NOUNS, TRAINED, Split
+from .pictures import bank as banks
+from .pictures.looks import INDEX, NAMES
+from .pictures.surfaces import Shape
+from .text.captions import caption
+from .text.wording import NOUNS, TRAINED, Split
 
 _GROUPS, _BATCHES, _SEED = 48, 10, 7_000_000
 _UNIFORM = 0.8

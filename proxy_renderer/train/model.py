@@ -18,11 +18,11 @@ from torch import Tensor, nn
 
 from ..guidance import network
 from ..guidance.encoder import MERGES, AttributeHeads
-from ..language.attributes import ATTRIBUTES
+from ..prompt.lexicon.attributes import ATTRIBUTES
 from ..schema import VibeError
 from .data import LOOKS, Batch, choices, contradicts
-from .dense import Reader
-from .looks import STRESS
+from .pictures.dense import Reader
+from .pictures.looks import STRESS
 
 CONFIG = {
     "embed_dim": 128,

@@ -17,11 +17,12 @@ from pathlib import Path
 import torch
 
 from ..schema import VibeError
-from . import bank as banks
-from . import captions, cycles, shader
 from .data import Batch, make_batch
 from .model import CONFIG, Student, export
-from .wording import GUIDES, Split
+from .pictures import bank as banks
+from .pictures import cycles, shader
+from .text import captions
+from .text.wording import GUIDES, Split
 
 _LOGGED = 50
 _FALLS = 0.15

@@ -7,10 +7,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from ..language import compose, parse
-from ..language import plan as confine
-from ..language.advice import Advice, OfflineAdvisor
-from ..language.types import Parsed, Plan, PlanContext, PlanEntry, Prompts, SceneObject, SceneWords
+from ..planning.advice import Advice, OfflineAdvisor
+from ..planning.planner import plan as confine
+from ..prompt.parser import parse
+from ..prompt.prompts import compose
+from ..prompt.types import Parsed, Plan, PlanContext, PlanEntry, Prompts, SceneObject, SceneWords
 from ..schema import Instance, VibeError
 from .client import Client
 from .errors import ModelError

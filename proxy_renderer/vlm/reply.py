@@ -11,11 +11,11 @@ import re
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..language import ATTRIBUTES
-from ..language.color import from_hex
-from ..language.meaning import display_color
-from ..language.ranges import clip
-from ..language.types import Lab, PlanEntry, Prompts, Region, SceneObject
+from ..color.named import from_hex
+from ..planning.ranges import clip
+from ..prompt.lexicon.attributes import ATTRIBUTES
+from ..prompt.meaning import display_color
+from ..prompt.types import Lab, PlanEntry, Prompts, Region, SceneObject
 from ..schema import Instance, Values
 from .extract import clean
 from .request import REGIONS, SLOTS

@@ -6,9 +6,9 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from ..language import ATTRIBUTES
-from ..language.color import from_lab
-from ..language.types import Parsed, Plan, PlanContext, Prompts
+from ..color.named import from_lab
+from ..prompt.lexicon.attributes import ATTRIBUTES
+from ..prompt.types import Parsed, Plan, PlanContext, Prompts
 from ..schema import FAMILIES
 from ..schema.spec import SRGB
 from .dialect import Question

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ..language.types import PlanContext
+from ..prompt.types import PlanContext
 from ..schema import Instance, Values
 from ..schema.spec import SRGB
 

@@ -17,8 +17,8 @@ if not __package__:
     here = Path(__file__).resolve()
     sys.path += [str(here.parents[2]), str(here.parents[3])]  # last: Blender has packages of its own
 
-from vibe_render import compat
-from vibe_render.settings import changed
+from vibe_render.core import compat
+from vibe_render.core.overrides import changed
 
 
 def render(path: Path, size: int) -> None:

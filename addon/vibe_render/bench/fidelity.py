@@ -16,17 +16,18 @@ from typing import Any
 
 import bpy
 
-from .. import anchoring, rendering, scene_io
-from ..contract import schema
-from ..export import Job
-from ..subject import Choice
+from ..core.schema_import import schema
+from ..export import jobs
+from ..export.job import Job
+from ..render import anchors, final_render
+from ..scene.subject import Choice
 from . import side
-from .build import build
-from .catalog import CATALOG
 from .fingerprint import fingerprint
 from .move import move
-from .recipe import Recipe, features
-from .shapes import SHAPES
+from .scenes.build import build
+from .scenes.catalog import CATALOG
+from .scenes.recipe import Recipe, features
+from .scenes.shapes import SHAPES
 
 VERSION = ANCHOR_VERSION = 1
 """Raised when the way references, or anchors, are rendered changes."""
@@ -37,7 +38,7 @@ def make(recipe: Recipe, a: argparse.Namespace) -> dict[str, Any]:
     """One scene: its job folder, its reference, and what is known about it."""
     scene, subject = build(recipe, a.seed)
     folder = a.work / recipe.name
-    job = scene_io.open_job(scene, folder / "job", Choice(tuple(o.name for o in subject)))
+    job = jobs.open_job(scene, folder / "job", Choice(tuple(o.name for o in subject)))
     start = time.monotonic()
     mark = fingerprint(scene)
     reference, cached = _reference(scene, mark, a)
@@ -60,7 +61,7 @@ def _reference(scene: bpy.types.Scene, mark: str, a: argparse.Namespace) -> tupl
     path = side.cached(a, ".png", mark, a.size, a.samples, bpy.app.version_string, VERSION)
     if path.is_file():
         return path, True
-    rendering.render(scene, path, a.size, a.samples, exact=True)
+    final_render.render(scene, path, a.size, a.samples, exact=True)
     return path, False
 
 
@@ -79,7 +80,7 @@ def _anchor(job: Job, mark: str, values: dict[str, schema.Values], a: argparse.N
         groups = json.loads(notes.read_text(encoding="utf-8"))
     else:
         found = job.survey
-        groups = anchoring.render_anchor(
+        groups = anchors.render_anchor(
             found.scene, path, values, found.objects, found.pivot, ANCHOR_SIZE, ANCHOR_SAMPLES
         )
         part = path.with_suffix(".json.part")

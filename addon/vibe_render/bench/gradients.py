@@ -12,14 +12,16 @@ from typing import Any
 
 import bpy
 
-from .. import bindings, rendering, scene_io
-from ..contract import schema
-from ..export import Job
-from ..subject import Choice
+from ..core.schema_import import schema
+from ..export import jobs
+from ..export.job import Job
+from ..render import final_render
+from ..scene import bindings
+from ..scene.subject import Choice
 from . import side
-from .build import build
 from .fingerprint import fingerprint
-from .steps import CASES, Case, ends
+from .scenes.build import build
+from .scenes.steps import CASES, Case, ends
 
 VERSION = 1
 """Raised when the way pictures are rendered changes."""
@@ -29,7 +31,7 @@ def make(case: Case, a: argparse.Namespace) -> dict[str, Any]:
     """A scene's job folder, and per parameter the pictures to both sides of its value."""
     scene, subject = build(case.recipe, a.seed)
     folder = a.work / case.recipe.name / "job"
-    job = scene_io.open_job(scene, folder, Choice(tuple(o.name for o in subject)))
+    job = jobs.open_job(scene, folder, Choice(tuple(o.name for o in subject)))
     base = f"{fingerprint(scene)} {a.size} {a.samples} {bpy.app.version_string} {VERSION}"
     steps = []
     for key, instance in job.instances.items():
@@ -48,7 +50,7 @@ def _step(
         path = side.cached(a, ".png", base, key, [f"{v:.6g}" for v in value])
         if not path.is_file():
             _write(scene, job, key, value)
-            rendering.render(scene, path, a.size, a.samples, exact=True)
+            final_render.render(scene, path, a.size, a.samples, exact=True)
             _write(scene, job, key, instance.value)
         found |= {name: value, f"{name}_picture": str(path)}
     return found

@@ -6,7 +6,7 @@ from __future__ import annotations
 import random
 from collections.abc import Mapping
 
-from ..contract import schema
+from ..core.schema_import import schema
 
 STEP, MOST = 0.1, 6
 _MOVED = {

@@ -17,14 +17,16 @@ from typing import Any
 
 import bpy
 
-from .. import batch_run, rendering, snapshot
-from ..batch_arguments import parse
-from ..batch_report import Reporter
-from ..conversation import Conversation
-from ..engine import Engine
+from ..engine.conversation import Conversation
+from ..engine.process import Engine
+from ..headless import commands
+from ..headless.arguments import parse
+from ..headless.report import Reporter
+from ..render import final_render
+from ..scene import snapshot
 from . import side
-from .build import build
-from .sets import SETS
+from .scenes.build import build
+from .scenes.sets import SETS
 from .sight import save_sight
 
 SIGHT = 192
@@ -53,17 +55,17 @@ class Workshop:
         if "set" in run:
             given += [f"--subject={name}" for name in build_set(run["set"])]
         try:
-            found = batch_run.carry_out(parse(given), self._reporter, self._conversation())
+            found = commands.carry_out(parse(given), self._reporter, self._conversation())
         except BaseException:
             self.close()
             raise
         save_sight(found, folder / "after.npz", SIGHT)
         size, samples = (_number(run, name) for name in ("size", "samples"))
         if run["clear"]:
-            rendering.render_clear(found.scene, folder / "clear.png", size, samples)
+            final_render.render_clear(found.scene, folder / "clear.png", size, samples)
         snapshot.revert(found.scene)
         save_sight(found, folder / "before.npz", SIGHT)
-        rendering.render_mask(found.scene, folder / "mask_before.png", size, found.objects)
+        final_render.render_mask(found.scene, folder / "mask_before.png", size, found.objects)
 
     def close(self) -> None:
         """Ends the engine."""

@@ -18,8 +18,9 @@ from typing import Any
 import bpy
 import numpy as np
 
-from .. import bindings, rendering
-from .. import stage_parts as parts
+from ..render import final_render
+from ..scene import bindings
+from ..scene.stage import parts
 from .side import say
 
 
@@ -28,8 +29,8 @@ def main(folder: Path) -> None:
     for row in json.loads((folder / "looks.json").read_text(encoding="utf-8")):
         try:
             scene, subject = _build(row, folder)
-            rendering.render(scene, folder / f"{row['name']}.png", row["size"], row["samples"])
-            rendering.render_mask(scene, folder / f"{row['name']}.mask.png", row["size"], [subject])
+            final_render.render(scene, folder / f"{row['name']}.png", row["size"], row["samples"])
+            final_render.render_mask(scene, folder / f"{row['name']}.mask.png", row["size"], [subject])
             say("scene", name=row["name"])
         except Exception as error:
             traceback.print_exc()

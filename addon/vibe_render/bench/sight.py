@@ -11,8 +11,8 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-from ..survey import Survey
-from ..visibility import rays, view
+from ..export.analysis import Survey
+from ..scene.geometry.visibility import rays, view
 
 
 def save_sight(survey: Survey, path: Path, count: int) -> None:

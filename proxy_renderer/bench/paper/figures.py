@@ -8,7 +8,7 @@ from pathlib import Path
 
 from PIL import Image
 
-from ...report import save_image
+from ...engine.report import save_image
 from ...vlm import judge
 from .pairs import Pair
 

@@ -10,7 +10,7 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from ...language.color import from_lab
+from ...color.named import from_lab
 from . import figures
 from .measures import MEASURES
 from .pairs import COMPARED, Ask, Pair

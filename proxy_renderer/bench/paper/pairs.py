@@ -9,8 +9,8 @@ from fnmatch import fnmatchcase
 from functools import cache
 from pathlib import Path
 
-from ...language.color import chroma, from_hex, to_lab
-from ...language.vocabulary import default_vocabulary
+from ...color.named import chroma, from_hex, to_lab
+from ...prompt.lexicon.vocabulary import default_vocabulary
 from ...schema import VibeError
 from .measures import MEASURES
 

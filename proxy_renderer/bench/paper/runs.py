@@ -12,14 +12,14 @@ from pathlib import Path
 
 import proxy_renderer
 
-from ...launch import blender_side
+from ...blender.launch import blender_side
 from ...schema import VibeError
 from .. import blender
 from .pairs import COMPARED, Pair
 
 OURS, BASELINE = "", "clip-only"
-_CODE = ("guidance", "language", "optimise", "render", "scene", "schema")
-"""What a result depends on in this package; of Blender's side it is all but folders in it."""
+_CODE = ("color", "guidance", "optimise", "planning", "prompt", "render", "scene", "schema")
+"""What a result depends on in this package; of Blender's side it is all but the measurements."""
 
 
 @dataclass(frozen=True)
@@ -158,7 +158,7 @@ def _fingerprint() -> str:
     digest = hashlib.sha256()
     here = Path(proxy_renderer.__file__).parent
     files = [path for name in _CODE for path in (here / name).rglob("*") if path.is_file()]
-    files += blender_side().parent.glob("*.py")
+    files += [p for p in blender_side().parent.rglob("*.py") if "bench" not in p.parts]
     for path in sorted(files):
         if path.suffix in (".py", ".toml", ".txt", ".json", ".safetensors") and "judge" not in path.parts:
             digest.update(path.name.encode())

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from PIL import Image
 from scipy import ndimage
 
-from ...render.color import linear_from_srgb, srgb_to_lab
-from ...report import load_picture
+from ...color.torch_color import linear_from_srgb, srgb_to_lab
+from ...engine.report import load_picture
 
 Array = NDArray[np.float64]
 _LUMA = np.array([0.2126, 0.7152, 0.0722])

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Files of a run that appear together when it has succeeded, or not at all. No bpy here."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import shutil
+import uuid
+from collections.abc import Iterator
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from .files import unwritable
+
+_REMEDY = "Choose another --out."
+
+
+class Outputs:
+    """A folder's new files. Use it as a context manager: they are moved into place at its end.
+
+    They are written beside where they will be, because a .blend keeps paths relative to itself.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._run = uuid.uuid4().hex[:8]
+        self._names: list[str] = []
+
+    def path(self, name: str) -> Path:
+        """Where to write a file for now."""
+        if name not in self._names:
+            self._names.append(name)
+        return self.folder / f".part-{self._run}-{name}"
+
+    def write_json(self, name: str, content: Any) -> None:
+        """Adds a JSON file."""
+        self.write_text(name, json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False))
+
+    def write_text(self, name: str, text: str) -> None:
+        """Adds a text file."""
+        with self._writing(name) as path:
+            path.write_text(text + "\n", encoding="utf-8")
+
+    def copy(self, name: str, source: Path) -> None:
+        """Adds a copy of a file."""
+        with self._writing(name) as path:
+            shutil.copyfile(source, path)
+
+    @contextlib.contextmanager
+    def _writing(self, name: str) -> Iterator[Path]:
+        try:
+            yield self.path(name)
+        except OSError as error:
+            raise unwritable(self.folder / name, error, _REMEDY) from error
+
+    def __enter__(self) -> Outputs:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        try:
+            if kind is None:
+                for name in self._names:
+                    os.replace(self.path(name), self.folder / name)
+        except OSError as broken:
+            raise unwritable(self.folder / self._names[-1], broken, _REMEDY) from broken
+        finally:
+            for name in self._names:
+                with contextlib.suppress(OSError):
+                    self.path(name).unlink(missing_ok=True)

@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The folder that Blender gives an extension for files of its user, which updates leave alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+
+from . import ADDON
+
+
+def own_folder(path: str, create: bool = False) -> Path:
+    """A folder in it.
+
+    Where we are not installed as an extension (a Blender without a window), it is where one that was
+    installed from disk has it.
+
+    Args:
+        path: Below it.
+        create: Whether to make it if it is not there.
+    """
+    try:
+        return Path(bpy.utils.extension_path_user(ADDON, path=path, create=create))
+    except ValueError:
+        place = f".user/user_default/vibe_render/{path}"
+        return Path(bpy.utils.user_resource("EXTENSIONS", path=place, create=create))

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A vibe's talk with the engine while Blender renders: answers are passed on by a thread. No bpy here."""
+
+from __future__ import annotations
+
+import os
+import queue
+import signal
+import socket
+import threading
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from ..core.schema_import import messages, schema
+from .process import Engine
+
+Answer = TypeVar("Answer", messages.Result, messages.Finished)
+
+
+class Conversation:
+    """Listens to the engine from the moment it starts, and to Ctrl-C.
+
+    Args:
+        engine: Started already.
+        tell: Called from a thread with every stage and progress message.
+    """
+
+    def __init__(self, engine: Engine, tell: Callable[[messages.Message], None]) -> None:
+        self._engine, self._tell = engine, tell
+        self._answers: queue.Queue[messages.Message | schema.VibeError] = queue.Queue()
+        self._asked = False
+        self._interrupted = False
+        threading.Thread(target=self._listen, daemon=True).start()
+
+    def ask(self, request: messages.Vibe | messages.Finish) -> None:
+        """Sends a request. If Ctrl-C has been pressed already, a vibe ends with its first best."""
+        self._engine.send(request)
+        self._asked = True
+        if self._interrupted:
+            self._engine.send(messages.Stop())
+
+    def wait(
+        self, kind: type[Answer], serve: Callable[[messages.Anchor], messages.Anchored] | None = None
+    ) -> Answer:
+        """The answer to the last request; raises the VibeError that the engine sent instead.
+
+        Args:
+            kind: Of the answer.
+            serve: Answers what the engine asks for meanwhile.
+        """
+        while True:
+            try:
+                answer = self._answers.get(timeout=0.2)  # lets signals through
+            except queue.Empty:
+                continue
+            if isinstance(answer, schema.VibeError):
+                raise answer
+            if serve and isinstance(answer, messages.Anchor):
+                self._engine.send(serve(answer))
+            if isinstance(answer, kind):
+                return answer
+
+    def stop(self) -> None:
+        """Asks for the best so far."""
+        self._interrupted = True
+        if self._asked:
+            self._engine.send(messages.Stop())
+
+    def _listen(self) -> None:
+        try:
+            for message in self._engine.messages():
+                if isinstance(message, messages.Stage | messages.Progress):
+                    self._tell(message)
+                else:
+                    self._answers.put(message)
+        except schema.VibeError as error:
+            self._answers.put(error)
+
+
+def on_interrupt(act: Callable[[], Any]) -> None:
+    """Calls `act`, from a thread, at the first Ctrl-C or SIGTERM; a second one ends the process.
+
+    Python runs signal handlers between its own instructions, of which there are none while Cycles
+    renders: so a thread reads the signals' numbers from a socket.
+    """
+    reading, writing = socket.socketpair()
+    writing.setblocking(False)
+    for number in (signal.SIGINT, signal.SIGTERM, getattr(signal, "SIGBREAK", None)):
+        if number is not None:
+            signal.signal(number, lambda number, frame: None)
+    signal.set_wakeup_fd(writing.fileno(), warn_on_full_buffer=False)
+
+    def watch() -> None:
+        with writing:  # kept open for as long as somebody listens
+            reading.recv(1)
+            act()
+            reading.recv(1)
+            os._exit(130)
+
+    threading.Thread(target=watch, daemon=True).start()

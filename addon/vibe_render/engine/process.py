@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The engine, as Blender sees it: a process that exchanges NUL-delimited JSON. No bpy here."""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import os
+import queue
+import re
+import subprocess
+import tempfile
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import BinaryIO, TypeAlias, cast
+
+from ..core.schema_import import messages as wire
+from ..core.schema_import import schema
+from .find import engine_environment, find_python, own_group
+
+_LET_GO = 10.0  # seconds that an engine may take to let go of a vibe that was given up
+
+_ANSWERS = (wire.Result, wire.Finished, wire.Error)
+
+_Item: TypeAlias = wire.Message | schema.VibeError | None  # None: the engine's output has ended
+
+
+class Engine:
+    """A running engine. It stays warm between vibes; it ends when Blender does.
+
+    Args:
+        python: Which Python to use, or the folder of its environment; "" to search.
+        log: Where the engine's own output goes; None for a temporary file.
+        cache: Where it keeps what can be made again; None for the user's usual place.
+    """
+
+    def __init__(self, python: str = "", log: Path | None = None, cache: Path | None = None) -> None:
+        self._choice = python
+        self._variables = {"VIBE_CACHE": str(cache)} if cache else {}
+        self.log = log or Path(tempfile.gettempdir()) / f"vibe-engine-{os.getpid()}.log"
+        self._process: subprocess.Popen[bytes] | None = None
+        self._inbox: queue.Queue[_Item] = queue.Queue()
+        self._owed = False  # an answer that nobody waits for any more
+        self._owed_since = 0.0
+        self._busy = False  # an answer is on its way
+        self._died: schema.VibeError | None = None  # what to say of it, to every thread that asks
+        self._dying = threading.Lock()
+
+    @property
+    def alive(self) -> bool:
+        """Whether the process runs."""
+        return self._process is not None and self._process.poll() is None
+
+    def start(self) -> None:
+        """Starts the process; its first message is "ready". Nothing happens if it runs already.
+
+        Raises:
+            VibeError: If no engine is found, or it cannot be started.
+        """
+        if self.alive:
+            return
+        python = find_python(self._choice)
+        self._inbox, self._owed, self._busy, self._died = queue.Queue(), False, False, None
+        try:
+            with self.log.open("wb") as log:
+                self._process = subprocess.Popen(
+                    [python, "-m", "proxy_renderer.engine.worker"],
+                    stdin=subprocess.PIPE,
+                    stdout=subprocess.PIPE,
+                    stderr=log,
+                    env={**engine_environment(), **self._variables},
+                    **own_group(),
+                )
+        except OSError as error:
+            raise schema.VibeError(
+                f"The engine could not be started: {error}.", f"Try {python} by hand."
+            ) from error
+        output = cast(BinaryIO, self._process.stdout)
+        threading.Thread(target=_receive, args=(output, self._inbox), daemon=True).start()
+        atexit.register(self.stop)
+
+    def send(self, message: wire.Message) -> None:
+        """Sends one message.
+
+        Raises:
+            VibeError: If the engine is gone.
+        """
+        process = self._process
+        if process is None or process.stdin is None:
+            with self._dying:  # another thread may be about to find out
+                raise self._died or schema.VibeError("The engine is not running.", "Start it first.")
+        try:
+            process.stdin.write(wire.encode(message))
+            process.stdin.flush()
+            self._busy = self._busy or isinstance(message, wire.Vibe | wire.Finish)
+        except (OSError, ValueError) as error:
+            raise self._death() from error
+
+    def poll(self) -> list[wire.Message]:
+        """The messages that have arrived since the last call; never waits.
+
+        Raises:
+            VibeError: If the engine reports an error, speaks another schema, or is gone.
+        """
+        arrived = []
+        while True:
+            try:
+                arrived.append(self._checked(self._inbox.get_nowait()))
+            except queue.Empty:
+                return arrived
+
+    def messages(self) -> Iterator[wire.Message]:
+        """Waits for messages, for ever; raises as `poll` does."""
+        while True:
+            # A timeout in the wait lets Ctrl-C through on every platform.
+            with contextlib.suppress(queue.Empty):
+                yield self._checked(self._inbox.get(timeout=0.2))
+
+    def abandon(self) -> None:
+        """Gives up the vibe that it works on, and keeps it warm, unless it has not let go of the last one yet."""
+        if not self._busy:
+            return
+        if self._owed:
+            self.stop(patience=0.2)
+            return
+        with contextlib.suppress(schema.VibeError):
+            self.send(wire.Stop())
+            self._owed, self._owed_since = True, time.monotonic()
+
+    def settle(self) -> bool:
+        """Drops what belongs to an abandoned vibe; True when that is over, and the next may be sent.
+
+        An engine that hangs is ended instead of waited for.
+        """
+        while self._owed:
+            try:
+                item = self._inbox.get_nowait()
+            except queue.Empty:
+                if time.monotonic() - self._owed_since > _LET_GO:
+                    self.stop(patience=0.02)
+                    self._owed = False
+                return not self._owed
+            self._owed = self._busy = isinstance(item, wire.Message) and not isinstance(item, _ANSWERS)
+        return True
+
+    def stop(self, patience: float = 3.0) -> None:
+        """Asks the process to quit, and ends it if it has not within `patience` seconds."""
+        process, self._process = self._process, None
+        atexit.unregister(self.stop)
+        if process is None:
+            return
+        with contextlib.suppress(OSError, ValueError):
+            process.stdin.write(wire.encode(wire.Quit()))  # type: ignore[union-attr]
+            process.stdin.close()  # type: ignore[union-attr]
+        for end in (lambda: None, process.terminate, process.kill):
+            end()
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(patience)
+                return
+
+    def _checked(self, item: _Item) -> wire.Message:
+        if item is None:
+            raise self._death()
+        if isinstance(item, _ANSWERS):
+            self._busy = False
+        if isinstance(item, schema.VibeError):
+            raise item
+        if isinstance(item, wire.Error):
+            raise schema.VibeError(item.message, item.remedy)
+        if isinstance(item, wire.Ready):
+            try:
+                wire.check_schema(item.schema, "engine")
+            except schema.VibeError:
+                self.stop()
+                raise
+        return item
+
+    def _death(self) -> schema.VibeError:
+        """What to say when the process has gone by itself."""
+        with self._dying:
+            self._died = self._died or self._bury()
+            return self._died
+
+    def _bury(self) -> schema.VibeError:
+        code = None
+        if self._process is not None:
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                code = self._process.wait(1.0)
+        self.stop(patience=0.5)
+        log = self.log.read_text(encoding="utf-8", errors="replace") if self.log.exists() else ""
+        lines = log.strip().splitlines() or [""]
+        last = next((line for line in reversed(lines) if re.match(r"\w+(Error|Exception)", line)), lines[-1])
+        said = f" Its last words: {last}" if last else ""
+        if code == -9 and not last:
+            said = " Something ended it from outside: perhaps memory ran out."
+        return schema.VibeError(
+            f"The engine stopped unexpectedly (exit code {code}).{said}",
+            f"Try again; if it happens again, see {self.log}.",
+        )
+
+
+def _receive(stream: BinaryIO, inbox: queue.Queue[_Item]) -> None:
+    """Puts what arrives into the inbox, until the output ends."""
+    try:
+        with stream:
+            for message in wire.read(stream):
+                inbox.put(message)
+    except schema.VibeError as error:
+        inbox.put(error)
+    inbox.put(None)

@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Makes an engine: a Python environment with the packages that it needs. No bpy here."""
+
+from __future__ import annotations
+
+import atexit
+import collections
+import contextlib
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+from concurrent.futures import Future
+from pathlib import Path
+from typing import IO, cast
+
+from ..core import background
+from ..core.schema_import import schema
+from .find import CARRIED, has_engine, own_group, python_of
+
+_VERSIONS = ((3, 11), (3, 12), (3, 13))  # of Python, that every package has wheels for
+_PROGRESS = re.compile(r"Progress (\d+) of (\d+)")
+_AGAIN = "Press Set Up Engine again, or make the environment by hand as the README says."
+
+
+def requirements() -> list[str]:
+    """What pip is to install; the engine's own code comes with the extension.
+
+    Raises:
+        VibeError: In a clone, where the extension has not been built.
+    """
+    try:
+        lines = (CARRIED / "requirements.txt").read_text(encoding="utf-8").splitlines()
+    except OSError as error:
+        raise schema.VibeError(
+            "This copy of the add-on does not carry the engine.",
+            "Run `pip install .` in the clone that it is part of, or install the built extension.",
+        ) from error
+    return [line for line in lines if line]
+
+
+class Setup:
+    """An environment in the making, in a thread; a failure or `cancel` leaves nothing behind.
+
+    Args:
+        folder: Where it will be; what is there is replaced.
+        packages: What pip is to install.
+
+    Attributes:
+        folder: As given.
+        text: What is going on.
+        fraction: How far the current download is, 0 to 1; None while nothing is downloaded.
+    """
+
+    def __init__(self, folder: Path, packages: list[str]) -> None:
+        self.folder, self._packages = folder, packages
+        self.text, self.fraction = "Starting", None
+        self._process: subprocess.Popen[str] | None = None
+        self._canceled = False
+        atexit.register(self.cancel)
+        self._work: Future[None] = background.begin(self._make)
+
+    text: str
+    fraction: float | None
+
+    @property
+    def running(self) -> bool:
+        """Whether it is being made."""
+        return not self._work.done()
+
+    def finish(self) -> None:
+        """Waits for the end.
+
+        Raises:
+            VibeError: If it could not be made, or `cancel` was called.
+        """
+        self._work.result()
+
+    def cancel(self) -> None:
+        """Ends it; nothing is left of it soon after."""
+        self._canceled = True
+        if self._process and self._process.poll() is None:
+            with contextlib.suppress(OSError):
+                _end(self._process)
+
+    def _make(self) -> None:
+        try:
+            shutil.rmtree(self.folder, ignore_errors=True)
+            self._run("Making a Python environment", _python(), "-m", "venv", self.folder)
+            python = python_of(self.folder)
+            pip = (python, "-m", "pip", "--disable-pip-version-check", "--no-input", "install")
+            with contextlib.suppress(schema.VibeError):  # an old one only tells less about downloads
+                self._run("Updating pip", *pip, "--upgrade", "pip")
+            told = ("--progress-bar", "raw") if _pip_version(self.folder) >= (24, 1) else ()
+            # Compiling thousands of modules, of which an engine uses some, would take most of a minute.
+            self._run("Looking for packages", *pip, "--no-compile", *told, *self._packages)
+            self.text, self.fraction = "Checking", None
+            if python is None or not has_engine(python):
+                raise schema.VibeError("The new environment has no engine in it.", _AGAIN)
+        except BaseException as error:
+            shutil.rmtree(self.folder, ignore_errors=True)
+            if self._canceled:
+                raise schema.VibeError("Canceled; nothing was installed.", _AGAIN) from None
+            if isinstance(error, OSError):
+                raise schema.VibeError(f"The engine cannot be set up: {error}.", _AGAIN) from error
+            raise
+        finally:
+            atexit.unregister(self.cancel)
+
+    def _run(self, text: str, *command: object) -> None:
+        """Runs a command to its end and follows what it says."""
+        if self._canceled:
+            raise schema.VibeError("Canceled.", _AGAIN)
+        self.text, self.fraction = text, None
+        self._process = subprocess.Popen(
+            [str(part) for part in command],
+            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            text=True, encoding="utf-8", errors="replace", env=_environment(), **own_group(),
+        )  # fmt: skip
+        last: collections.deque[str] = collections.deque(maxlen=30)
+        with cast(IO[str], self._process.stdout) as said:
+            for line in said:
+                last.append(line.strip())
+                self._hear(line)
+        if self._process.wait():
+            raise _complaint(text, last)
+
+    def _hear(self, line: str) -> None:
+        """One line of pip's."""
+        if found := _PROGRESS.match(line):
+            done, whole = map(int, found.groups())
+            self.fraction = done / whole if whole else None
+        elif found := re.match(r"\s*Downloading (\S+?)-(\d\S*?)(?:-\S+)? \((.+)\)", line):
+            self.text, self.fraction = f"Downloading {found[1]} ({found[3]})", 0.0
+        elif line.startswith("Collecting"):
+            self.text, self.fraction = f"Looking for {re.split(r'[<>=!;@ ]', line.split()[1])[0]}", None
+        elif line.startswith("Installing collected packages"):
+            self.text, self.fraction = f"Installing {line.count(',') + 1} packages, for some minutes", None
+
+
+def _python() -> Path:
+    """The Python to make the environment with: Blender's own, which every Blender brings along."""
+    names = [sys.executable, *(shutil.which(f"python{major}.{minor}") for major, minor in _VERSIONS)]
+    probe = f"import sys, ensurepip, venv; sys.exit(sys.version_info[:2] not in {_VERSIONS})"
+    for name in filter(None, names):
+        with contextlib.suppress(OSError, subprocess.TimeoutExpired):
+            done = subprocess.run([name, "-c", probe], capture_output=True, timeout=60, env=_environment())
+            if done.returncode == 0:
+                return Path(name)
+    raise schema.VibeError(
+        "No Python on this computer can make an environment.",
+        "Install Python 3.13 with its venv module (on Debian and Ubuntu: apt install python3-venv).",
+    )
+
+
+def _pip_version(folder: Path) -> tuple[int, ...]:
+    """Of the pip in an environment, read from the name of its record."""
+    names = [p.name for p in folder.glob("[Ll]ib/**/pip-*.dist-info")]
+    found = re.match(r"pip-(\d+)\.(\d+)", max(names, default=""))
+    return tuple(map(int, found.groups())) if found else (0, 0)
+
+
+def _environment() -> dict[str, str]:
+    """Blender's variables would lead a Python astray."""
+    return {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "PIP_TARGET", "VIRTUAL_ENV"))}
+
+
+def _complaint(text: str, lines: collections.deque[str]) -> schema.VibeError:
+    """What a command's last lines mean."""
+    said = "\n".join(lines)
+    if "No space left" in said:
+        return schema.VibeError("There is not enough room on the disk.", "Make room for about 6 GB.")
+    if re.search(r"NewConnectionError|Temporary failure|Network is unreachable|ConnectTimeout", said):
+        return schema.VibeError("The package index cannot be reached.", "Check the network, then try again.")
+    errors = [line.removeprefix("ERROR: ") for line in lines if line.startswith("ERROR")]
+    last = next(reversed(errors), next((line for line in reversed(lines) if line), "it said nothing"))
+    return schema.VibeError(f"{text} failed: {last[:200].rstrip('.')}.", _AGAIN)
+
+
+def _end(process: subprocess.Popen[str]) -> None:
+    """Ends a process and those that it started."""
+    if sys.platform == "win32":
+        subprocess.run(["taskkill", "/F", "/T", "/PID", str(process.pid)], capture_output=True)
+    else:
+        os.killpg(process.pid, signal.SIGKILL)

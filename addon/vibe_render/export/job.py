@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Writes a scene to a job folder for the engine: `scene.json`, `meshes.npz` and its textures as `.npy`."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+from mathutils import Vector
+
+from ..core.schema_import import schema
+from ..scene import bindings, fog, scene_context
+from ..scene.nodes import shaders
+from . import measured, sanitize, view, world_light
+from .analysis import Survey
+from .materials import NO_MATERIAL, Exported
+
+FORMAT = 1
+
+
+@dataclass
+class Job:
+    """What has been exported.
+
+    Attributes:
+        folder: Where it is.
+        survey: The scene as it was looked at.
+        instances: Its parameters, by key.
+        warnings: What the engine sees only approximately, in words for the artist.
+    """
+
+    folder: Path
+    survey: Survey
+    instances: dict[str, schema.Instance]
+    warnings: list[str] = field(default_factory=list)
+
+
+def export(survey: Survey, folder: Path) -> Job:
+    """Writes the job folder; `scene.json` comes last and atomically.
+
+    Args:
+        survey: What is known about the scene.
+        folder: Made if it does not exist.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    scene, geometry = survey.scene, survey.geometry
+    found = bindings.instances(scene, survey.objects, survey.pivot)
+    materials = measured.materials(survey)
+    instances, mended = sanitize.instances(_with_materials(found, survey, materials))
+    warnings = [*geometry.warnings, *(m.row["warning"] for m in materials.values() if m.row["warning"])]
+    warnings += [*view.ignored(scene), *mended]
+    image, note = world_light.environment(scene.world)
+    if image is not None:
+        np.save(folder / "world.npy", image.astype(np.float32))
+    content = {
+        "format": FORMAT,
+        "schema": schema.schema_hash(),
+        "blender": bpy.app.version_string,
+        "source": Path(bpy.data.filepath).name,
+        "resolution": [_scaled(scene, scene.render.resolution_x), _scaled(scene, scene.render.resolution_y)],
+        "pixel_aspect": scene.render.pixel_aspect_x / scene.render.pixel_aspect_y,
+        "pivot": survey.pivot,
+        "references": bindings.references(scene, survey.objects, survey.pivot),
+        "camera": view.camera(survey),
+        "lights": view.lights(survey),
+        "materials": _write_textures(survey, materials, folder),
+        "objects": [
+            {"name": name, "subject": bool(chosen)}
+            for (name, _), chosen in zip(geometry.objects, survey.chosen, strict=True)
+        ],
+        "world": {"kind": "color"} if image is None else {"kind": "environment", "image": "world.npy"},
+        "volume": _volume(survey, instances),
+        "film": view.film(scene),
+        "parameters": {key: _parameter(instance) for key, instance in instances.items()},
+    }
+    _write_meshes(survey, folder)
+    temporary = folder / "scene.json.part"
+    content = sanitize.content(content, "", warnings)
+    temporary.write_text(json.dumps(content, indent=1, allow_nan=False), encoding="utf-8")
+    os.replace(temporary, folder / "scene.json")
+    return Job(folder, survey, instances, list(dict.fromkeys(w for w in (*warnings, note) if w)))
+
+
+def known(survey: Survey) -> dict[str, schema.Instance]:
+    """The scene's parameters by key, without what the engine alone needs: nothing is rendered or written."""
+    found = bindings.instances(survey.scene, survey.objects, survey.pivot)
+    return sanitize.instances(_with_materials(found, survey, {}))[0]
+
+
+def _scaled(scene: bpy.types.Scene, pixels: int) -> int:
+    return max(1, int(pixels * scene.render.resolution_percentage / 100))
+
+
+def _roles(survey: Survey) -> dict[str, str]:
+    """Of every material: "subject" if the subject shows it, else "surroundings"."""
+    geometry = survey.geometry
+    theirs = set(geometry.material[survey.chosen[geometry.object]].tolist())
+    return {
+        name or NO_MATERIAL: "subject" if number in theirs else "surroundings"
+        for number, name in enumerate(geometry.materials)
+    }
+
+
+def _with_materials(
+    found: Mapping[str, schema.Instance], survey: Survey, materials: Mapping[str, Exported]
+) -> dict[str, schema.Instance]:
+    """The parameters, with roles as the render sees them and what bindings cannot know as locked values."""
+    roles = _roles(survey)
+    instances = {
+        key: replace(i, role=roles.get(i.owner, i.role)) if i.parameter.group == "material" else i
+        for key, i in found.items()
+    }
+    for exported in materials.values():
+        owner = exported.row["name"]
+        for name, value in exported.values.items():
+            parameter = schema.FAMILIES[f"material/{name}"]
+            before = instances.get(parameter.key(owner))
+            if before is None or before.locked:
+                reason = before.locked if before else exported.reason
+                made = schema.Instance(parameter, owner, value, role=roles[owner], locked=reason)
+                instances[made.key] = made
+    return instances
+
+
+def _parameter(instance: schema.Instance) -> dict[str, Any]:
+    value = list(instance.value) if instance.parameter.components == 3 else instance.value[0]
+    return {"value": value, "reference": instance.reference, "role": instance.role, "locked": instance.locked}
+
+
+def _write_textures(survey: Survey, materials: Mapping[str, Exported], folder: Path) -> list[dict[str, Any]]:
+    roles = _roles(survey)
+    rows: list[dict[str, Any]] = []
+    for exported in materials.values():
+        row = {**exported.row, "role": roles[exported.row["name"]]}
+        pictures = {}
+        for channel, picture in exported.pictures.items():
+            (folder / "textures").mkdir(exist_ok=True)
+            name = f"textures/{len(rows)}_{channel}.npy"
+            np.save(folder / name, picture.image.astype(np.float32))
+            pictures[channel] = {
+                "image": name,
+                "extension": picture.extension,
+                "window": picture.window,
+                "plane": picture.plane,
+            }
+        row["texture"], row["maps"] = pictures.pop("base_color", None), pictures
+        rows.append(row)
+    return rows
+
+
+def _write_meshes(survey: Survey, folder: Path) -> None:
+    g = survey.geometry
+    np.savez(
+        folder / "meshes.npz",
+        vertices=g.vertices,
+        faces=g.faces,
+        normals=g.normals,
+        uvs=g.uvs,
+        material=g.material,
+        object=g.object,
+    )
+
+
+def _volume(survey: Survey, instances: Mapping[str, schema.Instance]) -> dict[str, Any]:
+    scene = survey.scene
+    domain = fog.domain(scene_context.Cast(scene, survey.objects, Vector(survey.pivot)))
+    density = instances.get("volume/density")
+    if scene.world and shaders.world_volume(scene.world):
+        kind = "world"
+    else:
+        kind = "box" if density and density.value[0] > 0 else "none"
+    return {
+        "kind": kind,
+        "center": list(domain.center),
+        "half_size": list(domain.half_size),
+        "base": domain.base,
+    }

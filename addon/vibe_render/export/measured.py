@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the nodes of a scene's materials compute: as textures where one is enough, else measured on small renders."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ..render import baked_passes, planar_captures
+from . import textures
+from .analysis import Survey
+from .materials import Exported, Measured, computed, export, uv_of
+
+
+def materials(survey: Survey) -> dict[str, Exported]:
+    """All materials of a scene by name, with what their nodes compute."""
+    geometry = survey.geometry
+    known = {m.name_full: m for m in bpy.data.materials}
+    chosen = {name: known.get(name) for name in geometry.materials}
+    found: dict[str, dict[str, Measured]] = {name: {} for name in chosen}
+    wanted = []
+    for name, material in chosen.items():
+        if material is None:
+            continue
+        uvs = geometry.uvs[geometry.material == geometry.materials.index(name)]
+        for channel, source in computed(material).items():
+            picture = _over_uvs(material, channel, source, uvs)
+            if picture:
+                found[name][channel] = Measured(picture.image.mean((0, 1)), picture)
+            else:
+                wanted.append(baked_passes.Wanted(material, channel, source))
+    seen = baked_passes.measure(survey.scene, wanted)
+    for w in wanted:
+        name = w.material.name_full
+        view = seen.get((name, w.channel))
+        if view:
+            picture = textures.Picture(view.image, "EXTEND", "", view.window)
+            found[name][w.channel] = Measured(view.mean, picture)
+            far = _straight_on(survey, w) if w.channel == "base_color" else None
+            if far:
+                found[name]["far"] = Measured(view.mean, far)
+        elif w.source is not None and w.channel != "normal":
+            found[name][w.channel] = Measured(_mean(survey, w))
+    return {name: export(material, found[name]) for name, material in chosen.items()}
+
+
+def _over_uvs(
+    material: bpy.types.Material, channel: str, source: bpy.types.NodeSocket | None, uvs: np.ndarray
+) -> textures.Picture | None:
+    """A texture where one is enough, and as sharp as the original: of base colors and cut-outs."""
+    if source is None or channel not in ("base_color", "alpha"):
+        return None
+    chosen, matrix = uv_of(material)
+    name, own = textures.uv_mapping(source)
+    if name != chosen or not np.allclose(matrix, own):
+        return None
+    outputs = ("Color", "Alpha") if channel == "alpha" else ("Color",)
+    tiles = textures.plain_image(source, outputs) is not None
+    inside = uvs.size and -1e-3 <= uvs.min() <= uvs.max() <= 1 + 1e-3
+    return textures.over_uvs(material, channel, source) if tiles or inside else None
+
+
+def _straight_on(survey: Survey, wanted: baked_passes.Wanted) -> textures.Picture | None:
+    """The pattern of a flat surface as mirrors may show it, also where the camera does not look."""
+    geometry, eye = survey.geometry, survey.scene.camera.matrix_world.translation
+    chosen = geometry.material == geometry.materials.index(wanted.material.name_full)
+    pivot = np.array(survey.pivot)
+    corners = geometry.vertices[geometry.faces[chosen]].astype(float)
+    plane = planar_captures.plane_of(corners, pivot, float(np.linalg.norm(pivot - np.array(eye))))
+    if plane is None:
+        return None
+    view = baked_passes.measure(survey.scene, [wanted], plane).get(
+        (wanted.material.name_full, wanted.channel)
+    )
+    if view is None:
+        return None
+    left, bottom, right, top = view.window
+    scale, shift = np.array([1 / (right - left), 1 / (top - bottom)]), np.array([left, bottom])
+    mapping = np.array(plane.mapping)
+    mapping[:, 3] -= shift
+    return textures.Picture(view.image, "CLIP", "", None, (mapping * scale[:, None]).tolist())
+
+
+def _mean(survey: Survey, wanted: baked_passes.Wanted) -> np.ndarray:
+    number = survey.geometry.materials.index(wanted.material.name_full)
+    mask = survey.seen.material == number
+    assert wanted.source is not None
+    return textures.measured(survey.scene, wanted.material, wanted.source, mask)

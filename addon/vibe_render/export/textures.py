@@ -1,0 +1,221 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The colors that node networks give: read from image files where possible, otherwise measured by a render."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ..render import bake
+from ..scene.nodes import owned
+from ..scene.nodes.shaders import active_links
+
+_LONGEST = 1024
+_BAKED = 512
+_VIEW = 96
+
+# Nodes whose result depends on nothing but their inputs; textures among them need their Vector linked.
+_PURE = {
+    "ShaderNodeMix", "ShaderNodeMixRGB", "ShaderNodeMath", "ShaderNodeVectorMath", "ShaderNodeMapRange",
+    "ShaderNodeValToRGB", "ShaderNodeRGBCurve", "ShaderNodeHueSaturation", "ShaderNodeBrightContrast",
+    "ShaderNodeGamma", "ShaderNodeInvert", "ShaderNodeSeparateColor", "ShaderNodeCombineColor",
+    "ShaderNodeSeparateXYZ", "ShaderNodeCombineXYZ", "ShaderNodeRGBToBW", "ShaderNodeClamp", "ShaderNodeMapping",
+    "ShaderNodeRGB", "ShaderNodeValue", "ShaderNodeUVMap", "NodeReroute", "ShaderNodeTexImage",
+}  # fmt: skip
+_TEXTURES = {
+    "ShaderNodeTexNoise", "ShaderNodeTexVoronoi", "ShaderNodeTexChecker", "ShaderNodeTexBrick",
+    "ShaderNodeTexWave", "ShaderNodeTexMagic", "ShaderNodeTexGradient", "ShaderNodeTexWhiteNoise",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture of a material's input.
+
+    Attributes:
+        image: (H, W, C) float32 linear, row 0 at the bottom.
+        extension: "REPEAT", "EXTEND" or "CLIP".
+        warning: What is only approximate about it, "" if nothing.
+        window: For what the camera sees: left, bottom, right and top in parts of its picture. None for a
+            texture over UVs.
+        plane: For a flat surface seen straight on: the 2 x 4 matrix that takes world-space points to the image.
+    """
+
+    image: np.ndarray
+    extension: str = "REPEAT"
+    warning: str = ""
+    window: tuple[float, float, float, float] | None = None
+    plane: list[list[float]] | None = None
+
+
+def uv_mapping(source: bpy.types.NodeSocket | None) -> tuple[str, np.ndarray]:
+    """Which UV map the texture behind an output reads, and the 3x3 matrix of its Mapping node."""
+    node = plain_image(source, ("Color", "Alpha"))
+    if node is not None:
+        return _coordinates(node) or ("", np.eye(3))
+    maps = [n.uv_map for n in _upstream(source) if n.bl_idname == "ShaderNodeUVMap"] if source else []
+    return (maps[0] if maps else ""), np.eye(3)
+
+
+def over_uvs(material: bpy.types.Material, channel: str, source: bpy.types.NodeSocket) -> Picture | None:
+    """The picture of an input that depends on nothing but UVs in the unit square; otherwise None.
+
+    Args:
+        channel: "alpha", or a color that is not tinted.
+        source: The output that computes it.
+    """
+    node = plain_image(source, ("Color", "Alpha") if channel == "alpha" else ("Color",))
+    if node is None:
+        if source.id_data != material.node_tree or not _reads_uv_only(source):
+            return None
+        with bake.emitting(material, source) as glowing:
+            return Picture(bake.plane_of(glowing, _BAKED))
+    alpha = channel == "alpha" and source.name == "Alpha"
+    image = image_alpha(node.image) if alpha else image_colors(node.image)
+    if image is None:
+        missing = f"the image {node.image.name!r} of {material.name} is missing"
+        return Picture(np.array([[[1.0, 0.0, 1.0]]], np.float32), warning=missing)  # as Cycles shows it
+    return Picture(image, {"MIRROR": "REPEAT"}.get(node.extension, node.extension))
+
+
+Mask = np.ndarray
+"""(R, R) bool, row 0 at the bottom: where the camera sees something, on a coarse grid over the picture."""
+
+
+def measured(
+    scene: bpy.types.Scene, material: bpy.types.Material, source: bpy.types.NodeSocket, mask: Mask
+) -> np.ndarray:
+    """The mean of what an output gives over the visible part of a material: (3,) float32 linear.
+
+    An output inside a node group cannot be measured and counts as middle grey.
+    """
+    if source.id_data != material.node_tree or not mask.any():
+        return np.full(3, 0.5, np.float32)
+    plain = plain_image(source)
+    image = image_colors(plain.image) if plain else None
+    if image is not None:
+        return image.reshape(-1, 3).mean(0)
+    with bake.emitting(material, source) as glowing:
+        view = bake.view_of(scene, glowing, _VIEW)
+    rows, columns = ((np.arange(len(mask)) + 0.5) / len(mask) * side for side in view.shape[:2])
+    return view[rows.astype(int)][:, columns.astype(int)][mask].mean(0)
+
+
+def image_colors(image: bpy.types.Image | None) -> np.ndarray | None:
+    """A linear copy of an image with at most 1024 pixels a side; None if its file is missing."""
+    if image is None or not image.size[0] or not image.size[1]:
+        return None
+    colors = shrink(bake.pixels(image), _LONGEST)
+    if image.is_float or image.colorspace_settings.is_data:
+        return colors
+    low, high = colors / 12.92, ((np.maximum(colors, 0.0) + 0.055) / 1.055) ** 2.4
+    return np.where(colors <= 0.04045, low, high).astype(np.float32)
+
+
+def image_alpha(image: bpy.types.Image | None) -> np.ndarray | None:
+    """The alpha (H, W, 1) of an image with at most 1024 pixels a side; None if its file is missing."""
+    if image is None or not image.size[0] or not image.size[1]:
+        return None
+    width, height = image.size
+    if image.channels < 4:
+        return np.ones((1, 1, 1), np.float32)
+    flat = np.empty(width * height * image.channels, np.float32)
+    image.pixels.foreach_get(flat)
+    return shrink(flat.reshape(height, width, image.channels)[..., 3:4], _LONGEST)
+
+
+def shrink(image: np.ndarray, longest: int) -> np.ndarray:
+    """Averages blocks of pixels until no side is longer than `longest`."""
+    step = -(-max(image.shape[:2]) // longest)
+    if step == 1:
+        return image
+    height, width = (max(1, side // step) for side in image.shape[:2])
+    tall, wide = min(step, image.shape[0]), min(step, image.shape[1])
+    blocks = image[: height * tall, : width * wide].reshape(height, tall, width, wide, image.shape[2])
+    return blocks.mean((1, 3))
+
+
+def untinted(source: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+    """What goes into our own tint, if the output is that of one; otherwise the output itself."""
+    node = source.node
+    if node.type == "GROUP" and node.node_tree and owned.is_owned(node.node_tree):
+        entry = next((s for s in node.inputs if s.type == "RGBA" and active_links(s)), None)
+        return active_links(entry)[0].from_socket if entry else source
+    return source
+
+
+def plain_image(
+    source: bpy.types.NodeSocket | None, outputs: tuple[str, ...] = ("Color",)
+) -> bpy.types.Node | None:
+    """The image texture node that an output belongs to, if it is laid flat over a UV map."""
+    while source is not None and source.node.type == "REROUTE":
+        links = active_links(source.node.inputs[0])
+        source = links[0].from_socket if links else None
+    if source is None or source.node.bl_idname != "ShaderNodeTexImage" or source.name not in outputs:
+        return None
+    node = source.node
+    flat = node.projection == "FLAT" and node.image and node.image.source in ("FILE", "GENERATED")
+    return node if flat and _coordinates(node) else None
+
+
+def _coordinates(node: bpy.types.Node) -> tuple[str, np.ndarray] | None:
+    """The UV map and matrix that a texture node reads, or None if it reads something else."""
+    matrix = np.eye(3)
+    links = active_links(node.inputs["Vector"])
+    while links:
+        before, exit_ = links[0].from_node, links[0].from_socket
+        if before.bl_idname == "ShaderNodeTexCoord" and exit_.name == "UV":
+            return "", matrix
+        if before.bl_idname == "ShaderNodeUVMap":
+            return before.uv_map, matrix
+        if before.type == "REROUTE":
+            links = active_links(before.inputs[0])
+        elif before.bl_idname == "ShaderNodeMapping" and (step := _mapping_matrix(before)) is not None:
+            matrix = matrix @ step
+            links = active_links(before.inputs["Vector"])
+            if not links:
+                return None
+        else:
+            return None
+    return "", matrix
+
+
+def _mapping_matrix(node: bpy.types.Node) -> np.ndarray | None:
+    """The 3x3 matrix of a Mapping node in the plane; None if it is computed or turns out of the plane."""
+    names = ("Location", "Rotation", "Scale")
+    if node.vector_type != "POINT" or any(active_links(node.inputs[n]) for n in names):
+        return None
+    place, turn, size = (node.inputs[n].default_value for n in names)
+    if turn[0] or turn[1]:
+        return None
+    c, s = np.cos(turn[2]), np.sin(turn[2])
+    return np.array([[c * size[0], -s * size[1], place[0]], [s * size[0], c * size[1], place[1]], [0, 0, 1]])
+
+
+def _upstream(source: bpy.types.NodeSocket) -> list[bpy.types.Node]:
+    """All nodes that an output depends on."""
+    found, pending = [], [source.node]
+    while pending:
+        node = pending.pop()
+        if node not in found:
+            found.append(node)
+            pending += [link.from_node for entry in node.inputs for link in active_links(entry)]
+    return found
+
+
+def _reads_uv_only(source: bpy.types.NodeSocket) -> bool:
+    """Whether an output depends on nothing about the surface but its UVs."""
+    for node in _upstream(source):
+        if node.bl_idname == "ShaderNodeTexCoord":
+            if any(s.is_linked for s in node.outputs if s.name != "UV"):
+                return False
+        elif node.bl_idname in _TEXTURES:
+            if not active_links(node.inputs["Vector"]):
+                return False
+        elif node.bl_idname not in _PURE or (
+            node.bl_idname == "ShaderNodeTexImage" and node.projection != "FLAT"
+        ):
+            return False
+    return True

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Camera, lights and film as the engine sees them: what no vibe changes about them."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import bpy
+from mathutils import Vector
+
+from ..core import compat
+from ..scene import orbits, scene_context
+from ..scene.nodes import shaders
+from .analysis import Survey
+
+
+def camera(survey: Survey) -> dict[str, Any]:
+    """The camera's entry in scene.json."""
+    thing = survey.scene.camera
+    data = thing.data
+    return {
+        "name": thing.name_full,
+        "type": data.type,
+        "residual": _rows(orbits.Pose.of(thing, Vector(survey.pivot)).residual),
+        "ortho_scale": data.ortho_scale,
+        "shift": [data.shift_x, data.shift_y],
+        "sensor_fit": data.sensor_fit,
+        "clip": [data.clip_start, data.clip_end],
+    }
+
+
+def lights(survey: Survey) -> list[dict[str, Any]]:
+    """The lights' entries in scene.json."""
+    pivot = Vector(survey.pivot)
+    cast = scene_context.Cast(survey.scene, survey.objects, pivot)
+    return [_light(thing, role, pivot) for thing, role in scene_context.light_roles(cast).items()]
+
+
+def _light(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, Any]:
+    data = thing.data
+    row: dict[str, Any] = {
+        "name": thing.name_full,
+        "type": data.type,
+        "residual": _rows(orbits.Pose.of(thing, pivot).residual),
+        "position": list(thing.matrix_world.translation),
+        "shadow": data.use_shadow,
+        "normalize": getattr(data, "normalize", True),
+        "exposure": getattr(data, "exposure", 0.0),
+        "soft_falloff": getattr(data, "use_soft_falloff", True),
+        "use_temperature": getattr(data, "use_temperature", False),
+        "role": role,
+        "tint": _glow(data) or (1.0, 1.0, 1.0),
+    }
+    if data.type == "AREA":
+        both = data.shape in ("RECTANGLE", "ELLIPSE")
+        aspect = data.size_y / max(data.size, 1e-9) if both else 1.0
+        width, height, _ = (max(abs(side), 1e-6) for side in thing.matrix_world.to_scale())
+        aspect *= height / width
+        row |= {"shape": data.shape, "aspect": aspect, "spread": data.spread, "scale": width}
+    if data.type == "SPOT":
+        row |= {"spot_size": data.spot_size, "spot_blend": data.spot_blend}
+    return row
+
+
+def _glow(data: bpy.types.Light) -> tuple[float, float, float] | None:
+    """What a light's nodes multiply it by: its Emission's color times strength; None if they do anything else."""
+    tree = compat.node_tree(data)
+    if tree is None:
+        return 1.0, 1.0, 1.0
+    output = tree.get_output_node("CYCLES")
+    links = shaders.active_links(output.inputs["Surface"]) if output else []
+    if not links or links[0].from_node.bl_idname != "ShaderNodeEmission":
+        return None
+    color, strength = (links[0].from_node.inputs[name] for name in ("Color", "Strength"))
+    if shaders.active_links(color) or shaders.active_links(strength):
+        return None
+    red, green, blue = (float(c) * strength.default_value for c in color.default_value[:3])
+    return red, green, blue
+
+
+def _rows(matrix: Any) -> list[list[float]]:
+    return [list(row) for row in matrix]
+
+
+def film(scene: bpy.types.Scene) -> dict[str, Any]:
+    """The view transform's entry in scene.json."""
+    view = scene.view_settings
+    space = getattr(getattr(bpy.data, "colorspace", None), "working_space", "Linear Rec.709")
+    return {
+        "ocio": ocio_config(),
+        "display": scene.display_settings.display_device,
+        "view": view.view_transform,
+        "look": "" if view.look == "None" else view.look,
+        "transparent": scene.render.film_transparent,
+        "working_space": space,
+    }
+
+
+def ocio_config() -> str:
+    """The color management configuration that this Blender uses."""
+    shipped = bpy.utils.system_resource("DATAFILES", path="colormanagement")
+    candidates = (
+        os.environ.get("BLENDER_OCIO"),
+        os.environ.get("OCIO"),
+        os.path.join(shipped, "config.ocio"),
+    )
+    return next((path for path in candidates if path and os.path.isfile(path)), "")
+
+
+def ignored(scene: bpy.types.Scene) -> list[str]:
+    """Settings of the picture that the prediction leaves out."""
+    notes = []
+    if scene.view_settings.use_curve_mapping:
+        notes.append("The view transform's curves are left out of the prediction.")
+    if getattr(scene.view_settings, "use_white_balance", False):
+        notes.append("The view transform's white balance is left out of the prediction.")
+    if scene.camera.data.dof.use_dof:
+        notes.append("Depth of field is left out of the prediction.")
+    if scene.render.use_motion_blur:
+        notes.append("Motion blur is left out of the prediction.")
+    if scene.render.use_border:
+        notes.append("The render border is left out: the whole picture is predicted and rendered.")
+    lamps = (o for o in scene.objects if o.type == "LIGHT" and scene_context.visible(scene, o))
+    for lamp in lamps:
+        if not scene_context.placed(lamp):
+            notes.append(f"{lamp.name} has no usable place: it is left out.")
+        elif _glow(lamp.data) is None:
+            notes.append(f"The nodes of {lamp.name} are left out of the prediction.")
+        sides = lamp.matrix_world.to_scale()
+        if lamp.data.type == "SPOT" and abs(sides.x - sides.y) > 0.01 * abs(sides.x):
+            notes.append(f"{lamp.name} is scaled unevenly; the prediction shows a round cone.")
+        if any((lamp.light_linking.receiver_collection, lamp.light_linking.blocker_collection)):
+            notes.append(f"{lamp.name} is linked to some objects; in the prediction it lights all.")
+    if scene.render.use_multiview:
+        notes.append("Stereo is left out: the picture is what the camera itself sees.")
+    return notes

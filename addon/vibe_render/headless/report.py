@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a run without a window says: lines for people, or events for the `vibe` command. No bpy here."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from dataclasses import asdict
+from typing import Any
+
+from ..core.schema_import import messages, schema
+
+
+class Reporter:
+    """Prints to the standard output.
+
+    Args:
+        events: Print lines `VIBE {json}` for the `vibe` command instead of lines for people.
+    """
+
+    def __init__(self, events: bool) -> None:
+        self._events = events
+        self._start = time.monotonic()
+        self._round = 0
+
+    def stage(self, name: str) -> None:
+        """Something new begins."""
+        self._print({"type": "stage", "name": name}, f"{time.monotonic() - self._start:5.1f} s  {name}")
+
+    def engine(self, message: messages.Message) -> None:
+        """A stage or progress message of the engine."""
+        if isinstance(message, messages.Stage):
+            self.stage(message.name)
+        elif isinstance(message, messages.Progress):
+            line = ""
+            if message.round != self._round:
+                self._round = message.round
+                line = f"round {message.round} of {message.rounds}: {message.seconds_left:.0f} s left"
+            self._print({"type": "progress", **asdict(message)}, line)
+
+    def result(self, lines: list[str], stopped: bool = False) -> None:
+        """What came of it."""
+        self._print({"type": "result", "lines": lines, "stopped": stopped}, "\n".join(lines))
+
+    def error(self, error: schema.VibeError) -> None:
+        """What went wrong."""
+        if self._events:
+            self._print({"type": "error", "message": error.message, "remedy": error.remedy}, "")
+        else:
+            print(f"vibe: {error}", file=sys.stderr, flush=True)
+
+    def _print(self, event: dict[str, Any], line: str) -> None:
+        if self._events:
+            print(f"VIBE {json.dumps(event)}", flush=True)
+        elif line:
+            print(line, flush=True)

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Opening what the command line names, and saving it elsewhere."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from pathlib import Path
+
+import bpy
+
+from ..core import files
+from ..core.schema_import import schema
+from ..scene.stage import demo, stage
+from ..scene.subject import Choice
+from .report import Reporter
+
+
+def open_scene(a: argparse.Namespace, reporter: Reporter) -> tuple[bpy.types.Scene, Choice, bool]:
+    """The scene, how its subject is chosen, and whether it is a bare mesh that we have staged."""
+    path = Path(a.scene).expanduser().absolute() if a.scene else None
+    chosen = tuple(a.subject)
+    if a.command == "demo" or a.demo:
+        reporter.stage("building the demo scene")
+        return demo.build_demo(), Choice(chosen or (demo.SUBJECT,)), False
+    if path and path.suffix.lower() in stage.FORMATS:
+        reporter.stage(f"staging {path.name}")
+        scene = stage.build_stage(path, a.stage)
+        return scene, Choice(chosen, selected=not chosen), True
+    if path:
+        reporter.stage(f"opening {path.name}")
+        open_blend(path)
+    return bpy.context.scene, Choice(chosen), False
+
+
+def open_blend(path: Path) -> None:
+    """Opens a .blend, without running scripts in it."""
+    if not path.is_file():
+        raise schema.VibeError(f"There is no file {path}.", "Check the path.")
+    try:
+        bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False, use_scripts=False)
+    except RuntimeError as error:
+        reason = str(error).strip().splitlines()[-1].removeprefix("Error: ").rstrip(".")
+        raise schema.VibeError(
+            f"{path.name} cannot be opened: {reason}.", "Check that it is a .blend."
+        ) from error
+
+
+def check_writable(path: Path) -> None:
+    """Refuses a file that its owner has protected; replacing it would not ask for permission."""
+    if not os.access(path, os.W_OK):
+        raise schema.VibeError(
+            f"{path.name} is read-only.", "Make it writable, or copy it to where it can be changed."
+        )
+
+
+def save_blend(path: Path) -> None:
+    """Saves the open file under another name; its paths stay right for that folder."""
+    try:
+        bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True, relative_remap=True, check_existing=False)
+    except RuntimeError as error:
+        raise files.unwritable(path, error, "Make room there, or choose another --out.") from error

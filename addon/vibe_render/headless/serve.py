@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One Blender for many command lines, with an engine that stays warm: a worker of `vibe batch`.
+
+Every line of the standard input is a JSON list: a command line of `batch.py`. Each ends with a "result" or an
+"error" event. The end of the input ends everything, also in the middle of a command.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import queue
+import sys
+import threading
+
+from ..core.schema_import import schema
+from ..engine.conversation import Conversation
+from ..engine.process import Engine
+from . import commands
+from .arguments import parse
+from .report import Reporter
+
+_GRACE = 5.0
+"""Seconds between the end of the input and the end of this process, if it is busy."""
+
+
+def serve() -> None:
+    """Carries out what the standard input says, one after the other, until that ends."""
+    lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()
+    threading.Thread(target=_listen, args=(lines,), daemon=True).start()
+    reporter, engine = Reporter(events=True), Engine()
+    engine.start()
+    talk = Conversation(engine, reporter.engine)
+    try:
+        while line := lines.get():
+            if not engine.alive:
+                engine = Engine()
+                engine.start()
+                talk = Conversation(engine, reporter.engine)
+            try:
+                _carry_out(json.loads(line), reporter, talk)
+            except schema.VibeError as error:
+                reporter.error(error)
+                engine.stop(patience=0.1)  # it may be in the middle of something
+    finally:
+        engine.stop()
+
+
+def _carry_out(arguments: list[str], reporter: Reporter, talk: Conversation) -> None:
+    given = parse(arguments)
+    if given.command == "run":
+        commands.carry_out(given, reporter, talk)
+    else:
+        commands.COMMANDS[given.command](given, reporter)
+
+
+def _listen(lines: queue.SimpleQueue[str | None]) -> None:
+    """Reads while Blender works, so that nothing is left running when whoever gives the orders is gone."""
+    for line in sys.stdin:
+        lines.put(line)
+    lines.put(None)
+    threading.Event().wait(_GRACE)
+    os._exit(1)

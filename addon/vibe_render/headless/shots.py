@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The shots that a vibe is for: one, or several cameras, frames and .blends that share a look."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from copy import copy
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import bpy
+from mathutils import Vector
+
+from ..core.schema_import import schema
+from ..export import jobs
+from ..export.job import Job
+from ..scene import fog, scene_context
+from ..scene.subject import Choice
+from .report import Reporter
+from .scenes import open_scene
+
+
+@dataclass(frozen=True)
+class Shot:
+    """One of them.
+
+    Attributes:
+        scene: Its file; "" for the one that is open.
+        camera: Its camera's name; "" for the scene's own.
+        frame: None for the scene's own.
+        name: For people: "Close · frame 50"; "" for the only one.
+    """
+
+    scene: str
+    camera: str = ""
+    frame: int | None = None
+    name: str = ""
+
+
+def shots_of(a: argparse.Namespace) -> list[Shot]:
+    """Every scene, through each camera, at each frame."""
+    shots = [
+        Shot(scene, camera, frame)
+        for scene in a.scenes
+        for camera in a.cameras or [""]
+        for frame in a.frames or [None]
+    ]
+    if len(shots) == 1:
+        return shots
+    stems = {scene: Path(scene).stem if len(a.scenes) > 1 else "" for scene in a.scenes}
+    return [replace(shot, name=_name(stems[shot.scene], shot)) for shot in shots]
+
+
+def _name(stem: str, shot: Shot) -> str:
+    frame = "" if shot.frame is None else f"frame {shot.frame}"
+    return " · ".join(part for part in (stem, shot.camera, frame) if part)
+
+
+class Framing:
+    """How a scene was framed when it was opened: camera, frame, and the markers that choose cameras."""
+
+    def __init__(self, scene: bpy.types.Scene) -> None:
+        self._scene, self._camera, self._frame = scene, scene.camera, scene.frame_current
+        self._markers = [(marker, marker.camera) for marker in scene.timeline_markers]
+
+    def show(self, shot: Shot) -> None:
+        """Looks through a shot's camera, at its frame."""
+        scene = self._scene
+        if shot.camera:
+            camera = scene.objects.get(shot.camera)
+            if camera is None or camera.type != "CAMERA":
+                known = ", ".join(sorted(o.name for o in scene.objects if o.type == "CAMERA")) or "none"
+                raise schema.VibeError(
+                    f"There is no camera {shot.camera!r} in {Path(shot.scene).name}.", f"There are: {known}."
+                )
+            for marker, _ in self._markers:  # or the frame would choose the camera
+                marker.camera = None
+        if shot.frame is not None:
+            scene.frame_set(shot.frame)
+        if shot.camera:
+            scene.camera = camera
+
+    def restore(self) -> None:
+        """As the artist had it."""
+        for marker, camera in self._markers:
+            marker.camera = camera
+        if self._scene.frame_current != self._frame:
+            self._scene.frame_set(self._frame)
+        if self._camera is not None:  # else the camera is ours
+            self._scene.camera = self._camera
+
+
+class Reel:
+    """The shots in their order; those of one .blend come after one another. One of them is shown at a time.
+
+    Args:
+        a: The command line.
+        folder: For the job folders.
+        reporter: Hears what is opened.
+
+    Attributes:
+        shots: What they are.
+        jobs: What has been exported of each.
+        subjects: The names of each one's subject.
+        bare: Whether the first one is a bare mesh.
+    """
+
+    def __init__(self, a: argparse.Namespace, folder: Path, reporter: Reporter) -> None:
+        self._a, self._folder, self._reporter = a, folder, reporter
+        self.shots = shots_of(a)
+        self.jobs: list[Job] = []
+        self.bare = False
+        self._open: str | None = None
+        self._framing: Framing | None = None
+        self.choice = Choice()
+        self.subjects: list[set[str]] = []
+        self._fog: dict[str, fog.Domain] = {}
+
+    def __len__(self) -> int:
+        return len(self.shots)
+
+    def siblings(self, number: int) -> list[int]:
+        """The numbers of the shots of the same .blend."""
+        return [i for i, shot in enumerate(self.shots) if shot.scene == self.shots[number].scene]
+
+    def export(self) -> None:
+        """Writes the job folders of all shots."""
+        for number, shot in enumerate(self.shots):
+            scene, choice = self._shown(number)
+            first = self.siblings(number)[0]
+            around = self.jobs[first].survey if first < number else None
+            eyes = self._eyes(scene, number) if around is None else ()
+            folder = self._folder / str(number)
+            self.jobs.append(jobs.open_job(scene, folder, choice, around, eyes))
+            self.subjects.append({o.name_full for o in self.jobs[-1].survey.objects})
+            if planned := fog.planned(scene):
+                self._fog[shot.scene] = planned
+
+    def show(self, number: int) -> Job:
+        """Puts a shot before its camera; opens its .blend and prepares it again if another one is open."""
+        shot = self.shots[number]
+        known = self._open == shot.scene
+        scene, choice = self._shown(number)
+        if not known:
+            if shot.scene in self._fog:
+                fog.plan(scene, self._fog[shot.scene])
+            jobs.ready(scene, choice)
+            for each in self.siblings(number):
+                objects = tuple(o for o in scene.objects if o.name_full in self.subjects[each])
+                survey = replace(self.jobs[each].survey, scene=scene, objects=objects)
+                self.jobs[each] = replace(self.jobs[each], survey=survey)
+        return self.jobs[number]
+
+    def restore(self) -> None:
+        """The open scene is framed as the artist had it."""
+        assert self._framing is not None
+        self._framing.restore()
+
+    def _shown(self, number: int) -> tuple[bpy.types.Scene, Choice]:
+        shot = self.shots[number]
+        if self._framing is None or self._open != shot.scene:
+            a = copy(self._a)
+            a.scene = shot.scene
+            scene, self.choice, bare = open_scene(a, self._reporter)
+            self._open, self._framing = shot.scene, Framing(scene)
+            self.bare = self.bare or (bare and not self.jobs)
+        self._framing.show(shot)
+        return bpy.context.scene, self.choice
+
+    def _eyes(self, scene: bpy.types.Scene, number: int) -> Sequence[Vector]:
+        """Where the cameras of a .blend's shots stand, if there are several: fog is to hold them all."""
+        others = self.siblings(number)
+        if len(others) < 2 or scene.camera is None:
+            return ()
+        eyes = []
+        for each in reversed(others):  # the first comes last, and stays
+            self._shown(each)
+            scene_context.layer(scene).update()
+            eyes.append(scene.camera.matrix_world.translation.copy())
+        return eyes

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The catalogs of Blender's Asset Browser: a text file at the root of an asset library. No bpy here."""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Iterable
+from pathlib import Path
+
+from ..core.files import whole
+from ..core.schema_import import schema
+
+FILE = "blender_assets.cats.txt"
+_SPACE = uuid.UUID(
+    "5b1f2a86-6f0c-4f6e-9a43-2f5d8b0c7e11"
+)  # ours: the same catalog has the same id everywhere
+_HEAD = """# This is an Asset Catalog Definition file for Blender.
+#
+# Empty lines and lines starting with `#` will be ignored.
+# The first non-ignored line should be the version indicator.
+# Other lines are of the format "UUID:catalog/path/for/assets:simple catalog name"
+
+VERSION 1
+
+"""
+
+
+def identifier(path: str) -> str:
+    """The id of a catalog of ours, such as "Vibe Render/Materials"."""
+    return str(uuid.uuid5(_SPACE, path))
+
+
+def root(folder: Path, libraries: Iterable[str]) -> Path:
+    """Where the catalogs of a .blend in a folder are looked for.
+
+    Args:
+        folder: Of the .blend.
+        libraries: The folders of the artist's asset libraries.
+    """
+    folder = folder.resolve()
+    for library in filter(None, libraries):
+        place = Path(library).resolve()
+        if place == folder or place in folder.parents:
+            return place
+    return next((place for place in (folder, *folder.parents) if (place / FILE).is_file()), folder)
+
+
+def add(place: Path, paths: Iterable[str]) -> None:
+    """Adds catalogs to those of a library; what is there stays as it is.
+
+    Raises:
+        VibeError: The file cannot be read or written, or is of a newer version.
+    """
+    file = place / FILE
+    try:
+        text = file.read_text(encoding="utf-8") if file.exists() else _HEAD
+        lines = [line.strip() for line in text.splitlines()]
+        if "VERSION 1" not in lines:
+            raise schema.VibeError(f"{file} is of another version.", "Choose another folder.")
+        known = {line.partition(":")[0] for line in lines}
+        rows = [f"{identifier(path)}:{path}:{path.replace('/', '-')}" for path in paths]
+        missing = [row for row in rows if row.partition(":")[0] not in known]
+        if not missing:
+            return
+        with whole(file) as part:
+            part.write_text(text.rstrip("\n") + "\n" + "\n".join(missing) + "\n", encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise schema.VibeError(f"{file} cannot be changed: {error}.", "Choose another folder.") from error

@@ -1,0 +1,226 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The preset library: the looks that come with Vibe Render, and the artist's own in a folder of theirs.
+
+A preset is NAME.json with a picture NAME.jpg beside it. Other files in the folders are never touched.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import unicodedata
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+
+from ..core.files import whole
+from ..core.schema_import import preset, schema
+from ..core.user_folder import own_folder
+from . import take, thumbnail
+
+SHIPPED = Path(__file__).parent / "shipped"
+"""The looks that come with Vibe Render."""
+
+PICTURE = thumbnail.SUFFIX
+
+_LARGEST_PICTURE = 4_000_000  # bytes; ours have a hundredth of that
+_JPEG = b"\xff\xd8\xff"
+
+
+@dataclass(frozen=True)
+class Look:
+    """A preset in the library.
+
+    Attributes:
+        path: Its file.
+        preset: What is in it; None where it cannot be read.
+        problem: Why not.
+    """
+
+    path: Path
+    preset: preset.Preset | None
+    problem: str = ""
+
+    @property
+    def name(self) -> str:
+        """What it is called in lists."""
+        return (self.preset and self.preset.name) or self.path.stem
+
+    @property
+    def prompt(self) -> str:
+        """What was typed for it."""
+        return self.preset.prompt if self.preset else ""
+
+    @property
+    def shipped(self) -> bool:
+        """Whether it came with Vibe Render, and so can neither be renamed nor deleted."""
+        return self.path.parent == SHIPPED
+
+    @property
+    def picture(self) -> Path:
+        """Where its picture is, if it has one."""
+        return self.path.with_suffix(PICTURE)
+
+    def matches(self, words: str) -> bool:
+        """Whether its name and prompt have all of these words in them, or beginnings of words."""
+        text = f"{self.name} {self.prompt}".casefold()
+        return all(word in text for word in words.casefold().split())
+
+
+def folder(create: bool = False) -> Path:
+    """The artist's own presets."""
+    return own_folder("presets", create)
+
+
+def looks(words: str = "") -> list[Look]:
+    """The artist's own presets, then those that come with us, by name; those that match some words."""
+    found: list[Look] = []
+    for place in (folder(), SHIPPED):
+        theirs = [_read(path, *_stamp(path)) for path in place.glob("[!.]*.json")]
+        found += sorted(theirs, key=lambda look: (look.name.casefold(), look.path.name))
+    return [look for look in found if look.matches(words)]
+
+
+def named(preset_: str) -> preset.Preset:
+    """The preset that somebody means: a file's path, or a name in the library.
+
+    Raises:
+        VibeError: There is none, or it cannot be read.
+    """
+    path = Path(preset_).expanduser()
+    if path.suffix == ".json" or path.is_file():
+        return take.load(path)
+    return take.load(find(preset_).path)
+
+
+def find(name: str) -> Look:
+    """The preset of a name, also of the beginning of one if no other starts so.
+
+    Raises:
+        VibeError: There is none, or not only one.
+    """
+    known, wanted = looks(), name.casefold().strip()
+    for same in (
+        lambda look: look.name.casefold() == wanted,
+        lambda look: look.name.casefold().startswith(wanted),
+    ):
+        chosen = [look for look in known if same(look)]
+        if len({look.name for look in chosen}) == 1:
+            return chosen[0]
+    listed = ", ".join(look.name for look in known)
+    raise schema.VibeError(f"There is no preset {name!r}.", f"Name a file, or one of: {listed}.")
+
+
+def at(path: str) -> Look:
+    """The preset at a path of the library; raises VibeError where it is gone."""
+    for look in looks():
+        if str(look.path) == path:
+            return look
+    raise schema.VibeError("That preset is gone.", "Choose another.")
+
+
+def path_for(place: Path, name: str) -> Path:
+    """The file of a preset of this name: letters, digits and dashes, which any system takes."""
+    plain = unicodedata.normalize("NFKD", name).casefold()
+    words = re.sub(r"[^\w]+", "-", plain).strip("-")[:50]
+    return place / f"{words or 'look'}.json"
+
+
+def save(look: preset.Preset, picture: Path | None = None) -> Look:
+    """Adds a preset, and a picture of it, to the artist's own.
+
+    Raises:
+        VibeError: The folder cannot be written.
+    """
+    return _write(folder(create=True), look, picture)
+
+
+def rename(look: Look, name: str) -> Look:
+    """Gives one of the artist's presets another name; raises VibeError if it cannot be."""
+    name = preset.title(name)
+    if not name:
+        raise schema.VibeError("A preset needs a name.", "Type one.")
+    _check_own(look)
+    if look.preset is None:
+        raise schema.VibeError(look.problem, "Delete it, or correct the file.")
+    made = _write(look.path.parent, replace(look.preset, name=name), look.picture, look.path)
+    if made.path != look.path:
+        delete(look)
+    return made
+
+
+def delete(look: Look) -> None:
+    """Deletes one of the artist's presets; raises VibeError if it cannot be."""
+    _check_own(look)
+    try:
+        look.path.unlink(missing_ok=True)
+        look.picture.unlink(missing_ok=True)
+    except OSError as error:
+        raise schema.VibeError(
+            f"{look.path} cannot be deleted: {error.strerror}.", "Check its permissions."
+        ) from error
+
+
+def bring(path: Path) -> Look:
+    """Copies a preset from anywhere into the artist's own; raises VibeError if it is none."""
+    look = take.load(path)
+    return save(replace(look, name=look.name or preset.title(path.stem)), path.with_suffix(PICTURE))
+
+
+def export(look: Look, path: Path) -> None:
+    """Writes a preset, and its picture beside it; raises VibeError if it cannot be."""
+    path = path.with_suffix(".json")
+    if look.preset is None:
+        raise schema.VibeError(look.problem, "Delete it, or correct the file.")
+    _put(path, look.preset, look.picture)
+
+
+def _check_own(look: Look) -> None:
+    if look.shipped:
+        raise schema.VibeError(f"{look.name} comes with Vibe Render.", "Save a look of your own.")
+
+
+def _stamp(path: Path) -> tuple[int, int]:
+    """Changes when the file does."""
+    try:
+        found = path.stat()
+    except OSError:
+        return 0, 0
+    return found.st_mtime_ns, found.st_size
+
+
+@lru_cache(maxsize=1000)  # panels ask many times a second
+def _read(path: Path, _time: int, _size: int) -> Look:
+    try:
+        return Look(path, take.load(path))
+    except schema.VibeError as error:
+        return Look(path, None, str(error))
+
+
+def _write(place: Path, look: preset.Preset, picture: Path | None, instead: Path | None = None) -> Look:
+    """Writes a preset under its own name, or a numbered one where that is taken, by ours too."""
+    path, number, name = path_for(place, look.name), 1, look.name
+    while (path.exists() and path != instead) or (SHIPPED / path.name).exists():
+        number += 1
+        look = replace(look, name=f"{name} {number}")
+        path = path_for(place, look.name)
+    _put(path, look, picture)
+    return _read(path, *_stamp(path))
+
+
+def _put(path: Path, look: preset.Preset, picture: Path | None) -> None:
+    """Writes a preset, and its picture first; whole or not at all, for another Blender may be at it too."""
+    beside = path.with_suffix(PICTURE)
+    with whole(path, "Check the folder.") as part:
+        part.write_text(look.dumps() + "\n", encoding="utf-8")
+        if picture and picture != beside and _is_picture(picture):
+            with whole(beside) as copied:
+                shutil.copyfile(picture, copied)
+
+
+def _is_picture(path: Path) -> bool:
+    """Whether a file is a JPEG of a sensible size."""
+    if not path.is_file() or path.stat().st_size > _LARGEST_PICTURE:
+        return False
+    with path.open("rb") as file:
+        return file.read(len(_JPEG)) == _JPEG

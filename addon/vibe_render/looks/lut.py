@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The grade as a .cube file, for other programs: what Vibe Grade does to every color, whatever is around it.
+
+Colors go in and come out as displays show them: sRGB, Rec.709 primaries. In between the grade's formula works on
+linear light (see `grade.py`). Vignette and bloom depend on more than the color and are left out, as is the view
+transform: on a picture that was rendered with the view Standard, the file does what the compositor would have done.
+
+Colors below black and above white are written as they are, and become black and white when the file is used: between
+two colors of the file, a straight line through black is nearer to the grade than one that ends there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from ..core.files import whole
+from ..core.schema_import import schema
+from ..scene.nodes.tint import LUMA
+
+SIZE = 65  # colors along each edge: the largest that is usual
+LEFT_OUT = ("vignette", "glare")
+_MIDDLE = 0.18
+
+
+def identity() -> dict[str, tuple[float, ...]]:
+    """The grade's values, by name, that leave a picture as it is."""
+    rows = [p for p in schema.PARAMETERS if p.group == "film" and p.blender.startswith("Vibe Grade")]
+    return {p.name: (p.default,) * p.components for p in rows}
+
+
+def graded(
+    colors: np.ndarray, values: Mapping[str, Sequence[float]], below_black: bool = False
+) -> np.ndarray:
+    """What the grade makes of linear colors.
+
+    Args:
+        colors: (N, 3) scene-linear Rec.709, at least 0.
+        values: By name ("contrast", …), in the schema's units; what is missing is neutral.
+        below_black: Leave what saturation takes below black there, unless hue or gamma come after it.
+    """
+    v = {name: np.array(values.get(name, neutral)) for name, neutral in identity().items()}
+    c = colors * 2.0 ** v["grade_exposure"]
+    c = np.maximum(((c - 1.0) * (2.0 - v["lift"]) + 1.0) * v["gain"], 0.0) ** (1.0 / v["midtone"])
+    c = _MIDDLE * (c / _MIDDLE) ** v["contrast"]
+    luma = (c @ LUMA)[:, None]
+    c = luma + (c - luma) * v["saturation"]
+    if below_black and v["hue"] == 0.0 and v["grade_gamma"] == 1.0:
+        return c
+    return _turned(np.maximum(c, 0.0), v["hue"] / 60.0) ** v["grade_gamma"]
+
+
+def _turned(c: np.ndarray, sixths: np.ndarray) -> np.ndarray:
+    """Colors (N, 3) with their hue turned by sixths of the circle: the hue of HSV, as in Blender's node."""
+    brightest, chroma = c.max(1, keepdims=True), np.ptp(c, 1, keepdims=True)
+    r, g, b = ((brightest - c) / np.maximum(chroma, 1e-12)).T
+    hue = np.select([r == 0, g == 0], [b - g, 2.0 + r - b], 4.0 + g - r)[:, None]
+    away = np.abs((hue + sixths - np.array([0.0, 2.0, 4.0]) + 3.0) % 6.0 - 3.0)
+    return brightest - chroma * np.clip(away - 1.0, 0.0, 1.0)
+
+
+def to_linear(display: np.ndarray) -> np.ndarray:
+    """sRGB's decoding (IEC 61966-2-1)."""
+    return np.where(display <= 0.04045, display / 12.92, ((np.maximum(display, 0.0) + 0.055) / 1.055) ** 2.4)
+
+
+def to_display(linear: np.ndarray) -> np.ndarray:
+    """Inverse of `to_linear`, carried on below black and above white."""
+    curve = 1.055 * np.maximum(linear, 0.0) ** (1 / 2.4) - 0.055
+    return np.where(linear <= 0.0031308, linear * 12.92, curve)
+
+
+def table(values: Mapping[str, Sequence[float]], size: int = SIZE) -> np.ndarray:
+    """(size³, 3): display colors, red changing fastest; black is at 0, white at 1."""
+    steps = np.linspace(0.0, 1.0, size)
+    blue, green, red = np.meshgrid(steps, steps, steps, indexing="ij")
+    colors = to_linear(np.stack([red, green, blue], -1).reshape(-1, 3))
+    return to_display(graded(colors, values, below_black=True))
+
+
+def write(path: Path, name: str, values: Mapping[str, Sequence[float]]) -> None:
+    """Writes a .cube file, whole or not at all.
+
+    Args:
+        path: Where.
+        name: Its title.
+        values: As for `graded`.
+
+    Raises:
+        VibeError: It cannot be written.
+    """
+    title = "".join(c for c in name if c.isprintable() and c != '"')
+    head = (
+        "# Vibe Render: the grade of a look. In and out: sRGB (Rec.709 primaries, display-referred).\n"
+        "# Without vignette, bloom and view transform: for pictures rendered with the view Standard.\n"
+        f'TITLE "{title}"\nLUT_3D_SIZE {SIZE}\n'
+    )
+    rows = table(values)
+    with whole(path) as part, part.open("w", encoding="utf-8", newline="\n") as file:
+        file.write(head)
+        file.write("%.6f %.6f %.6f\n" * len(rows) % tuple(rows.ravel().tolist()))

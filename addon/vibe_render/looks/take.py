@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Takes a look from a scene, by role: see `schema.preset`. `preset_fit` puts it on another."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Protocol
+
+import bpy
+import numpy as np
+
+from ..core.schema_import import preset, schema
+from ..export.analysis import Survey
+
+# What a white surface that faces the light sends back, per watt at a distance of 1 m (sun: per W/m2).
+RADIANCE = {
+    "POINT": 0.25 / math.pi**2,
+    "SPOT": 0.25 / math.pi**2,
+    "AREA": 1 / math.pi**2,
+    "SUN": 1 / math.pi,
+}
+
+
+class Known(Protocol):
+    """What is known about a scene: an exported job, or less."""
+
+    @property
+    def survey(self) -> Survey:
+        """The scene as it was looked at."""
+
+    @property
+    def instances(self) -> dict[str, schema.Instance]:
+        """Its parameters, by key."""
+
+
+def load(path: Path) -> preset.Preset:
+    """Reads a preset file.
+
+    Raises:
+        VibeError: If it cannot be read, or see `preset.loads`.
+    """
+    try:
+        with path.open("rb") as file:
+            content = file.read(preset.LARGEST + 1)
+        if len(content) > preset.LARGEST:
+            raise schema.VibeError(f"{path.name} is too large for a preset.", "Choose a preset file.")
+        look = preset.loads(content.decode("utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise schema.VibeError(
+            f"{path} cannot be read: {getattr(error, 'strerror', None) or error}.", "Check the path."
+        ) from error
+    return look
+
+
+def extract(
+    prompt: str, known: Known, values: Mapping[str, Sequence[float]], name: str = ""
+) -> preset.Preset:
+    """The look that a vibe gave a scene.
+
+    Args:
+        prompt: What the artist typed.
+        known: The scene.
+        values: What the vibe has changed, by key.
+        name: A title; without one, the prompt's first words.
+    """
+    roles: dict[str, list[preset.Entry]] = {}
+    kinds: dict[str, list[str]] = {}
+    for role, group in preset.ROLES.items():
+        entries = {owner: _entry(known, group, owner, values) for owner in owners(known, role)}
+        if any(entries.values()):
+            roles[role] = list(entries.values())
+            if group == "light":
+                kinds[role] = [bpy.data.objects[owner].data.type for owner in entries]
+    return preset.Preset(preset.title(name or prompt), roles, kinds, prompt)
+
+
+def owners(known: Known, role: str) -> list[str]:
+    """Names in keys of all that has a role, the most visible or the brightest first."""
+    group = preset.ROLES[role]
+    if group not in ("material", "light"):
+        return [""]
+    theirs = {i.owner for i in known.instances.values() if i.parameter.group == group and i.role == role}
+    order = shares(known.survey) if group == "material" else {o: _brightness(known, o) for o in theirs}
+    return sorted(theirs, key=lambda owner: (-order.get(owner, 0), owner))
+
+
+def camera_azimuth(known: Known) -> float:
+    """Where the camera stands, degrees; light directions in presets are counted from there."""
+    instance = known.instances.get("camera/azimuth")
+    return instance.value[0] if instance else 0.0
+
+
+def shares(survey: Survey) -> dict[str, float]:
+    """Rays that meet each material."""
+    numbers, counts = np.unique(survey.seen.material, return_counts=True)
+    return {survey.geometry.materials[n]: float(c) for n, c in zip(numbers, counts, strict=True) if n >= 0}
+
+
+def _brightness(known: Known, owner: str) -> float:
+    """What a white surface at the subject that faces the light sends back."""
+    for name in ("power", "strength"):
+        if instance := known.instances.get(f"light/{owner}/{name}"):
+            return instance.value[0] / instance.reference * RADIANCE[bpy.data.objects[owner].data.type]
+    return 0.0
+
+
+def _entry(known: Known, group: str, owner: str, values: Mapping[str, Sequence[float]]) -> preset.Entry:
+    """What has been changed of one material, light, …, free of names and lengths."""
+    entry = {}
+    for name in (p.name for p in schema.PARAMETERS if p.group == group):
+        key = schema.FAMILIES[f"{group}/{name}"].key(owner)
+        if key in values and key in known.instances:
+            entry[name] = [v / known.instances[key].reference for v in values[key]]
+            if group == "light" and name == "azimuth":
+                camera = values.get("camera/azimuth", [camera_azimuth(known)])[0]
+                entry[name] = [_wrapped(entry[name][0] - camera)]
+    return preset.clamped(group, entry)
+
+
+def _wrapped(degrees: float) -> float:
+    return (degrees + 180.0) % 360.0 - 180.0

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Presets in the open file: put on a scene as a vibe's result is, and taken from one."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..core import compat
+from ..core.schema_import import messages, preset, schema
+from ..core.value_slots import value
+from ..export import jobs
+from ..scene import bindings, stored_subject
+from ..scene.nodes import grade, owned
+from ..scene.subject import Choice
+from ..session import result
+from . import fit, lut, take
+
+_POWER = "/power"
+
+
+def apply(scene: bpy.types.Scene, look: preset.Preset, choice: Choice) -> list[str]:
+    """Puts a look on the scene; strength, Original, Keep and Revert work as after a vibe.
+
+    A look that came from a preset and has not been kept makes way for it, so that one can be tried after the
+    other. A failure leaves the scene as it was.
+
+    Returns:
+        What did not fit, in words for the artist.
+
+    Raises:
+        VibeError: Nothing of the look fits, or the scene cannot be worked with.
+    """
+    settings = scene.vibe
+    another, shown = bool(settings.vibed_preset), settings.show_original
+    if another:
+        settings.show_original = True
+    try:
+        with jobs.untouched_on_failure(scene):
+            sight = jobs.open_sight(scene, choice)
+            rest = _apply(scene, look, sight)
+    except BaseException:
+        settings.show_original = shown
+        raise
+    settings.vibed_preset = look.name
+    if choice.explicit:
+        stored_subject.remember(scene, sight.survey.objects)
+    return rest
+
+
+def _apply(scene: bpy.types.Scene, look: preset.Preset, sight: jobs.Sight) -> list[str]:
+    found, survey = fit.fit(look, sight), sight.survey
+    if not found.values:
+        raise schema.VibeError(
+            "Nothing in this scene takes what the preset holds.", "See what it is for in its description."
+        )
+    added = {key: [0.0] for key in found.values if key.endswith(_POWER) and key not in sight.instances}
+    bindings.write(scene, added, survey.objects, survey.pivot)  # so that strength dims lights that are new
+    made = messages.Result(found.values, {}, "")  # no reasons: its name stands above the list
+    result.apply(scene, look.prompt or look.name, made, survey.objects, survey.pivot, onto=True)
+    return found.rest
+
+
+def capture(scene: bpy.types.Scene, choice: Choice, name: str) -> preset.Preset:
+    """The look that the scene has now, of all that the last vibe or preset changed.
+
+    Raises:
+        VibeError: There is no such look, or the scene cannot be read.
+    """
+    settings = scene.vibe
+    settings.show_original = False
+    sight = jobs.look_at(scene, choice)
+    changed = (change.name for change in settings.changes)
+    values = {key: sight.instances[key].value for key in changed if key in sight.instances}
+    look = take.extract(settings.vibed_prompt, sight, values, name)
+    if not look.roles:
+        raise schema.VibeError("There is no look to save.", "Vibe the scene first, or apply a preset.")
+    return look
+
+
+def grade_values(scene: bpy.types.Scene) -> dict[str, tuple[float, ...]]:
+    """The values of the scene's grade, by name; none where nothing is graded."""
+    nodes = owned.group_nodes(compat.compositor(scene), grade.NAME)
+    if not nodes:
+        return {}
+    rows = [row for row in bindings.BINDINGS if row.parameter.name in lut.identity()]
+    sockets = {row: nodes[0].inputs[row.parameter.blender.rpartition(" > ")[2]] for row in rows}
+    return {row.parameter.name: row.codec.decode(value(socket).get()) for row, socket in sockets.items()}

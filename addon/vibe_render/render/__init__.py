@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What Cycles renders for us: final pictures, anchors, baked passes."""

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Anchors: small Cycles pictures of values that are still being looked for, which the engine corrects itself by.
+
+The scene is the artist's again as soon as the picture is done. A render is linear in the power of every light, so
+each of them, and the world, is rendered into a light group of its own as well.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+import bpy
+from bpy.types import Object, Scene
+
+from ..core.overrides import changed
+from ..core.schema_import import messages, schema
+from ..scene import bindings, scene_context
+from . import bake, final_render
+
+
+def answer(
+    scene: Scene, folder: Path, request: messages.Anchor, subject: Sequence[Object], pivot: Sequence[float]
+) -> messages.Anchored:
+    """Renders what the engine asks for; a failure becomes the answer instead of ending the vibe.
+
+    Args:
+        scene: The scene that was exported.
+        folder: The job folder.
+        request: The engine's.
+        subject: The subject at export.
+        pivot: Its center at export.
+    """
+    start = time.monotonic()
+    name = f"anchor-{request.number}.exr"
+    if bpy.app.is_job_running("RENDER"):
+        return messages.Anchored(request.number, error="Blender is busy with another render")
+    try:
+        groups = render_anchor(
+            scene, folder / name, request.values, subject, pivot, request.size, request.samples, request.seed
+        )
+    except Exception as error:  # whatever it is, the vibe can do without this picture
+        said = error.message if isinstance(error, schema.VibeError) else f"{type(error).__name__}: {error}"
+        return messages.Anchored(request.number, error=" ".join(said.split()) or "it failed")
+    return messages.Anchored(request.number, name, groups, round(time.monotonic() - start, 3))
+
+
+def render_anchor(
+    scene: Scene,
+    path: Path,
+    values: Mapping[str, Sequence[float]],
+    subject: Sequence[Object] = (),
+    pivot: Sequence[float] = (0.0, 0.0, 0.0),
+    size: int = 192,
+    samples: int = 32,
+    seed: int = 0,
+) -> dict[str, str]:
+    """Renders the scene at other values, denoised, before compositor and view transform, to a multilayer EXR.
+
+    The file has the layers "Combined", "Noisy Image" and one "Combined_…" of every light group, in scene-linear
+    light. It appears whole or not at all, and the scene is left exactly as it was.
+
+    Args:
+        path: Where the file goes.
+        values: Parameter key to components; those of the film have no part in scene-linear light.
+        subject: As for `bindings.write`.
+        pivot: As for `bindings.write`.
+        size: Longer side of the picture, pixels; the scene's aspect is kept.
+        samples: Most samples in a pixel.
+        seed: Of the sampling pattern.
+
+    Returns:
+        Light group to whose light it holds: "light/NAME" or "world". Other light is only in the whole.
+
+    Raises:
+        VibeError: A value is not usable, or the file cannot be written.
+    """
+    lit = {key: value for key, value in values.items() if not key.startswith("film/")}
+    with bindings.trial(scene, lit, subject, pivot), bake.copied_scene(scene) as twin:
+        layer = scene_context.layer(twin)
+        layer.cycles.denoising_store_passes = True
+        with _light_groups(scene, layer) as groups:
+            final_render.render_layers(twin, layer, path, size, samples, seed)
+    return groups
+
+
+@contextmanager
+def _light_groups(scene: Scene, layer: bpy.types.ViewLayer) -> Iterator[dict[str, str]]:
+    """A light group for every light that can be edited, and for the world; the artist's are put back afterwards."""
+    groups: dict[str, str] = {}
+    with ExitStack() as stack:
+        for owner, members in _emitters(scene):
+            group = layer.lightgroups.add(name=f"Vibe {len(groups)}").name
+            groups[group] = owner
+            for member in members:
+                stack.enter_context(changed(member, lightgroup=group))
+        yield groups
+
+
+def _emitters(scene: Scene) -> list[tuple[str, list[bpy.types.ID]]]:
+    """Whose light, and what it comes from: lights that share their data have their values together."""
+    found: dict[bpy.types.ID, list[bpy.types.ID]] = {}
+    for light in scene_context.lights(scene):
+        found.setdefault(light.data, []).append(light)
+    lights = [(f"light/{members[0].name_full}", members) for members in found.values()]
+    world = [("world", [scene.world])] if scene.world else []
+    return [(owner, members) for owner, members in [*lights, *world] if all(m.is_editable for m in members)]

@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Linear pictures rendered by Cycles in a scene of our own, to measure what node networks give."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ..core import compat
+from ..core.files import whole
+from ..core.overrides import changed
+
+
+@contextmanager
+def copied_scene(scene: bpy.types.Scene, **render: Any) -> Iterator[bpy.types.Scene]:
+    """A copy of the scene that shares its objects, without compositor and sequencer, removed afterwards.
+
+    Passes and the picture of a render belong to a scene: the artist's compositor, whose sockets follow the
+    passes, and the artist's last render are left alone this way.
+
+    Args:
+        render: Settings of the copy's `render`.
+    """
+    twin = scene.copy()
+    try:
+        twin.name = "Vibe Bake"
+        compat.drop_compositor(twin)
+        settings = {"use_sequencer": False, "use_border": False, "use_multiview": False, **render}
+        for name, value in settings.items():
+            setattr(twin.render, name, value)
+        yield twin
+    finally:
+        bpy.data.scenes.remove(twin)
+
+
+def render_linear(scene: bpy.types.Scene, samples: int, bounces: int = 0) -> np.ndarray:
+    """Renders the scene with Cycles as it is set up.
+
+    Returns:
+        (H, W, 3) float32, scene linear, row 0 at the bottom.
+    """
+    cycles = scene.cycles
+    scene.render.engine = "CYCLES"
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        changed(
+            cycles,
+            device="CPU",
+            samples=samples,
+            use_denoising=False,
+            max_bounces=bounces,
+            use_adaptive_sampling=False,
+        ),
+    ):
+        path = Path(folder) / "linear.exr"
+        picture = scene.render.image_settings
+        if hasattr(picture, "media_type"):
+            picture.media_type = "IMAGE"
+        picture.file_format, picture.color_depth, picture.color_mode = "OPEN_EXR", "32", "RGB"
+        with whole(path) as part:
+            scene.render.filepath = str(part)
+            bpy.ops.render.render(scene=scene.name, layer=scene.view_layers[0].name, write_still=True)
+        image = bpy.data.images.load(str(path))
+        try:
+            return pixels(image)
+        finally:
+            bpy.data.images.remove(image)
+
+
+def pixels(image: bpy.types.Image) -> np.ndarray:
+    """The stored pixels of an image: (H, W, 3) float32, row 0 at the bottom, in its own color space.
+
+    What is not finite counts as 0, as it does in Cycles.
+    """
+    width, height = image.size
+    flat = np.empty(width * height * image.channels, np.float32)
+    image.pixels.foreach_get(flat)
+    flat = np.nan_to_num(flat, copy=False, nan=0.0, posinf=0.0, neginf=0.0)
+    values = flat.reshape(height, width, image.channels)
+    return values[..., :3] if image.channels >= 3 else np.repeat(values[..., :1], 3, axis=-1)
+
+
+@contextmanager
+def emitting(material: bpy.types.Material, source: bpy.types.NodeSocket) -> Iterator[bpy.types.Material]:
+    """A copy of a material that glows with what one of its outputs gives; removed afterwards.
+
+    Args:
+        source: An output of a node in the material's own tree.
+    """
+    twin = material.copy()
+    tree = twin.node_tree
+    node = tree.nodes[source.node.name]
+    exit_ = next(s for s in node.outputs if s.identifier == source.identifier)
+    glow = tree.nodes.new("ShaderNodeEmission")
+    tree.links.new(exit_, glow.inputs["Color"])
+    for output in [n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial"]:
+        for entry in output.inputs:
+            for link in list(entry.links):
+                tree.links.remove(link)
+        tree.links.new(glow.outputs["Emission"], output.inputs["Surface"])
+    try:
+        yield twin
+    finally:
+        bpy.data.materials.remove(twin)
+
+
+def view_of(scene: bpy.types.Scene, material: bpy.types.Material, size: int) -> np.ndarray:
+    """The camera's view of the scene when everything has this (glowing) material: (H, W, 3) linear."""
+    sides = scene.render.resolution_x, scene.render.resolution_y
+    width, height = (max(16, round(size * side / max(sides))) for side in sides)  # Blender refuses fewer
+    with copied_scene(
+        scene, resolution_x=width, resolution_y=height, resolution_percentage=100, film_transparent=False
+    ) as twin:
+        twin.world = None
+        twin.view_layers[0].material_override = material
+        return render_linear(twin, samples=4)
+
+
+def plane_of(material: bpy.types.Material, size: int) -> np.ndarray:
+    """A (glowing) material over the unit square of its UVs: (size, size, 3) linear, row 0 at v = 0."""
+    with _empty_scene(size, size) as (scene, camera):
+        mesh = bpy.data.meshes.new("Vibe Bake")
+        mesh.from_pydata([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [], [(0, 1, 2, 3)])
+        mesh.uv_layers.new().uv.foreach_set("vector", [0, 0, 1, 0, 1, 1, 0, 1])
+        mesh.materials.append(material)
+        plane = bpy.data.objects.new("Vibe Bake", mesh)
+        scene.collection.objects.link(plane)
+        camera.data.type, camera.data.ortho_scale = "ORTHO", 1.0
+        camera.location = (0.5, 0.5, 1.0)
+        try:
+            return render_linear(scene, samples=4)
+        finally:
+            bpy.data.objects.remove(plane)
+            bpy.data.meshes.remove(mesh)
+
+
+def panorama_of(world: bpy.types.World, height: int, samples: int) -> np.ndarray:
+    """A world as an environment texture: (height, 2 * height, 3) linear, row 0 straight down."""
+    with _empty_scene(2 * height, height) as (scene, camera):
+        scene.world = world
+        camera.data.type = "PANO"
+        target = camera.data if hasattr(camera.data, "panorama_type") else camera.data.cycles
+        target.panorama_type = "EQUIRECTANGULAR"
+        # The middle of an environment texture is +X, with +Z upwards.
+        camera.rotation_euler = (math.pi / 2, 0.0, -math.pi / 2)
+        return render_linear(scene, samples)
+
+
+@contextmanager
+def _empty_scene(width: int, height: int) -> Iterator[tuple[bpy.types.Scene, bpy.types.Object]]:
+    """A new scene with nothing but a camera."""
+    scene = bpy.data.scenes.new("Vibe Bake")
+    data = bpy.data.cameras.new("Vibe Bake")
+    camera = bpy.data.objects.new("Vibe Bake", data)
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    scene.render.resolution_x, scene.render.resolution_y = width, height
+    scene.render.resolution_percentage = 100
+    try:
+        yield scene, camera
+    finally:
+        bpy.data.objects.remove(camera)
+        bpy.data.cameras.remove(data)
+        bpy.data.scenes.remove(scene)

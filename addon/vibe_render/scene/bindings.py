@@ -1,0 +1,227 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What every parameter of the schema is in Blender: one row each. `read` and `write` are loops over the rows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from bpy.types import Object, Scene
+from mathutils import Vector
+
+from ..core.journal import Journal
+from ..core.schema_import import labels, schema
+from ..core.value_slots import Place
+from . import locators as at
+from . import prepare, scene_context, snapshot
+from .codecs import COLOR, DEGREES, LENS, NUMBER, Codec
+
+
+@dataclass(frozen=True)
+class Binding:
+    """One row.
+
+    Attributes:
+        parameter: The schema's row.
+        locator: Finds the place of the value for one owner.
+        codec: Between what is stored there and what the schema means.
+    """
+
+    parameter: schema.Parameter
+    locator: at.Locator
+    codec: Codec = NUMBER
+
+
+def _row(family: str, locator: at.Locator, codec: Codec = NUMBER) -> Binding:
+    return Binding(schema.FAMILIES[family], locator, codec)
+
+
+# fmt: off
+BINDINGS: tuple[Binding, ...] = (
+    _row("camera/azimuth",          at.orbit("azimuth")),
+    _row("camera/elevation",        at.orbit("elevation")),
+    _row("camera/distance",         at.orbit("distance")),
+    _row("camera/fov",              at.lens,                            LENS),
+
+    _row("light/power",             at.lamp("energy")),
+    _row("light/strength",          at.lamp("energy")),
+    _row("light/color",             at.lamp("color"),                   COLOR),
+    _row("light/temperature",       at.lamp_temperature),
+    _row("light/size",              at.lamp_size),
+    _row("light/angle",             at.lamp("angle"),                   DEGREES),
+    _row("light/azimuth",           at.orbit("azimuth")),
+    _row("light/elevation",         at.orbit("elevation")),
+    _row("light/distance",          at.orbit("distance")),
+
+    _row("world/color",             at.background("Color"),             COLOR),
+    _row("world/tint",              at.world_tint,                      COLOR),
+    _row("world/strength",          at.background("Strength")),
+    _row("world/rotation",          at.world_rotation,                  DEGREES),
+
+    _row("material/base_color",     at.surface_color,                   COLOR),
+    _row("material/tint",           at.material_tint("Tint"),           COLOR),
+    _row("material/recolor",        at.material_tint("Recolor")),
+    _row("material/metallic",       at.shader("Metallic")),
+    _row("material/roughness",      at.shader("Roughness")),
+    _row("material/ior",            at.shader("IOR")),
+    _row("material/specular",       at.shader("Specular IOR Level")),
+    _row("material/specular_tint",  at.shader("Specular Tint"),         COLOR),
+    _row("material/coat",           at.shader("Coat Weight")),
+    _row("material/coat_roughness", at.shader("Coat Roughness")),
+    _row("material/sheen",          at.shader("Sheen Weight")),
+    _row("material/transmission",   at.shader("Transmission Weight")),
+    _row("material/emission_color", at.shader("Emission Color"),        COLOR),
+    _row("material/emission",       at.shader("Emission Strength")),
+
+    _row("volume/density",          at.volume("Density")),
+    _row("volume/color",            at.volume("Color"),                 COLOR),
+    _row("volume/anisotropy",       at.volume("Anisotropy")),
+    _row("volume/falloff",          at.volume("Height Falloff")),
+    _row("volume/offset",           at.volume("Height Offset")),
+
+    _row("film/exposure",           at.view("exposure")),
+    _row("film/gamma",              at.view("gamma")),
+    _row("film/grade_exposure",     at.graded("Exposure")),
+    _row("film/lift",               at.graded("Lift"),                  COLOR),
+    _row("film/midtone",            at.graded("Midtone"),               COLOR),
+    _row("film/gain",               at.graded("Gain"),                  COLOR),
+    _row("film/contrast",           at.graded("Contrast")),
+    _row("film/saturation",         at.graded("Saturation")),
+    _row("film/hue",                at.graded("Hue"),                   DEGREES),
+    _row("film/grade_gamma",        at.graded("Gamma")),
+    _row("film/vignette",           at.graded("Vignette")),
+    _row("film/glare",              at.graded("Glare")),
+)
+# fmt: on
+
+
+def _found(cast: scene_context.Cast) -> Iterator[tuple[Binding, scene_context.Owner, Place]]:
+    """Every value that the scene has, group by group, owner by owner, in the order of the rows."""
+    for group in schema.GROUPS:
+        rows = [b for b in BINDINGS if b.parameter.group == group]
+        for owner in scene_context.owners(cast, group):
+            for row in rows:
+                kinds = row.parameter.only
+                if kinds and owner.thing.data.type not in kinds:
+                    continue
+                if place := row.locator(cast, owner.thing):
+                    yield row, owner, place
+
+
+def instances(scene: Scene, subject: Sequence[Object], pivot: Sequence[float]) -> dict[str, schema.Instance]:
+    """Every parameter that the scene has, with its value, its role, and why it is locked if it is.
+
+    Args:
+        scene: The scene; nothing in it is changed.
+        subject: The objects that the picture is about.
+        pivot: Centre of their bounding box, world space: what cameras and lights orbit.
+    """
+    cast = scene_context.Cast(scene, tuple(subject), Vector(pivot))
+    lengths = scene_context.references(cast)
+    found = {}
+    for row, owner, place in _found(cast):
+        reference = {"": 1.0, **lengths, **owner.references}[row.parameter.reference]
+        value = row.codec.decode(place.get())
+        instance = schema.Instance(row.parameter, owner.name, value, reference, owner.role, place.locked)
+        found[instance.key] = instance
+    return found
+
+
+def references(scene: Scene, subject: Sequence[Object], pivot: Sequence[float]) -> dict[str, float]:
+    """The scene-wide lengths that bounds are multiples of (names in schema.REFERENCES), metres."""
+    return scene_context.references(scene_context.Cast(scene, tuple(subject), Vector(pivot)))
+
+
+def read(scene: Scene, subject: Sequence[Object], pivot: Sequence[float]) -> dict[str, schema.Values]:
+    """The value of every parameter that the scene has, by key; arguments as for `instances`."""
+    return {key: instance.value for key, instance in instances(scene, subject, pivot).items()}
+
+
+def write(
+    scene: Scene, values: Mapping[str, Sequence[float]], subject: Sequence[Object], pivot: Sequence[float]
+) -> dict[str, str]:
+    """Writes values into the scene, recorded in its snapshot; a failure leaves the scene as it was.
+
+    Args:
+        scene: The scene.
+        values: Parameter key to components, in the schema's units.
+        subject: As for `instances`.
+        pivot: As for `instances`.
+
+    Keys of one of our own lights (see `prepare.LIGHTS`) that is not there add it.
+
+    Returns:
+        The keys that have been left alone, and why: locked, or nothing of that name in the scene.
+
+    Raises:
+        VibeError: A value has the wrong number of components, or is NaN or infinite.
+    """
+    with snapshot.transaction(scene) as journal:
+        rest = _put(journal, scene, values, subject, pivot)
+    scene_context.layer(scene).update()
+    return rest
+
+
+@contextmanager
+def trial(
+    scene: Scene, values: Mapping[str, Sequence[float]], subject: Sequence[Object], pivot: Sequence[float]
+) -> Iterator[dict[str, str]]:
+    """Values in the scene for a moment; it is exactly as it was afterwards. Otherwise like `write`."""
+    journal = Journal()
+    try:
+        rest = _put(journal, scene, values, subject, pivot)
+        scene_context.layer(scene).update()
+        yield rest
+    finally:
+        journal.undo()
+        scene_context.layer(scene).update()
+
+
+def _put(
+    journal: Journal,
+    scene: Scene,
+    values: Mapping[str, Sequence[float]],
+    subject: Sequence[Object],
+    pivot: Sequence[float],
+) -> dict[str, str]:
+    for key, value in values.items():
+        _check(key, value)
+    rest = dict.fromkeys(values, "there is nothing of that name in this scene")
+    _add_lights(journal, scene, values, subject)
+    cast = scene_context.Cast(scene, tuple(subject), Vector(pivot), everything=True)
+    for row, owner, place in list(_found(cast)):
+        key = row.parameter.key(owner.name)
+        if key not in values:
+            continue
+        rest[key] = place.locked
+        if not place.locked:
+            place.set(journal, row.codec.encode(tuple(map(float, values[key]))))
+    return {key: reason for key, reason in rest.items() if reason}
+
+
+def _add_lights(
+    journal: Journal, scene: Scene, values: Mapping[str, Sequence[float]], subject: Sequence[Object]
+) -> None:
+    """Adds those of our own lights that values are for and the scene lacks."""
+    owners = {owner for group, owner, _ in map(schema.split_key, values) if group == "light"}
+    missing = [name for name in prepare.LIGHTS if name in owners and name not in scene.objects]
+    if missing:
+        corners = scene_context.bounds(scene, subject or scene_context.meshes(scene))
+        for name in missing:
+            prepare.add_light(journal, scene, name, *corners)
+
+
+def _check(key: str, value: Sequence[float]) -> None:
+    group, _, name = schema.split_key(key)
+    parameter = schema.FAMILIES.get(f"{group}/{name}")
+    if parameter and len(value) != parameter.components:
+        raise schema.VibeError(
+            f"{labels.title(key)} needs {parameter.components} numbers, not {len(value)}.",
+            "Correct the value.",
+        )
+    if not all(map(math.isfinite, value)):
+        raise schema.VibeError(
+            f"{labels.title(key)} is not a finite number: {tuple(value)}.", "Correct the value."
+        )

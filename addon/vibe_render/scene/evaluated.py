@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The scene exactly as a final render gets it: render-level modifiers, render visibility, instances.
+
+Python can only ask for the viewport's version of a scene. A render engine is handed the other one,
+so this module is a render engine for as long as it takes to look at the scene.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeVar
+
+import bpy
+
+from ..core.overrides import changed
+from . import scene_context
+
+Seen = TypeVar("Seen")
+
+_SMALL = 32  # pixels; Blender refuses fewer than 16
+
+
+def look(scene: bpy.types.Scene, see: Callable[[bpy.types.Depsgraph], Seen]) -> Seen:
+    """Calls `see` with the dependency graph of a final render of the current frame, and returns its answer.
+
+    Whatever `see` raises is raised here. Nothing is rendered, nothing in the file changes.
+    """
+    answers: list[Seen] = []
+    errors: list[Exception] = []
+
+    class Viewer(bpy.types.RenderEngine):
+        bl_idname = "VIBE_VIEWER"
+        bl_label = "Vibe Render (export)"
+
+        def render(self, depsgraph: bpy.types.Depsgraph) -> None:
+            try:
+                answers.append(see(depsgraph))
+            except Exception as error:
+                errors.append(error)
+
+    bpy.utils.register_class(Viewer)
+    try:
+        with changed(
+            scene.render,
+            engine=Viewer.bl_idname,
+            resolution_percentage=100,
+            resolution_x=_SMALL,
+            resolution_y=_SMALL,
+            use_compositing=False,
+            use_sequencer=False,
+            use_multiview=False,
+            use_border=False,
+        ):
+            bpy.ops.render.render(scene=scene.name, layer=scene_context.layer(scene).name)
+    finally:
+        bpy.utils.unregister_class(Viewer)
+    if errors:
+        raise errors[0]
+    return answers[0]

@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Vibe Fog: an owned box of fog around the camera, the subject and what else is near.
+
+A box, because Cycles lets a world volume absorb the light of the world and of suns, which come from
+infinitely far away, altogether. Inside, with z above the box's origin, which is at the subject's base:
+
+    extinction = Density · exp(−Height Falloff · max(0, z − Height Offset)), scattering = Color · extinction
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from bpy.types import Material, NodeTree, Object, Scene
+from mathutils import Vector
+
+from ..core import compat, locks
+from ..core.journal import Journal
+from ..core.value_slots import Lazy, Place, Property, value
+from . import scene_context
+from .nodes import owned
+
+NAME = owned.FOG
+_IDENTITY = {
+    "Density": 0.0,
+    "Color": (0.8, 0.8, 0.8),
+    "Anisotropy": 0.0,
+    "Height Falloff": 0.0,
+    "Height Offset": 0.0,
+}
+
+
+@dataclass(frozen=True)
+class Domain:
+    """Where the fog is.
+
+    Attributes:
+        center: Of the box, world space.
+        half_size: Half the box's sides, metres.
+        base: Height of the subject's base, from which height fog is measured.
+    """
+
+    center: Vector
+    half_size: Vector
+    base: float
+
+
+def find(scene: Scene) -> Object | None:
+    """The scene's fog box; None as long as there has been no fog."""
+    return owned.find(scene.objects, NAME)
+
+
+_PLANNED: dict[int, Domain] = {}
+"""Boxes that are not there yet, of scenes that are seen by several cameras or at several frames."""
+
+
+def plan(scene: Scene, shape: Domain) -> None:
+    """Has this be the box that is made, whatever the camera and the frame are then."""
+    _PLANNED[scene.session_uid] = shape
+
+
+def planned(scene: Scene) -> Domain | None:
+    """The box that `plan` has been told; None if it has not."""
+    return _PLANNED.get(scene.session_uid)
+
+
+def domain(cast: scene_context.Cast, eyes: Sequence[Vector] = ()) -> Domain:
+    """The box that is there, or the one that would be made.
+
+    It holds the camera, and as much of the visible scene as lies within four camera distances:
+    beyond, fog would hide it, but a longer way through fog would put out the world's light.
+
+    Args:
+        cast: The scene.
+        eyes: Where other cameras stand that it is to hold.
+    """
+    box = find(cast.scene)
+    if box is not None:
+        low, high = (box.matrix_world @ Vector(box.bound_box[i]) for i in (0, 6))
+        return Domain((low + high) / 2.0, (high - low) / 2.0, box.matrix_world.translation.z)
+    if shape := planned(cast.scene):
+        return shape
+    view = scene_context.references(cast)["view_distance"]
+    low, high = scene_context.bounds(cast.scene, scene_context.meshes(cast.scene))
+    base = scene_context.bounds(cast.scene, cast.subject or scene_context.meshes(cast.scene))[0].z
+    reach, least = Vector((4.0, 4.0, 4.0)) * view, Vector((1.5, 1.5, 0.0)) * view
+    camera = cast.scene.camera.matrix_world.translation if cast.scene.camera else cast.pivot
+    margin = Vector((0.25, 0.25, 0.25)) * view
+    low = _each(min, _each(max, low, cast.pivot - reach), cast.pivot - least, camera, *eyes) - margin
+    high = _each(max, _each(min, high, cast.pivot + reach), cast.pivot + least, camera, *eyes) + margin
+    return Domain((low + high) / 2.0, (high - low) / 2.0, base)
+
+
+def _each(pick: Callable, *vectors: Vector) -> Vector:
+    return Vector([pick(parts) for parts in zip(*vectors, strict=True)])
+
+
+@dataclass
+class Density:
+    """A place: the density, together with whether renders see the box, for fog of no density costs time too."""
+
+    box: Object
+    input: Place
+
+    @property
+    def locked(self) -> str:
+        """Why it must be left alone."""
+        return self.input.locked
+
+    def get(self) -> float:
+        """Extinction at the base, 1/m."""
+        return 0.0 if self.box.hide_render else self.input.get()
+
+    def set(self, journal: Journal, raw: float) -> None:
+        """Thickens or thins the fog."""
+        self.input.set(journal, raw)
+        Property(self.box, "hide_render").set(journal, raw <= 0.0)
+
+
+def place(cast: scene_context.Cast, name: str) -> Place:
+    """An input of the scene's fog. The box is made when a density above 0 is written, not before."""
+
+    def find_input() -> Place | None:
+        box = find(cast.scene)
+        nodes = owned.group_nodes(compat.node_tree(box.data.materials[0]), NAME) if box else []
+        if box is None or not nodes:
+            return None
+        socket = nodes[0].inputs[name]
+        found = value(socket, locks.of_socket(socket, None))
+        return Density(box, found) if name == "Density" else found
+
+    # Measured now: the box that was exported must not depend on a camera that is moved meanwhile.
+    shape = domain(cast) if name == "Density" else None
+
+    def make(journal: Journal) -> Place | None:
+        if shape is None:
+            return None
+        _box(journal, cast.scene, shape)
+        return find_input()
+
+    existing = find_input()
+    return existing or Lazy(find_input, make, _IDENTITY[name])
+
+
+def _box(journal: Journal, scene: Scene, shape: Domain) -> None:
+    origin = Vector((shape.center.x, shape.center.y, shape.base))
+    mesh = journal.new("meshes", NAME)
+    box = journal.new("objects", NAME, mesh)
+    for block in (mesh, box):
+        owned.mark(block, NAME)
+    low, high = shape.center - shape.half_size - origin, shape.center + shape.half_size - origin
+    corners = [(x, y, z) for x in (low.x, high.x) for y in (low.y, high.y) for z in (low.z, high.z)]
+    faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    mesh.from_pydata(corners, [], faces)
+    mesh.materials.append(_material(journal))
+    box.location = origin
+    box.display_type, box.hide_select = "WIRE", True
+    scene.collection.objects.link(box)
+    compat.march_volumes(journal, scene)
+    scene_context.layer(scene).update()
+
+
+def _material(journal: Journal) -> Material:
+    material = journal.new("materials", NAME)
+    owned.mark(material, NAME)
+    tree = compat.enable_nodes(material)
+    tree.nodes.clear()
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    node = tree.nodes.new("ShaderNodeGroup")
+    node.node_tree, node.name, node.label = _group(journal), NAME, NAME
+    node.use_custom_color, node.color = True, owned.COLOR
+    node.location = (output.location.x - 200.0, output.location.y)
+    tree.links.new(node.outputs["Volume"], output.inputs["Volume"])
+    return material
+
+
+def _group(journal: Journal) -> NodeTree:
+    tree, new = owned.group(journal, NAME, "ShaderNodeTree")
+    if new:
+        owned.socket(tree, "Density", "NodeSocketFloat", 0.0, 0.0, 1000.0)
+        owned.socket(tree, "Color", "NodeSocketColor", (0.8, 0.8, 0.8, 1.0))
+        owned.socket(tree, "Anisotropy", "NodeSocketFloat", 0.0, -0.99, 0.99)
+        owned.socket(tree, "Height Falloff", "NodeSocketFloat", 0.0, 0.0, 1000.0)
+        owned.socket(tree, "Height Offset", "NodeSocketFloat", 0.0, -1000.0, 1000.0)
+        tree.interface.new_socket("Volume", in_out="OUTPUT", socket_type="NodeSocketShader")
+        _fill(tree)
+    return tree
+
+
+def _fill(tree: NodeTree) -> None:
+    build = owned.Builder(tree)
+    density, color, anisotropy, falloff, offset = build.inputs(*_IDENTITY)
+    position = build.node("ShaderNodeTexCoord").outputs["Object"]
+    height = build.node("ShaderNodeSeparateXYZ", Vector=position).outputs["Z"]
+    above = build.math("MAXIMUM", build.math("SUBTRACT", height, offset), 0.0)
+    # With a falloff of 0 Cycles folds all this to the density and sees that the fog is homogeneous.
+    thinning = build.math("EXPONENT", build.math("MULTIPLY", above, build.math("MULTIPLY", falloff, -1.0)))
+    extinction = build.math("MULTIPLY", density, thinning)
+    fog = build.node("ShaderNodeVolumePrincipled", Color=color, Density=extinction, Anisotropy=anisotropy)
+    build.output(fog.outputs["Volume"])

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reads the meshes that a final render shows. Only Blender's own part of the work; see `geometry` for the rest."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import bpy
+import numpy as np
+
+from ...core.compat import node_tree
+from .triangles import Mesh, Placed
+
+DEFAULT_MATERIAL = ""
+"""Name that stands for faces without a material."""
+
+UvOf = Callable[[bpy.types.Material], tuple[str, np.ndarray]]
+"""For a material: the name of its UV map ("" for the active one), and a 3x3 matrix applied to the UVs."""
+
+_SKIPPED = {"CURVES": "hair", "VOLUME": "a volume object", "POINTCLOUD": "a point cloud"}
+
+
+def collect(depsgraph: bpy.types.Depsgraph, uv_of: UvOf) -> tuple[list[Placed], list[str]]:
+    """Reads the evaluated meshes and instances of a final render's dependency graph.
+
+    Returns:
+        What it shows, and what could not be brought along, in words.
+    """
+    meshes: dict[tuple, Mesh] = {}
+    found: list[Placed] = []
+    warnings: dict[str, None] = {}
+    for instance in depsgraph.object_instances:
+        thing = instance.object
+        if thing.type in _SKIPPED and instance.show_self:
+            warnings[f"{thing.name} is {_SKIPPED[thing.type]}: the prediction leaves it out."] = None
+        if instance.show_self and thing.type == "MESH":
+            warnings.update(dict.fromkeys(_special(thing)))
+        # Curves, texts and metaballs come once as themselves and once as the mesh that they become.
+        if thing.type != "MESH" or not instance.show_self or not thing.visible_camera:
+            continue
+        slots = _materials(thing)
+        names = tuple(m.name_full if m else DEFAULT_MATERIAL for m in slots)
+        key = (thing.data.as_pointer(), *names)
+        mesh = meshes.get(key) or meshes.setdefault(key, _read(thing.data, slots, uv_of))
+        parent = instance.parent.original.name_full if instance.parent else ""
+        owner = (thing.original.name_full, parent)
+        found.append(Placed(mesh, names, np.array(instance.matrix_world), owner))
+    return found, list(warnings)
+
+
+def _special(thing: bpy.types.Object) -> list[str]:
+    """Ways of being rendered that the prediction does not know, in words."""
+    found = []
+    if not thing.visible_camera:
+        found.append(
+            f"{thing.name} is hidden from the camera: the prediction leaves it out, shadows and all."
+        )
+    elif thing.is_holdout or thing.is_shadow_catcher:
+        kind = "a holdout" if thing.is_holdout else "a shadow catcher"
+        found.append(f"{thing.name} is {kind}: the prediction shows it as a plain surface.")
+    elif not all((thing.visible_diffuse, thing.visible_glossy, thing.visible_shadow)):
+        found.append(f"{thing.name} is hidden from some rays: the prediction shows it to all.")
+    return found
+
+
+def _materials(thing: bpy.types.Object) -> list[bpy.types.Material | None]:
+    """What the slots hold; at least one slot, which may hold nothing."""
+    slots = [slot.material for slot in thing.material_slots] or list(thing.data.materials)
+    return [m.original if m else None for m in slots] or [None]
+
+
+def has_surface(material: bpy.types.Material | None) -> bool:
+    """Whether a material shows a surface; a box of fog has none."""
+    tree = node_tree(material) if material else None
+    output = tree.get_output_node("CYCLES") if tree else None
+    return output is None or output.inputs["Surface"].is_linked or not output.inputs["Volume"].is_linked
+
+
+def _read(mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None], uv_of: UvOf) -> Mesh:
+    """Attributes come as blocks of memory; the same by loops and triangles takes a hundred times as long."""
+    mesh.calc_loop_triangles()
+    count, corners = len(mesh.loop_triangles), len(mesh.loops)
+    polygon = _array(mesh.loop_triangle_polygons, "value", (count,), np.int32)
+    # Blender shows faces whose slot does not exist in the last one.
+    slot = np.clip(_attribute(mesh, "material_index", (len(mesh.polygons),)), 0, len(slots) - 1)[polygon]
+    return Mesh(
+        vertices=_array(mesh.vertices, "co", (len(mesh.vertices), 3), np.float32),
+        corners=_attribute(mesh, ".corner_vert", (corners,)),
+        normals=_array(mesh.corner_normals, "vector", (corners, 3), np.float32),
+        triangles=_array(mesh.loop_triangles, "loops", (count, 3), np.int32),
+        slot=slot,
+        solid=np.array([has_surface(m) for m in slots]),
+        uvs=_uvs(mesh, slots, uv_of),
+    )
+
+
+def _uvs(
+    mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None], uv_of: UvOf
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """See `geometry.Mesh`; slots that read the same map share it."""
+    if not mesh.uv_layers:
+        return []
+    active = next((layer for layer in mesh.uv_layers if layer.active_render), mesh.uv_layers[0])
+    wanted = [uv_of(material) if material else ("", np.eye(3)) for material in slots]
+    layers = [mesh.uv_layers.get(name) or active for name, _ in wanted]
+    read = {each.name: _array(each.uv, "vector", (len(mesh.loops), 2), np.float32) for each in layers}
+    return [(read[each.name], matrix) for each, (_, matrix) in zip(layers, wanted, strict=True)]
+
+
+def _attribute(mesh: bpy.types.Mesh, name: str, shape: tuple[int, ...]) -> np.ndarray:
+    """Whole numbers of an attribute; zeros where the mesh has none of that name."""
+    found = mesh.attributes.get(name)
+    return _array(found.data, "value", shape, np.int32) if found else np.zeros(shape, np.int32)
+
+
+def _array(collection, attribute: str, shape: tuple[int, ...], kind: type) -> np.ndarray:
+    flat: np.ndarray = np.empty(int(np.prod(shape)), kind)
+    collection.foreach_get(attribute, flat)
+    return flat.reshape(shape)

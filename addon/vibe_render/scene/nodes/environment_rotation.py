@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The turn of an environment texture around the vertical axis: Rotation Z of the Mapping node before it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from bpy.types import Node, NodeSocket, World
+
+from ...core import locks
+from ...core.journal import Journal
+from ...core.value_slots import Lazy, Place, Property
+from . import owned, shaders
+
+NAME = "Vibe Rotation"
+
+
+@dataclass
+class Turn:
+    """A place: the angle by which the looked-up direction is turned, radians.
+
+    A Mapping node of type Texture turns the other way round.
+    """
+
+    mapping: Node
+
+    @property
+    def locked(self) -> str:
+        """Why the angle must be left alone."""
+        socket, source = shaders.resolve(self.mapping.inputs["Rotation"], ())
+        return locks.of_socket(socket, source)
+
+    @property
+    def _sign(self) -> float:
+        return -1.0 if self.mapping.vector_type == "TEXTURE" else 1.0
+
+    def get(self) -> float:
+        """Radians."""
+        return self._sign * self.mapping.inputs["Rotation"].default_value[2]
+
+    def set(self, journal: Journal, raw: float) -> None:
+        """Turns the environment."""
+        Property(self.mapping.inputs["Rotation"], "default_value", index=2).set(journal, self._sign * raw)
+
+
+def place(world: World) -> Place | None:
+    """The turn of the environment texture that a world's background comes from; None without one."""
+    found = shaders.background(world)
+    texture = found and shaders.environment(found.node.inputs["Color"])
+    if not texture:
+        return None
+    vector = texture.node.inputs["Vector"]
+
+    def find() -> Place | None:
+        links = shaders.active_links(vector)
+        node = links[0].from_node if links else None
+        return Turn(node) if node and node.bl_idname == "ShaderNodeMapping" else None
+
+    def make(journal: Journal) -> Place:
+        tree = vector.id_data
+        mapping = journal.node(tree, "ShaderNodeMapping", NAME)
+        owned.dress(journal, tree, mapping, texture.node)
+        owned.insert(journal, _direction(journal, vector, mapping), mapping, "Vector", vector, "Vector")
+        return Turn(mapping)
+
+    existing = find()
+    return existing or Lazy(find, make, 0.0, locks.of_socket(vector, None))
+
+
+def _direction(journal: Journal, vector: NodeSocket, mapping: Node) -> NodeSocket:
+    links = shaders.active_links(vector)
+    if links:
+        return links[0].from_socket
+    node = journal.node(vector.id_data, "ShaderNodeTexCoord", "Vibe Direction")
+    node.parent = mapping.parent
+    node.location = (mapping.location.x - node.width - 60.0, mapping.location.y)
+    return node.outputs["Generated"]

@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What Vibe Render adds to a scene: marked, named and coloured, so that artists know it and we find it again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import bpy
+from bpy.types import ID, Node, NodeSocket, NodeTree, Object
+
+from ...core.journal import Journal
+
+MARK = "vibe_owned"
+FOG = "Vibe Fog"
+COLOR = (0.32, 0.22, 0.46)
+
+
+def is_owned(block: ID) -> bool:
+    """Whether we have made this data-block."""
+    return MARK in block
+
+
+def is_fog(obj: Object) -> bool:
+    """Whether an object is a fog box of ours, which has no surface."""
+    return obj.get(MARK) == FOG
+
+
+def mark(block: Any, role: str) -> None:
+    """Marks a data-block as ours."""
+    block[MARK] = role
+
+
+def find(blocks: Iterable[ID], role: str) -> Any:
+    """The data-block that we have made for a role; None if there is none."""
+    return next((b for b in blocks if b.get(MARK) == role and b.library is None), None)
+
+
+def group(journal: Journal, name: str, kind: str) -> tuple[NodeTree, bool]:
+    """Our node group of a name, and whether it is new and to be filled."""
+    tree = find(bpy.data.node_groups, name)
+    if tree is not None:
+        return tree, False
+    tree = journal.new("node_groups", name, kind)
+    mark(tree, name)
+    return tree, True
+
+
+def socket(
+    tree: NodeTree, name: str, kind: str, default: Any, low: float | None = None, high: float | None = None
+) -> None:
+    """Declares a group's input, with the bounds that its slider has."""
+    item = tree.interface.new_socket(name, in_out="INPUT", socket_type=kind)
+    item.default_value = default
+    if low is not None:
+        item.min_value, item.max_value = low, high
+
+
+def group_node(journal: Journal, tree: NodeTree, inner: NodeTree, beside: Node) -> Node:
+    """Adds a node for one of our groups to the left of another node, in a frame."""
+    kind = {"ShaderNodeTree": "ShaderNodeGroup", "CompositorNodeTree": "CompositorNodeGroup"}[tree.bl_idname]
+    node = journal.node(tree, kind, inner.name)
+    node.node_tree = inner
+    dress(journal, tree, node, beside)
+    return node
+
+
+def dress(journal: Journal, tree: NodeTree, node: Node, beside: Node) -> None:
+    """Colours a node of ours and frames it, to the left of another one."""
+    node.label, node.use_custom_color, node.color = node.name, True, COLOR
+    frame = journal.node(tree, "NodeFrame", "Vibe Render")
+    frame.label, frame.use_custom_color, frame.color = "Vibe Render", True, COLOR
+    node.parent = frame
+    node.location = (beside.location.x - node.width - 60.0, beside.location.y)
+
+
+def group_nodes(tree: NodeTree | None, name: str) -> list[Node]:
+    """The nodes of a tree that use our group of a name."""
+    nodes = tree.nodes if tree else ()
+    return [n for n in nodes if n.type == "GROUP" and n.node_tree and n.node_tree.get(MARK) == name]
+
+
+def insert(
+    journal: Journal, source: NodeSocket | None, node: Node, entry: str, target: NodeSocket, exit_: str
+) -> None:
+    """Puts a node into a link: source → node.inputs[entry], node.outputs[exit_] → target."""
+    if source is not None:
+        journal.link(source, node.inputs[entry])
+    journal.link(node.outputs[exit_], target)
+
+
+class Builder:
+    """Fills a node group of ours, from left to right."""
+
+    def __init__(self, tree: NodeTree) -> None:
+        self.tree = tree
+        self.entry = tree.nodes.new("NodeGroupInput")
+        self._column = 0
+
+    def inputs(self, *names: str) -> list[NodeSocket]:
+        """The group's inputs, as outputs of its input node."""
+        return [self.entry.outputs[name] for name in names]
+
+    def add(self, node: Node) -> Node:
+        """Places a node to the right of the ones before."""
+        self._column += 1
+        node.location = (200.0 * self._column, 0.0)
+        return node
+
+    def node(self, kind: str, **inputs: Any) -> Node:
+        """Adds a node with its inputs linked (sockets) or set (values)."""
+        node = self.add(self.tree.nodes.new(kind))
+        for name, given in inputs.items():
+            self.put(node.inputs[name], given)
+        return node
+
+    def put(self, target: NodeSocket, given: Any) -> None:
+        """Links a socket to an input, or sets the input's value."""
+        if isinstance(given, NodeSocket):
+            self.tree.links.new(given, target)
+        else:
+            target.default_value = given
+
+    def math(self, operation: str, *operands: Any, clamp: bool = False) -> NodeSocket:
+        """The result of a Math node."""
+        node = self.node("ShaderNodeMath")
+        node.operation, node.use_clamp = operation, clamp
+        for target, given in zip(node.inputs, operands, strict=False):
+            self.put(target, given)
+        return node.outputs[0]
+
+    def vector(self, operation: str, *operands: Any, scale: Any = None) -> NodeSocket:
+        """The result of a Vector Math node; colors pass through it as vectors."""
+        node = self.node("ShaderNodeVectorMath")
+        node.operation = operation
+        for target, given in zip(node.inputs, operands, strict=False):
+            self.put(target, given)
+        if scale is not None:
+            self.put(node.inputs["Scale"], scale)
+        return node.outputs["Value" if operation in {"DOT_PRODUCT", "LENGTH"} else "Vector"]
+
+    def output(self, source: NodeSocket) -> None:
+        """The group's only output."""
+        node = self.add(self.tree.nodes.new("NodeGroupOutput"))
+        self.tree.links.new(source, node.inputs[0])

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cameras and lights on their orbit around the subject (formulas in schema/orbit.py)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from bpy.types import Object
+from mathutils import Matrix, Vector
+
+from ..core import locks
+from ..core.journal import Journal
+from ..core.schema_import import schema
+from ..core.value_slots import Property, same
+
+
+@dataclass
+class Pose:
+    """Where an object stands and how it is turned relative to the pivot.
+
+    Attributes:
+        obj: A camera or light.
+        pivot: What it orbits, world space.
+        azimuth: Degrees.
+        elevation: Degrees.
+        distance: Metres.
+        residual: Its rotation relative to looking straight at the pivot; kept on its way.
+    """
+
+    obj: Object
+    pivot: Vector
+    azimuth: float
+    elevation: float
+    distance: float
+    residual: Matrix
+
+    @classmethod
+    def of(cls, obj: Object, pivot: Vector) -> Pose:
+        """The present pose; of a sun, where its light comes from."""
+        rotation = _rotation(obj)
+        offset = obj.matrix_world.translation - pivot
+        towards = rotation.col[2] if is_sun(obj) else offset
+        azimuth, elevation = schema.orbit.angles(towards)
+        residual = Matrix(schema.orbit.frame(azimuth, elevation)).transposed() @ rotation
+        return cls(obj, pivot, azimuth, elevation, max(offset.length, 1e-6), residual)
+
+    def apply(self, journal: Journal) -> None:
+        """Moves and turns the object to the pose."""
+        rotation = Matrix(schema.orbit.frame(self.azimuth, self.elevation)) @ self.residual
+        if not is_sun(self.obj):
+            direction = Vector(schema.orbit.direction(self.azimuth, self.elevation))
+            Property(self.obj, "location").set(journal, tuple(self.pivot + self.distance * direction))
+        mode = self.obj.rotation_mode
+        if mode == "QUATERNION":
+            Property(self.obj, "rotation_quaternion").set(journal, tuple(rotation.to_quaternion()))
+        elif mode == "AXIS_ANGLE":
+            axis, angle = rotation.to_quaternion().to_axis_angle()
+            Property(self.obj, "rotation_axis_angle").set(journal, (angle, *axis))
+        else:
+            euler = rotation.to_euler(mode, self.obj.rotation_euler)
+            Property(self.obj, "rotation_euler").set(journal, tuple(euler))
+
+
+@dataclass
+class Coordinate:
+    """A place: one of a pose's three coordinates. The places of one object share its pose."""
+
+    pose: Pose
+    name: str
+
+    @property
+    def locked(self) -> str:
+        """Why the object must stay where it is."""
+        return locks.of_pose(self.pose.obj)
+
+    def get(self) -> float:
+        """Degrees or metres."""
+        return getattr(self.pose, self.name)
+
+    def set(self, journal: Journal, raw: float) -> None:
+        """Moves the object along its orbit."""
+        if not same(raw, self.get()):
+            setattr(self.pose, self.name, raw)
+            self.pose.apply(journal)
+
+
+def is_sun(obj: Object) -> bool:
+    """Whether an object's light comes from infinitely far away."""
+    return obj.type == "LIGHT" and obj.data.type == "SUN"
+
+
+def _rotation(obj: Object) -> Matrix:
+    if obj.parent or obj.constraints:
+        return obj.matrix_world.to_3x3().normalized()
+    if obj.rotation_mode == "QUATERNION":
+        return obj.rotation_quaternion.normalized().to_matrix()
+    if obj.rotation_mode == "AXIS_ANGLE":
+        angle, *axis = obj.rotation_axis_angle
+        return Matrix.Rotation(angle, 3, Vector(axis))
+    return obj.rotation_euler.to_matrix()

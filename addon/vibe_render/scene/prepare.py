@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Gives a scene what a vibe needs and it lacks: a world, a camera, a light, a material. Revert takes it away."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import pi, tan
+
+import bpy
+from bpy.types import Object, Scene
+from mathutils import Matrix, Vector
+
+from ..core import compat
+from ..core.journal import Journal
+from ..core.schema_import import schema
+from . import scene_context, snapshot
+from .nodes import owned, shaders
+
+LIGHTS = {
+    "Vibe Key": (-40.0, 40.0, 0.4, 1.2),
+    "Vibe Fill": (50.0, 15.0, 0.8, 0.3),
+    "Vibe Rim": (155.0, 45.0, 0.3, 2.0),
+}
+"""Lights that we may add: azimuth from the camera, elevation (degrees), size in distances, and the radiance
+of a white surface that faces them (P / (π² d²), see Blender's area lights)."""
+
+
+def prepare(scene: Scene, subject: Sequence[Object] = ()) -> list[str]:
+    """Adds what is missing, marked as ours and recorded in the scene's snapshot.
+
+    Args:
+        scene: The scene.
+        subject: What the picture is about; without it, everything that a render sees.
+
+    Returns:
+        What has been added, in words for the artist.
+    """
+    about = list(subject) or scene_context.meshes(scene)
+    low, high = scene_context.bounds(scene, about)
+    with snapshot.transaction(scene) as journal:
+        added = [
+            _world(journal, scene),
+            _camera(journal, scene, low, high),
+            _key(journal, scene, low, high),
+            *(_material(journal, obj) for obj in about),
+        ]
+    scene_context.layer(scene).update()
+    return [words for words in added if words]
+
+
+def _world(journal: Journal, scene: Scene) -> str:
+    if scene.world is None:
+        world = journal.new("worlds", "Vibe World")
+        compat.enable_nodes(world)
+        owned.mark(world, "Vibe World")
+        journal.set(scene, "world", world)
+        return "a world"
+    if sum(other.world == scene.world for other in bpy.data.scenes) > 1:
+        journal.set(scene, "world", journal.copy("worlds", scene.world))
+        return "its own copy of a world that other scenes use"
+    return ""
+
+
+def _camera(journal: Journal, scene: Scene, low: Vector, high: Vector) -> str:
+    if scene.camera is not None:
+        return ""
+    data = journal.new("cameras", "Vibe Camera")
+    camera = journal.new("objects", "Vibe Camera", data)
+    for block in (data, camera):
+        owned.mark(block, "Vibe Camera")
+    distance = 1.2 * (high - low).length / 2.0 / tan(data.angle / 2.0) * _portrait(scene)
+    data.clip_end = max(data.clip_end, 10.0 * distance)
+    data.clip_start = min(data.clip_start, 0.01 * distance)
+    _stand(camera, (low + high) / 2.0, 25.0, 15.0, distance)
+    scene.collection.objects.link(camera)
+    journal.set(scene, "camera", camera)
+    return "a camera"
+
+
+def _portrait(scene: Scene) -> float:
+    """By how much the shorter side of the picture sees less than the longer one, on which the lens is fitted."""
+    sides = (scene.render.resolution_x, scene.render.resolution_y)
+    return max(sides) / min(sides)
+
+
+def _key(journal: Journal, scene: Scene, low: Vector, high: Vector) -> str:
+    if scene_context.lights(scene):
+        return ""
+    light = add_light(journal, scene, "Vibe Key", low, high)
+    if not _is_lit(scene):
+        return "a key light"
+    light.data.energy = 0.0  # a scene that its world lights keeps its look
+    return "a key light, switched off because the world lights the scene"
+
+
+def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vector) -> Object:
+    """Adds one of our lights to a scene.
+
+    Args:
+        journal: Records it.
+        scene: The scene.
+        name: One of `LIGHTS`.
+        low: Least corner of what it is to light, world space.
+        high: Greatest corner.
+    """
+    azimuth, elevation, size, brightness = LIGHTS[name]
+    data = journal.new("lights", name, "AREA")
+    light = journal.new("objects", name, data)
+    for block in (data, light):
+        owned.mark(block, name)
+    pivot, distance = (low + high) / 2.0, light_distance(low, high)
+    data.size = size * distance
+    data.energy = brightness * pi**2 * distance**2
+    front = schema.orbit.angles(scene.camera.matrix_world.translation - pivot)[0] if scene.camera else 0.0
+    _stand(light, pivot, front + azimuth, elevation, distance)
+    scene.collection.objects.link(light)
+    return light
+
+
+def light_distance(low: Vector, high: Vector) -> float:
+    """How far from the middle of what they light our lights stand, metres."""
+    return 1.5 * max((high - low).length, 1e-3)
+
+
+def _is_lit(scene: Scene) -> bool:
+    found = shaders.background(scene.world) if scene.world else None
+    if found is None:
+        return False
+    color, strength = found.node.inputs["Color"], found.node.inputs["Strength"]
+    if shaders.active_links(color) or shaders.active_links(strength):
+        return True
+    return max(color.default_value[:3]) * strength.default_value > 0.1
+
+
+def _stand(obj: Object, pivot: Vector, azimuth: float, elevation: float, distance: float) -> None:
+    rotation = Matrix(schema.orbit.frame(azimuth, elevation))
+    place = pivot + distance * Vector(schema.orbit.direction(azimuth, elevation))
+    obj.matrix_world = Matrix.Translation(place) @ rotation.to_4x4()
+
+
+def _material(journal: Journal, obj: Object) -> str:
+    data = obj.data
+    filled = [slot for slot in obj.material_slots if slot.material]
+    if filled or data.library or data.override_library or not hasattr(data, "materials"):
+        return ""
+    material = journal.new("materials", f"Vibe {obj.name}")
+    compat.enable_nodes(material)
+    owned.mark(material, "material")
+    if obj.material_slots:
+        journal.set(obj.material_slots[0], "material", material)
+    else:
+        journal.append_material(data, material)
+    return f'a material for "{obj.name}"'

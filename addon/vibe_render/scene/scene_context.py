@@ -1,0 +1,230 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Who is in a scene: its camera, lights, materials and world, with their roles and the scene's lengths."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import bpy
+from bpy.types import Light, Material, Object, Scene
+from mathutils import Matrix, Vector
+
+from ..core.schema_import import schema
+from .nodes import owned
+
+GEOMETRY = {"MESH", "CURVE", "SURFACE", "FONT", "META", "CURVES", "POINTCLOUD"}
+
+
+@dataclass(frozen=True)
+class Owner:
+    """Something that has parameters.
+
+    Attributes:
+        name: Its name in keys; "" for what a scene has one of.
+        thing: Its data-block.
+        role: "subject" or "surroundings" for materials; "key", "fill" or "rim" for lights.
+        references: Its own lengths, by the names of the schema's REFERENCES.
+    """
+
+    name: str
+    thing: Any
+    role: str = ""
+    references: dict[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Cast:
+    """A scene as seen from its subject.
+
+    Attributes:
+        scene: The scene.
+        subject: The objects that the picture is about.
+        pivot: The centre of their bounding box, world space, which cameras and lights orbit.
+        everything: Whether materials that the camera does not see count too.
+        poses: The poses that have been read, by object; the coordinates of one share it.
+    """
+
+    scene: Scene
+    subject: Sequence[Object]
+    pivot: Vector
+    everything: bool = False
+    poses: dict[Object, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        layer(self.scene).update()  # matrices and memberships of what has changed just now
+
+
+def layer(scene: Scene) -> bpy.types.ViewLayer:
+    """The view layer that we see the scene through: the first that is rendered."""
+    return next((each for each in scene.view_layers if each.use), scene.view_layers[0])
+
+
+def visible(scene: Scene, obj: Object) -> bool:
+    """Whether a render shows the object (its own flags, its collections', its view layer's)."""
+    hidden = obj.hide_render or all(c.hide_render for c in obj.users_collection)
+    return not hidden and obj.name in layer(scene).objects
+
+
+def depsgraph(scene: Scene) -> bpy.types.Depsgraph:
+    """The evaluated scene, up to date."""
+    chosen = layer(scene)
+    chosen.update()
+    return chosen.depsgraph
+
+
+def lights(scene: Scene) -> list[Object]:
+    """The lights that a render sees, by name; those whose place is not a number light nothing."""
+    found = [o for o in scene.objects if o.type == "LIGHT" and visible(scene, o) and placed(o)]
+    return sorted(found, key=lambda o: o.name_full)
+
+
+def placed(obj: Object) -> bool:
+    """Whether an object's place is finite; broken drivers and constraints leave it otherwise."""
+    return all(math.isfinite(v) for row in obj.matrix_world for v in row)
+
+
+def meshes(scene: Scene) -> list[Object]:
+    """The objects with a surface that a render sees, by name; fog boxes of ours are none."""
+    found = [o for o in scene.objects if o.type in GEOMETRY and visible(scene, o) and not owned.is_fog(o)]
+    return sorted(found, key=lambda o: o.name_full)
+
+
+def materials(scene: Scene, subject: Sequence[Object], everything: bool = False) -> dict[Material, str]:
+    """The materials that the camera sees, and whether they are the subject's or the surroundings'.
+
+    Instances of collections and geometry nodes are looked into. What the frame leaves out is left
+    out, unless `everything` is asked for.
+    """
+    graph = depsgraph(scene)
+    chosen, to_clip = set(subject), None if everything else frustum(scene)
+    roles: dict[Material, str] = {}
+    for item in graph.object_instances:
+        original, parent = item.object.original, item.parent and item.parent.original
+        if item.object.type not in GEOMETRY or owned.is_fog(original) or not item.show_self:
+            continue
+        if (parent or original).hide_render or not (to_clip is None or in_frame(to_clip, item)):
+            continue
+        role = "subject" if original in chosen or parent in chosen else "surroundings"
+        for material in _used(item.object):
+            if roles.get(material) != "subject":
+                roles[material] = role
+    return dict(sorted(roles.items(), key=lambda pair: pair[0].name_full))
+
+
+def _used(evaluated: Object) -> list[Material]:
+    slots = [slot.material for slot in evaluated.material_slots]
+    slots += getattr(evaluated.data, "materials", None) or []
+    return [m.original for m in slots if m]
+
+
+def frustum(scene: Scene) -> Matrix | None:
+    """World space to the clip space of the scene's camera; None if there is none."""
+    camera, render = scene.camera, scene.render
+    if camera is None or camera.type != "CAMERA":
+        return None
+    projection = camera.calc_matrix_camera(
+        layer(scene).depsgraph,
+        x=render.resolution_x,
+        y=render.resolution_y,
+        scale_x=render.pixel_aspect_x,
+        scale_y=render.pixel_aspect_y,
+    )
+    return projection @ camera.matrix_world.normalized().inverted()
+
+
+def in_frame(to_clip: Matrix, item: bpy.types.DepsgraphObjectInstance) -> bool:
+    """Whether a bounding box reaches into the camera's view; conservative."""
+    to_clip = to_clip @ item.matrix_world
+    corners = [to_clip @ Vector((*corner, 1.0)) for corner in item.object.bound_box]
+    sides = [(axis, sign) for axis in range(3) for sign in (1.0, -1.0)]
+    return not any(all(sign * c[axis] > c.w for c in corners) for axis, sign in sides)
+
+
+def bounds(scene: Scene, objects: Iterable[Object]) -> tuple[Vector, Vector]:
+    """World-space corners (least, greatest) of the evaluated objects; a unit box if there are none."""
+    graph = depsgraph(scene)
+    corners = []
+    for obj in objects:
+        evaluated = obj.evaluated_get(graph)
+        corners += [evaluated.matrix_world @ Vector(c) for c in evaluated.bound_box]
+    corners = [c for c in corners if all(map(math.isfinite, c))]
+    if not corners:
+        return Vector((-1.0, -1.0, -1.0)), Vector((1.0, 1.0, 1.0))
+    return Vector(map(min, zip(*corners, strict=True))), Vector(map(max, zip(*corners, strict=True)))
+
+
+def references(cast: Cast) -> dict[str, float]:
+    """The scene-wide lengths that the schema's bounds are multiples of (see schema.REFERENCES)."""
+    low, high = bounds(cast.scene, cast.subject or meshes(cast.scene))
+    height = max(high.z - low.z, 1e-3)
+    camera = cast.scene.camera
+    view = (camera.matrix_world.translation - cast.pivot).length if camera else 3.0 * height
+    view = max(view, 1e-3)
+    return {
+        "view_distance": view,
+        "per_view_distance": 1.0 / view,
+        "subject_height": height,
+        "per_subject_height": 1.0 / height,
+    }
+
+
+def owners(cast: Cast, group: str) -> list[Owner]:
+    """Everything in the scene that has the parameters of a group."""
+    scene = cast.scene
+    if group == "camera":
+        return [Owner("", scene.camera)] if scene.camera and scene.camera.type == "CAMERA" else []
+    if group == "light":
+        roles = light_roles(cast)
+        return [Owner(o.name_full, o, roles[o], _light_lengths(o, cast.pivot)) for o in roles]
+    if group == "material":
+        return [
+            Owner(m.name_full, m, role) for m, role in materials(scene, cast.subject, cast.everything).items()
+        ]
+    if group == "world":
+        return [Owner("", scene.world)] if scene.world else []
+    return [Owner("", scene)]
+
+
+def _light_lengths(obj: Object, pivot: Vector) -> dict[str, float]:
+    distance = max((obj.matrix_world.translation - pivot).length, 1e-3)
+    return {"light_distance": distance, "light_distance_squared": distance * distance}
+
+
+def light_roles(cast: Cast) -> dict[Object, str]:
+    """What each light does: "rim" from behind the subject, the brightest other one "key", the rest "fill"."""
+    found = lights(cast.scene)
+    rims = {o for o in found if _from_behind(o, cast)}
+    front = [o for o in found if o not in rims] or found
+    key = max(front, key=lambda o: _irradiance(o, cast.pivot), default=None)
+    return {o: "key" if o is key else "rim" if o in rims else "fill" for o in found}
+
+
+def towards_light(obj: Object, pivot: Vector) -> Vector:
+    """Unit vector from the subject to where the light comes from."""
+    if obj.data.type == "SUN":
+        return obj.matrix_world.to_3x3().normalized() @ Vector((0.0, 0.0, 1.0))
+    offset = obj.matrix_world.translation - pivot
+    return offset.normalized() if offset.length > 1e-6 else Vector((0.0, 0.0, 1.0))
+
+
+def _from_behind(obj: Object, cast: Cast) -> bool:
+    camera = cast.scene.camera
+    view = (
+        (camera.matrix_world.translation - cast.pivot) if camera else Vector(schema.orbit.direction(0.0, 0.0))
+    )
+    flat, light = view.xy, towards_light(obj, cast.pivot).xy
+    if flat.length < 1e-6 or light.length < 0.2:  # straight above is nobody's back
+        return False
+    return flat.normalized().dot(light.normalized()) < -0.2
+
+
+def _irradiance(obj: Object, pivot: Vector) -> float:
+    data: Light = obj.data
+    power = data.energy * max(data.color) * 2.0 ** getattr(data, "exposure", 0.0)
+    if data.type == "SUN":
+        return power
+    distance = _light_lengths(obj, pivot)["light_distance"]
+    return power / (4.0 * math.pi**2 * distance * distance)

@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a picture is about: named objects, a collection, what is selected, or what the camera is pointed at."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ..core.schema_import import schema
+from .geometry.triangles import Geometry
+from .geometry.visibility import RAYS, Visibility
+from .stored_subject import recall
+
+_PROMINENT = 0.1  # of the most prominent object's weight: what is less is decoration
+_FLAT = 0.35  # height over width of things that others stand on
+
+
+@dataclass(frozen=True)
+class Choice:
+    """How the subject is chosen; with no field set, by what the picture shows.
+
+    Attributes:
+        objects: Names of objects or collections.
+        selected: Take the selected objects.
+    """
+
+    objects: tuple[str, ...] = ()
+    selected: bool = False
+
+    @property
+    def explicit(self) -> bool:
+        """Whether somebody chose."""
+        return self.selected or bool(self.objects)
+
+
+def choose(scene: bpy.types.Scene, geometry: Geometry, seen: Visibility, choice: Choice) -> np.ndarray:
+    """Which objects of the geometry are the subject: (number of objects,) bool, at least one True.
+
+    Raises:
+        VibeError: A name is unknown, or nothing of what was chosen shows in the render.
+    """
+    names = {o.name_full for o in named(scene, choice)}
+    if not names:
+        return automatic(scene, geometry, seen)
+    chosen = np.array([name in names or parent in names for name, parent in geometry.objects])
+    if not chosen.any():
+        if not choice.explicit:  # what was chosen once is not in the picture now
+            return automatic(scene, geometry, seen)
+        raise schema.VibeError(
+            "The chosen subject has no mesh that a render shows.", "Choose another object."
+        )
+    return chosen
+
+
+def named(scene: bpy.types.Scene, choice: Choice) -> list[bpy.types.Object]:
+    """The chosen objects, or those of the last choice, and everything below them; none if the choice is ours.
+
+    Raises:
+        VibeError: A name is unknown, or nothing is selected.
+    """
+    chosen: list[bpy.types.Object] = []
+    for name in choice.objects:
+        collection = next((c for c in scene.collection.children_recursive if c.name == name), None)
+        if collection is None and name not in scene.objects:
+            near = ", ".join(o.name for o in scene.objects if o.type == "MESH")[:200]
+            raise schema.VibeError(f"There is no object or collection {name!r}.", f"There are: {near}.")
+        chosen += collection.all_objects if collection else [scene.objects[name]]
+    if choice.selected:
+        chosen += [o for o in scene.objects if o.select_get()] or recall(scene)
+        if not chosen:
+            raise schema.VibeError("Nothing is selected.", "Select the subject, or leave the choice to us.")
+    if not choice.explicit:
+        chosen = recall(scene)
+    return list(dict.fromkeys(o for thing in chosen for o in (thing, *thing.children_recursive)))
+
+
+def automatic(scene: bpy.types.Scene, geometry: Geometry, seen: Visibility) -> np.ndarray:
+    """The prominent things in view, without what they stand on or in front of: (number of objects,) bool.
+
+    Surroundings are things that reach three sides of the picture, that enclose the camera, or that
+    are flat and leave the picture or carry another thing.
+
+    Raises:
+        VibeError: The camera sees nothing.
+    """
+    count = len(geometry.objects)
+    weight = np.array([(_centrality() * (seen.object == i)).sum() for i in range(count)])
+    if not weight.any():
+        raise schema.VibeError("The camera sees no mesh.", "Point the scene's camera at something.")
+    visible = weight > 0
+    apart = visible & ~_enclosing(scene, geometry.boxes) & (_borders(seen.object, count) < 3)
+    apart &= ~_grounds(geometry.boxes, visible, _borders(seen.object, count))
+    if not apart.any():  # a close-up fills the picture, and is what it is about
+        apart = weight == weight.max()
+    return apart & (weight >= _PROMINENT * weight[apart].max())
+
+
+def _centrality() -> np.ndarray:
+    """(R, R): how much a place in the picture matters, 1 in the middle."""
+    u = (np.arange(RAYS) + 0.5) / RAYS * 2 - 1
+    return np.exp(-1.5 * (u[:, None] ** 2 + u**2))
+
+
+def _enclosing(scene: bpy.types.Scene, boxes: np.ndarray) -> np.ndarray:
+    eye = np.array(scene.camera.matrix_world.translation)
+    return ((boxes[:, 0] < eye) & (eye < boxes[:, 1])).all(1)
+
+
+def _borders(owner: np.ndarray, count: int) -> np.ndarray:
+    """(N,): on how many of the picture's four sides an object shows."""
+    sides = (owner[0], owner[-1], owner[:, 0], owner[:, -1])
+    return np.array([sum(bool((side == i).any()) for side in sides) for i in range(count)])
+
+
+def _grounds(boxes: np.ndarray, visible: np.ndarray, borders: np.ndarray) -> np.ndarray:
+    """(N,): flat things that leave the picture or that something visible stands on or in front of."""
+    size = boxes[:, 1] - boxes[:, 0]
+    widest = np.maximum(size.max(1), 1e-9)
+    thin = size.min(1) < 0.02 * widest
+    low = size[:, 2] < _FLAT * widest
+    slack = 0.05 * widest[:, None]
+    middle = boxes.mean(1)
+    over = (boxes[:, None, 0, :2] < middle[None, :, :2]) & (middle[None, :, :2] < boxes[:, None, 1, :2])
+    above = boxes[None, :, 0, 2] > boxes[:, None, 1, 2] - slack
+    smaller = widest[None] < 0.7 * widest[:, None]
+    carries = (over.all(2) & above & smaller & visible[None]).any(1)
+    return (thin & (borders > 0)) | (low & carries)

@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the engine is: looked for, tested and set up beside Blender, whose panels show how it goes."""
+
+from __future__ import annotations
+
+import time
+from concurrent.futures import Future
+from pathlib import Path
+
+import bpy
+
+from ..core import background, drawing
+from ..core.schema_import import messages, schema
+from ..core.user_folder import own_folder
+from ..engine.find import find_python
+from ..engine.process import Engine
+from ..engine.setup import Setup, requirements
+
+_TICK = 0.25  # seconds between looks
+_PATIENCE = 60.0  # seconds that a test waits for the engine's first word
+
+
+class EnginePlace:
+    """What is known about the engine of this computer.
+
+    Attributes:
+        python: The Python that has it; None while that is not known, or there is none.
+        problem: Why there is none.
+        setup: An environment in the making, or the last one that was made.
+        said: What the last test or setup came to, for the preferences; "" before.
+        works: Whether that was good.
+    """
+
+    def __init__(self) -> None:
+        self.python: Path | None = None
+        self.problem: schema.VibeError | None = None
+        self.setup: Setup | None = None
+        self.said, self.works = "", True
+        self._choice: str | None = None
+        self._search: Future[Path] | None = None
+        self._test: Future[str] | None = None
+
+    @property
+    def busy(self) -> bool:
+        """Whether something goes on that panels should follow."""
+        return self.searching or self.testing or self.setting_up
+
+    @property
+    def searching(self) -> bool:
+        """Whether it is being looked for."""
+        return self._search is not None
+
+    @property
+    def testing(self) -> bool:
+        """Whether it is being tested."""
+        return self._test is not None
+
+    @property
+    def setting_up(self) -> bool:
+        """Whether an environment is being made."""
+        return self.setup is not None and self.setup.running
+
+    def look(self, choice: str, again: bool = False) -> None:
+        """Looks for the engine, unless that has been done for the artist's choice of a folder."""
+        if self.searching or (choice == self._choice and not again):
+            return
+        self._choice, self.python, self.problem = choice, None, None
+        self._search = background.begin(lambda: find_python(choice))
+        self._follow()
+
+    def test(self, choice: str) -> None:
+        """Starts an engine to see whether it answers."""
+        if not self.testing:
+            self._test = background.begin(lambda: version(choice))
+            self._follow()
+
+    def set_up(self) -> None:
+        """Makes an environment.
+
+        Raises:
+            VibeError: This copy of the add-on cannot.
+        """
+        if not self.setting_up:
+            self.setup = Setup(own_folder("engine"), requirements())
+            self._follow()
+
+    def close(self) -> None:
+        """Ends what goes on."""
+        if self.setup:
+            self.setup.cancel()
+        if bpy.app.timers.is_registered(self.tick):
+            bpy.app.timers.unregister(self.tick)
+        self.__init__()  # type: ignore[misc]
+
+    def _follow(self) -> None:
+        if not bpy.app.timers.is_registered(self.tick):
+            bpy.app.timers.register(self.tick, first_interval=_TICK)
+
+    def tick(self) -> float | None:
+        """Takes what has been found out; Blender calls it while something goes on."""
+        if self._search and self._search.done():
+            search, self._search = self._search, None
+            self.python, self.problem = _outcome(search)
+        if self._test and self._test.done():
+            test, self._test = self._test, None
+            found, problem = _outcome(test)
+            self.said, self.works = str(problem or f"Engine {found} answers"), problem is None
+        if self.setup and not self.setup.running:
+            self._end_setup(self.setup)
+        drawing.redraw()
+        return _TICK if self.busy else None
+
+    def _end_setup(self, setup: Setup) -> None:
+        self.setup = None
+        try:
+            setup.finish()
+        except schema.VibeError as error:
+            self.said, self.works = str(error), False
+            return
+        from . import preferences
+
+        self.said, self.works = "The engine is set up", True
+        if chosen := preferences.get(bpy.context):
+            chosen.engine = str(setup.folder)
+            self.look(chosen.engine, again=True)
+
+
+def version(choice: str) -> str:
+    """Starts an engine and returns its version; raises VibeError if it does not answer."""
+    engine = Engine(choice)
+    engine.start()
+    try:
+        end = time.monotonic() + _PATIENCE
+        while time.monotonic() < end:
+            for message in engine.poll():
+                if isinstance(message, messages.Ready):
+                    return message.version
+            time.sleep(0.05)
+    finally:
+        engine.stop()
+    raise schema.VibeError("The engine does not answer.", f"See {engine.log}.")
+
+
+def _outcome(future: Future) -> tuple:
+    """(what it returned, None) or (None, the VibeError that says why not)."""
+    try:
+        return future.result(), None
+    except schema.VibeError as error:
+        return None, error
+    except Exception as error:  # a panel must say so, whatever it is
+        return None, schema.VibeError(f"That failed: {error}.", "Please report it.")
+
+
+place = EnginePlace()

@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a vibe found, in the scene: written, mixed with the original, kept or reverted."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import bpy
+
+from ..core.schema_import import labels, messages, schema
+from ..scene import bindings, snapshot
+from . import before_image, changes
+
+
+def apply(
+    scene: bpy.types.Scene,
+    prompt: str,
+    found: messages.Result,
+    subject: Sequence[bpy.types.Object],
+    pivot: Sequence[float],
+    onto: bool = False,
+) -> None:
+    """Writes a result into the scene and lists what it changed; a failure leaves the scene as it was.
+
+    After an earlier vibe the list still leads from the artist's own values, as Revert does.
+
+    Args:
+        scene: The scene that was exported.
+        prompt: What it was asked for.
+        found: The engine's result.
+        subject: The subject at export.
+        pivot: Its centre at export.
+        onto: Whether the list leads from the scene as it is now instead.
+
+    Raises:
+        VibeError: If the result does not fit the scene.
+    """
+    settings = scene.vibe
+    earlier = {} if onto else {c.name: (c.values()[0], c.reason) for c in settings.changes}
+    now = bindings.read(scene, subject, pivot)
+    skipped = bindings.write(scene, found.values, subject, pivot)
+    records = dict(found.report.get("parameters", {}))
+    values: dict[str, Sequence[float]] = {k: v for k, v in found.values.items() if k not in skipped}
+    for key, (own, reason) in earlier.items():
+        left = now.get(key, own)  # as the earlier vibe did, which stays
+        if key not in values and not labels.same(key, own, left):
+            values[key], records[key] = left, {"reason": reason}
+    forget(scene)
+    settings.vibed_prompt, settings.pivot = prompt, pivot
+    before = {**now, **{key: own for key, (own, _) in earlier.items()}}
+    _list_changes(settings, before, _in_order(values, now), {}, records)
+
+
+def _in_order(
+    values: Mapping[str, Sequence[float]], scene: Mapping[str, schema.Values]
+) -> dict[str, Sequence[float]]:
+    """The values as the scene has them, thing by thing; lights that were not there last of the lights."""
+    place = {key: number for number, key in enumerate(scene)}
+
+    def order(key: str) -> tuple[int, int]:
+        return schema.GROUPS.index(schema.split_key(key)[0]), place.get(key, len(place))
+
+    return {key: values[key] for key in sorted(values, key=order)}
+
+
+def _list_changes(
+    settings: Any,
+    before: Mapping[str, schema.Values],
+    values: Mapping[str, Sequence[float]],
+    skipped: Mapping[str, str],
+    records: Mapping[str, Mapping[str, Any]],
+) -> None:
+    """Lists what has been written; a light that was not there before was dark."""
+    for key, new in values.items():
+        if key not in skipped:
+            dark = schema.split_key(key)[2] in ("power", "strength")
+            old = before.get(key) or ((0.0,) if dark else tuple(new))
+            _list_change(settings, key, old, tuple(new), records.get(key, {}))
+
+
+def _list_change(
+    settings: Any, key: str, before: schema.Values, after: schema.Values, record: Mapping[str, Any]
+) -> None:
+    change = settings.changes.add()
+    change.name = key
+    change.before[: len(before)] = before
+    change.after[: len(after)] = after
+    change.reason = record.get("reason", "")
+
+
+def choose(
+    scene: bpy.types.Scene,
+    number: int,
+    variants: Sequence[messages.Variant],
+    subject: Sequence[bpy.types.Object],
+) -> None:
+    """Puts another variant of the last vibe in place of the one that is in the scene.
+
+    Args:
+        scene: The vibed scene.
+        number: Of the one to put there.
+        variants: All of them: what none of them speaks of stays as an earlier vibe left it.
+        subject: The subject at export.
+
+    Raises:
+        VibeError: If the values do not fit the scene.
+    """
+    settings, theirs = scene.vibe, {key for variant in variants for key in variant.values}
+    old = {change.name: change.values()[0] for change in settings.changes}
+    earlier = {c.name: (c.values()[1], c.reason) for c in settings.changes if c.name not in theirs}
+    now = bindings.read(scene, subject, settings.pivot)
+    values = {**{key: new for key, (new, _) in earlier.items()}, **variants[number].values}
+    back = {key: was for key, was in old.items() if key not in values}
+    skipped = bindings.write(scene, {**back, **values}, subject, settings.pivot)
+    settings.changes.clear()
+    settings.strength, settings.show_original, settings.variant = 1.0, False, number
+    reasons = {**{key: reason for key, (_, reason) in earlier.items()}, **variants[number].reasons}
+    records = {key: {"reason": reason} for key, reason in reasons.items()}
+    _list_changes(settings, {**now, **old}, _in_order(values, now), skipped, records)
+
+
+def mix(scene: bpy.types.Scene) -> None:
+    """Writes the values that lie `strength` of the way from the original to the vibe."""
+    settings = scene.vibe
+    strength = 0.0 if settings.show_original else settings.strength
+    values = {}
+    for change in settings.changes:
+        before, after = change.values()
+        values[change.name] = changes.blend(change.name, before, after, strength)
+    bindings.write(scene, values, (), settings.pivot)
+
+
+def forget(scene: bpy.types.Scene) -> None:
+    """Empties the list of changes; the scene's values stay."""
+    settings = scene.vibe
+    settings.changes.clear()  # first: without changes, resetting the sliders writes nothing
+    settings.strength, settings.show_original = 1.0, False
+    settings.vibed_prompt = settings.vibed_preset = ""
+    settings.variant = 0
+
+
+def keep(scene: bpy.types.Scene) -> None:
+    """Makes the values the artist's own; there is nothing to revert to afterwards."""
+    settings = scene.vibe
+    if settings.show_original:
+        settings.show_original = False
+    snapshot.forget(scene)
+    before_image.forget(scene)
+    forget(scene)
+
+
+def revert(scene: bpy.types.Scene) -> list[str]:
+    """Restores the scene as it was before the first vibe; returns what could not be."""
+    lost = snapshot.revert(scene)
+    before_image.forget(scene)
+    forget(scene)
+    return lost

@@ -1,0 +1,233 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A vibe on its way, while Blender stays free: every call of `advance` does a little and returns."""
+
+from __future__ import annotations
+
+import shutil
+import time
+import uuid
+from collections.abc import Callable, Generator
+from dataclasses import asdict
+from pathlib import Path
+from typing import TypeVar, cast
+
+import bpy
+
+from ..core import background, files
+from ..core.schema_import import messages, schema
+from ..engine.process import Engine
+from ..export import jobs
+from ..render import anchors
+from ..scene import shared_materials, snapshot, stored_subject
+from . import before_image, preferences, result
+from .status import LOOKING, Told
+
+READING = "Reading the scene"
+ANCHORING = "Rendering an anchor"
+PAUSING = (READING, ANCHORING)
+"""While these go on, Blender is not free: for long where the scene is large."""
+SILENT = 30.0  # seconds without a word from the engine that are worth a note
+_LOST = 900.0  # and that mean that it hangs
+
+T = TypeVar("T")
+
+
+class Session(Told):
+    """One vibe.
+
+    It remembers the scene's number instead of the scene: an undo meanwhile would leave a dangling reference.
+
+    Attributes:
+        scene: The scene's name, as it was.
+        shared: What is done about materials that other things use too: "ASK", "ALL" or "SINGLE".
+        question: Such materials and who else uses them, by name, while we wait for the artist's answer.
+    """
+
+    def __init__(self, context: bpy.types.Context, engine: Engine, ask: bool = False) -> None:
+        super().__init__(Path(bpy.app.tempdir) / f"vibe-{uuid.uuid4().hex[:8]}")
+        settings = context.scene.vibe
+        self.scene, self._uid = context.scene.name, context.scene.session_uid
+        self.prompt = settings.prompt.strip()
+        self.shared = settings.shared if ask or settings.shared != "ASK" else "ALL"
+        self.question: dict[str, list[str]] = {}
+        self._subject: list[str] = []
+        self._pivot = (0.0, 0.0, 0.0)
+        self._first = Path()  # where the picture of before the first vibe is kept
+        self._vibed = False  # whether an earlier vibe is in the scene
+        self._options = settings.engine_options(context)
+        held = preferences.get(context)
+        self._key = held.vlm_key if held else ""
+        self._choice = settings.choice()
+        self._engine = engine
+        self._steps = self._run()
+
+    def advance(self) -> bool:
+        """Does the next bit; False when the vibe is in the scene.
+
+        Raises:
+            VibeError: If it fails; the scene is as it was.
+        """
+        try:
+            return next(self._steps, None) is not None
+        except OSError as error:
+            if not files.is_full(error):
+                raise
+            raise schema.VibeError(
+                f"There is no room left on the disk, in {bpy.app.tempdir}.",
+                "Make room, or choose another folder for temporary files in Blender's preferences.",
+            ) from error
+
+    def stop(self) -> None:
+        """Asks for the best so far."""
+        self.stage, self._stopping = "Stopping", True
+        self._engine.send(messages.Stop())
+
+    def cancel(self) -> None:
+        """Gives up, or ends what has failed; the scene is as it was."""
+        self._steps.close()
+        if self.asked and self._found is None:
+            if self.silence > SILENT:
+                self._engine.stop(patience=0.02)
+            else:
+                self._engine.abandon()
+        self.discard()
+
+    def discard(self) -> None:
+        """Deletes the temporary files, the preview among them."""
+        shutil.rmtree(self._job, ignore_errors=True)
+
+    def _run(self) -> Generator[str]:
+        """Yields before every wait, so that the panel can show what comes."""
+        yield self.stage
+        yield from self._beside(self._engine.start)
+        while not self._engine.settle():
+            yield self.stage
+        yield from self._beside(self._engine.start)  # it may have died of the last one
+        self.stage = READING
+        yield self.stage
+        scene = self._find_scene()
+        self._vibed, start = snapshot.exists(scene), snapshot.mark(scene)
+        try:
+            yield from self._export()
+            yield from self._settle_shared()
+            yield from self._wait_for_result()
+            # elsewhere one undo would not take the vibe back
+            yield from self._object_mode("Found. Go back to Object Mode to see it")
+            scene, found = self._find_scene(), cast(messages.Result, self._found)
+            result.apply(scene, self.prompt, found, self.subject(scene), self._pivot)
+            if self._choice.explicit:
+                stored_subject.remember(scene, self.subject(scene))
+        except BaseException:  # Esc closes this generator, which raises here
+            self._restore(start)
+            raise
+
+    def _beside(self, act: Callable[[], T]) -> Generator[str, None, T]:
+        """Waits for what needs no Blender; returns what it returned."""
+        work = background.begin(act)
+        yield self.stage
+        while not work.done():
+            yield self.stage
+        return work.result()
+
+    def _object_mode(self, words: str) -> Generator[str]:
+        while bpy.context.mode != "OBJECT":
+            self.stage = words
+            yield self.stage
+
+    def _export(self) -> Generator[str]:
+        """Reads the scene; the artist may have changed it whenever this has yielded."""
+        found = None
+        while found is None:
+            yield from self._object_mode("Go back to Object Mode to go on")  # elsewhere a mesh shows nothing
+            self.stage = READING
+            scene = self._find_scene()
+            captured = jobs.begin(scene, self._choice)
+            self._first = before_image.place(scene)  # the camera may move before the picture comes
+            prospect = yield from self._beside(captured.prospect)
+            found = jobs.finish(self._find_scene(), self._job, self._choice, prospect)
+        self._subject = [obj.name_full for obj in found.survey.objects]
+        self._pivot = found.survey.pivot
+
+    def _settle_shared(self) -> Generator[str]:
+        """Asks about materials that other things use too, unless that is settled; may export anew."""
+        scene = self._find_scene()
+        theirs = shared_materials.found(self.subject(scene))
+        if not theirs:
+            return
+        if self.shared == "ASK":
+            self.question = {m.name: [o.name for o in users] for m, users in theirs.items()}
+            self.stage = "Waiting for your answer"
+            while self.question:
+                yield self.stage
+            self.stage = READING
+            yield self.stage
+            scene = self._find_scene()
+        if self.shared == "SINGLE":
+            shared_materials.separate(scene, self.subject(scene))
+            yield from self._export()
+
+    def answer(self, choice: str) -> None:
+        """The artist's answer to the question: "ALL" or "SINGLE"."""
+        self.shared, self.question = choice, {}
+
+    def _wait_for_result(self) -> Generator[str]:
+        request = messages.Vibe(
+            schema.schema_hash(), str(self._job), self.prompt, asdict(self._options), self._key
+        )
+        self._engine.send(request)
+        self._heard = time.monotonic()
+        self.stage = "Warming up the engine"
+        while self._found is None:
+            yield self.stage
+            self._check_silence()
+            self._find_scene()  # there is no use in going on without it
+            for message in self._engine.poll():
+                self.hear(message)
+                if isinstance(message, messages.Stage) and message.picture:
+                    picture = self._job / message.picture
+                    self.before = before_image.keep(self._first, picture, not self._vibed)
+                if isinstance(message, messages.Anchor):
+                    yield from self._anchor(message)
+
+    def _anchor(self, request: messages.Anchor) -> Generator[str]:
+        """Renders what the engine asks for: Blender is not free for about a second, which the panel says first."""
+        if self._stopping:  # the engine does not wait for it any more
+            return
+        self.stage = ANCHORING
+        yield self.stage
+        scene = self._find_scene()
+        self._engine.send(anchors.answer(scene, self._job, request, self.subject(scene), self._pivot))
+        self._heard = time.monotonic()
+        if not self._stopping:
+            self.stage = LOOKING
+
+    def _check_silence(self) -> None:
+        if self.silence > _LOST:
+            self._engine.stop(patience=0.02)
+            raise schema.VibeError(
+                f"The engine has said nothing for {_LOST / 60:.0f} minutes, and was ended.",
+                f"Try again; if it happens again, see {self._engine.log}.",
+            )
+
+    def subject(self, scene: bpy.types.Scene) -> list[bpy.types.Object]:
+        """What is left of the subject."""
+        return [scene.objects[name] for name in self._subject if name in scene.objects]
+
+    def _restore(self, start: int) -> None:
+        """Takes back what the export has added, unless an undo or another file has done so already."""
+        scene = self._scene_if_there()
+        if scene is None or not snapshot.exists(scene) or snapshot.mark(scene) < start:
+            return
+        snapshot.rollback(scene, start)
+        if self._vibed:
+            snapshot.take(scene)
+
+    def _find_scene(self) -> bpy.types.Scene:
+        scene = self._scene_if_there()
+        if scene is None:
+            raise schema.VibeError(f'The scene "{self.scene}" is gone.', "Start again in another scene.")
+        return scene
+
+    def _scene_if_there(self) -> bpy.types.Scene | None:
+        """It keeps its number when it is renamed or an undo brings it back; scenes of other files have others."""
+        return next((s for s in bpy.data.scenes if s.session_uid == self._uid), None)

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the engine has said of a vibe so far, in words, numbers and pictures for the panel."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+from ..core.schema_import import messages
+from .model_notes import failure_note
+from .word_notes import word_notes
+
+LOOKING = "Looking for the look"
+
+
+class Told:
+    """The news of one vibe.
+
+    Attributes:
+        stage: What is going on, in words.
+        progress: The engine's last word on it.
+        before: The engine's picture of the scene as it was.
+        preview: The newest picture.
+        variants: The looks that were found if several were asked for, the best first, each with its picture.
+    """
+
+    def __init__(self, job: Path) -> None:
+        self.stage = "Starting the engine"
+        self.progress: messages.Progress | None = None
+        self.before: Path | None = None
+        self.preview: Path | None = None
+        self.variants: list[tuple[messages.Variant, Path]] = []
+        self._job = job
+        self._found: messages.Result | None = None
+        self._heard = 0.0  # when the engine spoke last; 0 before it is asked
+        self._stopping = False
+
+    @property
+    def fraction(self) -> float:
+        """How much of the loop is done, 0 to 1."""
+        p = self.progress
+        return ((p.round - 1) * p.steps + p.step) / (p.rounds * p.steps) if p else 0.0
+
+    @property
+    def asked(self) -> bool:
+        """Whether the engine has been given the vibe."""
+        return self._heard > 0.0
+
+    @property
+    def silence(self) -> float:
+        """Seconds since the engine's last word, while it is to speak."""
+        return time.monotonic() - self._heard if self.asked and not self._found else 0.0
+
+    @property
+    def can_stop(self) -> bool:
+        """Whether there is a best so far that `stop` would take."""
+        return self.progress is not None and not self._stopping
+
+    @property
+    def note(self) -> str:
+        """What the artist should know of a vibe that has succeeded; "" if there is nothing."""
+        return failure_note(self._found.report) if self._found else ""
+
+    @property
+    def agreement(self) -> float | None:
+        """Mean CIEDE2000 between the last prediction and the picture of Cycles that came next; None without."""
+        return self._found.report.get("anchored", {}).get("predicted") if self._found else None
+
+    @property
+    def notes(self) -> list[str]:
+        """What went wrong with such pictures, in words for the artist."""
+        return self._found.report.get("anchored", {}).get("notes", []) if self._found else []
+
+    @property
+    def remarks(self) -> list[str]:
+        """What the artist should know about the words: which were left out, guessed, or in each other's way."""
+        return word_notes(self._found.report) if self._found else []
+
+    def hear(self, message: messages.Message) -> None:
+        """Takes note of what the engine says."""
+        self._heard = time.monotonic()
+        if isinstance(message, messages.Stage):
+            self.stage = message.name.capitalize()
+            if message.picture:
+                self.before = self._job / message.picture
+        elif isinstance(message, messages.Progress):
+            self.progress = message
+            self.stage = LOOKING
+            if message.preview:
+                self.preview = self._job / message.preview
+        elif isinstance(message, messages.Result):
+            self._found = message
+            self.preview = self._job / message.prediction
+            self.variants = [(v, self._job / v.picture) for v in message.variants]

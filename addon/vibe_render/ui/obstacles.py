@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is in the way of a vibe, in words that greyed-out buttons show."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..scene import stored_subject
+from ..scene.scene_context import GEOMETRY
+from ..session.engine_state import place
+from ..session.state import desk
+
+
+def obstacle(context: bpy.types.Context) -> str:
+    """Why there can be no vibe now; "" if there can."""
+    scene = context.scene
+    if desk.running:
+        return "A vibe is on its way"
+    if reason := untouchable(context):
+        return reason
+    if not scene.vibe.prompt.strip():
+        return "Describe a mood first"
+    if not any(obj.type in GEOMETRY for obj in scene.objects):
+        return "The scene has no mesh"
+    if not scene.vibe.groups():
+        return "Nothing may change: open a lock"
+    if scene.vibe.subject == "COLLECTION" and not scene.vibe.collection:
+        return "Choose the subject's collection"
+    if scene.vibe.subject == "SELECTED" and not (context.selected_objects or stored_subject.recall(scene)):
+        return "Select the subject"
+    if place.problem:
+        return "Set up the engine first"
+    return ""
+
+
+def untouchable(context: bpy.types.Context) -> str:
+    """Why nothing in the scene may be changed just now; "" if it may."""
+    if not context.scene.is_editable:
+        return "This scene is linked from a library"
+    if context.mode != "OBJECT":  # elsewhere undo knows the mode's own steps only
+        return "Go to Object Mode first"
+    return ""

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# mypy: disable-error-code="valid-type"
+"""The buttons around a vibe: stopped, given up, asked about; its failure read; earlier prompts."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import bpy
+from bpy.props import EnumProperty, StringProperty
+
+from ...core import drawing
+from ...core.schema_import import schema
+from ...session import prompt_history
+from ...session.state import desk
+
+
+class _Running(bpy.types.Operator):
+    """For buttons that are there while a vibe runs."""
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Only while a vibe runs."""
+        cls.poll_message_set("No vibe is on its way")
+        return desk.running
+
+
+class VIBE_OT_stop(_Running):
+    """Stop now, and use the best look so far"""
+
+    bl_idname = "vibe.stop"
+    bl_label = "Stop"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Only while there is a best so far."""
+        cls.poll_message_set("There is no look yet to take")
+        return desk.running and bool(desk.session and desk.session.can_stop)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Asks the engine; its result arrives as usual."""
+        try:
+            if desk.session:
+                desk.session.stop()
+        except schema.VibeError as error:
+            self.report({"ERROR"}, str(error))
+        return {"FINISHED"}
+
+
+class VIBE_OT_cancel(_Running):
+    """Stop now, and leave the scene as it was"""
+
+    bl_idname = "vibe.cancel"
+    bl_label = "Cancel"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Gives up."""
+        desk.cancel()
+        drawing.redraw()
+        return {"FINISHED"}
+
+
+class VIBE_OT_answer(_Running):
+    """Answer, for this scene's other vibes too"""
+
+    bl_idname = "vibe.answer"
+    bl_label = "Answer"
+    bl_options: ClassVar[set[str]] = {"INTERNAL"}
+
+    shared: EnumProperty(
+        items=(
+            ("ALL", "Affect All Users", "The other things change with the subject"),
+            ("SINGLE", "Make Single-User", "The subject gets copies of its own; Revert takes them away"),
+        )
+    )
+
+    @classmethod
+    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
+        """What the answer means."""
+        return cls.bl_rna.properties["shared"].enum_items[properties.shared].description
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Goes on with the vibe."""
+        context.scene.vibe.shared = self.shared
+        if desk.session:
+            desk.session.answer(self.shared)
+        return {"FINISHED"}
+
+
+class VIBE_OT_dismiss(bpy.types.Operator):
+    """Close this message"""
+
+    bl_idname = "vibe.dismiss"
+    bl_label = "Dismiss"
+    bl_options: ClassVar[set[str]] = {"INTERNAL"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Forgets the failure."""
+        desk.forget()
+        return {"FINISHED"}
+
+
+class VIBE_OT_recall(bpy.types.Operator):
+    """Put these words into the prompt"""
+
+    bl_idname = "vibe.recall"
+    bl_label = "Recall"
+    bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
+
+    prompt: StringProperty()
+
+    @classmethod
+    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
+        """All of the words."""
+        return properties.prompt
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Sets the prompt."""
+        context.scene.vibe.prompt = self.prompt
+        return {"FINISHED"}
+
+
+class VIBE_OT_clear_history(bpy.types.Operator):
+    """Forget the prompts that were typed"""
+
+    bl_idname = "vibe.clear_history"
+    bl_label = "Clear History"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Forgets."""
+        prompt_history.clear()
+        return {"FINISHED"}
+
+
+CLASSES = (
+    VIBE_OT_stop,
+    VIBE_OT_cancel,
+    VIBE_OT_answer,
+    VIBE_OT_dismiss,
+    VIBE_OT_recall,
+    VIBE_OT_clear_history,
+)

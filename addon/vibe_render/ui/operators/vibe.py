@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# mypy: disable-error-code="valid-type"
+"""A vibe, from the button to its end. It leaves one step to undo."""
+
+from __future__ import annotations
+
+import contextlib
+import traceback
+from typing import ClassVar
+
+import bpy
+from bpy.props import BoolProperty
+
+from ...core import drawing
+from ...core.schema_import import schema
+from ...session import prompt_history
+from ...session.session import Session
+from ...session.state import desk
+from ..obstacles import obstacle
+
+_TICK = 0.1  # seconds between looks at the engine
+
+
+class VIBE_OT_run(bpy.types.Operator):
+    """Change the scene's materials, lights, fog and grading until it looks like the words"""
+
+    bl_idname = "vibe.run"
+    bl_label = "Vibe It"
+    bl_options: ClassVar[set[str]] = {"UNDO"}  # no REGISTER: "Adjust Last Operation" would do it all again
+
+    again: BoolProperty(
+        name="Again", description="The same words once more, with another seed", options={"SKIP_SAVE"}
+    )
+
+    @classmethod
+    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
+        """What a click does."""
+        if properties.again:
+            return "Look once more for the same words, from here, with another seed"
+        return cls.__doc__ or ""
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Greyed out, with the reason, while there is an obstacle."""
+        reason = obstacle(context)
+        if reason:
+            cls.poll_message_set(reason)
+        return not reason
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Starts the vibe in the background."""
+        self._session = self._begin(context, ask=True)
+        manager = context.window_manager
+        self._timer = manager.event_timer_add(_TICK, window=context.window)
+        manager.modal_handler_add(self)
+        context.workspace.status_text_set("Vibe Render is at work     Esc: stop")
+        drawing.redraw()
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Does it all at once, for scripts without a window."""
+        session = self._begin(context)
+        failure = None
+        while failure is None and desk.running:
+            failure = _advance(session)
+        return self._done(failure, "ERROR")
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Looks at the engine on every tick; everything else is Blender's, but for Esc."""
+        session = self._session
+        if desk.session is not session or not desk.running:  # given up elsewhere
+            self._clean_up(context)
+            return {"CANCELLED"}
+        if event.type == "ESC" and event.value == "PRESS" and not bpy.app.is_job_running("RENDER"):
+            return self._escape(context)
+        if event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        failure = _advance(session)
+        drawing.redraw()
+        if desk.running and failure is None:
+            return {"PASS_THROUGH"}
+        self._clean_up(context)
+        return self._done(failure, "WARNING")  # the panel explains; no need for a pop-up
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Another file is opened, or the window is closed: nothing has been written yet."""
+        if desk.session is self._session:
+            desk.cancel()
+        self._clean_up(context)
+
+    def _begin(self, context: bpy.types.Context, ask: bool = False) -> Session:
+        settings = context.scene.vibe
+        if self.again and settings.vibed_prompt:
+            settings.prompt = settings.vibed_prompt
+            settings.seed += 1
+        prompt_history.remember(settings.prompt.strip())
+        return desk.begin(context, ask)
+
+    def _escape(self, context: bpy.types.Context) -> set[str]:
+        """The best so far if there is one; nothing, if there is none yet or this is the second Esc."""
+        if self._session.can_stop:
+            with contextlib.suppress(schema.VibeError):  # the next tick finds out and tells
+                self._session.stop()
+            context.workspace.status_text_set("Taking the best so far     Esc: give it up")
+            return {"RUNNING_MODAL"}
+        desk.cancel()
+        self._clean_up(context)
+        self.report({"INFO"}, "Vibe canceled; the scene is as it was")
+        return {"CANCELLED"}
+
+    def _done(self, failure: schema.VibeError | None, severity: str) -> set[str]:
+        if failure is None:
+            note = desk.session.note if desk.session else ""
+            self.report({"WARNING" if note else "INFO"}, note or "The vibe is in the scene")
+            return {"FINISHED"}
+        desk.end(failure)
+        self.report({severity}, str(failure))
+        return {"CANCELLED"}
+
+    def _clean_up(self, context: bpy.types.Context) -> None:
+        context.window_manager.event_timer_remove(self._timer)
+        if context.workspace:  # none while another file is opened
+            context.workspace.status_text_set(None)
+        drawing.redraw()
+
+
+def _advance(session: Session) -> schema.VibeError | None:
+    """Does the next bit of a vibe; returns what went wrong, if something did."""
+    try:
+        if not session.advance():
+            desk.end()
+    except schema.VibeError as error:
+        return error
+    except Exception as error:  # an artist must never be left with a stuck panel
+        traceback.print_exc()
+        return schema.VibeError(f"Something broke: {error}.", "Please report it; the console says more.")
+    return None
+
+
+CLASSES = (VIBE_OT_run,)

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the panel shows while a vibe runs."""
+
+from __future__ import annotations
+
+import bpy
+
+from ...core import drawing
+from ...core.drawing import paragraph
+from ...session.session import PAUSING, SILENT, Session
+from ...session.status import LOOKING
+from .. import picture_icons
+
+
+def draw(layout: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
+    """The picture so far, the bar, and the ways out; or a question."""
+    box = layout.box()
+    if session.scene != context.scene.name:
+        box.label(text=f"In the scene {session.scene}", icon="SCENE_DATA")
+    if session.question:
+        _draw_question(box, context, session.question)
+    else:
+        if icon := picture_icons.icon(session.before, session.preview):
+            box.template_icon(icon_value=icon, scale=11.5)
+        box.progress(factor=session.fraction, text=_stage(session))
+        if session.silence > SILENT:
+            note = f"No word from the engine for {drawing.duration(session.silence)}. Wait, or cancel: "
+            paragraph(box, context, f"{note}the next vibe starts a new one.", "ERROR")
+    buttons = box.column(align=True)
+    buttons.scale_y = 1.3
+    if not session.question:
+        buttons.operator("vibe.stop", text="Stop and Use Best", icon="CHECKMARK")
+    buttons.operator("vibe.cancel", icon="X")
+    hint = box.row()
+    hint.active, hint.alignment = False, "CENTER"
+    esc = "Esc stops and uses the best" if session.can_stop else "Esc cancels"
+    hint.label(text="Blender pauses for a moment" if session.stage in PAUSING else esc)
+
+
+def _stage(session: Session) -> str:
+    progress = session.progress
+    if progress and session.stage == LOOKING:
+        left = drawing.duration(progress.seconds_left)
+        return f"Round {progress.round} of {progress.rounds}  ·  {left} left"
+    return f"{session.stage}…"
+
+
+def _draw_question(
+    layout: bpy.types.UILayout, context: bpy.types.Context, question: dict[str, list[str]]
+) -> None:
+    """Which materials other things use too, and what to do about it."""
+    paragraph(layout, context, "The subject shares materials with other things:", "QUESTION")
+    for name, users in list(question.items())[:4]:
+        more = f" and {len(users) - 2} more" if len(users) > 2 else ""
+        paragraph(layout, context, f"{name}, also on {', '.join(users[:2])}{more}", "MATERIAL")
+    if len(question) > 4:
+        layout.label(text=f"and {len(question) - 4} more materials", icon="BLANK1")
+    column = layout.column(align=True)
+    column.scale_y = 1.2
+    column.operator("vibe.answer", text="Affect All Users", icon="LINKED").shared = "ALL"
+    column.operator("vibe.answer", text="Make Single-User", icon="UNLINKED").shared = "SINGLE"

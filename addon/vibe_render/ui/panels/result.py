@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel of a result: pictures, variants, strength, what changed and why."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import groupby
+from typing import Any
+
+import bpy
+
+from ...core.drawing import GROUP_ICONS, columns, paragraph
+from ...core.schema_import import labels, schema
+from ...scene import snapshot
+from ...session import changes
+from ...session.session import Session
+from ...session.state import desk
+from .. import picture_icons
+from ..operators import result
+from ..value_list import draw_lock
+
+_AGREEMENTS = ((1.0, "matches", True), (3.0, "is close to", True), (math.inf, "differs from", False))
+"""Mean CIEDE2000 between the preview and a render, up to which it is so, and whether that is good news: 1 is the least
+that people see side by side."""
+
+
+class Result:
+    """What the last vibe did, and what to do with it."""
+
+    bl_label = "Result"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Only when there is one."""
+        return snapshot.exists(context.scene) and not desk.running
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draws the panel."""
+        layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
+        if not settings.vibed_prompt:
+            paragraph(layout, context, "A vibe has been in this scene; Revert takes away what is left of it.")
+        else:  # whole, which a field cuts
+            paragraph(layout, context, f"“{settings.vibed_prompt}”", faint=True)
+        if desk.session and desk.session.scene == context.scene.name:
+            _draw_session(layout, context, desk.session)
+        if settings.changes:
+            _draw_compare(layout, context)
+        grid = layout.column(align=True)
+        grid.scale_y = 1.3
+        row = grid.row(align=True)
+        row.operator("vibe.keep", icon="CHECKMARK")
+        row.operator("vibe.revert", icon="LOOP_BACK")
+        row = grid.row(align=True)
+        row.operator("vibe.run", text="Again", icon="FILE_REFRESH").again = True
+        row.operator("vibe.preset_save", text="Save Preset", icon="PRESET_NEW")
+        if reason := result.why_not(context):
+            paragraph(layout, context, reason, "INFO", faint=True)
+        if desk.session and desk.session.scene == context.scene.name:
+            for note in [*desk.session.remarks, *desk.session.notes][:4]:  # below what is always there
+                paragraph(layout, context, note, "INFO", faint=True)
+
+
+def _draw_compare(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """The way between the original and the vibe, in the scene itself."""
+    settings = context.scene.vibe
+    column = layout.column(align=True)
+    row = column.row(align=True)
+    row.prop(settings, "show_original", text="Before", toggle=True)
+    row.prop(settings, "show_original", text="After", toggle=True, invert_checkbox=True)
+    column.prop(settings, "strength", slider=True)
+    if context.space_data and context.space_data.type == "VIEW_3D":
+        shading = context.space_data.shading
+        if shading.type != "RENDERED":
+            column.prop_enum(shading, "type", "RENDERED", text="See It Rendered")
+
+
+def _draw_session(layout: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
+    """What is known only as long as Blender runs: pictures, variants, how good the prediction is."""
+    current = context.scene.vibe.variant
+    picture = session.variants[current][1] if 0 < current < len(session.variants) else session.preview
+    if icon := picture_icons.icon(session.before, picture):
+        layout.template_icon(icon_value=icon, scale=10.5)
+        if session.before:
+            row = layout.row()
+            row.active, row.alignment, row.scale_y = False, "CENTER", 0.7
+            row.label(text="Above: before. Below: after, as predicted")
+    if len(session.variants) > 1:
+        _draw_variants(layout, session, current)
+    if session.agreement is not None and not current:
+        text, good = agreement(session.agreement, context.scene.render.engine)
+        paragraph(layout, context, text, "CHECKMARK" if good else "INFO")
+
+
+def agreement(difference: float, engine: str) -> tuple[str, bool]:
+    """How well the preview tells what a render looks like, and whether that is good news."""
+    if engine != "CYCLES":
+        return "The preview shows Cycles; other engines differ", False
+    words, good = next((words, good) for most, words, good in _AGREEMENTS if difference < most)
+    tenths = max(math.ceil(difference * 10.0), 1)
+    return f"The preview {words} Cycles (color difference {tenths / 10.0:.1f})", good
+
+
+def _draw_variants(layout: bpy.types.UILayout, session: Session, current: int) -> None:
+    """The looks to choose from, each a picture with a button. Square, so that the button is close below it."""
+    across = min(len(session.variants), 4)
+    grid = layout.grid_flow(row_major=True, columns=across, even_columns=True, align=True)
+    for number, (_, picture) in enumerate(session.variants):
+        cell = grid.column(align=True)
+        if icon := picture_icons.icon(picture, square=True):
+            cell.template_icon(icon_value=icon, scale=max(10.4 / across, 3.2))
+        used = number == current
+        text, icon_name = (str(number + 1), "CHECKMARK") if used else (f"Use {number + 1}", "NONE")
+        button = cell.operator("vibe.variant", text=text, depress=used, icon=icon_name)
+        button.number = number
+
+
+class Changes:
+    """Every value that changed: old, new, and why; one heading for each light, material and so on."""
+
+    bl_label = "What Changed and Why"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Only when there are changes."""
+        return bool(context.scene.vibe.changes) and not desk.running
+
+    def draw_header_preset(self, context: bpy.types.Context) -> None:
+        """How many there are."""
+        row = self.layout.row(align=True)  # type: ignore[attr-defined]
+        row.label(text=str(len(_visible(context))))
+        row.prop(context.scene.vibe, "show_reasons", text="", icon="INFO", emboss=False)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draws the list."""
+        layout = self.layout  # type: ignore[attr-defined]
+        for number, ((group, owner), entries) in enumerate(groupby(_visible(context), key=_owner)):
+            if number:
+                layout.separator(factor=0.3)
+            name, icon = labels.GROUP_TITLES[group], GROUP_ICONS[group]
+            column = layout.column(align=True)
+            column.label(text=owner or name, icon=icon)
+            for why, same in groupby(entries, key=lambda change: changes.cause(change.reason)):
+                _draw_changes(column, context, list(same), why)
+
+
+def _visible(context: bpy.types.Context) -> list[Any]:
+    """The changes that show in the numbers."""
+    return [c for c in context.scene.vibe.changes if not labels.same(c.name, *c.values())]
+
+
+def _owner(change: Any) -> tuple[str, str]:
+    return schema.split_key(change.name)[:2]
+
+
+def _draw_changes(
+    layout: bpy.types.UILayout, context: bpy.types.Context, same: Sequence[Any], why: str
+) -> None:
+    """Values that changed for the same reason; below them the word that caused it, with all of it as a tool tip."""
+    for change in same:
+        _draw_change(layout, context.scene.vibe, change)
+    if context.scene.vibe.show_reasons and why:
+        most = columns(context)
+        text = why if len(why) <= most else f"{why[: most - 1].rstrip()}…"
+        row = layout.row()
+        row.active, row.alignment, row.scale_y = False, "LEFT", 0.75
+        row.operator("vibe.why", text=text, emboss=False).key = same[-1].name
+
+
+def _draw_change(layout: bpy.types.UILayout, settings: Any, change: Any) -> None:
+    """Name, old and new value, a lock."""
+    parameter = labels.parameter(change.name)
+    row = layout.row(align=True)
+    split = row.split(factor=0.44, align=True)
+    split.label(text=labels.words(parameter.name))
+    values = split.row(align=True)
+    before, after = change.values()
+    if parameter.kind == "color":
+        values.enabled = False
+        values.prop(change, "before", text="")
+        values.prop(change, "after", text="")
+    else:
+        values.alignment = "RIGHT"
+        values.label(text=changes.arrow(change.name, before, after))
+    draw_lock(row, settings, change.name)

@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the panel says when something is missing or went wrong, and what to do about it."""
+
+from __future__ import annotations
+
+import bpy
+
+from ...core import ADDON
+from ...core.drawing import paragraph
+from ...core.schema_import import schema
+from ...session import preferences
+from ...session.engine_state import place
+
+
+def draw_failure(layout: bpy.types.UILayout, context: bpy.types.Context, failure: schema.VibeError) -> None:
+    """What went wrong with a vibe, and what helps."""
+    box = layout.box()
+    row = box.row()
+    row.alert = True
+    row.label(text="The scene is as it was", icon="ERROR")
+    row.operator("vibe.dismiss", text="", icon="X", emboss=False)
+    paragraph(box, context, failure.message)
+    if failure.remedy:
+        paragraph(box, context, failure.remedy)
+    if place.problem:
+        _engine_buttons(box)
+    else:
+        box.operator("preferences.addon_show", text="Preferences", icon="PREFERENCES").module = ADDON
+
+
+def draw_no_engine(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """How to get an engine."""
+    box = layout.box()
+    box.label(text="One more step: the engine", icon="INFO")
+    if place.setting_up:
+        preferences.draw_place(box)
+        return
+    paragraph(
+        box,
+        context,
+        "It turns words into looks. Set Up Engine downloads it once: several GB. Presets, strength, compare "
+        "and revert work without it.",
+    )
+    if place.said and not place.works and place.said != str(place.problem):  # the buttons say what to do
+        paragraph(box, context, place.said, "ERROR")
+    _engine_buttons(box)
+
+
+def _engine_buttons(layout: bpy.types.UILayout) -> None:
+    column = layout.column(align=True)
+    column.scale_y = 1.2
+    column.operator("vibe.setup_engine", icon="IMPORT")
+    if not preferences.online():
+        column.operator("extensions.userpref_show_online", text="Allow Online Access…", icon="INTERNET")
+    row = column.row(align=True)
+    row.operator("vibe.look_for_engine", icon="FILE_REFRESH")
+    row.operator("preferences.addon_show", text="Preferences", icon="PREFERENCES").module = ADDON

@@ -1,0 +1,230 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""batch.py as a process: a whole vibe with the real engine, its revert and its preset, and what can go wrong."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import bpy
+import pytest
+from dump import difference, dump
+
+ROOT = Path(__file__).parents[2]
+BATCH = ROOT / "addon" / "vibe_render" / "batch.py"
+_COMPOSITOR = "scenes[Scene].node_tree"
+QUICK = ["--rounds=1", "--steps=2", "--size=48", "--samples=2"]
+FILES = {"before.png", "after.png", "mask.png", "compare.png", "vibed.blend", "preset.json", "report.json"}
+
+
+def batch(*arguments, **variables):
+    """Runs batch.py with the package of this Python; its output in one string."""
+    done = subprocess.run(
+        [sys.executable, str(BATCH), *map(str, arguments)],
+        capture_output=True,
+        encoding="utf-8",
+        errors="replace",
+        timeout=300,
+        env={**os.environ, **variables},
+    )
+    return done.returncode, done.stdout + done.stderr
+
+
+def save_scene(path):
+    """A cube on a floor, with a camera and a lamp: small, and quick to render."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    for name, size, height in (("Floor", 30.0, -15.0), ("Box", 1.0, 0.5)):
+        bpy.ops.mesh.primitive_cube_add(size=size, location=(0, 0, height))
+        bpy.context.object.name = name
+        material = bpy.data.materials.new(name)
+        material.use_nodes = True
+        bpy.context.object.data.materials.append(material)
+    bpy.ops.object.camera_add(location=(1.5, -5, 2), rotation=(1.25, 0, 0.29))
+    bpy.context.scene.camera = bpy.context.object
+    bpy.ops.object.light_add(type="AREA", location=(-2, -2, 4), rotation=(0.5, -0.4, 0))
+    bpy.context.object.data.energy = 200.0
+    scene = bpy.context.scene
+    scene.render.resolution_x, scene.render.resolution_y = 96, 64
+    scene.cycles.max_bounces = 2
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    return path
+
+
+@pytest.fixture(scope="module")
+def vibed(tmp_path_factory):
+    """A folder with shot.blend, and what a vibe made of it in out/."""
+    folder = tmp_path_factory.mktemp("vibed")
+    shot = save_scene(folder / "shot.blend")
+    original = shot.read_bytes()
+    code, said = batch(
+        "--events", "run", shot, "--prompt=glossy red box, vignette", f"--out={folder / 'out'}", *QUICK
+    )
+    assert code == 0, said
+    assert shot.read_bytes() == original
+    return folder, said
+
+
+def contents(path):
+    """A file's data, but for the renders' picture and the emptied compositor that Blender 4 keeps for good."""
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    return {k: v for k, v in dump().items() if "[Render Result]" not in k and not k.startswith(_COMPOSITOR)}
+
+
+def test_it_writes_all_its_files_and_nothing_else(vibed):
+    folder, _ = vibed
+    assert {p.name for p in (folder / "out").iterdir()} == FILES
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    for name in ("before.png", "after.png", "mask.png"):
+        assert tuple(bpy.data.images.load(str(folder / "out" / name)).size) == (48, 32)
+
+
+def test_its_report_says_what_was_done(vibed):
+    report = json.loads((vibed[0] / "out" / "report.json").read_text())
+    wanted = "prompt encoder seed parameters rounds similarity delta_e timings versions subject warnings"
+    assert set(wanted.split()) <= set(report)
+    assert report["subject"] == ["Box"]
+    assert report["versions"]["blender"] == bpy.app.version_string
+    color = report["parameters"]["material/Box/base_color"]
+    assert set(color) == {"before", "after", "lower", "upper", "optimised", "moved", "reason"}
+    assert color["after"][0] > 2 * color["after"][1]
+    assert set(report["similarity"]) == {"before", "after"}
+
+
+def test_the_values_are_in_the_blend(vibed):
+    folder, _ = vibed
+    bpy.ops.wm.open_mainfile(filepath=str(folder / "out" / "vibed.blend"))
+    after = json.loads((folder / "out" / "report.json").read_text())["parameters"]["material/Box/base_color"][
+        "after"
+    ]
+    shader = bpy.data.materials["Box"].node_tree.nodes["Principled BSDF"]
+    assert shader.inputs["Base Color"].default_value[:3] == pytest.approx(after, abs=1e-5)
+
+
+def test_its_events_can_be_followed(vibed):
+    events = [json.loads(line[5:]) for line in vibed[1].splitlines() if line.startswith("VIBE ")]
+    kinds = [event["type"] for event in events]
+    assert kinds[0] == "stage"
+    assert kinds[-1] == "result"
+    assert "progress" in kinds
+    assert any("Box" in line for line in events[-1]["lines"])
+
+
+def test_revert_brings_the_scene_back(vibed, tmp_path):
+    folder, _ = vibed
+    copy = shutil.copy(folder / "out" / "vibed.blend", tmp_path / "vibed.blend")
+    code, said = batch("revert", copy)
+    assert code == 0, said
+    assert os.listdir(tmp_path) == ["vibed.blend"]
+    assert difference(contents(folder / "shot.blend"), contents(copy)) == {}
+    code, said = batch("revert", copy)
+    assert code == 2
+    assert "holds no vibe" in said
+
+
+def test_an_export_for_explaining_leaves_the_file_alone(vibed, tmp_path):
+    folder, _ = vibed
+    shot = folder / "shot.blend"
+    original = shot.read_bytes()
+    code, said = batch("export", shot, f"--out={tmp_path / 'job'}")
+    assert code == 0, said
+    assert shot.read_bytes() == original
+    assert (tmp_path / "job" / "scene.json").is_file()
+
+
+def test_explain_reads_a_scene(vibed):
+    command = [
+        sys.executable,
+        "-m",
+        "proxy_renderer.cli",
+        "explain",
+        "the box is dark oak, rim light",
+        "--json",
+    ]
+    shot = vibed[0] / "shot.blend"
+    done = subprocess.run([*command, str(shot)], capture_output=True, encoding="utf-8", timeout=300, cwd=ROOT)
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    assert {o["region"] for o in told["objects"]} <= {"subject", "surroundings"}
+    assert told["objects"][0]["attributes"]["material"] == "dark oak"
+    assert "'dark oak'" in told["plan"]["material/Box/base_color"]["reason"]
+    assert any("rim light" in note for note in told["notes"])
+
+
+def test_a_preset_is_applied(vibed, tmp_path):
+    folder, _ = vibed
+    code, said = batch(
+        "apply", folder / "out" / "preset.json", folder / "shot.blend", f"--out={tmp_path}", *QUICK[2:]
+    )
+    assert code == 0, said
+    assert {p.name for p in tmp_path.iterdir()} == {"before.png", "after.png", "mask.png", "vibed.blend"}
+    bpy.ops.wm.open_mainfile(filepath=str(folder / "out" / "vibed.blend"))
+    wanted = tuple(
+        bpy.data.materials["Box"].node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value
+    )
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "vibed.blend"))
+    shader = bpy.data.materials["Box"].node_tree.nodes["Principled BSDF"]
+    assert tuple(shader.inputs["Base Color"].default_value) == pytest.approx(wanted, abs=1e-4)
+
+
+def test_an_interrupt_saves_the_best_so_far(vibed, tmp_path):
+    command = [sys.executable, str(BATCH), "--events", "run", str(vibed[0] / "shot.blend")]
+    command += ["--prompt=blue box", f"--out={tmp_path}", "--rounds=500", "--steps=500", *QUICK[2:]]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8"
+    ) as process:
+        end = time.monotonic() + 200
+        for line in process.stdout:
+            assert time.monotonic() < end
+            if '"progress"' in line:
+                break
+        assert '"progress"' in line
+        process.send_signal(signal.SIGINT)
+        said = process.stdout.read()
+    assert process.wait() == 0, said
+    assert {p.name for p in tmp_path.iterdir()} == FILES
+    assert json.loads((tmp_path / "report.json").read_text())["stopped"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["run", "missing.blend", "--prompt=x"], "There is no file"),
+        (["run", "broken.blend", "--prompt=x"], "broken.blend cannot be opened"),
+        (["run", "empty.blend", "--prompt=x"], "no mesh"),
+        (["run", "shot.blend", "--prompt= "], "The prompt is empty"),
+        (["run", "shot.blend", "--prompt=" + "long " * 2000], "characters"),
+        (["run", "shot.blend", "--prompt=x", "--groups=sound"], "Unknown group 'sound'"),
+        (["run", "shot.blend", "--prompt=x", "--lock=sound"], "can match nothing"),
+        (["run", "shot.blend", "--prompt=x", "--frobnicate"], "frobnicate"),
+        (["run", "shot.blend", "--prompt=red box", "--subject=Moon"], "no object or collection 'Moon'"),
+        (["apply", "shot.blend", "shot.blend"], "cannot be read"),
+        (["dance"], "Unknown command"),
+    ],
+)
+def test_mistakes_are_one_line_and_leave_nothing(vibed, tmp_path, arguments, said):
+    shutil.copy(vibed[0] / "shot.blend", tmp_path)
+    (tmp_path / "broken.blend").write_bytes(b"BLENDER-v405nonsense")
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "empty.blend"))
+    known = ("missing.blend", "broken.blend", "empty.blend", "shot.blend")
+    arguments = [str(tmp_path / a) if a in known else a for a in arguments]
+    out = tmp_path / "out"
+    code, output = batch(*arguments, f"--out={out}")
+    assert code == 2, output
+    (line,) = [line for line in output.splitlines() if line.startswith("vibe: ")]
+    assert said in line
+    assert "Traceback" not in output
+    assert not out.exists() or not any(out.iterdir())
+
+
+def test_a_computer_without_the_engine(vibed, tmp_path):
+    code, output = batch(
+        "run", vibed[0] / "shot.blend", "--prompt=red box", f"--out={tmp_path}", VIBE_ENGINE="/nowhere"
+    )
+    assert code == 2, output
+    assert "engine" in output
+    assert not any(tmp_path.iterdir())

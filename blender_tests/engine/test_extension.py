@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The extension's zip: built and validated by Blender's tool, and working without the engine's code."""
+
+import subprocess
+import sys
+import zipfile
+
+import pytest
+
+from proxy_renderer.blender import extension
+from proxy_renderer.schema import VibeError, schema_hash
+
+# Run where neither the clone nor an installed vibe-render can be imported.
+ALONE = """
+import sys
+folder, digest = sys.argv[1:]
+class Ban:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in ("proxy_renderer", "torch"):
+            raise ImportError(name + " is not for Blender")
+sys.meta_path.insert(0, Ban())
+sys.path.insert(0, folder)
+import bpy
+import vibe_render
+from vibe_render.core.schema_import import schema
+assert schema.__name__ == "vibe_render.schema", schema.__name__
+assert schema.schema_hash() == digest
+vibe_render.register()
+bpy.context.scene.vibe.prompt = "misty"
+assert bpy.context.scene.vibe.groups()
+vibe_render.unregister()
+"""
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    return extension.build(tmp_path_factory.mktemp("extension"))
+
+
+def test_zip_holds_the_schema_and_what_the_engine_runs_from(built):
+    names = zipfile.ZipFile(built).namelist()
+    assert {"blender_manifest.toml", "__init__.py", "schema/parameters.py", "engine.txt"} <= set(names)
+    assert {"engine/requirements.txt", "engine/proxy_renderer/worker.py"} <= set(names)
+    assert {"looks/noir.json", "looks/noir.jpg"} <= set(names)
+    assert not {"looks/prompts.toml", "make_looks.py"} & set(names)
+    assert not [n for n in names if "__pycache__" in n or "/bench/" in n or "/train/" in n or "tests/" in n]
+
+
+def test_carried_engine_is_complete(built, tmp_path):
+    """What the worker imports is in the zip; Blender is not among what pip would install."""
+    zipfile.ZipFile(built).extractall(tmp_path)
+    code = "import proxy_renderer as p, proxy_renderer.engine.worker, proxy_renderer.engine.session; print(p.__file__)"
+    command = [sys.executable, "-c", code]
+    environment = {"PYTHONPATH": str(tmp_path / "engine"), "HOME": str(tmp_path)}
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert str(tmp_path) in done.stdout, done.stderr
+    needed = (tmp_path / "engine" / "requirements.txt").read_text().splitlines()
+    assert any(line.startswith("torch") for line in needed)
+    assert not any(line.startswith("bpy") for line in needed)
+
+
+def test_install_names_what_is_wrong(tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(VibeError, match="no `blender` on the PATH"):
+        extension.install()
+    with pytest.raises(VibeError, match="no Blender in"):
+        extension.install(str(tmp_path))
+
+
+def test_install_asks_blender_and_passes_on_its_refusal(tmp_path):
+    """A stand-in for Blender that writes down what it is asked, and then refuses."""
+    program = tmp_path / "blender"
+    program.write_text(
+        f'#!/bin/sh\necho "$@" >> {tmp_path}/asked\n[ -e {tmp_path}/refuse ] && exit 1\nexit 0\n'
+    )
+    program.chmod(0o755)
+    assert "installed and enabled" in extension.install(str(tmp_path))
+    asked = (tmp_path / "asked").read_text()
+    assert asked.startswith("--command extension install-file -r user_default -e ")
+    (tmp_path / "refuse").touch()
+    with pytest.raises(VibeError, match="refused to install"):
+        extension.install(str(program))
+
+
+def test_works_alone(built, tmp_path):
+    zipfile.ZipFile(built).extractall(tmp_path / "vibe_render")
+    command = [sys.executable, "-c", ALONE, str(tmp_path), schema_hash()]
+    done = subprocess.run(command, cwd=tmp_path, env={"HOME": str(tmp_path)}, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_check_can_fail(tmp_path):
+    """Without the copied schema the same check does not pass."""
+    extension._assemble(tmp_path / "vibe_render")
+    for file in (tmp_path / "vibe_render" / "schema").iterdir():
+        file.unlink()
+    command = [sys.executable, "-c", ALONE, str(tmp_path), schema_hash()]
+    done = subprocess.run(command, cwd=tmp_path, env={"HOME": str(tmp_path)}, capture_output=True, text=True)
+    assert done.returncode != 0
+
+
+def test_blender_refuses_a_bad_manifest(tmp_path):
+    package = tmp_path / "vibe_render"
+    extension._assemble(package)
+    manifest = package / "blender_manifest.toml"
+    manifest.write_text(manifest.read_text().replace('name = "Vibe Render"', 'name = ""'))
+    with pytest.raises(VibeError, match="refused to validate"):
+        extension._ask(extension._blender_tool(), "validate", str(package))
+
+
+def test_unwritable_folder_is_one_clear_line(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(VibeError, match="Cannot write"):
+        extension.build(tmp_path / "file" / "out")

@@ -1,0 +1,220 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The preset library, and its looks on and from the open scene."""
+
+import json
+import shutil
+
+import bpy
+import numpy as np
+import pytest
+import vibe_render
+from dump import difference
+from small_scenes import studio
+from test_operators import FOUND, PIVOT, PROMPT, contents, read
+from vibe_render.looks import asset_preview, library, take, thumbnail, use
+from vibe_render.scene import bindings, snapshot
+from vibe_render.scene.subject import Choice
+from vibe_render.session.session import result
+
+from proxy_renderer.schema import VibeError, messages, preset
+
+NOIR = preset.Preset(
+    "Noir",
+    {
+        "key": [{"power": [60.0], "color": [0.8, 0.9, 1.0]}],
+        "rim": [{"power": [90.0]}],
+        "film": [{"saturation": [0.0], "contrast": [1.4]}],
+        "subject": [{"roughness": [0.15]}],
+    },
+    {"key": ["AREA"], "rim": ["AREA"]},
+    "black and white noir, hard light",
+)
+DAY = preset.Preset("Day", {"film": [{"exposure": [1.0]}], "world": [{"strength": [2.0]}]}, {}, "bright day")
+
+
+@pytest.fixture
+def own(tmp_path, monkeypatch):
+    """The artist's folder, empty, beside a shipped one with one look."""
+    mine, shipped = tmp_path / "mine", tmp_path / "shipped"
+    for place in (mine, shipped):
+        place.mkdir()
+    monkeypatch.setattr(library, "folder", lambda create=False: mine)
+    monkeypatch.setattr(library, "SHIPPED", shipped)
+    (shipped / "cosy.json").write_text(preset.Preset("Cosy", DAY.roles, {}, "cosy, warm").dumps())
+    return mine
+
+
+@pytest.fixture
+def wide(tmp_path):
+    """A wide picture, red on the left and right, green in the middle."""
+    image = bpy.data.images.new("wide", 300, 100)
+    pixels = np.zeros((100, 300, 4), np.float32)
+    pixels[..., 0], pixels[:, 100:200, 0], pixels[:, 100:200, 1], pixels[..., 3] = 1.0, 0.0, 1.0, 1.0
+    image.pixels.foreach_set(pixels.ravel())
+    image.filepath_raw, image.file_format = str(tmp_path / "wide.jpg"), "JPEG"
+    image.save()
+    bpy.data.images.remove(image)
+    return tmp_path / "wide.jpg"
+
+
+@pytest.fixture
+def addon(scene, monkeypatch):
+    """The add-on, registered with a studio in the file; pictures are quick."""
+    for module in (thumbnail, asset_preview):
+        monkeypatch.setattr(module, "_SAMPLES", 2)
+    vibe_render.register()
+    studio(scene)
+    yield scene
+    vibe_render.unregister()
+
+
+def names(words=""):
+    return [look.name for look in library.looks(words)]
+
+
+def test_saved_found_renamed_and_deleted(own, wide):
+    saved = library.save(NOIR, wide)
+    assert saved.preset == NOIR
+    assert saved.picture.is_file()
+    assert library.save(NOIR).name == "Noir 2"
+    assert names() == ["Noir", "Noir 2", "Cosy"]
+    assert names("hard LIGHT") == ["Noir", "Noir 2"]
+    assert library.find("cosy").shipped
+    assert library.find("co").name == "Cosy"
+    renamed = library.rename(saved, "Night / ../../ Ünder")
+    assert renamed.path.parent == own
+    assert renamed.picture.is_file()
+    assert not saved.path.exists()
+    assert not saved.picture.exists()
+    assert renamed.name == "Night / ../../ Ünder"
+    assert library.rename(renamed, "night / ../../ ünder").picture.is_file()
+    library.delete(library.find("Noir 2"))
+    library.delete(library.find("night"))
+    assert list(own.iterdir()) == []
+
+
+def test_shipped_looks_stay(own):
+    cosy = library.find("Cosy")
+    for act in (library.delete, lambda look: library.rename(look, "Mine")):
+        with pytest.raises(VibeError, match="comes with Vibe Render"):
+            act(cosy)
+    assert names() == ["Cosy"]
+
+
+def test_export_and_import(own, wide, tmp_path):
+    library.export(library.save(NOIR, wide), tmp_path / "shared.json")
+    shutil.rmtree(own)
+    own.mkdir()
+    brought = library.bring(tmp_path / "shared.json")
+    assert brought.preset == NOIR
+    assert brought.picture.is_file()
+
+
+def test_a_picture_that_is_none_is_not_imported(own, tmp_path):
+    (tmp_path / "odd.json").write_text(NOIR.dumps())
+    (tmp_path / "odd.jpg").write_text("import os")
+    assert not library.bring(tmp_path / "odd.json").picture.exists()
+
+
+def test_a_broken_preset_is_listed_with_its_problem(own):
+    (own / "bad.json").write_text(json.dumps({"format": "vibe-preset", "version": 1, "roles": {"moon": []}}))
+    (bad,) = [look for look in library.looks() if look.problem]
+    assert bad.name == "bad"
+    assert "unknown role 'moon'" in bad.problem
+    with pytest.raises(VibeError, match="unknown role"):
+        library.named("bad")
+    library.delete(bad)
+    assert names() == ["Cosy"]
+
+
+def test_names_that_are_not_there(own):
+    with pytest.raises(VibeError, match="no preset 'sunny'") as refused:
+        library.named("sunny")
+    assert "Cosy" in refused.value.remedy
+    with pytest.raises(VibeError, match="cannot be read"):
+        library.named("sunny.json")
+
+
+def test_a_folder_that_cannot_be_written(own, monkeypatch):
+    (own / "file").write_text("")
+    monkeypatch.setattr(library, "folder", lambda create=False: own / "file")
+    with pytest.raises(VibeError, match="cannot be written"):
+        library.save(NOIR)
+
+
+def test_thumbnails_show_the_middle(wide, tmp_path, scene):
+    thumbnail.shrink(wide, tmp_path / "small.jpg")
+    small = thumbnail.pixels(tmp_path / "small.jpg")
+    assert small.shape == (thumbnail.SIZE, thumbnail.SIZE, 4)
+    assert np.abs(small[5:-5, 5:-5, :3] - (0, 1, 0)).max() < 0.05
+    with pytest.raises(VibeError, match="No thumbnail"):
+        thumbnail.shrink(tmp_path / "none.jpg", tmp_path / "small.jpg")
+
+
+def test_looks_are_tried_one_after_the_other_and_reverted(addon):
+    before = contents()
+    use.apply(addon, NOIR, Choice())
+    assert addon.vibe.vibed_preset == "Noir"
+    noir = bindings.read(addon, (), PIVOT)
+    assert noir["film/saturation"] == (0.0,)
+    assert use.apply(addon, DAY, Choice()) == []
+    day = bindings.read(addon, (), PIVOT)
+    assert day["film/saturation"] == (1.0,)
+    assert day["film/exposure"] == (1.0,)
+    assert result.revert(addon) == []
+    assert difference(before, contents()) == {}
+
+
+def test_a_look_on_top_of_a_vibe_leads_back_to_it(addon):
+    result.apply(addon, PROMPT, messages.Result(FOUND, {}, ""), [bpy.data.objects["Subject"]], PIVOT)
+    vibed = read(addon)
+    use.apply(addon, NOIR, Choice())
+    assert read(addon)["film/contrast"] == [pytest.approx(1.4)]
+    use.apply(addon, DAY, Choice())
+    assert read(addon) == {key: pytest.approx(value, abs=1e-4) for key, value in vibed.items()}
+
+
+def test_strength_dims_a_light_that_the_look_brought(addon):
+    bpy.data.objects.remove(bpy.data.objects["Sun"])  # the only light behind the subject, if any is
+    for light in [o for o in addon.objects if o.type == "LIGHT" and o.location.y > 0]:
+        bpy.data.objects.remove(light)
+    use.apply(addon, NOIR, Choice())
+    rim = bpy.data.objects["Vibe Rim"].data
+    full = rim.energy
+    assert full > 0.0
+    addon.vibe.strength = 0.5
+    assert 0.0 < rim.energy < full
+    addon.vibe.show_original = True
+    assert rim.energy == 0.0
+
+
+def test_what_fails_leaves_the_scene_with_the_look_before(addon):
+    use.apply(addon, NOIR, Choice())
+    before = contents()
+    nothing = preset.Preset("Nothing", {"fill": [{"power": [0.06]}]}, {"fill": ["AREA"]})
+    for light in [o for o in addon.objects if o.type == "LIGHT"]:
+        light.hide_render = light.name != "Area"
+    before = contents()
+    with pytest.raises(VibeError, match="Nothing in this scene"):
+        use.apply(addon, nothing, Choice())
+    assert difference(before, contents()) == {}
+    assert addon.vibe.vibed_preset == "Noir"
+
+
+def test_a_look_is_captured_as_it_is_now(addon, tmp_path):
+    with pytest.raises(VibeError, match="no look to save"):
+        use.capture(addon, Choice(), "None")
+    use.apply(addon, NOIR, Choice())
+    taken = use.capture(addon, Choice(), "Mine")
+    assert taken.prompt == NOIR.prompt
+    assert take.preset.loads(taken.dumps()) == taken
+    assert taken.roles["film"] == [{n: [pytest.approx(v)] for n, (v,) in NOIR.roles["film"][0].items()}]
+    assert taken.roles["subject"][0]["roughness"] == [pytest.approx(0.15)]
+    assert taken.kinds["key"] == ["SUN"]  # as bright as the lamp of the preset
+    assert taken.roles["key"][0]["strength"] == [pytest.approx(60.0 / np.pi, rel=0.02)]
+    addon.vibe.strength = 0.0
+    flat = use.capture(addon, Choice(), "Flat")
+    assert flat.roles["film"][0]["saturation"] == [pytest.approx(1.0)]
+    assert snapshot.exists(addon)
+    thumbnail.render(addon, tmp_path / "small.jpg")
+    assert thumbnail.pixels(tmp_path / "small.jpg").shape == (thumbnail.SIZE, thumbnail.SIZE, 4)

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The looks that come with Vibe Render: whole, small, and of use on a scene that they were not made on."""
+
+import tomllib
+from pathlib import Path
+
+import pytest
+import vibe_render
+from dump import difference
+from small_scenes import studio
+from test_operators import contents
+from vibe_render.looks import library, thumbnail, use
+from vibe_render.scene.subject import Choice
+from vibe_render.session.session import result
+
+ROWS = tomllib.loads((library.SHIPPED / "prompts.toml").read_text(encoding="utf-8"))["look"]
+
+
+@pytest.fixture(autouse=True)
+def own(tmp_path, monkeypatch):
+    """The artist has no presets of their own."""
+    monkeypatch.setattr(library, "folder", lambda create=False: tmp_path)
+
+
+@pytest.fixture
+def addon(scene):
+    """The add-on, registered with a studio in the file."""
+    vibe_render.register()
+    studio(scene)
+    yield scene
+    vibe_render.unregister()
+
+
+def test_there_is_one_for_each_prompt_and_no_other():
+    found = [library.Look(path, None) for path in library.SHIPPED.glob("*.json")]
+    assert {look.path for look in found} == {library.path_for(library.SHIPPED, row["name"]) for row in ROWS}
+    assert len(found) == 12
+
+
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: row["name"])
+def test_it_is_whole_and_small(row):
+    look = library.find(row["name"])
+    assert look.problem == ""
+    assert look.shipped
+    assert look.prompt == row["prompt"]
+    assert look.picture.stat().st_size < 15_000
+    assert thumbnail.pixels(look.picture).shape == (thumbnail.SIZE, thumbnail.SIZE, 4)
+    assert not {"subject", "surroundings"} & set(look.preset.roles)  # materials are the artist's
+
+
+def test_each_goes_onto_another_scene_and_off_again(addon):
+    before = contents()
+    for row in ROWS:
+        look = library.find(row["name"])
+        assert use.apply(addon, look.preset, Choice()) == []
+        assert addon.vibe.changes
+    assert result.revert(addon) == []
+    assert difference(before, contents()) == {}
+
+
+def test_names_are_found_on_the_command_line():
+    assert library.named("noir").name == "Noir"
+    assert library.named(str(Path(library.SHIPPED) / "noir.json")).name == "Noir"

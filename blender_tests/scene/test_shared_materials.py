@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Materials that the subject shares with other things: found, and separated so that Revert takes it back."""
+
+import bpy
+import small_scenes as scenes
+from dump import difference, dump
+from vibe_render.scene import bindings, shared_materials, snapshot
+
+PIVOT = (0.0, 0.0, 0.5)
+
+
+def sharing(scene):
+    """A studio whose floor has the subject's material too."""
+    subject = scenes.studio(scene)
+    bpy.data.objects["Floor"].data.materials[0] = bpy.data.materials["Body"]
+    return subject
+
+
+def names(subject):
+    return {m.name: [o.name for o in users] for m, users in shared_materials.found(subject).items()}
+
+
+def test_other_things_and_other_scenes_count_and_the_subject_does_not(scene):
+    subject = scenes.studio(scene)
+    assert names(subject) == {}
+    bpy.data.objects["Floor"].data.materials[0] = bpy.data.materials["Body"]
+    elsewhere = scenes.cube(bpy.data.scenes.new("Other"), "Elsewhere")
+    elsewhere.data.materials.append(bpy.data.materials["Body"])
+    assert names(subject) == {"Body": ["Elsewhere", "Floor"]}
+    assert names([*subject, bpy.data.objects["Floor"], elsewhere]) == {}
+
+
+def test_single_user_copies_change_alone_and_revert_takes_them_away(scene):
+    subject = sharing(scene)
+    before = dump()
+    shared_materials.separate(scene, subject)
+    own = subject[0].material_slots[0].material
+    assert own.name == "Body.001"
+    assert names(subject) == {}
+    bindings.write(scene, {"material/Body.001/roughness": (0.9,)}, subject, PIVOT)
+    assert scenes.shader(bpy.data.materials["Body"]).inputs["Roughness"].default_value == 0.5
+    assert snapshot.revert(scene) == []
+    assert difference(before, dump()) == {}
+
+
+def test_a_mesh_that_others_use_keeps_its_material(scene):
+    subject = scenes.studio(scene)
+    twin = bpy.data.objects.new("Twin", subject[0].data)
+    scene.collection.objects.link(twin)
+    before = dump()
+    shared_materials.separate(scene, subject)
+    assert twin.material_slots[0].material.name == "Body"
+    assert subject[0].material_slots[0].material.name == "Body.001"
+    assert snapshot.revert(scene) == []
+    assert difference(before, dump()) == {}
+
+
+def test_materials_from_a_library_are_nobodys_to_change(scene, tmp_path):
+    subject = scenes.studio(scene)
+    path = str(tmp_path / "library.blend")
+    bpy.data.libraries.write(path, {bpy.data.materials["Body"]}, fake_user=True)
+    with bpy.data.libraries.load(path, link=True) as (there, here):
+        here.materials = there.materials
+    for obj in (*subject, bpy.data.objects["Floor"]):
+        obj.data.materials[0] = here.materials[0]
+    assert names(subject) == {}

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bare meshes on the stage: all formats, all stages, framed; and the demo scene."""
+
+import bpy
+import numpy as np
+import pytest
+from vibe_render.export import analysis
+from vibe_render.render import final_render
+from vibe_render.scene.stage import demo, stage
+from vibe_render.scene.subject import Choice
+
+from proxy_renderer.schema import VibeError
+
+TETRAHEDRON = [(0.0, 0.0, 0.0), (7.0, 0.0, 0.0), (0.0, 5.0, 0.0), (0.0, 0.0, 3.0)]
+FACES = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]
+
+
+def write_mesh(path):
+    """A tetrahedron in the format of the suffix."""
+    vertices = "".join(f"v {x} {y} {z}\n" for x, y, z in TETRAHEDRON)
+    if path.suffix == ".obj":
+        path.write_text(vertices + "".join("f {} {} {}\n".format(*(i + 1 for i in f)) for f in FACES))
+    elif path.suffix == ".ply":
+        head = (
+            "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+        )
+        head += "element face 4\nproperty list uchar int vertex_indices\nend_header\n"
+        path.write_text(head + vertices.replace("v ", "") + "".join("3 {} {} {}\n".format(*f) for f in FACES))
+    elif path.suffix == ".stl":
+        loops = ("".join("vertex {} {} {}\n".format(*TETRAHEDRON[i]) for i in f) for f in FACES)
+        facets = "".join(f"facet normal 0 0 0\nouter loop\n{loop}endloop\nendfacet\n" for loop in loops)
+        path.write_text(f"solid t\n{facets}endsolid t\n")
+    else:
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        mesh = bpy.data.meshes.new("t")
+        mesh.from_pydata(TETRAHEDRON, [], FACES)
+        bpy.context.scene.collection.objects.link(bpy.data.objects.new("t", mesh))
+        bpy.ops.export_scene.gltf(filepath=str(path))
+    return path
+
+
+@pytest.mark.parametrize("suffix", [".obj", ".ply", ".stl", ".glb"])
+def test_every_format_stands_on_the_stage_and_fills_the_picture(tmp_path, suffix):
+    scene = stage.build_stage(write_mesh(tmp_path / f"thing{suffix}"))
+    found = analysis.survey(scene, Choice(selected=True))
+    low, high = np.array(found.low), np.array(found.high)
+    assert low[2] == pytest.approx(0.0, abs=1e-5)
+    assert np.linalg.norm(high - low) / 2 == pytest.approx(1.0, abs=1e-4)
+    np.testing.assert_allclose((low + high)[:2], 0.0, atol=1e-5)
+    rows, columns = np.nonzero(np.isin(found.seen.object, np.nonzero(found.chosen)[0]))
+    assert min(rows.min(), columns.min()) >= 2  # within the frame, and large in it
+    assert max(rows.max(), columns.max()) <= 45
+    assert max(np.ptp(rows), np.ptp(columns)) >= 24
+
+
+@pytest.mark.parametrize("kind", stage.KINDS)
+def test_the_stage_is_not_the_subject_and_fills_the_frame(tmp_path, kind):
+    scene = stage.build_stage(write_mesh(tmp_path / "thing.obj"), kind)
+    found = analysis.survey(scene, Choice())
+    names = [name for (name, _), chosen in zip(found.geometry.objects, found.chosen, strict=True) if chosen]
+    assert names == ["thing"]
+    assert ("Stage" in found.geometry.materials) == (kind != "none")
+    if kind == "cyclorama":
+        assert (found.seen.object >= 0).all()
+    assert scene.view_settings.view_transform == "AgX"
+
+
+def test_the_picture_is_well_exposed(tmp_path):
+    scene = stage.build_stage(write_mesh(tmp_path / "thing.obj"))
+    final_render.render(scene, tmp_path / "before.png", 48, 4)
+    image = bpy.data.images.load(str(tmp_path / "before.png"))
+    assert tuple(image.size) == (48, 48)
+    values = np.empty(48 * 48 * 4, np.float32)
+    image.pixels.foreach_get(values)
+    grey = values.reshape(-1, 4)[:, :3].mean(1)
+    assert 0.3 < grey.mean() < 0.7
+    assert grey.max() < 0.98
+    assert np.quantile(grey, 0.95) - np.quantile(grey, 0.05) > 0.15
+
+
+def test_the_mask_shows_the_subject_alone(tmp_path):
+    scene = stage.build_stage(write_mesh(tmp_path / "thing.obj"))
+    found = analysis.survey(scene, Choice(selected=True))
+    settings = scene.render.film_transparent, scene.cycles.samples, scene.world
+    final_render.render_mask(scene, tmp_path / "mask.png", 48, found.objects)
+    assert (scene.render.film_transparent, scene.cycles.samples, scene.world) == settings
+    assert not any(thing.is_holdout for thing in scene.objects)
+    image = bpy.data.images.load(str(tmp_path / "mask.png"))
+    values = np.empty(48 * 48 * 4, np.float32)
+    image.pixels.foreach_get(values)
+    mask = values.reshape(48, 48, 4)[..., 0]
+    seen = np.isin(found.seen.object, np.nonzero(found.chosen)[0])
+    assert np.abs(mask - seen).mean() < 0.02
+    assert ((mask > 0.02) & (mask < 0.98)).any()  # antialiased
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "said"),
+    [
+        ("a.obj", "hello\n", "no mesh with faces"),
+        ("a.ply", "hello\n", "a.ply"),
+        ("a.glb", "hello\n", "a.glb cannot be read"),
+        ("a.stl", "hello\n", "a.stl"),
+        ("a.fbx", "hello\n", "is not a mesh that can be staged"),
+        ("point.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n", "no size"),
+    ],
+)
+def test_broken_files(tmp_path, name, content, said):
+    (tmp_path / name).write_text(content)
+    with pytest.raises(VibeError, match=said):
+        stage.build_stage(tmp_path / name)
+
+
+def test_a_missing_file_and_an_unknown_stage(tmp_path):
+    with pytest.raises(VibeError, match="There is no file"):
+        stage.build_stage(tmp_path / "missing.obj")
+    with pytest.raises(VibeError, match="no stage 'beach'"):
+        stage.build_stage(write_mesh(tmp_path / "thing.obj"), "beach")
+
+
+def test_the_demo_has_what_a_demo_needs():
+    scene = demo.build_demo()
+    found = analysis.survey(scene, Choice((demo.SUBJECT,)))
+    assert [o.name for o in found.objects] == [demo.SUBJECT]
+    assert len(found.geometry.materials) >= 4
+    assert sum(o.type == "LIGHT" for o in scene.objects) == 2
+    share = np.isin(found.seen.object, np.nonzero(found.chosen)[0]).mean()
+    assert 0.08 < share < 0.5

@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A disk that is really full: one clear line with the remedy, nothing cut off stays, and it works when there is room."""
+
+import re
+from dataclasses import replace
+
+import bpy
+import pytest
+from dump import difference
+from small_disk import small_disk
+from small_scenes import studio
+from test_batch import QUICK, batch, save_scene
+from test_library import NOIR, wide  # noqa: F401  (a fixture)
+from test_model import run, sensible, serving
+from test_operators import contents
+from vibe_render.looks import asset_catalog, library, lut
+from vibe_render.render import final_render
+from vibe_render.session import before_image, prompt_history, session
+from vibe_render.session.state import desk
+from vibing import advance, fails
+
+from proxy_renderer.schema import VibeError
+
+NO_ROOM = "There is no room left on the disk, in "
+
+
+@pytest.fixture
+def disk(tmp_path):
+    with small_disk(tmp_path / "disk", 400) as made:
+        yield made
+
+
+@pytest.mark.parametrize("left", [0, 1])
+def test_presets(disk, monkeypatch, wide, left):  # noqa: F811
+    """With one page left, the preset has room, and its picture does not."""
+    mine = replace(NOIR, name="Mine")
+    monkeypatch.setattr(library, "folder", lambda create=False: disk.folder)
+    library.save(mine, wide)
+    there = disk.files()
+    disk.fill(left)
+    for act in (
+        lambda: library.save(mine, wide),
+        lambda: library.export(library.find("Mine"), disk.folder / "other.json"),
+        lambda: asset_catalog.add(disk.folder, ["Vibe Render/Materials"]),
+        lambda: lut.write(disk.folder / "noir.cube", "Noir", {}),
+    ):
+        with pytest.raises(VibeError, match=f"{re.escape(NO_ROOM)}{disk.folder}. Make room"):
+            act()
+        assert disk.files() == there
+    assert library.find("Mine").preset == mine
+    disk.make_room()
+    assert library.save(mine, wide).picture.is_file()
+
+
+def test_pictures_of_blender(scene, disk):
+    """Blender itself says nothing of a picture that it could not write."""
+    studio(scene)
+    disk.fill()
+    with pytest.raises(VibeError, match=NO_ROOM):
+        final_render.render(scene, disk.folder / "after.png", 32, 1)
+    assert disk.files() == set()
+    disk.make_room()
+    final_render.render(scene, disk.folder / "after.png", 32, 1)
+    assert disk.files() == {"after.png"}
+
+
+def test_what_is_only_convenient_is_left_out(scene, disk, tmp_path, monkeypatch):
+    monkeypatch.setattr(prompt_history, "own_folder", lambda path, create=False: disk.folder)
+    prompt_history.remember("noir")
+    disk.fill()
+    prompt_history.remember("golden hour")
+    (tmp_path / "picture.png").write_bytes(b"own" * 9000)
+    picture = before_image.keep(disk.folder / "kept.png", tmp_path / "picture.png", True)
+    assert picture == tmp_path / "picture.png"
+    assert disk.files() == {"prompts.json"}
+    assert prompt_history.prompts() == ["noir"]
+
+
+STAGES = {
+    "reading": lambda running: running.stage == session.READING,
+    "asked": lambda running: running.asked,
+    "waiting for an anchor": lambda running: running.stage == session.ANCHORING,
+}
+
+
+def test_a_vibe_without_room_for_its_files_and_then_one_with_room(addon, disk):
+    before, settings = contents(), addon.vibe
+    bpy.context.preferences.filepaths.temporary_directory = str(disk.folder)
+    settings.anchor, settings.rounds, settings.steps = True, 1, 2
+    for until in STAGES.values():
+        running = advance(until)
+        disk.fill()
+        assert NO_ROOM + str(disk.folder) in fails(running)
+        assert "Make room" in desk.failure.remedy
+        assert difference(before, contents()) == {}
+        assert {name for name in disk.files() if "/vibe-before-" not in name} == set()
+        disk.make_room()
+    assert bpy.ops.vibe.run() == {"FINISHED"}
+    assert settings.changes
+    assert bpy.ops.vibe.revert() == {"FINISHED"}
+    assert difference(before, contents()) == {}
+
+
+def test_a_run_without_room_for_its_results(disk, tmp_path):
+    shot, out = save_scene(tmp_path / "shot.blend"), disk.folder / "out"
+    disk.fill(left=8)
+    code, said = batch("run", shot, "--prompt=blue box", f"--out={out}", "--no-anchor", *QUICK)
+    assert code == 2, said
+    blender4 = "vibed.blend cannot be written: No such file"  # what it says of a full disk
+    assert f"vibe: {NO_ROOM}{out}. " in said or (blender4 in said and bpy.app.version < (5, 0))
+    assert "Make room there" in said
+    assert "Traceback" not in said
+    assert disk.files() == set()
+
+
+def test_a_model_whose_answers_cannot_be_kept(disk, tmp_path, monkeypatch):
+    """They are paid for again next time; that is all."""
+    monkeypatch.setenv("VIBE_CACHE", str(disk.folder))
+    disk.fill()
+    with serving(sensible) as model:
+        report, _ = run(tmp_path, model)
+    assert disk.files() == set()
+    assert (report["vlm"]["calls"], report["vlm"]["failures"]) == (1, [])

@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A vision-language model in whole runs and in the preferences: what it is asked, what it costs, where its key is not."""
+
+import json
+import os
+import sys
+from dataclasses import asdict
+from pathlib import Path
+
+import bpy
+import pytest
+import vibe_render
+from small_scenes import studio
+from test_batch import QUICK, batch, save_scene
+from vibe_render.session.model_notes import failure_note, model_lines
+from vibe_render.session.session import preferences
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
+from model_server import KEY, MODEL, has_picture, plan_for, refuses, says, serving
+
+VERDICT = says("WINNER = AFTER\nREASON = It is teal.")
+
+
+def sensible(body, number):
+    """Plans when asked to plan, judges when asked to judge."""
+    return says(plan_for(body)) if "response_format" in body else VERDICT
+
+
+def run(folder, model):
+    shot = save_scene(folder / "shot.blend")
+    variables = {
+        "VIBE_VLM_MODEL": "another",
+        "VIBE_VLM_URL": model.url,
+        "VIBE_VLM_KEY": KEY,
+        "VIBE_VLM_TIMEOUT": "20",
+        "XDG_CACHE_HOME": str(folder / "cache"),
+        "TMPDIR": str(folder / "tmp"),
+    }
+    (folder / "tmp").mkdir()
+    code, said = batch(
+        "run",
+        shot,
+        "--prompt=glossy teal box, vignette",
+        f"--vlm-model={MODEL}",
+        f"--out={folder / 'out'}",
+        *QUICK,
+        **variables,
+    )
+    assert code == 0, said
+    return json.loads((folder / "out" / "report.json").read_text()), said
+
+
+def without_key(folder):
+    """Every file below a folder, none of which may hold the key."""
+    files = [p for p in folder.rglob("*") if p.is_file()]
+    assert not [p for p in files if KEY.encode() in p.read_bytes()]
+    return {p.name for p in files}
+
+
+def test_a_run_with_a_model(tmp_path):
+    with serving(sensible) as model:
+        report, said = run(tmp_path, model)
+    assert [has_picture(body) for body in model.asked] == [True, True]
+    assert {h["authorization"] for h in model.headers} == {f"Bearer {KEY}"}
+    vlm = report["vlm"]
+    assert (vlm["model"], vlm["calls"], vlm["failures"], vlm["format"]) == (MODEL, 1, [], "json_schema")
+    assert report["rounds"][0]["advice"] == MODEL
+    assert report["parameters"]["material/Box/roughness"]["reason"] == "model: asked for"
+    assert report["judge"]["winner"] == "AFTER"
+    assert "The model's verdict: AFTER. It is teal." in said
+    names = without_key(tmp_path)
+    assert {"report.json", "vibed.blend", "preset.json"} <= names
+    assert any(name.startswith("vibe-engine-") for name in names)  # its log
+    assert KEY not in said
+
+
+def test_a_server_that_refuses_and_talks_about_the_key(tmp_path):
+    with serving(lambda body, n: refuses(401, f"Incorrect API key provided: {KEY}")) as model:
+        report, said = run(tmp_path, model)
+    assert "refuses the key" in report["vlm"]["failures"][0]
+    assert "refuses the key" in report["judge"]["error"]
+    assert "Planned without the model in 1 of 1 rounds" in said
+    without_key(tmp_path)
+    assert KEY not in said
+
+
+@pytest.fixture
+def installed(scene):
+    """The add-on with preferences, as after Install from Disk."""
+    vibe_render.register()
+    addon = bpy.context.preferences.addons.new()
+    addon.module = "vibe_render"
+    yield scene, addon.preferences
+    bpy.context.preferences.addons.remove(addon)
+    vibe_render.unregister()
+
+
+def test_the_key_is_in_no_file_of_the_scene(installed, tmp_path):
+    scene, chosen = installed
+    long = KEY * 10
+    chosen.vlm_model, chosen.vlm_url, chosen.vlm_key = MODEL, "http://localhost:1/v1", long
+    assert chosen.vlm_key == long  # not cut
+    options = scene.vibe.engine_options(bpy.context)
+    assert (options.vlm_model, options.vlm_url, options.online) == (MODEL, "http://localhost:1/v1", True)
+    assert KEY not in json.dumps(asdict(options))
+    path = tmp_path / "scene.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), compress=False)
+    assert KEY.encode() not in path.read_bytes()
+
+
+def test_a_vibe_from_the_panel_with_the_key_of_the_preferences(installed, tmp_path, monkeypatch):
+    scene, chosen = installed
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    studio(scene)
+    scene.vibe.prompt = "glossy red cube"
+    scene.vibe.budget, scene.vibe.rounds, scene.vibe.steps, scene.vibe.size = "CUSTOM", 2, 1, 64
+
+    def dying(body, number):
+        bloom = {"parameter": "film/glare", "lower": [0.3], "upper": [0.5], "priority": 1, "reason": "dreamy"}
+        return says(plan_for(body, plan=[bloom])) if number == 1 else refuses(401, "expired")
+
+    with serving(dying) as model:
+        chosen.vlm_model, chosen.vlm_url, chosen.vlm_key = MODEL, model.url, KEY
+        assert bpy.ops.vibe.run() == {"FINISHED"}
+        vibe_render.session.state.desk.close()
+    assert {h["authorization"] for h in model.headers} == {f"Bearer {KEY}"}
+    assert (
+        scene.vibe.changes["film/glare"].reason == "model: dreamy"
+    )  # held though the next round had no model
+    without_key(tmp_path)
+
+
+def test_blender_s_online_access_is_asked(installed, monkeypatch):
+    scene, chosen = installed
+    chosen.vlm_model, chosen.vlm_url = MODEL, "https://example.org/v1"
+    monkeypatch.setattr(preferences, "online", lambda: False)
+    studio(scene)
+    scene.vibe.prompt = "glossy red cube"
+    with pytest.raises(RuntimeError, match="online access is off"):
+        bpy.ops.vibe.run()
+    vibe_render.session.state.desk.close()
+
+
+def test_what_failed_is_said():
+    rounds = [{"advice": "eyes:7b"}, {"advice": "offline planner: down"}]
+    assert failure_note({"vlm": {"failures": ["It is down."]}, "rounds": rounds}) == (
+        "Planned without the model in 1 of 2 rounds. It is down."
+    )
+    assert failure_note({"rounds": rounds}) == ""
+    counts = {"clipped": 2, "mended": 0, "dropped": 1, "missing": 0}
+    model = {"model": "eyes", "calls": 3, "cached": 1, "tokens": {"read": 9, "written": 5}, "cost_usd": 0.5}
+    lines = model_lines({"vlm": {**model, **counts}}, {"error": "It is blind."})
+    assert "0.5000 US dollars" in lines[0]
+    assert lines[1].endswith(": 2 clipped, 1 dropped.")
+    assert lines[2].endswith("It is blind.")
+
+
+def test_the_environment_is_clean():
+    assert "VIBE_VLM_MODEL" not in os.environ

@@ -1,0 +1,371 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel's operators and properties without a window, on a real engine process where one is needed."""
+
+import os
+import signal
+import time
+
+import bpy
+import pytest
+import vibe_render
+from dump import difference, dump
+from small_scenes import studio
+from vibe_render.core import compat
+from vibe_render.engine.process import Engine
+from vibe_render.render import anchors
+from vibe_render.scene import bindings, snapshot
+from vibe_render.session import changes, result, session
+from vibe_render.session.state import desk, engine_choice
+
+from proxy_renderer.schema import FAMILIES, GROUPS, VibeError, messages
+
+PROMPT = "glossy red cube, warm light, thick fog"
+FOUND = {
+    "light/Area/power": [7.0],
+    "light/Sun/color": [1.0, 0.5, 0.2],
+    "material/Body/base_color": [0.6, 0.05, 0.05],
+    "material/Body/roughness": [0.1],
+    "volume/density": [0.05],
+    "film/contrast": [1.3],
+}
+PIVOT = (0.0, 0.0, 0.5)
+
+
+@pytest.fixture
+def addon(scene):
+    """The add-on, registered with an empty file."""
+    vibe_render.register()
+    yield scene
+    vibe_render.unregister()
+
+
+@pytest.fixture
+def vibed(addon):
+    """A studio with a result in it: (scene, dump of before)."""
+    subject = studio(addon)
+    before = contents()
+    addon.vibe.prompt = PROMPT
+    records = {key: {"reason": "red"} for key in FOUND}
+    result.apply(
+        addon, PROMPT, messages.Result(FOUND, {"parameters": records}, "prediction.png"), subject, PIVOT
+    )
+    return addon, before
+
+
+def contents():
+    """Everything in the file but the panel's own fields, the picture that Blender makes for any render, and,
+    as Blender 4 cannot delete it, a compositor tree that is switched off."""
+    left_out = [".vibe", "images[Render Result]"]
+    if compat.compositor(bpy.context.scene) is None:
+        left_out.append("scenes[Scene].node_tree")
+    return {path: value for path, value in dump().items() if not any(part in path for part in left_out)}
+
+
+def read(scene):
+    """The values of what FOUND names."""
+    there = bindings.read(scene, (), PIVOT)
+    return {key: list(there[key]) for key in FOUND if key in there}
+
+
+def test_registers_and_leaves_without_a_trace(scene):
+    for _ in range(2):
+        vibe_render.register()
+        assert hasattr(bpy.types.Scene, "vibe")
+        assert hasattr(bpy.types, "VIBE_PT_main")
+        vibe_render.unregister()
+        assert not hasattr(bpy.types.Scene, "vibe")
+        assert not [name for name in dir(bpy.types) if name.startswith("VIBE_")]
+
+
+def test_toggles_are_the_schemas_groups(addon):
+    names = {name for name in addon.vibe.bl_rna.properties.keys() if name.startswith("change_")}  # noqa: SIM118
+    assert names == {f"change_{group}" for group in GROUPS}
+    assert addon.vibe.groups() == tuple(g for g in GROUPS if g != "camera")
+    addon.vibe.change_light = False
+    assert "light" not in addon.vibe.engine_options(bpy.context).groups
+
+
+def test_options_are_what_the_engine_takes(addon):
+    addon.vibe.lock = " light/Key, */metallic ,"
+    addon.vibe.budget = "QUICK"
+    options = addon.vibe.engine_options(bpy.context)
+    assert options.lock == ("light/Key", "*/metallic")
+    assert (options.rounds, options.steps, options.size) == (3, 30, 256)
+
+
+def test_run_says_what_is_in_its_way(addon):
+    from vibe_render.ui.operators.vibe import obstacle
+
+    assert "mood" in obstacle(bpy.context)
+    addon.vibe.prompt = PROMPT
+    assert "mesh" in obstacle(bpy.context)
+    studio(addon)
+    assert obstacle(bpy.context) == ""
+    for group in GROUPS:
+        setattr(addon.vibe, f"change_{group}", False)
+    assert "Nothing may change" in obstacle(bpy.context)
+    assert not bpy.ops.vibe.run.poll()
+
+
+def test_result_is_written_and_listed(vibed):
+    scene, _ = vibed
+    assert read(scene) == {key: pytest.approx(value, abs=1e-5) for key, value in FOUND.items()}
+    assert {change.name for change in scene.vibe.changes} == set(FOUND)
+    assert all(change.reason == "red" for change in scene.vibe.changes)
+
+
+def test_strength_leads_from_the_original_to_the_vibe(vibed):
+    scene, _ = vibed
+    original = {change.name: list(change.values()[0]) for change in scene.vibe.changes}
+    scene.vibe.strength = 0.0
+    assert read(scene) == {key: pytest.approx(value, abs=1e-6) for key, value in original.items()}
+    scene.vibe.strength = 0.5
+    power = original["light/Area/power"][0]
+    assert read(scene)["light/Area/power"] == pytest.approx([(power * 7.0) ** 0.5], rel=1e-4)
+    scene.vibe.show_original = True
+    assert read(scene)["film/contrast"] == pytest.approx([1.0])
+    scene.vibe.show_original, scene.vibe.strength = False, 1.0
+    assert read(scene) == {key: pytest.approx(value, abs=1e-5) for key, value in FOUND.items()}
+
+
+def test_revert_restores_everything(vibed):
+    scene, before = vibed
+    scene.vibe.strength = 0.3
+    assert difference(before, contents())
+    assert bpy.ops.vibe.revert() == {"FINISHED"}
+    assert difference(before, contents()) == {}
+    assert not scene.vibe.changes
+    assert not bpy.ops.vibe.revert.poll()
+
+
+def test_another_variant_brings_its_own_reasons(vibed):
+    """What only the first one changed is as it was; the list tells of the one that is in the scene."""
+    scene, before = vibed
+    other = {"light/Area/power": [90.0], "world/strength": [0.2]}
+    original, _ = scene.vibe.changes["film/contrast"].values()
+    first = messages.Variant(FOUND, "variant-1.png", 0.6, {})
+    second = messages.Variant(other, "variant-2.png", 0.5, {"light/Area/power": "bright"})
+    result.choose(scene, 1, [first, second], ())
+    there = bindings.read(scene, (), PIVOT)
+    assert there["light/Area/power"] == pytest.approx((90.0,))
+    assert there["film/contrast"] == pytest.approx(original)
+    assert {c.name: c.reason for c in scene.vibe.changes} == {
+        "light/Area/power": "bright",
+        "world/strength": "",
+    }
+    assert bpy.ops.vibe.revert() == {"FINISHED"}
+    assert difference(before, contents()) == {}
+
+
+def test_again_leads_from_the_artists_own_values(vibed):
+    """Before, Strength 0 and Revert agree after a second vibe, also about what only the first one changed."""
+    scene, before = vibed
+    own = {change.name: change.values()[0] for change in scene.vibe.changes}
+    more = {"light/Area/power": [90.0], "world/strength": [0.2]}
+    records = {key: {"reason": "bright"} for key in more}
+    result.apply(scene, "bright", messages.Result(more, {"parameters": records}, "prediction.png"), (), PIVOT)
+    listed = {change.name: change for change in scene.vibe.changes}
+    assert set(listed) == set(FOUND) | set(more)
+    assert {key: listed[key].values()[0] for key in own} == own
+    assert (listed["light/Area/power"].reason, listed["film/contrast"].reason) == ("bright", "red")
+    owners = [key.rpartition("/")[0] for key in listed]
+    assert owners == sorted(owners, key=owners.index)  # one heading for each
+    after = read(scene)
+    scene.vibe.strength = 0.0
+    assert read(scene) == {key: pytest.approx(own[key], abs=1e-6) for key in FOUND}
+    scene.vibe.strength = 1.0
+    assert read(scene) == {key: pytest.approx(value, rel=1e-5) for key, value in after.items()}
+    scene.vibe.show_original = True
+    assert read(scene) == {key: pytest.approx(own[key], abs=1e-6) for key in FOUND}
+    assert bpy.ops.vibe.revert() == {"FINISHED"}
+    assert difference(before, contents()) == {}
+
+
+def test_variants_leave_what_an_earlier_vibe_did(vibed):
+    scene, before = vibed
+    own = scene.vibe.changes["light/Area/power"].values()[0]
+    looks = [messages.Variant({"light/Area/power": [p]}, "", 0.5, {}) for p in (90.0, 40.0)]
+    result.apply(scene, "bright", messages.Result(looks[0].values, {}, ""), (), PIVOT)
+    result.choose(scene, 1, looks, ())
+    there = bindings.read(scene, (), PIVOT)
+    assert there["light/Area/power"] == pytest.approx((40.0,))
+    assert there["film/contrast"] == pytest.approx((1.3,))
+    assert {c.name for c in scene.vibe.changes} == set(FOUND)
+    assert scene.vibe.changes["light/Area/power"].values()[0] == own
+    assert bpy.ops.vibe.revert() == {"FINISHED"}
+    assert difference(before, contents()) == {}
+
+
+def test_keep_leaves_nothing_to_revert_to(vibed):
+    scene, _ = vibed
+    scene.vibe.show_original = True
+    assert bpy.ops.vibe.keep() == {"FINISHED"}
+    assert read(scene) == {key: pytest.approx(value, abs=1e-5) for key, value in FOUND.items()}
+    assert not snapshot.exists(scene)
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_mixing_ends_at_its_ends(family):
+    parameter = FAMILIES[family]
+    low, high = ((b,) * parameter.components for b in (parameter.lower, parameter.upper))
+    assert changes.blend(family, low, high, 0.0) == low
+    assert changes.blend(family, low, high, 1.0) == high
+    assert all(low[0] < v < high[0] for v in changes.blend(family, low, high, 0.5))
+
+
+@pytest.fixture(scope="module")
+def engine():
+    """An engine that stays warm between these tests, as it does between vibes."""
+    kept = Engine()
+    yield kept
+    kept.stop()
+
+
+@pytest.fixture
+def warm(addon, engine):
+    """A scene to vibe, with the warm engine."""
+    studio(addon)
+    addon.vibe.prompt, addon.vibe.budget = PROMPT, "CUSTOM"
+    addon.vibe.rounds, addon.vibe.steps, addon.vibe.size = 1, 2, 64
+    desk._engine, desk._engine_choice = engine, engine_choice(bpy.context)
+    yield addon
+    desk._engine = None
+
+
+@pytest.fixture
+def cold(addon):
+    """A session whose engine has just been sent the scene: (scene, dump of before, session)."""
+    studio(addon)
+    addon.vibe.prompt = PROMPT
+    before = contents()
+    started = desk.begin(bpy.context)
+    while not started.asked:
+        assert started.advance()
+    assert difference(before, contents())
+    return addon, before, started
+
+
+def to_the_end(running):
+    """Lets a session come to its end."""
+    while running.advance():
+        time.sleep(0.05)
+
+
+def test_run_operator_does_it_all(warm):
+    assert bpy.ops.vibe.run() == {"FINISHED"}
+    assert warm.vibe.changes
+    assert warm.vibe.vibed_prompt == PROMPT
+
+
+def test_engine_refusal_reaches_the_panel(warm):
+    before = contents()
+    warm.vibe.prompt = "qwxz vbnm"
+    with pytest.raises(RuntimeError):
+        bpy.ops.vibe.run()
+    assert desk.failure.remedy
+    assert difference(before, contents()) == {}
+
+
+def test_anchors_are_announced_and_leave_the_scene_as_it_was_meanwhile(warm):
+    running = desk.begin(bpy.context)
+    while running.stage != session.ANCHORING:
+        assert running.advance()
+        time.sleep(0.05)
+    between = contents()
+    assert running.advance()
+    assert difference(between, contents()) == {}
+    to_the_end(running)
+    assert running.agreement >= 0.0
+    assert running.notes == []
+
+
+def test_cancel_between_anchors_leaves_a_vibe_as_it_was(warm):
+    assert bpy.ops.vibe.run() == {"FINISHED"}
+    before = contents()
+    warm.vibe.prompt = "dark, cool blue light, fog"
+    running = desk.begin(bpy.context)
+    for _ in range(2):
+        while running.stage != session.ANCHORING:
+            assert running.advance()
+            time.sleep(0.05)
+        assert running.advance()
+    desk.cancel()
+    assert difference(before, contents()) == {}
+
+
+def test_without_anchors_nothing_is_rendered(warm):
+    warm.vibe.anchor = False
+    running = desk.begin(bpy.context)
+    stages = {running.stage}
+    while running.advance():
+        stages.add(running.stage)
+        time.sleep(0.02)
+    assert session.ANCHORING not in stages
+    assert running.agreement is None
+
+
+def test_a_blender_that_cannot_render_goes_on_without(warm, monkeypatch):
+    def broken(*_args, **_named):
+        raise RuntimeError("no memory for this")
+
+    monkeypatch.setattr(anchors, "render_anchor", broken)
+    running = desk.begin(bpy.context)
+    to_the_end(running)
+    assert warm.vibe.changes
+    assert running.agreement is None
+    assert "no memory for this" in running.notes[0]
+
+
+def test_cancel_leaves_the_scene_as_it_was_and_the_engine_warm(warm, engine):
+    before, process = contents(), engine._process
+    warm.vibe.rounds, warm.vibe.steps = 100, 1000
+    running = desk.begin(bpy.context)
+    while running.progress is None:
+        assert running.advance()
+        time.sleep(0.05)
+    desk.cancel()
+    assert difference(before, contents()) == {}
+    warm.vibe.rounds, warm.vibe.steps = 1, 2
+    assert bpy.ops.vibe.run() == {"FINISHED"}
+    assert engine._process is process
+
+
+def test_stop_takes_the_best_so_far(warm):
+    before = contents()
+    warm.vibe.rounds, warm.vibe.steps = 100, 1000
+    running = desk.begin(bpy.context)
+    while running.progress is None:
+        assert running.advance()
+        time.sleep(0.05)
+    running.stop()
+    to_the_end(running)
+    assert warm.vibe.changes
+    assert running.preview.is_file()
+    result.revert(warm)
+    assert difference(before, contents()) == {}
+
+
+def test_cancel_at_once_leaves_the_scene_as_it_was(cold):
+    _, before, _ = cold
+    desk.cancel()
+    assert difference(before, contents()) == {}
+
+
+def test_engine_that_dies_leaves_the_scene_as_it_was(cold):
+    _, before, running = cold
+    os.kill(running._engine._process.pid, signal.SIGKILL)
+    with pytest.raises(VibeError, match="stopped unexpectedly"):
+        to_the_end(running)
+    assert difference(before, contents()) == {}
+
+
+def test_unregister_ends_the_engine(cold):
+    process = cold[2]._engine._process
+    vibe_render.unregister()
+    assert process.poll() is not None
+    vibe_render.register()
+
+
+def test_wrong_engine_is_refused(tmp_path):
+    with pytest.raises(VibeError, match="no Vibe engine"):
+        Engine(str(tmp_path)).start()

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Small parts of the panel without a window: earlier prompts, the list of single values, the cache's buttons."""
+
+import bpy
+import pytest
+from small_scenes import studio
+from test_operators import addon  # noqa: F401  (a fixture)
+from vibe_render.session import changes, preferences, prompt_history
+from vibe_render.session.state import desk
+from vibe_render.ui import value_list
+from vibe_render.ui.panels import result
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """The user's own folder, empty."""
+    monkeypatch.setattr(prompt_history, "own_folder", lambda path, create=False: tmp_path)
+    monkeypatch.setattr(preferences, "own_folder", lambda path, create=False: tmp_path / path)
+    return tmp_path
+
+
+def test_earlier_prompts_come_newest_first_and_once(folder, addon):  # noqa: F811
+    for text in ("noir", "golden hour", "noir", "nebliger Morgen, grün"):
+        prompt_history.remember(text)
+    assert prompt_history.prompts() == ["nebliger Morgen, grün", "noir", "golden hour"]
+    assert bpy.ops.vibe.recall(prompt="golden hour") == {"FINISHED"}
+    assert addon.vibe.prompt == "golden hour"
+    for number in range(40):
+        prompt_history.remember(str(number))
+    assert prompt_history.prompts() == [str(number) for number in range(39, 9, -1)]
+    assert bpy.ops.vibe.clear_history() == {"FINISHED"}
+    assert prompt_history.prompts() == []
+
+
+@pytest.mark.parametrize("content", ["{", "{}", "[1, null]", "\udcff"])
+def test_a_damaged_history_is_an_empty_one(folder, content):
+    (folder / "prompts.json").write_text(content, errors="surrogateescape")
+    assert prompt_history.prompts() == []
+    prompt_history.remember("noir")
+    assert prompt_history.prompts() == ["noir"]
+
+
+def test_the_list_has_every_value_and_says_which_must_stay(addon):  # noqa: F811
+    studio(addon)
+    bpy.data.materials["Body"].node_tree.nodes["Principled BSDF"].inputs["Roughness"].keyframe_insert(
+        "default_value", frame=1
+    )
+    value_list.fill(addon)
+    rows = {row.name: row for row in bpy.context.window_manager.vibe_values.rows}
+    assert rows["light/Area/power"].reason == ""
+    assert "animated" in rows["material/Body/roughness"].reason
+    bpy.data.objects.remove(bpy.data.objects["Area"])
+    value_list.fill(addon)
+    assert "light/Area/power" not in bpy.context.window_manager.vibe_values.rows
+
+
+def test_the_list_is_searched_by_title_and_key(addon):  # noqa: F811
+    studio(addon)
+    value_list.fill(addon)
+    values = bpy.context.window_manager.vibe_values
+
+    class Search:
+        """As much of Blender's list as the filter reads."""
+
+        filter_name, bitflag_filter_item = "AREA power", 1 << 30
+
+    flags, order = value_list.VIBE_UL_values.filter_items(Search, bpy.context, values, "rows")
+    assert [row.name for row, flag in zip(values.rows, flags, strict=True) if flag] == ["light/Area/power"]
+    assert order == []
+
+
+def test_locks_open_and_close(addon):  # noqa: F811
+    assert not bpy.ops.vibe.unlock_all.poll()
+    for key in ("light/Area/power", "film/exposure", "light/Area/power"):
+        bpy.ops.vibe.lock(key=key)
+    assert addon.vibe.locks.keys() == ["film/exposure"]
+    assert addon.vibe.engine_options(bpy.context).lock == ("film/exposure",)
+    assert bpy.ops.vibe.unlock_all() == {"FINISHED"}
+    assert not addon.vibe.locks
+
+
+def test_the_cache_is_measured_and_cleared_but_not_during_a_vibe(folder, addon, monkeypatch):  # noqa: F811
+    preferences._known.clear()
+    place = preferences.cache_folder(bpy.context)
+    assert preferences._usage(place) == "Empty"
+    assert not bpy.ops.vibe.clear_cache.poll()
+    (place / "deep").mkdir(parents=True)
+    (place / "deep" / "answer.json").write_bytes(bytes(1500))
+    beside = place.parent / "mine.txt"
+    beside.write_text("the artist's")
+    preferences._known.clear()
+    assert preferences._usage(place) == "1.5 kB in 1 file"
+    monkeypatch.setattr(desk, "running", True)
+    assert not bpy.ops.vibe.clear_cache.poll()
+    monkeypatch.setattr(desk, "running", False)
+    assert bpy.ops.vibe.clear_cache() == {"FINISHED"}
+    assert not place.exists()
+    assert beside.is_file()
+    assert preferences._usage(place) == "Empty"
+
+
+@pytest.mark.parametrize(
+    ("reason", "short"),
+    [
+        ("'night' (dark night scene)", "“night”"),
+        ("'noir' means 'hard light'", "“noir”"),
+        ("'painter's light' (soft)", "“painter's light”"),
+        ("model: warmer", "model: warmer"),
+        ("", ""),
+    ],
+)
+def test_reasons_are_short_where_a_word_says_it(reason, short):
+    assert changes.cause(reason) == short
+
+
+@pytest.mark.parametrize(
+    ("difference", "engine", "said", "good"),
+    [
+        (0.04, "CYCLES", "matches Cycles (color difference 0.1)", True),
+        (1.0, "CYCLES", "is close to Cycles", True),
+        (3.2, "CYCLES", "differs from Cycles", False),
+        (0.1, "BLENDER_EEVEE", "shows Cycles; other engines differ", False),
+    ],
+)
+def test_agreement_is_said_in_words_and_of_cycles_alone(difference, engine, said, good):
+    text, is_good = result.agreement(difference, engine)
+    assert said in text
+    assert is_good is good
+
+
+def test_moving_strength_shows_the_look_again(addon):  # noqa: F811
+    addon.vibe.show_original = True
+    addon.vibe.strength = 0.5
+    assert not addon.vibe.show_original

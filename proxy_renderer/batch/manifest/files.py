@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The files that a manifest names, and digests of what is in them."""
+
+from __future__ import annotations
+
+import glob
+import hashlib
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from ...options import check
+from ...prompt.lexicon.user_words import user_file
+from ...schema import VibeError
+from .options import texts
+from .toml_source import Source
+
+
+class Files:
+    """Finds files from the manifest's folder.
+
+    Args:
+        source: The manifest.
+        out: The results folder, which holds no scenes.
+
+    Attributes:
+        base: The manifest's folder.
+    """
+
+    def __init__(self, source: Source, out: Path) -> None:
+        self.base = source.path.parent.resolve()
+        self._problem, self._out = source.problem, out
+
+    def scenes(self, patterns: Any, *keys: str) -> Iterator[tuple[str, Path]]:
+        """Names and places of scenes, in the order of the manifest."""
+        if not texts(patterns):
+            raise self._problem("There are no scenes.", 'Write scenes = ["shots/*.blend"].', *keys)
+        for pattern in patterns:
+            places = sorted(glob.glob(pattern, root_dir=self.base, recursive=True))
+            if glob.has_magic(pattern):
+                places = [p for p in places if Path(p).suffix.lower() in check.SCENES]
+            places = [p for p in places if not (self.base / p).resolve().is_relative_to(self._out)]
+            if not places:
+                remedy = f"It is looked for from {self.base}; scenes are {' '.join(check.SCENES)} files."
+                raise self._problem(f"No scene matches {pattern!r}.", remedy, *keys, quoted=pattern)
+            for place in places:
+                try:
+                    found = check.scene(str(self.base / place))
+                except VibeError as error:
+                    raise self._problem(error.message, error.remedy, *keys, quoted=pattern) from error
+                yield Path(os.path.relpath(self.base / place, self.base)).as_posix(), found
+
+    def common(self, patterns: Any, vocabulary: str) -> str:
+        """Digest of what every result depends on: linked files and the artist's own words."""
+        if patterns and not texts(patterns):
+            raise self._problem("These are not files.", 'Write files = ["textures/**"].', "files")
+        linked = []
+        for pattern in patterns:
+            found = sorted(glob.glob(pattern, root_dir=self.base, recursive=True))
+            linked += [p for p in found if (self.base / p).is_file()]
+            if not found:
+                remedy = f"It is looked for from {self.base}."
+                raise self._problem(f"No file matches {pattern!r}.", remedy, "files", quoted=pattern)
+        if vocabulary:
+            self.named(vocabulary, "vocabulary", "options", "vocabulary")
+        words = user_file()
+        lines = [f"{p} {digest(self.base / p)}" for p in linked] + ([digest(words)] if words else [])
+        return hashlib.sha256("\n".join(lines).encode()).hexdigest()
+
+    def named(self, name: str, what: str, *keys: str) -> Path:
+        """A file that the manifest names."""
+        try:
+            return check.file(str(self.base / name), what)
+        except VibeError as error:
+            raise self._problem(error.message, error.remedy, *keys) from error
+
+
+def digest(path: Path) -> str:
+    """Of a file's content."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

@@ -1,0 +1,237 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The manifest of `vibe batch`, checked to its last key before anything starts.
+
+scenes = ["shots/*.blend", "props/teapot.obj"]      # beside the manifest; ** goes into folders
+prompts = ["noir", "golden hour, warm haze"]        # or the name of a text file, a prompt on each line
+seeds = [0, 1]                                      # default: [0]
+files = ["textures/**"]                             # what scenes link to: if it changes, they are done again
+
+[options]                                           # those of `vibe run`
+size = 512
+lock = ["material/*"]
+
+[limits]                                            # of each job, and of the machine: see `Limits`
+minutes = 30
+
+[scene."shots/010*"]                                # for the scenes whose name matches
+prompts = ["noir"]
+subject = ["Hero"]
+samples = 256
+
+[[shots]]                                           # solved together: one look holds in all of them
+name = "kitchen"
+scenes = ["kitchen/*.blend"]                        # each through each of the cameras, at each of the frames
+cameras = ["Wide", "Close"]
+frames = [1, 50, 100]
+grade_each = true                                   # an exposure and a grade for each; and all that a scene may have
+"""
+
+from __future__ import annotations
+
+import fnmatch
+import hashlib
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+from ...options import check
+from ...schema import VibeError
+from .files import Files, digest
+from .options import OF_SCENE, OF_SHOTS, OptionReader, texts
+from .toml_source import Source
+
+_KNOWN = ("scenes", "prompts", "seeds", "files", "options", "limits", "scene", "shots")
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a job may use.
+
+    Attributes:
+        minutes: Of wall time; it is ended after that.
+        memory_gb: Of Blender and the engine together; it is ended above that. As many workers are started as fit.
+        cores: Threads of the engine. The same number gives the same values, bit for bit, on any machine.
+        retries: Times that a failed job is tried again.
+        free_gb: Of disk space; no job is started below that.
+    """
+
+    minutes: float = 60.0
+    memory_gb: float = 6.0
+    cores: int = 2
+    retries: int = 1
+    free_gb: float = 1.0
+
+
+@dataclass(frozen=True)
+class Shot:
+    """A scene of the manifest, or several that are to share a look.
+
+    Attributes:
+        name: Its path from the manifest's folder, with forward slashes; or what the manifest calls them.
+        source: Where it is now.
+        digest: Of its content, and of what else the result depends on.
+        prompts: To be tried on it.
+        seeds: Likewise.
+        arguments: Options for Blender's side, without prompt and seed.
+        more: Where the other scenes are.
+    """
+
+    name: str
+    source: Path
+    digest: str
+    prompts: tuple[str, ...]
+    seeds: tuple[int, ...]
+    arguments: tuple[str, ...]
+    more: tuple[Path, ...] = ()
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """What is wanted."""
+
+    shots: tuple[Shot, ...]
+    limits: Limits
+
+
+def load(path: Path, out: Path) -> Manifest:
+    """Reads and checks a manifest; scenes under the results folder `out` are none of it.
+
+    Raises:
+        VibeError: Something in it is wrong; names the file, the line and the remedy.
+    """
+    check.file(str(path), "manifest")
+    return _Reader(Source(path.expanduser()), out.expanduser().resolve()).manifest()
+
+
+class _Reader:
+    def __init__(self, source: Source, out: Path) -> None:
+        self._problem, self._content = source.problem, source.content
+        self._files = Files(source, out)
+        self._options = OptionReader(source, self._files.base)
+
+    def manifest(self) -> Manifest:
+        content = self._content
+        for key in content:
+            if key not in _KNOWN:
+                raise self._problem(f"Unknown key {key!r}.", f"Use {', '.join(_KNOWN)}.", key)
+        limits = self._limits(content.get("limits", {}))
+        common = self._options.read(self._table(content, "options"), ("options",))
+        everything = self._files.common(content.get("files", []), common.get("vocabulary", ""))
+        shots = [*self._single(common, everything), *self._together(common, everything)]
+        return Manifest(tuple(shots), limits)
+
+    def _single(self, common: dict[str, Any], everything: str) -> Iterator[Shot]:
+        """The scenes, each for itself."""
+        if self._content.get("scenes", []) == [] and "shots" in self._content:
+            return
+        found = dict(self._files.scenes(self._content.get("scenes"), "scenes"))
+        named = self._table(self._content, "scene")
+        for pattern in named:
+            if not fnmatch.filter(found, pattern):
+                remedy = f"Scenes are named as in {next(iter(found))}."
+                raise self._problem(f"No scene matches {pattern!r}.", remedy, "scene", pattern)
+        for name, place in found.items():
+            own: dict[str, Any] = {}
+            for pattern, table in named.items():
+                if fnmatch.fnmatch(name, pattern):
+                    own |= self._own(table, common, OF_SCENE, "scene", pattern)
+            yield self._shot(name, [place], common, own, everything)
+
+    def _together(self, common: dict[str, Any], everything: str) -> Iterator[Shot]:
+        """The groups of shots that share a look."""
+        names: set[str] = set()
+        for number, table in enumerate(self._content.get("shots", [])):
+            keys = ("shots", str(number))
+            name = table.get("name") if isinstance(table, dict) else None
+            if not isinstance(name, str) or not name.strip() or name in names:
+                raise self._problem(
+                    "Shots that share a look need a name of their own.", 'Write name = "kitchen".', *keys
+                )
+            names.add(name)
+            scenes = [place for _, place in self._files.scenes(table.get("scenes"), *keys, "scenes")]
+            rest = {k: v for k, v in table.items() if k not in ("name", "scenes")}
+            own = self._own(rest, common, OF_SHOTS, *keys)
+            try:
+                yield self._shot(name, scenes, common, own, everything)
+            except VibeError as error:
+                raise self._problem(error.message, error.remedy, *keys) from error
+
+    def _shot(
+        self, name: str, scenes: list[Path], common: dict[str, Any], own: dict[str, Any], everything: str
+    ) -> Shot:
+        arguments = self._options.arguments(common | own, scenes)
+        prompts = own.get("prompts") or self._prompts(self._content.get("prompts"), common, "prompts")
+        seeds = own.get("seeds") or self._seeds(self._content.get("seeds", [0]), "seeds")
+        content = " ".join([*map(digest, scenes), everything])
+        mark = hashlib.sha256(content.encode()).hexdigest()
+        return Shot(name, scenes[0], mark, prompts, seeds, arguments, tuple(scenes[1:]))
+
+    def _table(self, content: dict[str, Any], key: str) -> dict[str, Any]:
+        table = content.get(key, {})
+        if not isinstance(table, dict):
+            raise self._problem(f"{key!r} is not a table.", f"Write [{key}] above its rows.", key)
+        return table
+
+    def _prompts(self, given: Any, options: dict[str, Any], *keys: str) -> tuple[str, ...]:
+        """Prompts from a list, or from a file with one on each line."""
+        if isinstance(given, str):
+            return self._prompts_of_file(self._files.named(given, "list of prompts", *keys), options)
+        if not texts(given):
+            remedy = 'Write prompts = ["noir", "misty"], or prompts = "prompts.txt".'
+            raise self._problem("There are no prompts.", remedy, *keys)
+        for prompt in given:
+            try:
+                self._options.prompt(prompt, options)
+            except VibeError as error:
+                raise self._problem(error.message, error.remedy, *keys, quoted=prompt) from error
+        return tuple(dict.fromkeys(given))
+
+    def _prompts_of_file(self, path: Path, options: dict[str, Any]) -> tuple[str, ...]:
+        found: dict[str, None] = {}
+        for number, line in enumerate(path.read_text("utf-8").splitlines(), 1):
+            prompt = line.strip()
+            if not prompt or prompt.startswith("#"):
+                continue
+            try:
+                self._options.prompt(prompt, options)
+            except VibeError as error:
+                raise VibeError(f"{path}, line {number}: {error.message}", error.remedy) from error
+            found[prompt] = None
+        if not found:
+            raise VibeError(f"{path} holds no prompt.", "Write one on each line.")
+        return tuple(found)
+
+    def _seeds(self, given: Any, *keys: str) -> tuple[int, ...]:
+        whole = isinstance(given, list) and given and all(type(s) is int and 0 <= s < 2**31 for s in given)
+        if not whole:
+            raise self._problem("These are not seeds.", "Write numbers from 0: seeds = [0, 1].", *keys)
+        return tuple(dict.fromkeys(given))
+
+    def _own(self, table: Any, options: dict[str, Any], more: dict[str, Any], *keys: str) -> dict[str, Any]:
+        """What a table says for some scenes, which may have `more` than the options of a vibe."""
+        if not isinstance(table, dict):
+            raise self._problem("This is not a table.", f'Write [scene."{keys[-1]}"].', *keys)
+        rest = {k: v for k, v in table.items() if k not in ("prompts", "seeds")}
+        if "vocabulary" in rest:
+            raise self._problem("A scene has no vocabulary of its own.", "Put it under [options].", *keys)
+        own = self._options.read(rest, keys, more)
+        if "prompts" in table:
+            own["prompts"] = self._prompts(table["prompts"], options | own, *keys, "prompts")
+        if "seeds" in table:
+            own["seeds"] = self._seeds(table["seeds"], *keys, "seeds")
+        return own
+
+    def _limits(self, table: Any) -> Limits:
+        known = {f.name: f.default for f in fields(Limits)}
+        for key, value in table.items() if isinstance(table, dict) else ():
+            if key not in known:
+                raise self._problem(f"Unknown limit {key!r}.", f"Use {', '.join(known)}.", "limits", key)
+            whole = isinstance(known[key], int)
+            if (
+                type(value) not in ((int,) if whole else (int, float))
+                or value < (key in ("minutes", "cores")) * 0.01
+            ):
+                remedy = f"Write a {'whole number' if whole else 'number'}, as in {key} = {known[key]}."
+                raise self._problem(f"{key} cannot be {value!r}.", remedy, "limits", key)
+        return Limits(**self._table({"limits": table}, "limits"))

@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Builds the extension's zip, and installs it. Blender's own tools do both.
+
+The zip holds the add-on, the schema that it reads, and the engine's code, which Blender never imports: the
+engine is a process of its own, for which the add-on's *Set Up Engine* makes an environment.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import tomllib
+from importlib import metadata
+from pathlib import Path
+
+from ..schema import VibeError
+
+_IGNORED = shutil.ignore_patterns(
+    "__pycache__",
+    "*.pyc",
+    "bench",  # measurements and training are the command's
+    "train",
+    "make_looks.py",  # looks are made here, and come made
+    "prompts.toml",
+)
+
+
+def build(out: Path) -> Path:
+    """Builds and validates the extension for Blender's "Install from Disk".
+
+    Args:
+        out: The folder for the zip; made if it does not exist.
+
+    Returns:
+        The zip, OUT/vibe_render-VERSION.zip. It remembers which Python built it, so that on this
+        computer Blender finds the engine by itself.
+
+    Raises:
+        VibeError: If Blender's tool is not installed or refuses, or the folder cannot be written.
+    """
+    tool = _blender_tool()
+    with tempfile.TemporaryDirectory() as scratch:
+        package = Path(scratch) / "vibe_render"
+        _assemble(package)
+        _ask(tool, "validate", str(package))
+        _ask(tool, "build", "--source-dir", str(package), "--output-dir", scratch)
+        _ask(tool, "validate", str(made := next(Path(scratch).glob("*.zip"))))
+        return _deliver(made, out)
+
+
+def install(blender: str = "") -> str:
+    """Builds the extension and installs it, enabled, into a Blender of this computer.
+
+    Args:
+        blender: The program, or the folder that it is in; "" for the one on the PATH.
+
+    Returns:
+        What has been installed where, in words.
+
+    Raises:
+        VibeError: If there is no Blender, or it refuses.
+    """
+    program = _blender(blender)
+    with tempfile.TemporaryDirectory() as scratch:
+        made = build(Path(scratch))
+        command = [program, "--command", "extension", "install-file", "-r", "user_default", "-e", str(made)]
+        try:
+            done = subprocess.run(command, capture_output=True, text=True, errors="replace")
+        except OSError as error:
+            raise VibeError(
+                f"{program} does not start: {error.strerror}.", "Choose another --blender."
+            ) from error
+    said = (done.stdout + done.stderr).strip()
+    if done.returncode or "Error" in said:
+        line = next((line for line in said.splitlines() if "rror" in line), said.rpartition("\n")[2])
+        raise VibeError(
+            f"Blender refused to install the extension: {line}", "Blender 4.2 or later is needed."
+        )
+    return f"{made.name} is installed and enabled in {program}."
+
+
+def _blender(chosen: str) -> str:
+    """The Blender program at a place."""
+    if not chosen:
+        if found := shutil.which("blender"):
+            return found
+        raise VibeError("There is no `blender` on the PATH.", "Name it: --blender /path/to/blender.")
+    place = Path(chosen).expanduser()
+    inside = ("blender", "blender.exe", "Contents/MacOS/Blender")
+    for program in (place, *(place / name for name in inside)):
+        if program.is_file():
+            return str(program.absolute())
+    raise VibeError(f"There is no Blender in {chosen}.", "Name the program: --blender /path/to/blender.")
+
+
+def _assemble(package: Path) -> None:
+    """Puts the add-on, the schema, the engine's code and the note about this Python together."""
+    here = Path(__file__).parents[1]
+    shutil.copytree(_addon(), package, ignore=_IGNORED)
+    shutil.copytree(here / "schema", package / "schema", ignore=_IGNORED)
+    shutil.copytree(here, package / "carried" / here.name, ignore=_IGNORED)
+    (package / "carried" / "requirements.txt").write_text("\n".join(_requirements()), encoding="utf-8")
+    (package / "engine.txt").write_text(sys.executable, encoding="utf-8")
+
+
+def _requirements() -> list[str]:
+    """What the engine needs from pip: all that this package does, but Blender."""
+    project = Path(__file__).resolve().parents[2] / "pyproject.toml"
+    if project.is_file():
+        needed = tomllib.loads(project.read_text(encoding="utf-8"))["project"]["dependencies"]
+    else:
+        needed = [line for line in metadata.requires("vibe-render") or [] if "extra ==" not in line]
+    return [line for line in needed if not line.startswith("bpy")]
+
+
+def _addon() -> Path:
+    """The add-on's folder: importable beside this package, or in the clone that this is part of."""
+    spec = importlib.util.find_spec("vibe_render")
+    places = [Path(p) for p in (spec.submodule_search_locations or [])] if spec else []
+    places.append(Path(__file__).resolve().parents[2] / "addon" / "vibe_render")
+    for place in places:
+        if (place / "blender_manifest.toml").is_file():
+            return place
+    raise VibeError("The add-on's files are missing.", "Reinstall vibe-render, or run it from a clone.")
+
+
+def _blender_tool() -> Path:
+    """Blender's own extension tool, which comes with the bpy package (and needs no Blender to run)."""
+    spec = importlib.util.find_spec("bpy")
+    for place in (spec.submodule_search_locations or []) if spec else []:
+        for tool in Path(place).glob("*/scripts/addons_core/bl_pkg/cli/blender_ext.py"):
+            return tool
+    raise VibeError(
+        "Blender's packing tool was not found.", "Install it with `pip install bpy` on Python 3.11 or 3.13."
+    )
+
+
+def _ask(tool: Path, *arguments: str) -> None:
+    """Runs Blender's tool; its complaint becomes the error."""
+    done = subprocess.run([sys.executable, str(tool), *arguments], capture_output=True, text=True)
+    if done.returncode:
+        said = (done.stderr or done.stdout).strip().rpartition("\n")[2]
+        raise VibeError(
+            f"Blender's tool refused to {arguments[0]} the extension: {said}", "Report this as a bug."
+        )
+
+
+def _deliver(made: Path, out: Path) -> Path:
+    """Moves the zip into place in one step, so that a broken one is never found there."""
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        part = out / f".{made.name}.part"
+        shutil.copyfile(made, part)
+        os.replace(part, out / made.name)
+    except OSError as error:
+        raise VibeError(
+            f"Cannot write to {out}: {error.strerror}.", "Choose another folder with --out."
+        ) from error
+    return out / made.name

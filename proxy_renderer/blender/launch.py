@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Starts Blender in a process of its own and shows how it gets on.
+
+Blender's side (`vibe_render/batch.py --events`) prints lines `VIBE {json}`: "stage", "progress",
+"result" and "error", besides whatever Blender itself prints.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections import deque
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from ..schema import VibeError
+from .view import View
+
+_MARK = "VIBE "
+
+
+def launch(arguments: list[str], out: Path, view: View | None = None) -> int:
+    """Runs batch.py with these arguments to its end and returns the command's exit code.
+
+    Args:
+        arguments: For batch.py.
+        out: What the artist is told to open at the end.
+        view: Shows how it goes; standard output if None.
+
+    Ctrl-C is passed on once, and Blender's side then finishes with the best so far; a second one
+    ends it at once.
+
+    Raises:
+        VibeError: What Blender's side reports, or that it died.
+    """
+    told = view is None
+    view = view or View()
+    view.stage("starting Blender")
+    process = start([str(blender_side()), "--events", *arguments], **_own_group())
+    presses = _forward_interrupts(process, view)
+    tail: deque[str] = deque(maxlen=40)
+    failure: VibeError | None = None
+    with view:
+        for event in events(process, tail):
+            if event.get("type") == "error":
+                failure = VibeError(event.get("message", "It failed."), event.get("remedy", ""))
+            else:
+                view.show(event)
+    code = process.wait()
+    if failure:
+        raise failure
+    if len(presses) > 1:
+        return 130
+    if code != 0:
+        said = next((line for line in reversed(tail) if line.strip()), "nothing")
+        raise VibeError(
+            f"Blender ended unexpectedly (exit code {code}). It said last: {said.strip()[:200]}",
+            "Run `vibe doctor`.",
+        )
+    if told:
+        view.end(out)
+    return 0
+
+
+def start(arguments: Sequence[str], **options: Any) -> subprocess.Popen[str]:
+    """Python with these arguments, as a Blender in a process of its own whose `events` can be read.
+
+    Args:
+        options: More options of `subprocess.Popen`.
+    """
+    return subprocess.Popen(
+        [sys.executable, *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        stdin=subprocess.DEVNULL,
+        encoding="utf-8",
+        errors="replace",
+        env=environment(),
+        **options,
+    )
+
+
+def events(process: subprocess.Popen[str], tail: deque[str]) -> Iterator[dict[str, Any]]:
+    """The events among the printed lines; the other lines go to the tail."""
+    assert process.stdout is not None
+    for line in process.stdout:
+        if line.startswith(_MARK):
+            try:
+                yield json.loads(line[len(_MARK) :])
+                continue
+            except ValueError:
+                pass
+        tail.append(line)
+
+
+def _forward_interrupts(process: subprocess.Popen[str], view: View) -> list[int]:
+    """Lets Ctrl-C and termination reach Blender's side; returns the list of presses, as it grows."""
+    presses: list[int] = []
+
+    def on_signal(number: int, frame: Any) -> None:
+        presses.append(number)
+        if len(presses) == 1:
+            view.note("Stopping with the best so far … (Ctrl-C again to give up)")
+            _send(process, signal.SIGINT)
+        else:
+            process.kill()
+
+    signal.signal(signal.SIGINT, on_signal)
+    signal.signal(signal.SIGTERM, on_signal)
+    return presses
+
+
+def _send(process: subprocess.Popen[str], number: int) -> None:
+    if os.name == "nt":
+        number = signal.CTRL_BREAK_EVENT  # type: ignore[attr-defined]
+    process.send_signal(number)
+
+
+def _own_group() -> dict[str, Any]:
+    """A terminal sends Ctrl-C to its whole group; Blender's side gets it from here, once."""
+    if os.name == "nt":
+        return {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}  # type: ignore[attr-defined]
+    return {"start_new_session": True}
+
+
+def blender_side() -> Path:
+    """Where batch.py is: in the installed package, or in the clone that this file is in."""
+    spec = importlib.util.find_spec("vibe_render")
+    places = [Path(p) for p in (spec.submodule_search_locations or [])] if spec else []
+    places.append(Path(__file__).resolve().parents[2] / "addon" / "vibe_render")
+    for place in places:
+        if (place / "batch.py").is_file():
+            return place / "batch.py"
+    raise VibeError(
+        "The Blender side of vibe-render is missing.",
+        "Install it again: `pip install .` in a clone of Vibe Render.",
+    )
+
+
+def environment() -> dict[str, str]:
+    """For Blender's side: this process's environment, with a clone's own packages first."""
+    root = Path(__file__).resolve().parents[2]
+    paths = [str(root), str(root / "addon")] if (root / "addon").is_dir() else []
+    known = filter(None, [os.environ.get("PYTHONPATH", "")])
+    return {**os.environ, "PYTHONPATH": os.pathsep.join([*paths, *known]), "PYTHONUNBUFFERED": "1"}

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`vibe doctor`: what is installed, what works, and what to do about what does not."""
+
+from __future__ import annotations
+
+import platform
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from importlib import metadata
+from pathlib import Path
+
+from .. import __version__
+from ..schema import VibeError
+
+_BLENDER = (
+    "import bpy, json, os; print('BLENDER ' + json.dumps([bpy.app.version_string, "
+    "os.path.join(bpy.utils.system_resource('DATAFILES'), 'colormanagement', 'config.ocio')]))"
+)
+_AGAIN = "Install it again: `pip install .` in a clone of Vibe Render."
+
+
+def examine() -> int:
+    """Runs every check, prints a line each, and returns 0 if a vibe can be run, otherwise 2."""
+    print(f"vibe-render {__version__}", flush=True)
+    config: list[str] = []
+    checks: list[tuple[str, Callable[[], str]]] = [
+        ("Python", _python),
+        ("Blender", lambda: _blender(config)),
+        ("torch", _torch),
+        ("rays", _embree),
+        ("color", lambda: _ocio(config)),
+        ("encoder", _encoder),
+        ("folders", _folders),
+        ("model", _model),
+    ]
+    broken = 0
+    for name, act in checks:
+        try:
+            print(f"  ok    {name:8} {act()}", flush=True)
+        except VibeError as error:
+            broken += 1
+            print(f"  FIX   {name:8} {error.message}\n                 -> {error.remedy}", flush=True)
+    print("All is well. Try `vibe demo`." if not broken else f"{broken} to fix.")
+    return 2 if broken else 0
+
+
+def _python() -> str:
+    version = sys.version_info[:2]
+    if version not in ((3, 11), (3, 13)):
+        raise VibeError(
+            f"Python {platform.python_version()} has no Blender module.",
+            "Use Python 3.13 (Blender 5.2 LTS) or 3.11 (Blender 4.5 LTS).",
+        )
+    return f"{platform.python_version()}, {platform.system()} {platform.machine()}"
+
+
+def _blender(config: list[str]) -> str:
+    """Blender runs in a process of its own here too; it tells where its color configuration is."""
+    try:
+        done = subprocess.run([sys.executable, "-c", _BLENDER], capture_output=True, text=True, timeout=120)
+    except subprocess.TimeoutExpired as error:
+        raise VibeError("Blender's module does not start within two minutes.", _AGAIN) from error
+    said = [line for line in done.stdout.splitlines() if line.startswith("BLENDER ")]
+    if not said:
+        reason = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]
+        raise VibeError(
+            f"Blender's module does not start: {reason[:150]}",
+            "If a lib*.so is missing, install it with your system's package manager; otherwise "
+            "Install it again: `pip install .` in a clone of Vibe Render.",
+        )
+    import json
+
+    version, path = json.loads(said[0].removeprefix("BLENDER "))
+    config.append(path)
+    return f"{version} (the bpy module)"
+
+
+def _torch() -> str:
+    try:
+        import torch
+    except (ImportError, OSError) as error:
+        raise VibeError(f"torch cannot be imported: {error}", _AGAIN) from error
+    cards = [torch.cuda.get_device_name(i) for i in range(torch.cuda.device_count())]
+    return f"{torch.__version__}, {torch.get_num_threads()} threads, " + (
+        ", ".join(f"cuda:{i} {card}" for i, card in enumerate(cards)) or "no graphics card (the CPU is fine)"
+    )
+
+
+def _embree() -> str:
+    try:
+        import embreex  # noqa: F401
+        import trimesh  # noqa: F401
+    except (ImportError, OSError) as error:
+        raise VibeError(f"Embree cannot be imported: {error}", "pip install embreex trimesh") from error
+    return f"embreex {metadata.version('embreex')}"
+
+
+def _ocio(config: list[str]) -> str:
+    try:
+        import PyOpenColorIO as ocio
+    except (ImportError, OSError) as error:
+        raise VibeError(f"OpenColorIO cannot be imported: {error}", "pip install opencolorio") from error
+    if not config:
+        return f"OpenColorIO {ocio.__version__}"
+    views = list(ocio.Config.CreateFromFile(config[0]).getViews("sRGB"))
+    return f"OpenColorIO {ocio.__version__} reads Blender's {len(views)} views"
+
+
+def _encoder() -> str:
+    from ..guidance.encoder import load_encoder
+
+    encoder = load_encoder(None, "cpu")
+    heads = "with" if encoder.heads is not None else "without"
+    return f"{encoder.name}, {encoder.size} pixels, {heads} attribute heads"
+
+
+def _model() -> str:
+    """One cheap question with a picture, if a vision-language model is configured."""
+    from ..schema.messages import Options
+    from ..vlm.endpoint import find_endpoint
+
+    endpoint = find_endpoint(Options())
+    if endpoint is None:
+        return "none, the offline planner does without (VIBE_VLM_MODEL names one)"
+    from ..vlm.trial import try_model
+
+    return try_model(endpoint)
+
+
+def _folders() -> str:
+    for folder in (Path(tempfile.gettempdir()), Path.cwd()):
+        try:
+            with tempfile.TemporaryFile(dir=folder):
+                pass
+        except OSError as error:
+            raise VibeError(
+                f"{folder} cannot be written ({error.strerror}).",
+                "Change to a folder of yours, or set TMPDIR.",
+            ) from error
+    return "the temporary and the current folder can be written"

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`vibe explain`: what a prompt would do to a scene, or to a plain one."""
+
+from __future__ import annotations
+
+import json
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from ..planning.explanation import as_dict, explain
+from ..planning.planner import plan
+from ..prompt.parser import parse
+from ..prompt.prompts import compose
+from ..prompt.types import PlanContext, SceneWords
+from ..schema import PARAMETERS, Instance
+
+_OWNERS = {
+    "light": (("Key", "AREA", "key"), ("Fill", "AREA", "fill"), ("Rim", "AREA", "rim")),
+    "material": (("Subject", "", "subject"), ("Surroundings", "", "surroundings")),
+}
+_LOOK = 96  # longer side of the picture that is looked at, in pixels
+_LINKED = ("tint", "recolor", "rotation")
+
+
+def account(prompt: str, as_json: bool, scene: Path | None = None, subject: Sequence[str] = ()) -> str:
+    """What the words mean, readable or as JSON.
+
+    Args:
+        prompt: What the artist typed.
+        as_json: For programs.
+        scene: A .blend or a mesh, which Blender reads; None for a subject, its surroundings and three lights.
+        subject: Arguments that say what in the scene is the subject: "--subject=Cup".
+    """
+    words, instances, context = _read(scene, subject) if scene else _plain()
+    parsed = parse(prompt, words)
+    prompts = compose(parsed)
+    decided = plan(parsed, prompts, instances, context)
+    if as_json:
+        return json.dumps(as_dict(parsed, prompts, decided), indent=2, ensure_ascii=False)
+    return explain(parsed, prompts, decided)
+
+
+def _read(scene: Path, subject: Sequence[str]) -> tuple[SceneWords, dict[str, Instance], PlanContext]:
+    """A scene as the first round of a vibe sees it: its names, its parameters, and the picture that they give."""
+    from ..blender.launch import launch
+    from ..blender.view import View
+
+    with tempfile.TemporaryDirectory(prefix="vibe-explain-") as folder:
+        launch(["export", str(scene), f"--out={folder}", *subject], scene, View(sys.stderr))
+        from ..optimise import context
+        from ..optimise.objective import draw
+        from ..optimise.plan import lock
+        from ..optimise.vector import ParameterVector
+        from ..render.proxy import Proxy
+        from ..scene import load_scene
+
+        found = load_scene(Path(folder))
+        vector = ParameterVector(lock(found.instances, (), (), scene.suffix.lower() != ".blend"))
+        proxy = Proxy(found, context.picture_size(found.resolution, _LOOK), device="cpu", seed=0)
+        u = vector.encode({})
+        now = context.plan_context(proxy, vector.values(u), draw(proxy, vector, u))
+        return context.scene_words(found), dict(vector.instances), now
+
+
+def _plain() -> tuple[SceneWords, dict[str, Instance], PlanContext]:
+    words = SceneWords(materials={"Subject": "subject", "Surroundings": "surroundings"})
+    lights = {name: kind for name, kind, _ in _OWNERS["light"]}
+    return words, _plain_scene(), PlanContext(light_types=lights)
+
+
+def _plain_scene() -> dict[str, Instance]:
+    """Every parameter at its default; lengths are in units of the scene's own."""
+    found = [
+        Instance(p, owner, (p.default,) * p.components, role=role)
+        for p in PARAMETERS
+        for owner, kind, role in _OWNERS.get(p.group, (("", "", ""),))
+        if p.name not in _LINKED and (not p.only or kind in p.only)
+    ]
+    return {i.key: i for i in found}

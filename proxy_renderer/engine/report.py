@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is left behind of a vibe: the report's fields, and the picture that compares."""
+
+from __future__ import annotations
+
+import os
+import platform
+import textwrap
+from collections.abc import Sequence
+from importlib import metadata
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+from .. import __version__
+from ..schema import Values
+
+if TYPE_CHECKING:
+    from torch import Tensor
+
+    from ..optimise.anchoring import Blender
+    from ..optimise.pipeline import Outcome
+    from ..optimise.shots import Shot
+
+_PANEL = 512
+_MARGIN = 24
+_PAPER, _INK, _FAINT = (250, 250, 248), (32, 32, 36), (120, 120, 126)
+_PACKAGES = ("torch", "open_clip_torch", "numpy", "opencolorio", "trimesh")
+
+
+def parameter_records(outcome: Outcome) -> dict[str, dict[str, Any]]:
+    """Key -> before, after, lower, upper, moved (on the perceptual scale), optimised, reason, for every parameter of the scene."""
+    after = outcome.vector.values(outcome.u)
+    lower, upper = (outcome.vector.plain(b) for b in outcome.vector.bounds(outcome.ranges))
+    return {
+        key: {
+            "before": plain(instance.value),
+            "after": plain(after[key]),
+            "lower": plain(lower[key]),
+            "upper": plain(upper[key]),
+            "moved": round(instance.distance(after[key]), 4),
+            "optimised": key in outcome.optimised,
+            "reason": instance.locked or outcome.plan[key].reason,
+        }
+        for key, instance in outcome.vector.instances.items()
+    }
+
+
+def changed_values(outcome: Outcome, shot: Shot | None = None) -> dict[str, list[float]]:
+    """Key -> components, of what differs from the artist's scene; in one of several shots, under its names."""
+    vector = (shot or outcome).vector
+    return {k: list(v) for k, v in vector.changes(outcome.u).items()}
+
+
+def anchored(outcome: Outcome, blenders: Sequence[Blender]) -> dict[str, Any]:
+    """How the proxies were corrected, one for each shot.
+
+    `predicted` is the mean CIEDE2000 between what was predicted and what the next picture of Cycles showed, the
+    last time; of several shots, their mean.
+    """
+    pictures, predicted, notes = [], [], []
+    for shot, blender in zip(outcome.shots, blenders, strict=True):
+        pairs = zip(shot.anchoring.records, blender.seconds, strict=True)
+        records = [{**record, "seconds": seconds} for record, seconds in pairs]
+        pictures += records
+        predicted += [records[-1]["delta_e"]] if records else []
+        notes += blender.notes
+    mean = {"predicted": round(sum(predicted) / len(predicted), 3)} if predicted else {}
+    return {"anchored": {"pictures": pictures, **mean, "notes": list(dict.fromkeys(notes))}}
+
+
+def plain(values: Values) -> float | list[float]:
+    """A number for one component, a list for several."""
+    return values[0] if len(values) == 1 else list(values)
+
+
+def versions() -> dict[str, str]:
+    """What the engine runs on."""
+    found = {"vibe-render": __version__, "python": platform.python_version()}
+    for package in _PACKAGES:
+        try:
+            found[package] = metadata.version(package)
+        except metadata.PackageNotFoundError:
+            continue
+    return found
+
+
+def save_picture(picture: Tensor, path: Path) -> None:
+    """Writes (H, W, 3) or (H, W) in [0, 1] as an 8-bit PNG, all at once or not at all."""
+    data = (picture.detach().cpu().numpy().clip(0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
+    save_image(Image.fromarray(data), path)
+
+
+def save_image(image: Image.Image, path: Path) -> None:
+    """Writes a PNG, all at once or not at all."""
+    part = path.with_name(f".{path.name}.part")
+    try:
+        image.save(part, format="PNG")
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def load_picture(path: Path) -> np.ndarray:
+    """Reads a picture as (H, W, 3) float32 in [0, 1]; what is transparent shows black."""
+    with Image.open(path) as image:
+        flat = Image.alpha_composite(Image.new("RGBA", image.size, (0, 0, 0, 255)), image.convert("RGBA"))
+    return np.asarray(flat.convert("RGB"), np.float32) / 255.0
+
+
+def compare(rows: Sequence[Sequence[tuple[str, Image.Image]]], prompt: str) -> Image.Image:
+    """Labelled panels side by side, rows of them one below the other, the prompt at the foot.
+
+    Args:
+        rows: (label, picture), from left to right; all in a row of one shape.
+        prompt: Long ones are wrapped, and cut after four lines.
+    """
+    title, label = ImageFont.load_default(26), ImageFont.load_default(18)
+    sizes = [_fitted(row[0][1]) for row in rows]
+    total = max(len(row) * (size[0] + _MARGIN) for row, size in zip(rows, sizes, strict=True)) + _MARGIN
+    lines = textwrap.wrap(
+        f"“{prompt}”", max(int((total - 2 * _MARGIN) / 12.5), 20), max_lines=4, placeholder=" …"
+    )
+    head = 2 * _MARGIN + 8
+    height = sum(head + size[1] for size in sizes)
+    sheet = Image.new("RGB", (total, height + _MARGIN + 36 * len(lines) + _MARGIN), _PAPER)
+    draw, top = ImageDraw.Draw(sheet), 0
+    for row, size in zip(rows, sizes, strict=True):
+        for i, (name, picture) in enumerate(row):
+            x = _MARGIN + i * (size[0] + _MARGIN)
+            draw.text((x + size[0] / 2, top + head / 2 + 2), name, _FAINT, label, anchor="mm")
+            sheet.paste(picture.convert("RGB").resize(size, Image.Resampling.LANCZOS), (x, top + head))
+        top += head + size[1]
+    for i, line in enumerate(lines):
+        draw.text((total / 2, top + _MARGIN + 18 + 36 * i), line, _INK, title, anchor="mm")
+    return sheet
+
+
+def _fitted(picture: Image.Image) -> tuple[int, int]:
+    """Width and height of a panel that shows a picture."""
+    width, height = picture.size
+    scale = _PANEL / max(width, height)
+    return max(round(width * scale), 1), max(round(height * scale), 1)

@@ -1,0 +1,243 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One vibe in the engine: from a job folder to values, and, once Cycles has rendered, to its measure."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from PIL import Image
+
+from ..color.torch_color import mean_difference
+from ..guidance import augment
+from ..guidance.encoder import Encoder, load_encoder
+from ..optimise import context, pipeline
+from ..optimise.anchoring import Blender
+from ..optimise.progress import Watch
+from ..optimise.shots import View
+from ..render.proxy import Proxy
+from ..scene import SceneData, load_scene
+from ..schema import VibeError, messages
+from ..vlm import judge
+from ..vlm.advisor import ModelAdvisor
+from ..vlm.client import Client
+from ..vlm.endpoint import find_endpoint
+from . import predictions, report
+from .device import pick_device
+
+
+class Session:
+    """A vibe's state between its result and its measure.
+
+    Args:
+        shots: The job folders that the scene was exported to, one or several; pictures are written there too.
+        prompt: What the artist typed.
+        options: Of the vibe.
+        watch: Follows it.
+        vlm_key: The vision-language model's key from the preferences; "" for the environment's.
+    """
+
+    def __init__(
+        self,
+        shots: Sequence[messages.Shot],
+        prompt: str,
+        options: messages.Options,
+        watch: Watch,
+        vlm_key: str = "",
+    ) -> None:
+        self.shots, self.prompt, self.options, self._watch = shots, prompt, options, watch
+        self._caption = prompt
+        self._encoder: Encoder | None = None
+        endpoint = find_endpoint(options, vlm_key)
+        self._model = Client(endpoint, watch.stopped) if endpoint and not options.baseline else None
+        self._others: list[str] = []
+        self._rows: list[list[tuple[str, Image.Image]]] = []  # of compare.png: one for each shot
+
+    def run(self) -> messages.Result:
+        """Finds the values, draws the prediction and says how it went."""
+        clock = _Laps()
+        self._watch.stage("loading the encoder")
+        device = pick_device(self.options.device)
+        encoder = self._encoder = load_encoder(self.options.encoder or None, device)
+        heads = encoder if encoder.heads is not None else _embedded(device)
+        clock.lap("load encoder")
+        self._watch.stage("loading the scene")
+        scenes = [load_scene(Path(shot.job)) for shot in self.shots]
+        clock.lap("load scene")
+        advisor = self._advisor(scenes)
+        ask, seed = self._watch.ask, self.options.seed
+        blenders = [Blender(scene, ask, seed, number) for number, scene in enumerate(scenes)]
+        views = [
+            View(scene, blender if self.options.anchor else None, shot.file)
+            for scene, blender, shot in zip(scenes, blenders, self.shots, strict=True)
+        ]
+        outcome = pipeline.run(views, self.prompt, self.options, encoder, heads, self._watch, advisor)
+        clock.lap("loop")
+        self._watch.stage("drawing the prediction")
+        pictures: list[list[Image.Image]] = []  # for each shot, of every variant
+        for number, shot in enumerate(outcome.shots):
+            size = context.picture_size(shot.scene.resolution, self.options.size)
+            proxy = Proxy(shot.scene, size, device, self.options.seed, fine=True)
+            job = Path(self.shots[number].job)
+            self._others = predictions.predict(proxy, outcome, number, job)
+            pictures.append(predictions.variants(proxy, outcome, number, job))
+        variants = self._variants(outcome, pictures)
+        clock.lap("prediction")
+        self._caption = outcome.prompts.whole or self.prompt
+        values = [report.changed_values(outcome, shot) for shot in outcome.shots]
+        return messages.Result(
+            values=values[0],
+            report={
+                **self._facts(outcome, encoder),
+                **({"vlm": advisor.account()} if advisor else {}),
+                **(report.anchored(outcome, blenders) if self.options.anchor else {}),
+                **(
+                    {"variants": [{"score": v.score, "values": v.values} for v in variants]}
+                    if variants
+                    else {}
+                ),
+                "timings": clock.laps,
+            },
+            prediction=predictions.PREDICTION,
+            stopped=outcome.stopped,
+            variants=variants,
+            shots=values if len(values) > 1 else [],
+        )
+
+    def _variants(
+        self, outcome: pipeline.Outcome, pictures: list[list[Image.Image]]
+    ) -> list[messages.Variant]:
+        """The looks to choose from, and all of them on one sheet: a column for each, a row for each shot."""
+        if not outcome.variants:
+            return []
+        rows = [
+            [(f"{number} · {shot.name}" if shot.name else f"{number}", p) for number, p in enumerate(row, 1)]
+            for shot, row in zip(self.shots, pictures, strict=True)
+        ]
+        report.save_image(report.compare(rows, self.prompt), Path(self.shots[0].job) / messages.VARIANTS)
+        return [_variant(found, number) for number, found in enumerate(outcome.variants, start=1)]
+
+    def finish(self, request: messages.Finish) -> messages.Finished:
+        """Measures Cycles' pictures against the prediction and the words, and composes them."""
+        if self._encoder is None:
+            raise VibeError("There is nothing to finish.", "Send a vibe first.")
+        before, after = (report.load_picture(Path(p)) for p in (request.before, request.after))
+        shape, shot = (after.shape[1], after.shape[0]), self.shots[request.shot]
+        job = Path(shot.job)
+        predicted = _drawn(job / predictions.PREDICTION, shape)
+        panels = [("before", before), ("the proxy's prediction", predicted), ("after (Cycles)", after)]
+        images = [
+            (
+                f"{label} · {shot.name}" if shot.name else label,
+                Image.fromarray((p * 255.0 + 0.5).astype(np.uint8)),
+            )
+            for label, p in panels
+        ]
+        self._rows = [*self._rows[: request.shot], images]
+        report.save_image(report.compare(self._rows, self.prompt), Path(request.compare_out))
+        if request.mask_out:
+            with Image.open(job / predictions.MASK) as mask:
+                report.save_image(mask.resize(shape, Image.Resampling.LANCZOS), Path(request.mask_out))
+        return messages.Finished(
+            delta_e=_delta_e(predicted, after),
+            others={
+                name: _delta_e(_drawn(job / predictions.OTHERS[name], shape), after) for name in self._others
+            },
+            similarity={"before": self._similarity(before), "after": self._similarity(after)},
+            judge=self._judge(images[0][1], images[2][1]),
+        )
+
+    def _advisor(self, scenes: Sequence[SceneData]) -> ModelAdvisor | None:
+        """The model as parser and confiner; None for the offline planner."""
+        if self._model is None:
+            return None
+        return ModelAdvisor(self.prompt, context.scene_words(*scenes), self._model, self._watch.stage)
+
+    def _judge(self, before: Image.Image, after: Image.Image) -> dict[str, Any]:
+        """The model's verdict on Cycles' two pictures, or why there is none."""
+        if self._model is None:
+            return {}
+        self._watch.stage("asking the judge")
+        model = Client(self._model.endpoint)
+        column = judge.Column("The scene", self.prompt, after, before)
+        try:
+            verdict = asdict(judge.judge(model, [column], judge.BEFORE_AFTER))
+        except VibeError as error:
+            verdict = {"error": str(error)}
+        return {"model": model.endpoint.model, **verdict, **model.usage.account()}
+
+    def _similarity(self, picture: np.ndarray) -> float:
+        """Cosine of a picture (H, W, 3) and the caption of the whole (equation 2)."""
+        encoder = self._encoder
+        assert encoder is not None
+        with torch.no_grad():
+            batch = torch.from_numpy(picture).permute(2, 0, 1)[None].to(encoder.device)
+            seen = encoder.encode_images(augment.whole(batch, encoder.size))
+            return round(float((seen @ encoder.encode_texts([self._caption]).T).item()), 4)
+
+    def _facts(self, outcome: pipeline.Outcome, encoder: Encoder) -> dict[str, Any]:
+        """The fields of report.json that the engine knows."""
+        parsed, prompts = outcome.parsed, outcome.prompts
+        return {
+            "prompt": self.prompt,
+            "encoder": encoder.name,
+            "seed": self.options.seed,
+            "baseline": self.options.baseline,
+            "parameters": report.parameter_records(outcome),
+            "rounds": outcome.rounds,
+            "understood": {
+                "subject": prompts.subject,
+                "surroundings": prompts.surroundings,
+                "whole": prompts.whole,
+                "targets": parsed.targets,
+                "ignored": parsed.ignored,
+                "guesses": parsed.guesses,
+                "notes": list(dict.fromkeys([*parsed.conflicts, *outcome.plan.notes])),
+            },
+            "versions": report.versions(),
+        }
+
+
+def _variant(found: pipeline.Outcome, number: int) -> messages.Variant:
+    values = report.changed_values(found, found.shots[0])
+    reasons = {key: found.plan[key].reason for key in values if key in found.plan}
+    return messages.Variant(values, predictions.variant(number), round(found.loss, 4), reasons)
+
+
+def _drawn(path: Path, shape: tuple[int, int]) -> np.ndarray:
+    """A prediction (H, W, 3) at another width and height."""
+    with Image.open(path) as image:
+        resized = image.convert("RGB").resize(shape, Image.Resampling.LANCZOS)
+    return np.asarray(resized, np.float32) / 255.0
+
+
+def _delta_e(a: np.ndarray, b: np.ndarray) -> float:
+    """Mean CIEDE2000 of two pictures (H, W, 3)."""
+    return round(float(mean_difference(torch.from_numpy(a), torch.from_numpy(b))), 3)
+
+
+def _embedded(device: str) -> Encoder | None:
+    """The embedded encoder, whose heads guide beside an encoder that has none; None if it is missing."""
+    try:
+        return load_encoder(None, device)
+    except VibeError:
+        return None
+
+
+class _Laps:
+    """A stopwatch."""
+
+    def __init__(self) -> None:
+        self.laps: dict[str, float] = {}
+        self._last = time.monotonic()
+
+    def lap(self, name: str) -> None:
+        """Notes the seconds since the last lap."""
+        now = time.monotonic()
+        self.laps[name] = round(now - self._last, 3)
+        self._last = now

@@ -1,0 +1,221 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The engine as a process: NUL-delimited JSON on stdin and stdout, see `schema.messages`.
+
+Start it with `python -m proxy_renderer.engine.worker`. It says "ready" before it imports anything heavy,
+then warms up while the other side exports the scene, and stays warm between vibes.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import queue
+import sys
+import threading
+import time
+import traceback
+from pathlib import Path
+from typing import TYPE_CHECKING, BinaryIO
+
+from .. import __version__
+from ..schema import VibeError, messages, schema_hash
+
+if TYPE_CHECKING:
+    from torch import Tensor
+
+    from .session import Session
+
+BEFORE = "before.png"
+_PREVIEW_SECONDS = 1.0
+_PROGRESS_SECONDS = 0.1
+_ANSWER_SECONDS = 600.0
+"""Most that Blender may take to answer: it may be rendering something else first."""
+
+
+class Wire:
+    """The two ends of the conversation.
+
+    A thread reads, so that "stop" is heard while the loop runs.
+
+    Attributes:
+        inbox: Requests in order; None when the other side has gone.
+        anchored: Blender's answers to the engine's own requests.
+        stop: Set when the loop should end now.
+    """
+
+    def __init__(self, source: BinaryIO, sink: BinaryIO) -> None:
+        self._source, self._sink = source, sink
+        self._lock = threading.Lock()
+        self.inbox: queue.Queue[messages.Message | VibeError | None] = queue.Queue()
+        self.anchored: queue.Queue[messages.Anchored] = queue.Queue()
+        self.stop = threading.Event()
+        threading.Thread(target=self._listen, daemon=True).start()
+
+    def send(self, message: messages.Message) -> None:
+        """Writes one message; quietly gives up when nobody listens any more."""
+        try:
+            with self._lock:
+                self._sink.write(messages.encode(message))
+                self._sink.flush()
+        except (BrokenPipeError, OSError):
+            self.stop.set()
+
+    def _listen(self) -> None:
+        try:
+            for message in messages.read(self._source):
+                if isinstance(message, messages.Vibe):
+                    self.stop.clear()
+                    self.anchored = queue.Queue()  # what comes in it belongs to an earlier vibe
+                elif isinstance(message, messages.Stop | messages.Quit):
+                    self.stop.set()
+                if isinstance(message, messages.Anchored):
+                    self.anchored.put(message)
+                elif not isinstance(message, messages.Stop):
+                    self.inbox.put(message)
+                if isinstance(message, messages.Quit):
+                    return  # a thread that still reads would disturb the interpreter's end
+        except VibeError as error:
+            self.inbox.put(error)
+        self.stop.set()
+        self.inbox.put(None)
+
+
+class Watch:
+    """Tells the other side how the loop goes, and the loop when to end."""
+
+    def __init__(self, wire: Wire, job: Path) -> None:
+        self._wire, self._job = wire, job
+        self._previewed = self._told = 0.0
+
+    def stage(self, name: str) -> None:
+        """Says what is going on outside of the loop."""
+        self._wire.send(messages.Stage(name))
+
+    def begin(self, display: Tensor) -> None:
+        """Shows the picture of the artist's own values."""
+        from .report import save_picture
+
+        save_picture(display, self._job / BEFORE)
+        self._wire.send(messages.Stage("looking for the look", BEFORE))
+
+    def step(self, progress: messages.Progress, display: Tensor) -> bool:
+        """Reports a step, with a new preview about once a second; True when the loop should end."""
+        from .report import save_picture
+
+        now = time.monotonic()
+        if now - self._previewed > _PREVIEW_SECONDS:
+            save_picture(display, self._job / progress.preview)
+            self._previewed = now
+        if now - self._told > _PROGRESS_SECONDS or progress.step == progress.steps:
+            self._wire.send(progress)
+            self._told = now
+        return self.stopped()
+
+    def stopped(self) -> bool:
+        """Whether the loop should end."""
+        return self._wire.stop.is_set()
+
+    def ask(self, request: messages.Anchor) -> messages.Anchored | None:
+        """Has Blender render; None if the loop is to end."""
+        if not self._wire.stop.is_set():
+            self._wire.send(request)
+        end = time.monotonic() + _ANSWER_SECONDS
+        while not self._wire.stop.is_set() and time.monotonic() < end:
+            try:
+                answer = self._wire.anchored.get(timeout=0.1)
+            except queue.Empty:
+                continue
+            if answer.number == request.number:
+                return answer
+        if self._wire.stop.is_set():
+            return None
+        return messages.Anchored(request.number, error=f"no answer within {_ANSWER_SECONDS:.0f} s")
+
+
+def serve(source: BinaryIO, sink: BinaryIO) -> None:
+    """Answers requests until the other side quits or goes."""
+    wire = Wire(source, sink)
+    wire.send(messages.Ready(schema_hash(), __version__))
+    _warm_up()
+    session: Session | None = None
+    while True:
+        request = wire.inbox.get()
+        if request is None or isinstance(request, messages.Quit):
+            return
+        try:
+            if isinstance(request, VibeError):
+                raise request
+            if isinstance(request, messages.Vibe):
+                session = None
+                session = _vibe(wire, request)
+            elif isinstance(request, messages.Finish):
+                if session is None:
+                    raise VibeError("There is nothing to finish.", "Send a vibe first.")
+                wire.send(session.finish(request))
+        except VibeError as error:
+            wire.send(messages.Error(error.message, error.remedy))
+        except MemoryError:
+            wire.send(
+                messages.Error("The engine ran out of memory.", "Use a smaller --size or a lighter scene.")
+            )
+        except OSError as error:
+            wire.send(_file_trouble(request, error))
+        except Exception as error:
+            traceback.print_exc()
+            said = " ".join(f"{type(error).__name__}: {error}".split())[:300]
+            wire.send(
+                messages.Error(f"The engine failed: {said}.", "Please report this with the engine's log.")
+            )
+
+
+def _file_trouble(request: object, error: OSError) -> messages.Error:
+    """What to say where files cannot be read or written."""
+    if error.errno not in (errno.ENOSPC, errno.EDQUOT):
+        remedy = "Please report this with the engine's log."
+        return messages.Error(f"The engine cannot work with its files: {error}.", remedy)
+    folder = Path(request.compare_out).parent if isinstance(request, messages.Finish) else None
+    folder = Path(request.job) if isinstance(request, messages.Vibe) else folder
+    return messages.Error(
+        f"There is no room left on the disk, in {folder or 'its folder'}.", "Make room there."
+    )
+
+
+def _vibe(wire: Wire, request: messages.Vibe) -> Session:
+    """Carries out one vibe and sends its result."""
+    messages.check_schema(request.schema, "add-on")
+    options = messages.Options.from_dict(request.options)
+    job = Path(request.job)
+    watch = Watch(wire, job)
+    watch.stage("loading the engine")
+    from .session import Session
+
+    shots = request.shots or [messages.Shot(request.job, "", "")]
+    session = Session(shots, request.prompt, options, watch, request.vlm_key)
+    wire.send(session.run())
+    return session
+
+
+def _warm_up() -> None:
+    """Imports torch and loads the embedded encoder; what fails here is reported by the vibe that needs it."""
+    try:
+        from ..guidance.encoder import load_encoder
+        from ..optimise import pipeline  # noqa: F401
+
+        load_encoder(None, "cpu")
+    except VibeError:
+        pass
+
+
+def main() -> None:
+    """Runs the worker on this process's standard streams.
+
+    Blender may render meanwhile: torch's threads must sleep, not spin, while they wait for a core.
+    """
+    os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
+    sink = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # whatever else prints must not break the protocol
+    serve(sys.stdin.buffer, sink)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Who parses, composes and confines in a round of Algorithm 1 (steps 3 to 5): the offline planner, or a model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from ..prompt.lexicon.vocabulary import default_vocabulary
+from ..prompt.meaning import forget_parts
+from ..prompt.parser import parse
+from ..prompt.prompts import compose
+from ..prompt.types import Parsed, Plan, PlanContext, Prompts, SceneWords
+from ..schema import Instance
+from .planner import plan
+
+
+@dataclass(frozen=True)
+class Advice:
+    """A round's understanding of the prompt, and its plan.
+
+    Attributes:
+        parsed: The objects list O.
+        prompts: Captions and negatives by region.
+        plan: Bounds and priority of every parameter.
+        source: Who gave it: "offline planner", or the model; with the reason if it was not the one asked for.
+    """
+
+    parsed: Parsed
+    prompts: Prompts
+    plan: Plan
+    source: str = "offline planner"
+
+
+class Advisor(Protocol):
+    """Fills the typed structures of a round."""
+
+    def advise(self, display: Any, instances: Mapping[str, Instance], context: PlanContext) -> Advice:
+        """Parse, compose, confine.
+
+        Args:
+            display: The current rendering, (H, W, 3) in [0, 1].
+            instances: The scene's parameters by key, locks included.
+            context: What is known about the scene and its current picture.
+        """
+
+
+class OfflineAdvisor:
+    """The vocabulary and its planner.
+
+    Args:
+        prompt: What the artist typed.
+        words: Names in the scene.
+    """
+
+    def __init__(self, prompt: str, words: SceneWords) -> None:
+        self.prompt, self.words = prompt, words
+
+    def advise(self, display: Any, instances: Mapping[str, Instance], context: PlanContext) -> Advice:
+        """Raises VibeError if no word of the prompt is known."""
+        vocabulary = default_vocabulary()
+        parsed = parse(self.prompt, self.words, vocabulary)
+        forget_parts(parsed, context.material_share, vocabulary)
+        prompts = compose(parsed)
+        return Advice(parsed, prompts, plan(parsed, prompts, dict(instances), context))

@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What one word wants of one parameter, and how that is said."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..prompt.lexicon.vocabulary import OWNERS
+from ..prompt.types import Attribute
+
+_USUAL = {
+    "material": ("roughness", "specular", "coat", "coat_roughness", "sheen"),
+    "atmosphere": ("color", "temperature", "tint", "gain", "midtone"),
+}
+"""What other words may say better than a word of this slot."""
+
+
+@dataclass(frozen=True)
+class Demand:
+    """What one word wants of one parameter instance."""
+
+    key: str
+    lower: tuple[float, ...]
+    upper: tuple[float, ...]
+    attribute: Attribute
+    reason: str
+    weak: bool
+    priority: int
+    vague: bool = False
+
+    @property
+    def rank(self) -> tuple[bool, bool, bool, int]:
+        """Words of the prompt before those that a mood stands for, a finish or a color before the usual one of a
+        material or of an atmosphere, what a word is about before what another one implies; defaults and guessed moods last."""
+        usual = self.vague or self.key.rpartition("/")[2] in _USUAL.get(self.attribute.slot, ())
+        cause = bool(self.attribute.cause)
+        late = self.weak or (cause and self.attribute.guess)
+        return late, cause, usual, 0 if self.weak else self.priority
+
+
+def lacking(owner: str) -> str:
+    """What a scene has not got, for an effect's owner."""
+    if owner in ("rim", "fill", "others"):
+        return f"the scene has no light that could be the {'second' if owner == 'others' else owner} light; add one"
+    return f"the scene has no {OWNERS[owner]} whose values may change so"
+
+
+def reason_of(attribute: Attribute, phrase: str) -> str:
+    """Quotes the word: "'glossy': glossy, with bright reflections", "'warm' in 'cosy'"."""
+    if attribute.cause:
+        return f"'{attribute.cause}' means '{attribute.word}'"
+    what = f" on the {attribute.thing}" if attribute.color and attribute.thing else ""
+    return f"'{attribute.word}'{what}" + (
+        f" ({phrase})"
+        if phrase and not (attribute.negated or attribute.shades) and phrase != attribute.word
+        else ""
+    )

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Who is meant: the instances in a scene that a word's effect acts on."""
+
+from __future__ import annotations
+
+from ..color.named import luminance
+from ..prompt.lexicon.vocabulary import OWNERS, Effect
+from ..prompt.names import is_detail, kind_of
+from ..prompt.types import Attribute, Parsed, PlanContext
+from ..schema import Instance
+
+_PART = 0.12  # materials on less of their region are parts: tyres, eyes, screws
+_SLIVER = 0.05  # of the surroundings: so little world counts as none
+
+
+class Owners:
+    """Materials by region and lights by role.
+
+    Attributes:
+        key: Names of the key lights; the strongest one where no light has that role.
+        rim: Names of the rim lights; else the one nearest to behind the subject, if there are several.
+        fill: Names of the fill lights.
+        lights: All lights.
+    """
+
+    def __init__(self, parsed: Parsed, instances: dict[str, Instance], context: PlanContext) -> None:
+        self.parsed, self.instances, self.context = parsed, instances, context
+        self.lights = list(dict.fromkeys(i.owner for i in instances.values() if i.parameter.group == "light"))
+        self.key = self._roles("key") or self._strongest()
+        self.rim = [n for n in self._roles("rim") if n not in self.key] or self._nearest_behind()
+        self.fill = [n for n in self._roles("fill") if n not in self.key]
+
+    def of(self, effect: Effect, attribute: Attribute) -> list[Instance]:
+        """The instances of an effect's family that an attribute means; may be empty."""
+        group = OWNERS[effect.owner]
+        if group == "material":
+            names = self._materials(effect, attribute)
+        elif group == "light":
+            names = self._lights(effect.owner, attribute.role)
+        else:
+            names = [""] if self._concerns(effect, attribute) else []
+        keys = (f"{group}/{name}/{effect.name}" if name else f"{group}/{effect.name}" for name in names)
+        return [self.instances[key] for key in keys if key in self.instances]
+
+    # ---- materials
+
+    def materials(self, region: str) -> list[str]:
+        """All materials of a region."""
+        found = (i for i in self.instances.values() if i.parameter.group == "material" and i.role == region)
+        return list(dict.fromkeys(i.owner for i in found))
+
+    def _materials(self, effect: Effect, attribute: Attribute) -> list[str]:
+        region = effect.owner if effect.owner != "material" else attribute.region
+        if effect.owner == "surroundings" and attribute.kind == "sky":
+            return []
+        if attribute.owners and region == attribute.region:
+            return self._whole(list(attribute.owners))
+        names = self.materials(region if region in ("subject", "surroundings") else "subject")
+        if attribute.slot == "lighting":  # light falls on parts too: no part of a silhouette is lit
+            return names
+        return self._whole(names)
+
+    def _whole(self, names: list[str]) -> list[str]:
+        """Of the materials of a thing those that make it up: "red car" means neither its tyres nor a screw."""
+        shares: dict[str, float] = {}
+        for name in names:  # all of a kind, or none: not the one tyre that is seen best
+            kind = kind_of(name)
+            shares[kind] = shares.get(kind, 0.0) + self.context.material_share.get(name, 1.0)
+        made_up = [n for n in names if not is_detail(n)] or names
+        least = _PART * sum(shares.values())
+        large = [n for n in made_up if shares[kind_of(n)] >= least]
+        most = max(made_up, key=lambda n: shares[kind_of(n)], default="")
+        return large or [n for n in made_up if kind_of(n) == kind_of(most)]
+
+    def world_is_hidden(self) -> bool:
+        """Whether surfaces fill all that the camera sees."""
+        share = self.context.world_share
+        return share is not None and share < _SLIVER and bool(self.materials("surroundings"))
+
+    def _concerns(self, effect: Effect, attribute: Attribute) -> bool:
+        """Whether a word about surroundings means the world too: not if it names a thing, or a sky is named."""
+        if effect.owner != "world" or attribute.kind != "surroundings" or effect.mode == "times":
+            return True
+        return not attribute.owners and not any(a.kind == "sky" for a in self.parsed.attributes)
+
+    # ---- lights
+
+    def _lights(self, owner: str, role: str) -> list[str]:
+        meant = {"key": self.key, "rim": self.rim, "fill": self.fill, "others": self._others("key")}.get(role)
+        if owner == "light":
+            return self.key if meant is None else meant
+        if owner == "lights":
+            return self.lights if meant is None else meant
+        if owner == "others":
+            return self._others(role)
+        return {"key": self.key, "rim": self.rim, "fill": self.fill}[owner]
+
+    def _others(self, role: str) -> list[str]:
+        own = {"rim": self.rim, "fill": self.fill}.get(role, self.key)
+        return [name for name in self.lights if name not in own]
+
+    def _roles(self, role: str) -> list[str]:
+        return [
+            n for n in self.lights if any(i.owner == n and i.role == role for i in self.instances.values())
+        ]
+
+    def _value(self, light: str, name: str) -> float | None:
+        instance = self.instances.get(f"light/{light}/{name}")
+        return instance.value[0] / instance.reference if instance else None
+
+    def _strongest(self) -> list[str]:
+        def shine(light: str) -> float:
+            color = self.instances.get(f"light/{light}/color")
+            level = (self._value(light, "power") or 0.0) + 12 * (self._value(light, "strength") or 0.0)
+            return level * (luminance(color.value) if color else 1.0)
+
+        return [max(self.lights, key=shine)] if self.lights else []
+
+    def _nearest_behind(self) -> list[str]:
+        """The light that is most behind the subject, seen from the camera; never the key."""
+
+        def frontal(light: str) -> float:
+            turned = (self._value(light, "azimuth") or 0.0) - self.context.camera_azimuth
+            return abs((turned - 180 + 180) % 360 - 180)
+
+        others = [n for n in self.lights if n not in self.key]
+        unassigned = [n for n in others if n not in self._roles("fill")] or others
+        return [min(unassigned, key=frontal)] if unassigned else []

@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The confiner without a model: for every parameter a range, a priority and a reason (paper, section 3.6)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..color.named import to_srgb
+from ..prompt.lexicon.vocabulary import Effect, Vocabulary, default_vocabulary
+from ..prompt.meaning import is_vague
+from ..prompt.types import Attribute, Parsed, Plan, PlanContext, PlanEntry, Prompts
+from ..schema import Instance, Values, labels
+from .demands import Demand, lacking, reason_of
+from .illumination import cast, expected, facing_radiance, veil, warmth
+from .owners import Owners
+from .ranges import clip, effect_range
+from .sources import Range, Sources
+from .support import supports
+from .vignette import seen_vignette
+from .wishes import STAGES, Wishes, stage_of
+
+_NOTICED = 0.7  # exponent of a weak vignette's strength: half of it is not noticed at all
+_NOT = 0.6  # "not glossy" asks for a mild "matte"
+_SECOND = 6  # how much later a mood's own words come than the prompt's
+
+
+def plan(
+    parsed: Parsed,
+    prompts: Prompts,
+    instances: dict[str, Instance],
+    context: PlanContext,
+    vocabulary: Vocabulary | None = None,
+) -> Plan:
+    """Decides what may happen to every parameter of a scene.
+
+    What words name gets a range (projection moves the value inside) and a priority; a few others
+    may move a little to keep the subject visible; the rest keeps the artist's value.
+    """
+    planner = _Planner(parsed, instances, context, vocabulary or default_vocabulary())
+    entries = planner.entries()
+    for key, entry in supports(parsed, instances, planner.sources, entries, planner.owners).items():
+        entries[key] = entry
+    return Plan({key: entries[key] for key in instances}, tuple(dict.fromkeys(planner.notes)))
+
+
+class _Planner:
+    def __init__(
+        self, parsed: Parsed, instances: dict[str, Instance], context: PlanContext, vocabulary: Vocabulary
+    ) -> None:
+        self.parsed, self.instances, self.vocabulary = parsed, instances, vocabulary
+        self.owners = Owners(parsed, instances, context)
+        self.wishes = Wishes(parsed, vocabulary, self.owners)
+        stops = [i.value[0] for i in instances.values() if i.parameter.name in ("exposure", "grade_exposure")]
+        self.sources = Sources(context, exposure=sum(stops), constancy=self.wishes.constancy())
+        self.notes = list(parsed.conflicts)
+        self.demands: dict[str, list[Demand]] = {}
+        self.settled: dict[str, tuple[Range, list[Demand]]] = {}
+        self.beaten: dict[tuple[str, str], dict[str, None]] = {}
+        self.kept: dict[str, list[str]] = {}
+        self.light: dict[str, float] = {}
+
+    def entries(self) -> dict[str, PlanEntry]:
+        """An entry for every instance, from the words alone."""
+        wishes = self.wishes.all()
+        for stage in range(STAGES):
+            if stage in (2, 3):
+                self._measure_light()
+            self._settle([d for a, e in wishes if stage_of(e) == stage for d in self._demands(a, e)])
+            self._note_sources()
+        entries = {key: self._entry(instance) for key, instance in self.instances.items()}
+        for (loser, winner), lost in self.beaten.items():
+            self.notes.append(
+                f"'{loser}' gives way to '{winner}' on {labels.titles(list(lost))}: "
+                "they contradict each other; what a word is mainly about counts most, then what comes first."
+            )
+        self.notes += self._unmet(wishes)
+        for reason, keys in self.kept.items():
+            self.notes.append(f"Left alone, though the words ask for it: {labels.titles(keys)} ({reason}).")
+        return entries
+
+    def _unmet(self, wishes: list[tuple[Attribute, Effect]]) -> list[str]:
+        """Words whose main wish no part of the scene can fulfil: a rim light where there is only one light."""
+        missing: dict[str, str] = {}
+        for attribute in self.parsed.attributes:
+            strong = [e for a, e in wishes if a == attribute and not e.weak]
+            most = min((e.priority for e in strong), default=0)
+            main = [e for e in strong if e.priority == most]
+            if main and not any(self.owners.of(e, attribute) for e in main):
+                missing.setdefault(attribute.cause or attribute.word, lacking(main[0].owner))
+        return [f"'{word}' is not fully possible here: {what}." for word, what in missing.items()]
+
+    def _demands(self, attribute: Attribute, effect: Effect) -> list[Demand]:
+        shown = self.vocabulary.entries.get(attribute.entry)
+        strength = attribute.strength
+        if effect.name == "vignette" and strength < 1.0:
+            strength **= _NOTICED
+        if attribute.negated and shown and not shown.never and shown.opposite:
+            strength = _NOT
+        demands = []
+        for instance in self.owners.of(effect, attribute):
+            sources = replace(
+                self.sources,
+                own_color=self._own_color(instance.owner),
+                illumination=self._light_for(effect, instance),
+                veil=veil(instance.owner, self.instances, self.sources.context, self._planned),
+            )
+            lower, upper = effect_range(effect, replace(attribute, strength=strength), instance, sources)
+            priority = effect.priority + (2 if effect.weak else 0) + (_SECOND if attribute.cause else 0)
+            priority += 2 * (effect.owner == "lights" and instance.owner not in self.owners.key)
+            if effect.name == "vignette":
+                lower, upper = clip(*self._seen_vignette((lower, upper)), instance)
+            reason = reason_of(attribute, shown.phrase if shown else "")
+            vague = is_vague(attribute, self.vocabulary)
+            demands.append(
+                Demand(instance.key, lower, upper, attribute, reason, effect.weak, priority, vague)
+            )
+        return demands
+
+    def _seen_vignette(self, ends: Range) -> Range:
+        context, named = self.sources.context, self.parsed.colors.get("surroundings")
+        shown = named or (context.picture.lab.get("surroundings") if context.picture else None)
+        return seen_vignette(ends, shown[0] if shown else None, context.view)
+
+    def _settle(self, demands: list[Demand]) -> None:
+        """Intersects what the words want; where they contradict each other, the first one has its way."""
+        for demand in demands:
+            self.demands.setdefault(demand.key, []).append(demand)
+        for key in dict.fromkeys(d.key for d in demands):  # a set would be in another order each time
+            first, *others = sorted(self.demands[key], key=lambda d: d.rank)
+            lower, upper, winners = first.lower, first.upper, [first]
+            for demand in others:
+                low, high = tuple(map(max, lower, demand.lower)), tuple(map(min, upper, demand.upper))
+                if all(a <= b for a, b in zip(low, high, strict=True)):
+                    lower, upper, winners = low, high, [*winners, demand]
+                elif not any(demand.rank[:3] + first.rank[:3]) and demand.reason != first.reason:
+                    pair = demand.attribute.word, first.attribute.word
+                    self.beaten.setdefault(pair, {})[key] = None
+            self.settled[key] = (lower, upper), winners
+
+    def _note_sources(self) -> None:
+        context, key = self.sources.context, self.owners.key
+        facing = facing_radiance(self.instances, context, self._planned, key)
+        self.sources = replace(self.sources, key=facing)
+        color, tint = (self.instances.get(f"world/{name}") for name in ("color", "tint"))
+        if color:
+            self.sources = replace(self.sources, world_color=self._planned(color))
+        elif tint:
+            level = self.sources.context.environment_luminance
+            shown = tuple(v * level for v in self._planned(tint))
+            self.sources = replace(self.sources, world_color=shown, environment=True)
+
+    def _measure_light(self) -> None:
+        """How brightly each region is lit, now that lights and world are settled."""
+        for region in ("subject", "surroundings"):
+            names = self.owners.materials(region)
+            self.light[region] = expected(region, names, self.instances, self.sources.context, self._planned)
+        light = self.instances, self.sources.context, self._planned
+        self.sources = replace(self.sources, cast=cast(*light), warmth=warmth(*light))
+
+    def _light_for(self, effect: Effect, instance: Instance) -> float:
+        """The light that an effect reckons with: exposure is for the subject's, and what is dark is not painted
+        lighter for it."""
+        if effect.mode == "aim":
+            return self.light.get("subject", 1.0)
+        level = self.light.get(instance.role, 1.0)
+        return max(level, 1.0) if self.parsed.targets.get("brightness") == "dark" else level
+
+    def _planned(self, instance: Instance) -> Values:
+        """The artist's value, projected into what is settled so far."""
+        if instance.key not in self.settled:
+            return instance.value
+        (lower, upper), _ = self.settled[instance.key]
+        return tuple(min(max(v, a), b) for v, a, b in zip(instance.value, lower, upper, strict=True))
+
+    def _own_color(self, owner: str) -> tuple[float, ...]:
+        """The color that a material gets, or has."""
+        named = [a for a in self.parsed.attributes if a.kind == "subject" and a.color and not a.negated]
+        if named and named[0].color:
+            return named[0].color
+        found = (self.instances.get(f"material/{owner}/{name}") for name in ("base_color", "tint"))
+        return next((to_srgb(self._planned(i)) for i in found if i), (1.0, 1.0, 1.0))
+
+    def _glows(self, owner: str) -> bool:
+        key = f"material/{owner}/emission"
+        asked = self.settled[key][0][1][0] if key in self.settled else 0.0
+        return max(asked, self.instances[key].value[0] if key in self.instances else 0.0) > 0.02
+
+    def _entry(self, instance: Instance) -> PlanEntry:
+        settled = self.settled.get(instance.key)
+        if instance.locked:
+            if settled:
+                self.kept.setdefault(instance.locked, []).append(instance.key)
+            return PlanEntry(instance.value, instance.value, None, f"locked: {instance.locked}")
+        if not settled:
+            return PlanEntry(
+                instance.lower, instance.upper, None, "no word touches it: keeps the artist's value"
+            )
+        (lower, upper), winners = settled
+        if instance.parameter.family == "material/emission_color" and not self._glows(instance.owner):
+            return PlanEntry(instance.lower, instance.upper, None, "does not glow: keeps the artist's value")
+        lower, upper = clip(lower, upper, instance)
+        reason = "; ".join(dict.fromkeys(d.reason for d in winners))
+        return PlanEntry(lower, upper, min(d.priority for d in winners), reason, prior=0.0)

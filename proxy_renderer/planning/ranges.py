@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From one effect of a word to a range of one parameter instance, in the parameter's unit."""
+
+from __future__ import annotations
+
+import math
+
+from ..color.named import from_lab, luminance, to_lab, to_linear, to_srgb
+from ..prompt.lexicon.vocabulary import Effect
+from ..prompt.types import Attribute
+from ..schema import Instance, Values
+from .color_ranges import OWN_COLOR, color_range, shaded
+from .display import radiance
+from .illumination import watts
+from .sources import Range, Sources
+
+_MIDDLE = 45.0  # L* that neither brightens nor darkens; "slightly" moves towards it
+_MIDDLING = 0.35  # albedo of what is neither light nor dark
+_IN_PLACE_OF_KEY = Effect("world", "strength", "lightness", (62.0,), (88.0,))
+_DIRECTIONS = ("azimuth", "elevation", "rotation")
+
+
+def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Range:
+    """The range that an effect asks for, clipped to the instance's hard bounds (never empty)."""
+    if attribute.shades and effect.name in OWN_COLOR and not (effect.color or effect.mode):
+        ends = (
+            to_linear(shaded(to_srgb(_spread(v, instance)), attribute)) for v in (effect.lower, effect.upper)
+        )
+        low, high = ends
+    elif effect.color:
+        low, high = color_range(effect, attribute, instance, sources)
+    elif effect.name == "azimuth" and effect.mode in ("camera", "sides"):
+        low, high = _azimuth(effect, instance, sources.context.camera_azimuth)
+    else:
+        mode = {"times": _times, "plus": _plus, "lightness": _lightness, "aim": _aim, "share": _share}.get(
+            effect.mode, _plain
+        )
+        low, high = mode(effect, attribute.strength, instance, sources)
+    if effect.name == "elevation":
+        bottom, top = sources.context.light_elevations.get(instance.owner, (-90.0, 90.0))
+        low, high = ((min(max(v[0], bottom), top),) for v in (low, high))
+    return clip(low, high, instance)
+
+
+def clip(low: Values, high: Values, instance: Instance) -> Range:
+    """Componentwise intersection with the hard bounds; what lies outside becomes the nearest bound."""
+    pairs = list(
+        zip(_spread(low, instance), _spread(high, instance), instance.lower, instance.upper, strict=True)
+    )
+    lower = tuple(min(max(a, bottom), top) for a, _, bottom, top in pairs)
+    upper = tuple(min(max(b, bottom), top) for _, b, bottom, top in pairs)
+    return lower, tuple(map(max, lower, upper))
+
+
+def scaled(
+    low: float, high: float, neutral: float, strength: float, bounds: tuple[float, float]
+) -> tuple[float, float]:
+    """Moves a range towards the neutral value for "slightly", away from it for "very".
+
+    Monotone in `strength`; a range around the neutral value stays as it is.
+    """
+    if strength == 1.0 or (low <= neutral <= high and not (low == neutral or high == neutral)):
+        return low, high
+    if strength < 1.0:
+        return neutral + (low - neutral) * strength, neutral + (high - neutral) * strength
+    near, far = (low, high) if low >= neutral else (high, low)
+    far = min(max(neutral + (far - neutral) * strength, bounds[0]), bounds[1])
+    near = near + (far - near) * min(strength - 1.0, 1.0)
+    return min(near, far), max(near, far)
+
+
+def _spread(values: Values, instance: Instance) -> Values:
+    return values * instance.parameter.components if len(values) == 1 else values
+
+
+def _plain(effect: Effect, strength: float, instance: Instance, _: Sources) -> Range:
+    parameter, unit = instance.parameter, instance.reference
+    if parameter.name in _DIRECTIONS or parameter.name in (
+        "ior",
+        "base_color",
+        "color",
+        "specular_tint",
+        "tint",
+    ):
+        strength = 1.0
+    bounds = (parameter.lower, parameter.upper)
+    logs = parameter.scale.name == "log"
+    there, back = (math.log, math.exp) if logs else (float, float)
+    pairs = []
+    for low, high in zip(effect.lower, effect.upper, strict=True):
+        limits = there(bounds[0]), there(bounds[1])
+        a, b = scaled(there(low), there(high), there(parameter.default), strength, limits)
+        pairs.append((back(a) * unit, back(b) * unit))
+    return tuple(a for a, _ in pairs), tuple(b for _, b in pairs)
+
+
+def _times(effect: Effect, strength: float, instance: Instance, _: Sources) -> Range:
+    """Multiples of the artist's value; one that is hardly above nothing counts as a little."""
+    scalar, logs = instance.parameter.kind == "scalar", instance.parameter.scale.name == "log"
+    least = tuple(10 * v for v in instance.lower) if logs else tuple(0.01 * v for v in instance.upper)
+    floor = least if scalar else (0.0,) * len(instance.value)
+    value = tuple(map(max, instance.value, floor)) if effect.lower[0] > 1 else instance.value
+    low = tuple(v * a**strength for v, a in zip(value, _spread(effect.lower, instance), strict=True))
+    return low, tuple(v * b**strength for v, b in zip(value, _spread(effect.upper, instance), strict=True))
+
+
+def _plus(effect: Effect, strength: float, instance: Instance, _: Sources) -> Range:
+    return (instance.value[0] + effect.lower[0] * strength,), (
+        instance.value[0] + effect.upper[0] * strength,
+    )
+
+
+def _lightness(effect: Effect, strength: float, instance: Instance, sources: Sources) -> Range:
+    low, high = scaled(effect.lower[0], effect.upper[0], _MIDDLE, strength, (0.5, 97.0))
+    if instance.parameter.kind == "color":
+        light, a, b = to_lab(to_srgb(instance.value))
+        shades = [
+            to_linear(from_lab((goal, a * _fade(goal, light), b * _fade(goal, light))))
+            for goal in (low, high)
+        ]
+        return tuple(map(min, *shades)), tuple(map(max, *shades))
+    context = sources.context
+    if instance.parameter.group == "world":
+        scale = 1 / max(luminance(sources.world_color), 1e-3)
+    else:
+        scale = watts(instance, context) * instance.reference
+    scale /= 2**sources.exposure
+    return (radiance(low, context.view) * scale,), (radiance(high, context.view) * scale,)
+
+
+def _share(effect: Effect, strength: float, instance: Instance, sources: Sources) -> Range:
+    """Strengths that are shares of the key's light; a world that is the only light takes the key's place."""
+    if not sources.key:
+        return _lightness(_IN_PLACE_OF_KEY, 1.0, instance, sources)
+    if instance.parameter.group == "world":
+        scale = sources.key / max(luminance(sources.world_color), 1e-3)
+    else:
+        scale = sources.key * watts(instance, sources.context) * instance.reference
+    return (effect.lower[0] * scale,), (effect.upper[0] * scale,)
+
+
+def facing_white(instance: Instance, low: float, high: float, sources: Sources) -> Range:
+    """Powers of a light at which a white surface that faces it is displayed with these L*."""
+    return clip(
+        *_lightness(Effect("light", "power", "lightness", (low,), (high,)), 1.0, instance, sources), instance
+    )
+
+
+def _fade(goal: float, light: float) -> float:
+    """Very dark and very light colors have little chroma."""
+    return min(1.0, goal / max(light, 10.0))
+
+
+def _aim(effect: Effect, strength: float, instance: Instance, sources: Sources) -> Range:
+    """Stops that bring a middling grey thing in the subject's place into the range, as a light meter would.
+
+    The subject's own color does not count: a black car in bright light stays black.
+    """
+    low, high = scaled(effect.lower[0], effect.upper[0], 50.0, strength, (2.0, 94.0))
+    value, now = instance.value[0], _MIDDLING * max(sources.illumination, 1e-3)
+    stops = [value + math.log2(radiance(goal, sources.context.view) / now) for goal in (low, high)]
+    kept = [min(max(s, value - 3.0), value + 3.0) for s in stops]
+    return (kept[0],), (kept[1],)
+
+
+def _azimuth(effect: Effect, instance: Instance, camera: float) -> Range:
+    """The range nearest to the artist's value among those that mean the same direction."""
+    low, high = effect.lower[0], effect.upper[0]
+    sides = [(low, high)] if effect.mode == "camera" else [(low, high), (-high, -low)]
+    turns = [(camera + a + 360 * k, camera + b + 360 * k) for a, b in sides for k in (-2, -1, 0, 1, 2)]
+    legal = [t for t in turns if instance.lower[0] <= t[0] and t[1] <= instance.upper[0]] or turns
+    value = instance.value[0]
+    best = min(legal, key=lambda t: (max(t[0] - value, value - t[1], 0.0), abs(t[0] + t[1] - 2 * value)))
+    return (best[0],), (best[1],)

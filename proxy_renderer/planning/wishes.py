@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the words of a prompt wish: effects, in the order in which they can be decided."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..color.named import hue_apart, to_lab
+from ..prompt.lexicon.vocabulary import OWNERS, Effect, Vocabulary
+from ..prompt.types import Attribute, Parsed
+from ..schema import FAMILIES
+from .owners import Owners
+
+_CASTS = {
+    "color", "temperature", "tint", "power", "strength", "gain", "midtone", "lift", "saturation", "hue",
+    "exposure", "grade_exposure", "contrast", "gamma", "grade_gamma",
+}  # fmt: skip
+"""Of lights, world, fog or film: what changes how colors look."""
+_PALE, _WHITE = 80.0, 93.0  # L* of pale and of white surroundings
+_PALED = 0.6  # saturation below which named colors are not what is wanted
+_THICK = 0.5  # fog through which named colors are not to look as named; less is haze
+_ADAPTED = 0.5  # share of the cast of colored light that eyes take out
+_HIDDEN = 60.0  # degrees of hue between a thing and its light from which neither looks as named
+STAGES = 5
+"""How many there are, see `stage_of`."""
+
+
+class Wishes:
+    """Attributes with what they ask for."""
+
+    def __init__(self, parsed: Parsed, vocabulary: Vocabulary, owners: Owners) -> None:
+        self._parsed, self._vocabulary, self._owners = parsed, vocabulary, owners
+
+    def all(self) -> list[tuple[Attribute, Effect]]:
+        """Each with its attribute, in the order of the prompt."""
+        wishes = [(a, effect) for a in self._shared_out() for effect in self._effects(a)]
+        strong = [(a, e) for a, e in wishes if not e.weak]
+        if any(a.slot == "lighting" and not a.cause and e.name == "temperature" for a, e in strong):
+            # "Street lamps on a rainy night": a light that is named is not the neon that such nights have.
+            wishes = [w for w in wishes if not (w[0].cause and w[1].family == "light/color")]
+        return wishes
+
+    def constancy(self) -> float:
+        """How far named colors are to look as named: words may change how colors look, as dusk, blue light and sepia do."""
+        others = [a for a in self._said() if a.kind not in ("subject", "surroundings")]
+        strong = [e for a in others for e in self._effects(a) if not e.weak]
+        casts = [e for e in strong if e.name in _CASTS and OWNERS[e.owner] != "material"]
+        hidden = any(
+            (e.family == "volume/density" and e.upper[0] > _THICK)
+            or (e.family == "film/saturation" and e.upper[0] < _PALED)
+            for e in strong
+        )
+        veiled = any(OWNERS[e.owner] == "volume" for e in strong)
+        return 0.0 if hidden else _ADAPTED if casts or veiled else 1.0
+
+    def _said(self) -> list[Attribute]:
+        return [a for a in self._parsed.attributes if a not in self._parsed.overruled]
+
+    def _shared_out(self) -> list[Attribute]:
+        """What is not overruled, with "red and blue lights" shared out: the first color to the key, the next to the others.
+
+        A scene of one light has the world for the other.
+        """
+        said = self._said()
+        gels = [a for a in said if a.color and a.kind == "light" and not a.role and not a.cause]
+        shared: dict[int, Attribute] = {}
+        if len(gels) > 1:
+            shared = {id(gels[0]): replace(gels[0], role="key"), id(gels[1]): self._to_others(gels[1])}
+        elif gels and self._would_hide(gels[0], said):
+            shared = {id(gels[0]): self._to_others(gels[0])}
+        return [shared.get(id(a), a) for a in said]
+
+    def _to_others(self, gel: Attribute) -> Attribute:
+        return replace(gel, kind="world") if self._one_light() else replace(gel, role="others")
+
+    def _one_light(self) -> bool:
+        return len(self._owners.lights) <= len(self._owners.key)
+
+    def _would_hide(self, gel: Attribute, said: list[Attribute]) -> bool:
+        """Whether a color of light, without a direction, leaves nothing of the subject's: "orange pumpkin, purple light".
+
+        The key then stays for the one, and the other lights get the other.
+        """
+        entries = [self._vocabulary.entries[a.entry] for a in said if not a.color and not a.cause]
+        directed = any(
+            e.owner in ("light", "key") and e.name == "azimuth" for n in entries for e in n.effects
+        )
+        colors = [a.color for a in said if a.color and a.kind == "subject" and not a.negated]
+        if directed or not colors or self._one_light():
+            return False
+        assert gel.color
+        return all(c and hue_apart(c, gel.color) > _HIDDEN for c in colors)
+
+    def _effects(self, attribute: Attribute) -> list[Effect]:
+        """What a word does; negated, what it forbids or the mild opposite."""
+        if attribute.color:
+            kind = attribute.kind
+            if kind == "surroundings" and self._owners.world_is_hidden():
+                light = to_lab(attribute.color)[0]
+                kind = "hidden_white" if light > _WHITE else "hidden_pale" if light > _PALE else "hidden"
+            return [] if attribute.negated else list(self._vocabulary.painted.get(kind, ()))
+        entry = self._vocabulary.entries[attribute.entry]
+        if not attribute.negated:
+            return list(entry.effects)
+        if entry.never:
+            return list(entry.never)
+        if entry.opposite:
+            return list(self._vocabulary.entries[entry.opposite].effects)
+        return [
+            Effect(e.owner, e.name, "", (n,), (n,)) for e in entry.effects if (n := _neutral(e)) is not None
+        ]
+
+
+def stage_of(effect: Effect) -> int:
+    """What has to wait for what: the world's strength for its color and for the key, exposure for the light,
+    surfaces for the exposure, glows for surfaces."""
+    if effect.color == "own":
+        return 4
+    if effect.mode == "color" and OWNERS[effect.owner] == "material":
+        return 3
+    if effect.family == "film/exposure":
+        return 2
+    return 1 if effect.mode == "share" or effect.family == "world/strength" else 0
+
+
+def _neutral(effect: Effect) -> float | None:
+    """The value at which an effect does nothing, where a parameter has one."""
+    measured = effect.mode == "" and len(effect.lower) == 1 and OWNERS[effect.owner] != "light"
+    return FAMILIES[effect.family].default if measured else None

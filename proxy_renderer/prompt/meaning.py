@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What bound look words add up to: objects, attribute targets, and the colors that regions should have."""
+
+from __future__ import annotations
+
+from ..color.named import basic, chroma, shade, to_lab
+from ..schema import Values
+from .lexicon.attributes import ATTRIBUTES, COLORS
+from .lexicon.vocabulary import Vocabulary
+from .types import Attribute, Lab, Parsed, Region, SceneObject
+
+_COLORED = {
+    "light": "lighting",
+    "fill": "lighting",
+    "rim": "lighting",
+    "fog": "atmosphere",
+    "glow": "material",
+}
+_BLACK = 12.0  # L* of a black thing whose form can be seen
+_MAIN = 0.5  # share of its region above which a thing's color is the region's
+Named = tuple[str, Region, tuple[str, ...]]
+
+
+def complete(parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[Named]) -> None:
+    """Fills in objects, targets, colors and conflicts of a prompt whose attributes are bound."""
+    parsed.attributes = _qualified(parsed.attributes, vocabulary)
+    parsed.objects = _objects(parsed.attributes, subject, things)
+    _settle_targets(parsed, vocabulary)
+    _region_colors(parsed, parsed.attributes)
+    for region in ("subject", "surroundings"):
+        if region in parsed.colors and f"{region}_color" not in parsed.targets:
+            named = next(a for a in parsed.attributes if a.color and _region_of(a) == region)
+            parsed.targets[f"{region}_color"] = color_class(named)
+    parsed.ignored = list(dict.fromkeys(parsed.ignored))
+    parsed.conflicts = list(dict.fromkeys(parsed.conflicts))
+
+
+def _settle_targets(parsed: Parsed, vocabulary: Vocabulary) -> None:
+    """What the attribute heads should say; of words that contradict each other, the first one counts."""
+    settlers: dict[str, Attribute] = {}
+
+    def rank(attribute: Attribute) -> tuple[bool, bool, bool]:
+        return bool(attribute.cause), attribute.slot == "material", is_vague(attribute, vocabulary)
+
+    for attribute in sorted(parsed.attributes, key=rank):
+        heads, lost = _heads(attribute, vocabulary), 0
+        for head, value in heads.items():
+            settled = parsed.targets.setdefault(head, value)
+            first = settlers.setdefault(head, attribute)
+            if head == "fog" and {settled, value} == {"light", "thick"}:
+                if not attribute.cause and value == "thick":
+                    parsed.targets[head] = value
+                continue
+            usual = attribute.slot == "material" and head == "subject_finish"  # matte ceramic
+            apart = attribute.owners and first.owners and not {*attribute.owners} & {*first.owners}
+            if settled != value and not (attribute.cause or usual or apart or head.endswith("_color")):
+                lost += 1
+                parsed.conflicts.append(
+                    f"'{attribute.word}' contradicts '{first.cause or first.word}' on {_readable(head)}: "
+                    f"'{first.cause or first.word}' counts."
+                )
+        if heads and lost == len(heads):
+            parsed.overruled.append(attribute)
+
+
+def is_vague(attribute: Attribute, vocabulary: Vocabulary) -> bool:
+    """Whether a word about light says several things: "evening" gives way to "warm light" on what both speak of."""
+    entry = vocabulary.entries.get(attribute.entry)
+    return entry is not None and entry.slot == "lighting" and len(entry.heads) > 1
+
+
+def _qualified(attributes: list[Attribute], vocabulary: Vocabulary) -> list[Attribute]:
+    """What later words say of earlier ones: "dark, but not too dark"; "the fog is too thick" asks for less."""
+    later = {(a.entry, a.kind, a.owners): i for i, a in enumerate(attributes) if a.word.startswith("not ")}
+    kept = [a for i, a in enumerate(attributes) if later.get((a.entry, a.kind, a.owners), i) <= i]
+    heads = {name: entry.heads for name, entry in vocabulary.entries.items() if entry.heads}
+    much = [(a.kind, heads[a.entry]) for a in kept if a.word.startswith("too ") and a.entry in heads]
+    return [a for a in kept if a.negated or a.cause or a.color or (a.kind, heads.get(a.entry)) not in much]
+
+
+def color_class(attribute: Attribute) -> str:
+    """The basic color of a color word: its own last word where that is one ("light blue")."""
+    last = attribute.entry.rpartition(" ")[2].replace("gray", "grey")
+    return last if last in COLORS else basic(attribute.color or (0.5, 0.5, 0.5))
+
+
+def display_color(color: tuple[float, ...], region: Region) -> Lab:
+    """A Lab value that a lit region of a color can reach on the display.
+
+    Shading and the view transform's shoulder keep saturated colors from the gamut's corners, and
+    nothing lit is as black as its name.
+    """
+    light, a, b = to_lab(color)
+    if chroma((light, a, b)) > 20:
+        return min(max(light, 22.0), 74.0), 0.8 * a, 0.8 * b
+    ceiling = 95.0 if region == "surroundings" else 86.0
+    return min(max(light, _BLACK), ceiling), a, b
+
+
+def fog_color(srgb: Values) -> Values:
+    """The display color of fog that is called this: scattering makes it paler, and neither dark nor white."""
+    return shade(srgb, lightness=0.4, chroma=0.6, towards=70.0)
+
+
+def _readable(head: str) -> str:
+    return head.replace("_", " ")
+
+
+def _region_of(attribute: Attribute) -> Region | None:
+    if attribute.kind == "subject":
+        return "subject"
+    return "surroundings" if attribute.kind in ("surroundings", "sky", "fog") else None
+
+
+def _heads(attribute: Attribute, vocabulary: Vocabulary) -> dict[str, str]:
+    """The attribute classes that one word asks for."""
+    if attribute.entry not in vocabulary.entries:
+        return {}
+    entry = vocabulary.entries[attribute.entry]
+    if attribute.negated:
+        opposite = vocabulary.entries.get(entry.opposite)
+        return entry.never_heads or (opposite.heads if opposite else {})
+    heads = dict(entry.heads)
+    if attribute.role in ("rim", "fill") or attribute.kind in (
+        "rim",
+        "fill",
+    ):  # the heads speak of the key light
+        heads = {head: value for head, value in heads.items() if not head.startswith("light_")}
+    if attribute.region == "surroundings" or attribute.kind in ("light", "fog", "tone", "shadow"):
+        heads = {head: value for head, value in heads.items() if not head.startswith("subject_")}
+    if attribute.strength < 0.8:
+        heads = {head: _softer(head, value) for head, value in heads.items()}
+    return {head: value for head, value in heads.items() if value}
+
+
+def _softer(head: str, value: str) -> str:
+    """What is left of a class under "slightly": thick fog becomes light fog, most others say nothing."""
+    if head == "fog":
+        return "light" if value == "thick" else value
+    return value if head in ("light_side", "light_temperature", "vignette", "subject_color") else ""
+
+
+def forget_parts(parsed: Parsed, shares: dict[str, float], vocabulary: Vocabulary) -> None:
+    """A region's targets are those of what makes it up: a black book makes no still life black.
+
+    Args:
+        parsed: Complete; changed.
+        shares: Material -> fraction of its region's pixels.
+        vocabulary: What words mean.
+    """
+    parts = [a for a in parsed.attributes if a.owners and sum(shares.get(n, 1.0) for n in a.owners) < _MAIN]
+    mine: set[str] = set()
+    for attribute in parts:
+        region = _region_of(attribute)
+        heads = {h for h in _heads(attribute, vocabulary) if h.startswith("subject_")}
+        mine |= heads | ({f"{region}_color"} if attribute.color else set())
+        if region and attribute.color:
+            parsed.colors.pop(region, None)
+    kept = [a for a in parsed.attributes if a not in parts]
+    spoken = {h for a in kept for h in _heads(a, vocabulary)}
+    parsed.targets = {head: value for head, value in parsed.targets.items() if head not in mine - spoken}
+    _region_colors(parsed, kept)
+
+
+def _region_colors(parsed: Parsed, attributes: list[Attribute]) -> None:
+    """Lab targets: from the color words of the subject and of what lies around it, fog last."""
+    for kind in ("subject", "surroundings", "sky", "fog"):
+        named = [a for a in attributes if a.kind == kind and a.color and not a.negated]
+        named.sort(key=lambda a: (bool(a.cause), bool(a.owners) and kind == "subject"))
+        for attribute in named:
+            region = _region_of(attribute)
+            if region and attribute.color and region not in parsed.colors:
+                shown = fog_color(attribute.color) if kind == "fog" else attribute.color
+                parsed.colors[region] = display_color(shown, region)
+                parsed.targets[f"{region}_color"] = color_class(attribute)
+            elif kind != "fog" and not attribute.cause and not attribute.owners:
+                first = next(a for a in named if not a.negated)
+                if first.entry != attribute.entry:
+                    parsed.conflicts.append(
+                        f"'{attribute.word}' gives way to '{first.word}', which was named first."
+                    )
+    assert all(head in ATTRIBUTES for head in parsed.targets)
+
+
+def _objects(attributes: list[Attribute], subject: str, things: list[Named]) -> list[SceneObject]:
+    """The prompt's objects with their attributes, the subject first."""
+    main = next((name for name, region, _ in things if region == "subject"), subject) or "subject"
+    objects: dict[tuple[str, Region], SceneObject] = {(main, "subject"): SceneObject(main, "subject")}
+    for name, region, owners in things:
+        objects.setdefault((name, region), SceneObject(name, region, materials=owners)).materials = owners
+    around: tuple[str, Region] = next(
+        (k for k in objects if k[1] == "surroundings"), ("surroundings", "surroundings")
+    )
+    for attribute in attributes:
+        if attribute.cause:
+            continue
+        key = (attribute.thing, attribute.region)
+        if key not in objects:
+            outer = (
+                attribute.region == "surroundings"
+                or attribute.slot in ("atmosphere", "setting")
+                or attribute.kind == "fog"
+            )
+            key = around if outer else (main, "subject")
+            objects.setdefault(key, SceneObject(*key))
+        slots = objects[key].attributes
+        slot, word = attribute.slot, attribute.word
+        if slot == "color" and attribute.region == "whole":
+            slot, word = _COLORED.get(attribute.kind, "grade"), f"{word} {attribute.thing}"
+        said = slots[slot].split(", ") if slot in slots else []
+        slots[slot] = ", ".join(dict.fromkeys([*said, word]))
+    return list(objects.values())

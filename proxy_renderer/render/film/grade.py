@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Vibe Grade, node by node: the torch twin of the compositor group that the add-on builds.
+
+Pictures are scene-linear (H, W, 3). Sources: Blender's compositor nodes Color Balance, Gamma, Hue/Saturation/Value.
+"""
+
+from __future__ import annotations
+
+import torch
+from torch import Tensor
+
+from ...color.torch_color import luma
+
+MIDDLE_GREY = 0.18
+_BLACK = 1e-6  # stands in for 0 under a power, whose gradient there may be infinite
+
+
+def power(picture: Tensor, exponent: Tensor) -> Tensor:
+    """Blender's Gamma node: picture ** exponent where it is positive; the rest stays as it is."""
+    return torch.where(picture > _BLACK, picture.clamp_min(_BLACK) ** exponent, picture)
+
+
+def lift_gamma_gain(picture: Tensor, lift: Tensor, midtone: Tensor, gain: Tensor) -> Tensor:
+    """Blender's Color Balance node, type Lift/Gamma/Gain; each color (3,), 1 for no change."""
+    lifted = (picture - 1) * (2 - lift) + 1
+    scaled = lifted * gain
+    return scaled.clamp_min(_BLACK) ** (1 / midtone.clamp_min(_BLACK)) * (scaled > 0)
+
+
+def contrast(picture: Tensor, amount: Tensor) -> Tensor:
+    """A power around middle grey, which stays: 0.18 · (c / 0.18) ** amount."""
+    return MIDDLE_GREY * power(picture / MIDDLE_GREY, amount)
+
+
+def saturation(picture: Tensor, amount: Tensor) -> Tensor:
+    """Between grey of the same luminance (0), the picture (1) and beyond; never negative."""
+    grey = luma(picture)
+    return (grey + (picture - grey) * amount).clamp_min(0)
+
+
+def turn_hue(picture: Tensor, degrees: Tensor) -> Tensor:
+    """Blender's Hue/Saturation/Value node with only the hue turned; picture ≥ 0."""
+    brightest, darkest = picture.amax(-1, keepdim=True), picture.amin(-1, keepdim=True)
+    chroma = brightest - darkest
+    r, g, b = ((brightest - picture) / chroma.clamp_min(_BLACK)).unbind(-1)
+    red, green, blue = picture.unbind(-1)
+    sixth = torch.where(
+        (red >= green) & (red >= blue), b - g, torch.where(green >= blue, 2 + r - b, 4 + g - r)
+    )
+    sixth = sixth[..., None] + degrees / 60 - picture.new_tensor((0.0, 2.0, 4.0))
+    away = (
+        torch.remainder(sixth + 3, 6) - 3
+    ).abs()  # of each primary from the new hue, in sixths of the circle
+    return brightest - chroma * (away - 1).clamp(0, 1)
+
+
+def falloff(width: int, height: int) -> Tensor:
+    """What a full vignette takes from each pixel (H, W, 1): 0 in the middle, 1 in the corners."""
+    x, y = ((torch.arange(n) + 0.5) / n * 2 - 1 for n in (width, height))
+    radius = ((x[None, :] ** 2 + y[:, None] ** 2) / 2).sqrt()
+    t = ((radius - 0.3) / 0.7).clamp(0, 1)
+    return (t * t * (3 - 2 * t))[..., None]

@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The camera: rays through pixels and pixels of points, differentiable in orbit and field of view.
+
+Vectors are planar, (3, N), here and in all shading code: broadcasting per-sample scalars over
+components is then contiguous, which is several times faster on a CPU than (N, 3).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from ...scene import SceneData
+from ...scene.values import Settings, wanted
+from .vectors import dot, unit
+
+
+def direction(azimuth: Tensor, elevation: Tensor) -> Tensor:
+    """Unit vector (3,) from the subject towards an orbit's angles () in degrees: `schema.orbit.direction`."""
+    a, e = torch.deg2rad(azimuth), torch.deg2rad(elevation)
+    return torch.stack((e.cos() * a.sin(), -e.cos() * a.cos(), e.sin()))
+
+
+def frame(azimuth: Tensor, elevation: Tensor) -> Tensor:
+    """Rotation (3, 3) with columns right, up, towards the viewer: the torch twin of `schema.orbit.frame`."""
+    a = torch.deg2rad(azimuth)
+    z = direction(azimuth, elevation)
+    x = torch.stack((a.cos(), a.sin(), torch.zeros_like(a)))
+    return torch.stack((x, torch.linalg.cross(z, x), z), 1)
+
+
+@dataclass(frozen=True)
+class View:
+    """A camera's pose and lens for one render.
+
+    Attributes:
+        position: (3,) in meters.
+        rotation: (3, 3), columns right, up, back.
+        scale: () what one unit on the picture plane spans: at unit depth, or everywhere if orthographic.
+        orthographic: Whether rays are parallel.
+        size: Width and height in pixels.
+        extent: Width and height of the picture in units of the side that the lens angle spans.
+        shift: Lens shift in the same units.
+        clip: Distances of the near and the far plane.
+    """
+
+    position: Tensor
+    rotation: Tensor
+    scale: Tensor
+    orthographic: bool
+    size: tuple[int, int]
+    extent: tuple[float, float]
+    shift: tuple[float, float]
+    clip: tuple[float, float]
+
+    @property
+    def moving(self) -> bool:
+        """Whether gradients with respect to the camera are wanted."""
+        return wanted(self.position, self.rotation, self.scale)
+
+    def detached(self) -> View:
+        """The same view without gradients."""
+        parts = self.position.detach(), self.rotation.detach(), self.scale.detach()
+        return View(*parts, self.orthographic, self.size, self.extent, self.shift, self.clip)
+
+    def signature(self) -> tuple[float, ...]:
+        """Numbers that change when anything that rays depend on does."""
+        flat = torch.cat((self.position, self.rotation.flatten(), self.scale[None])).detach()
+        return (*flat.tolist(), *self.size)
+
+    def rays(self, pixel: Tensor) -> tuple[Tensor, Tensor]:
+        """Rays through picture positions.
+
+        Args:
+            pixel: (2, N), x to the right and y down, in pixels; centers are at .5.
+
+        Returns:
+            Origins and unit directions, (3, N) each.
+        """
+        width, height = self.size
+        x = ((pixel[0] / width - 0.5) * self.extent[0] + self.shift[0]) * self.scale
+        y = ((0.5 - pixel[1] / height) * self.extent[1] + self.shift[1]) * self.scale
+        right, up, back = self.rotation.unbind(1)
+        across = right[:, None] * x + up[:, None] * y
+        if self.orthographic:
+            return self.position[:, None] + across, -back[:, None].expand_as(across)
+        toward = across - back[:, None]
+        return self.position[:, None].expand_as(toward), unit(toward)
+
+    def span(self, toward: Tensor) -> tuple[Tensor, Tensor]:
+        """Distances (N,) along rays with unit directions (3, N) at which the near and the far plane lie."""
+        slant = 1.0 / -dot(self.rotation[:, 2:3], toward).clamp_max(-1e-6)
+        return slant * self.clip[0], slant * self.clip[1]
+
+    def project(self, points: Tensor) -> Tensor:
+        """Picture positions (2, N) in pixels of points (3, N), which must lie in front of the camera."""
+        x, y, z = (self.rotation.T @ (points - self.position[:, None])).unbind(0)
+        depth = self.scale if self.orthographic else (-z).clamp_min(1e-6) * self.scale
+        u = ((x / depth - self.shift[0]) / self.extent[0] + 0.5) * self.size[0]
+        v = (0.5 - (y / depth - self.shift[1]) / self.extent[1]) * self.size[1]
+        return torch.stack((u, v))
+
+
+def view_of(scene: SceneData, settings: Settings, size: tuple[int, int]) -> View:
+    """The view for a render: orbit and field of view from the settings, the rest from the scene."""
+    camera = scene.camera
+    azimuth, elevation = settings.scalar("camera/azimuth"), settings.scalar("camera/elevation")
+    pivot = torch.tensor(scene.pivot, device=settings.device)
+    position = pivot + settings.scalar("camera/distance", 1.0) * direction(azimuth, elevation)
+    residual = torch.tensor(camera.residual, device=settings.device)
+    width, height = size[0] * scene.pixel_aspect, float(size[1])
+    spanned = {"HORIZONTAL": width, "VERTICAL": height}.get(camera.sensor_fit, max(width, height))
+    orthographic = camera.type == "ORTHO"
+    if orthographic:
+        scale = torch.tensor(float(camera.ortho_scale), device=settings.device)
+    else:
+        scale = 2.0 * torch.tan(torch.deg2rad(settings.scalar("camera/fov", 40.0)) / 2)
+    return View(
+        position=position,
+        rotation=frame(azimuth, elevation) @ residual,
+        scale=scale,
+        orthographic=orthographic,
+        size=size,
+        extent=(width / spanned, height / spanned),
+        shift=camera.shift,
+        clip=camera.clip,
+    )

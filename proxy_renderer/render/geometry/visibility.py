@@ -1,0 +1,284 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What rays meet, by Embree. Everything here is a constant of one camera or one light: no gradients."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from embreex import rtcore_scene
+from embreex.mesh_construction import TriangleMesh
+from torch import Tensor
+
+from ...scene import Mesh, SceneData
+from ..material.textures import Opacity
+from .vectors import cross, damped, dot, unit
+
+_GRAZING = 0.3
+"""Cosine below which gradients of hits are damped."""
+_LAYERS = 8
+"""Transparent surfaces that a ray passes at most: Cycles' default of transparent bounces."""
+
+
+@dataclass(frozen=True)
+class Hits:
+    """Where N rays end.
+
+    Attributes:
+        triangle: (N,) int64, -1 for a miss.
+        u, v: (N,) barycentric weights of the triangle's second and third corner.
+        distance: (N,), infinite for a miss.
+    """
+
+    triangle: Tensor
+    u: Tensor
+    v: Tensor
+    distance: Tensor
+
+    @property
+    def hit(self) -> Tensor:
+        """(N,) bool."""
+        return self.triangle >= 0
+
+    @property
+    def parts(self) -> tuple[Tensor, Tensor, Tensor, Tensor]:
+        """The fields, in order."""
+        return self.triangle, self.u, self.v, self.distance
+
+    def pick(self, index: Tensor | slice) -> Hits:
+        """The hits at an index."""
+        return Hits(*(part[index] for part in self.parts))
+
+
+class Geometry:
+    """The scene's triangles, ready for rays and for look-ups.
+
+    Attributes:
+        corners: (3, F, 3) positions: corner, triangle, component.
+        normals: (3, F, 3) shading normals, likewise.
+        uvs: (3, F, 2).
+        material, object: (F,) int64.
+        opacity: Alpha of what is not opaque; None where everything is.
+        glass: (M,) share of light that passes a surface of each material, refracted.
+        size: Diagonal of the bounding box; offsets and tolerances are relative to it.
+    """
+
+    def __init__(self, scene: SceneData, device: torch.device) -> None:
+        mesh: Mesh = scene.mesh
+        triangles = mesh.vertices[mesh.faces]
+        self._embree = _embree(triangles)
+        self.device = device
+        self.corners = torch.from_numpy(triangles).to(device).permute(1, 0, 2).contiguous()
+        self.normals = torch.from_numpy(mesh.normals).to(device).permute(1, 0, 2).contiguous()
+        self.uvs = torch.from_numpy(mesh.uvs).to(device).permute(1, 0, 2).contiguous()
+        self.material = torch.from_numpy(mesh.material).to(device, torch.int64)
+        self.object = torch.from_numpy(mesh.object).to(device, torch.int64)
+        flat = triangles.reshape(-1, 3)
+        self.size = float(np.linalg.norm(flat.max(0) - flat.min(0)))
+        opacity = Opacity(scene, device)
+        self.opacity = opacity if bool(opacity.clear[self.material].any()) else None
+        self._triangles = triangles
+        self.glass = torch.zeros(len(scene.materials), device=device)
+        self._part()
+
+    def let_through(self, glass: Tensor) -> bool:
+        """Says how much light (M,) each material's glass lets pass a surface; whether that is news."""
+        news = not torch.equal(glass, self.glass)
+        if news:
+            self.glass = glass
+            self._part()
+        return news
+
+    def hide(self, triangles: Tensor) -> None:
+        """Takes triangles (n,) out of the way of rays; all others keep their numbers."""
+        self._triangles = self._triangles.copy()
+        self._triangles[triangles.cpu().numpy()] = 1e30
+        self._embree = _embree(self._triangles)
+        self._part()
+
+    def _part(self) -> None:
+        """Parts the triangles into those that block light and those that may let some through."""
+        clear = self.glass > 0 if self.opacity is None else self.opacity.clear | (self.glass > 0)
+        passing = clear[self.material].cpu().numpy()
+        self._filter = bool(passing.any())
+        if self._filter:
+            nowhere = np.full((1, 3, 3), 1e30, np.float32)  # for lack of solid ones
+            self._solid = _embree(nowhere if passing.all() else self._triangles[~passing])
+            self._clear = _embree(self._triangles[passing])
+            self._numbers = torch.from_numpy(passing.nonzero()[0]).to(self.device)
+
+    def first_hits(self, origin: Tensor, toward: Tensor) -> Hits:
+        """Where rays (3, N) with unit directions (3, N) end; what lets light through stops its share of the rays."""
+        hits = self.nearest(origin, toward)
+        if not self._filter:
+            return hits
+        number = torch.arange(origin.shape[1], device=self.device)
+        chance = number.double().mul(0.6180339887498949).frac().float()  # evenly spread, the same every time
+        index, parts = number, list(hits.parts)
+        for _ in range(_LAYERS):
+            found = Hits(*(p[index] for p in parts))
+            stopping = self._stopping(self.surface(found, toward[:, index]), toward[:, index])
+            passes = found.hit & (stopping <= chance[index])
+            index = index[passes]
+            if not len(index):
+                break
+            further = self.onward(Hits(*(p[index] for p in parts)), origin[:, index], toward[:, index])
+            parts = [p.index_copy(0, index, f) for p, f in zip(parts, further.parts, strict=True)]
+        return Hits(*parts)
+
+    def onward(self, hits: Hits, origin: Tensor, toward: Tensor) -> Hits:
+        """What rays meet after their hits; distances still count from the origin."""
+        gap = 1e-5 * (self.size + hits.distance)
+        start = hits.distance + gap
+        further = self.nearest(origin + toward * start, toward)
+        return Hits(further.triangle, further.u, further.v, further.distance + start)
+
+    def nearest(self, origin: Tensor, toward: Tensor) -> Hits:
+        """Nearest intersections of rays (3, N) with unit directions (3, N), transparent or not."""
+        found = self._embree.run(_rows(origin), _rows(toward), output=1)
+        triangle = torch.from_numpy(found["primID"]).to(self.device, torch.int64)
+        distance = torch.from_numpy(found["tfar"]).to(self.device)
+        distance = torch.where(triangle >= 0, distance, torch.inf)
+        u, v = (torch.from_numpy(found[name]).to(self.device) for name in "uv")
+        return Hits(triangle, u, v, distance)
+
+    def clear(self, origin: Tensor, toward: Tensor, distance: Tensor) -> Tensor:
+        """Share (N,) of light that passes along rays (3, N) over distances (N,)."""
+        limit = distance.clamp_max(1e30).cpu().numpy().astype(np.float32)
+        solid = self._solid if self._filter else self._embree
+        blocked = solid.run(_rows(origin), _rows(toward), limit, query="OCCLUDED")
+        passing = torch.from_numpy((blocked < 0).astype(np.float32)).to(self.device)
+        return self._filtered(origin, toward, distance, passing) if self._filter else passing
+
+    def _stopping(self, surface: Surface, toward: Tensor) -> Tensor:
+        """Share (N,) of light along rays (3, N) that a surface stops.
+
+        Curved glass gathers light in its middle: its rim, where rays graze, casts shadow.
+        """
+        solid = 1.0 if self.opacity is None else self.opacity.at(surface)
+        through = self.glass[surface.material] * dot(surface.normal, toward).abs()
+        return solid * (1 - through)
+
+    def _filtered(self, origin: Tensor, toward: Tensor, distance: Tensor, passing: Tensor) -> Tensor:
+        """Takes from the passing share (N,) what transparent surfaces on the way stop."""
+        index = (passing > 0).nonzero()[:, 0]
+        start = torch.zeros_like(passing)
+        for _ in range(_LAYERS):
+            if not len(index):
+                break
+            way = toward[:, index]
+            found = self._clear.run(_rows(origin[:, index] + way * start[index]), _rows(way), output=1)
+            triangle = torch.from_numpy(found["primID"]).to(self.device, torch.int64)
+            reach = start[index] + torch.from_numpy(found["tfar"]).to(self.device)
+            met = (triangle >= 0) & (reach < distance[index])
+            u, v = (torch.from_numpy(found[name]).to(self.device)[met] for name in "uv")
+            index, reach = index[met], reach[met]
+            hits = Hits(self._numbers[triangle[met]], u, v, reach)
+            passing[index] *= 1 - self._stopping(self.surface(hits, toward[:, index]), toward[:, index])
+            start[index] = reach + 1e-5 * (self.size + reach)
+            index = index[passing[index] > 1e-3]
+        return passing
+
+    def surface(self, hits: Hits, toward: Tensor) -> Surface:
+        """The surface at hits; where rays miss, whatever triangle 0 has (finite, to be ignored)."""
+        index = hits.triangle.clamp_min(0)
+        weights = torch.stack((1 - hits.u - hits.v, hits.u, hits.v))
+        weights = torch.where(hits.hit, weights, 1 / 3)
+        return self.interpolate(index, weights, toward)
+
+    def follow(self, hits: Hits, origin: Tensor, toward: Tensor) -> Surface:
+        """The surface where differentiable rays (3, N) meet the planes of the triangles they hit.
+
+        All rays must have hit. Their barycentric weights are those of Moeller and Trumbore (1997). Where a
+        ray grazes, its hit races over the surface: few samples would carry huge gradients, which are damped.
+        """
+        a, b, c = (self.corners[k, hits.triangle].T for k in range(3))
+        e1, e2, offset = b - a, c - a, origin - a
+        p = cross(toward, e2)
+        q = cross(offset, e1)
+        determinant = dot(e1, p)
+        flat = determinant.abs() < 1e-12
+        inverse = torch.where(flat, 0.0, 1 / torch.where(flat, 1.0, determinant))
+        facet = unit(cross(e1, e2), 1e-15)
+        damping = (dot(facet, toward.detach()).abs() / _GRAZING).clamp_max(1.0) ** 2
+        u, v = (damped(w * inverse, damping) for w in (dot(offset, p), dot(toward, q)))
+        return self.interpolate(hits.triangle, torch.stack((1 - u - v, u, v)), toward)
+
+    def interpolate(self, triangle: Tensor, weights: Tensor, toward: Tensor) -> Surface:
+        """The surface at barycentric weights (3, N) of triangles (N,), turned to face rays (3, N)."""
+        a, b, c = (self.corners[k, triangle].T for k in range(3))
+        facet = unit(cross(b - a, c - a), 1e-15)
+        position = a * weights[0] + b * weights[1] + c * weights[2]
+        normal = sum((self.normals[k, triangle].T * weights[k] for k in range(3)), torch.zeros_like(a))
+        normal = unit(normal)
+        back = torch.where(dot(facet, toward) > 0, -1.0, 1.0)
+        facet, normal = facet * back, facing(normal * back, toward)
+        uv = sum((self.uvs[k, triangle].T * weights[k] for k in range(3)), torch.zeros_like(a[:2]))
+        return Surface(position, normal, facet, uv, self.material[triangle])
+
+    def from_behind(self, hits: Hits, toward: Tensor) -> Tensor:
+        """(N,) whether rays (3, N) meet triangles on the side that their shading normals look away from."""
+        index = hits.triangle.clamp_min(0)
+        outside = sum((self.normals[k, index].T for k in range(3)), torch.zeros_like(toward))
+        return dot(outside, toward) > 0
+
+    def lifted(self, surface: Surface) -> Tensor:
+        """Origins (3, N) for rays that leave a surface without meeting it again at once."""
+        scale = 1e-5 * (self.size + surface.position.abs().amax(0))
+        return surface.position + surface.facet * scale
+
+
+@dataclass(frozen=True)
+class Surface:
+    """N surface points.
+
+    Attributes:
+        position: (3, N).
+        normal: (3, N) unit shading normals, on the viewer's side.
+        facet: (3, N) unit normals of the triangles, on the viewer's side.
+        uv: (2, N).
+        material: (N,) int64.
+    """
+
+    position: Tensor
+    normal: Tensor
+    facet: Tensor
+    uv: Tensor
+    material: Tensor
+
+    def pick(self, index: Tensor | slice) -> Surface:
+        """The points at an index."""
+        position, normal, facet, uv = (p[:, index] for p in (self.position, self.normal, self.facet, self.uv))
+        return Surface(position, normal, facet, uv, self.material[index])
+
+
+def facing(normal: Tensor, toward: Tensor) -> Tensor:
+    """Unit normals (3, N) bent so far that rays (3, N) meet them from outside.
+
+    One that looks away from the eye would put the whole surface in the dark.
+    """
+    cosine = -dot(normal, toward)
+    return unit(normal - toward * (0.02 - cosine).clamp_min(0.0))
+
+
+def sphere_points(count: int, copies: int, generator: torch.Generator) -> Tensor:
+    """Stratified points in [0, 1)^2: (2, copies, count), each copy shifted at random.
+
+    The additive R2 sequence (Roberts 2018) spreads well for any count.
+    """
+    index = torch.arange(1, count + 1, dtype=torch.float64)
+    base = torch.stack((index * 0.7548776662466927, index * 0.5698402909980532))
+    shift = torch.rand((2, copies, 1), generator=generator, dtype=torch.float64)
+    return ((base[:, None, :] + shift) % 1.0).to(torch.float32)
+
+
+def _embree(triangles: np.ndarray) -> rtcore_scene.EmbreeScene:
+    """Triangles (F, 3, 3) ready for rays."""
+    made = rtcore_scene.EmbreeScene()
+    TriangleMesh(made, np.ascontiguousarray(triangles, np.float32))
+    return made
+
+
+def _rows(vectors: Tensor) -> np.ndarray:
+    return np.ascontiguousarray(vectors.detach().cpu().numpy().T, np.float32)

@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Highlights of lamps: a GGX lobe integrated over the lamp's outline, in closed form.
+
+In the slope space of the half vector, s = (h_x, h_y) / h_z, GGX is the isotropic density
+P(s) = 1 / (pi a^2 (1 + |s|^2 / a^2)^2) whatever the view. Its integral over a disc and over a
+rectangle are the well-known view factors of a small patch to a parallel disc and rectangle.
+A lamp's outline is carried to slope space and treated as one of the two there.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+
+import torch
+from torch import Tensor
+
+from ...scene.values import wanted
+from ..geometry.vectors import dot, tangents, unit
+from ..material.albedo import basis
+from .irradiance import Arrival
+from .lamps import Lamp, half_axes
+
+_LEAST_ALPHA = 2e-3
+_PAIRS = ((0, 0), (1, 1), (0, 1))
+_LEAST_UP = 0.08
+"""Least cosine between half vector and normal: lamps at the horizon opposite to a grazing eye go to infinite slopes."""
+
+
+@dataclass(frozen=True)
+class Highlight:
+    """What a lamp's highlight at N points depends on, but for the material.
+
+    Attributes:
+        strength: (N,) the lamp's radiance times (h.v) / (n.v n.h), 0 below the horizon.
+        curve: (7, N) albedo basis at the half vector, for Fresnel.
+        slope_in, slope_out: (N,) squared tangents of the lamp's and the viewer's angle to the normal.
+        outline: (4, N) left, right, bottom and top of a rectangle seen from the mirror direction, in slopes; or
+            (5, N) for an ellipse, see `_round_place`.
+    """
+
+    strength: Tensor
+    curve: Tensor
+    slope_in: Tensor
+    slope_out: Tensor
+    outline: Tensor
+    _lobes: dict[float, Tensor] = field(default_factory=dict, repr=False, compare=False)
+
+    def pick(self, index: slice) -> Highlight:
+        """The points at an index."""
+        parts = self.strength, self.curve, self.slope_in, self.slope_out, self.outline
+        strength, curve, slope_in, slope_out, outline = (p[..., index] for p in parts)
+        return replace(
+            self,
+            strength=strength,
+            curve=curve,
+            slope_in=slope_in,
+            slope_out=slope_out,
+            outline=outline,
+            _lobes={},
+        )
+
+    def times(self, visible: Tensor) -> Highlight:
+        """The same, shadowed by visible shares (N,)."""
+        return replace(self, strength=self.strength * visible, _lobes={})
+
+    def lobe(self, roughness: Tensor) -> Tensor:
+        """Reflected radiance (N,) per unit of the lamp's color, Fresnel aside, for a roughness () or (N,).
+
+        Kept until the roughness changes, unless gradients are wanted.
+        """
+        if wanted(roughness, self.strength, self.outline):
+            return self._lobe(roughness)
+        key = id(roughness) if roughness.dim() else float(roughness)
+        if key not in self._lobes:
+            if len(self._lobes) > 1:  # a base and a coat
+                self._lobes.clear()
+            self._lobes[key] = self._lobe(roughness)
+        return self._lobes[key]
+
+    def _lobe(self, roughness: Tensor) -> Tensor:
+        alpha2 = (roughness * roughness).clamp_min(_LEAST_ALPHA) ** 2
+        masked = (1 + alpha2 * self.slope_in).sqrt() + (1 + alpha2 * self.slope_out).sqrt()
+        covered = _box(self.outline, alpha2) if len(self.outline) == 4 else _ellipse(self.outline, alpha2)
+        return self.strength * covered * (2 / masked)
+
+
+def highlight(lamp: Lamp, arriving: Arrival, points: Tensor, normal: Tensor, view: Tensor) -> Highlight:
+    """The highlight of a lamp, unshadowed, at points (3, N) seen along `view` (3, N), towards the eye.
+
+    Half-vector terms are taken where the lamp's outline comes nearest to the mirror direction.
+    """
+    out = dot(normal, view).clamp_min(2e-2)
+    place = _round_place if lamp.round else _box_place
+    outline, slope2, aside = place(lamp, arriving, points, normal, view, out)
+    up = (1 + slope2).rsqrt()
+    at_half = (aside * up).clamp(1e-3, 1.0)
+    into = (2 * at_half * up - out).clamp_min(1e-2)
+    front = (dot(normal, arriving.toward) > 0) | (2 * at_half * up > out)
+    radiance = torch.where(front, arriving.frontal / arriving.solid_angle, 0.0)
+    tan_in, tan_out = (1 / (c * c) - 1 for c in (into, out))
+    strength = radiance * at_half / (out * up)
+    return Highlight(strength, basis(at_half), tan_in, tan_out, outline)
+
+
+def _round_place(
+    _lamp: Lamp, arriving: Arrival, _points: Tensor, normal: Tensor, view: Tensor, out: Tensor
+) -> tuple[Tensor, Tensor, Tensor]:
+    """A round lamp in slope space: outline; squared slope of its nearest point, and h.v there over h.n.
+
+    The flatter the surface is seen, the longer is the ellipse across the plane of reflection. The outline is: the
+    squared slope of its middle; its squared radius from there towards the mirror direction; the squared slope where
+    that meets the mirror direction at best; its squared area relative to a disc of that radius; and the sum of its
+    squared half axes.
+    """
+    half = unit(arriving.toward + view, 1e-4)
+    up = dot(half, normal).clamp_min(_LEAST_UP)
+    aside = dot(half, view).clamp(1e-3, 1.0)
+    squared = (1 / (up * up) - 1).clamp_min(0.0)
+    slope = squared.clamp_min(1e-8).sqrt()
+    across, upwards = tangents(normal)
+    x, y = dot(half, across) / up, dot(half, upwards) / up
+    # How the half vector's slope follows the edge of the lamp's disc, along two directions of that.
+    sides = [
+        ((dot(e, across) - x * dot(e, normal)), (dot(e, upwards) - y * dot(e, normal)))
+        for e in tangents(arriving.toward)
+    ]
+    scale = arriving.solid_angle / (4 * math.pi * (aside * up) ** 2)
+    xx, yy, xy = (scale * (sides[0][i] * sides[0][k] + sides[1][i] * sides[1][k]) for i, k in _PAIRS)
+    product = arriving.solid_angle / (4 * math.pi * aside * up**3)  # of both half axes
+    length2 = x * x + y * y
+    head_on = length2 < 1e-8
+    x, y = torch.where(head_on, slope, x), torch.where(head_on, 0.0, y)
+    radius = product * slope * (yy * x * x - 2 * xy * x * y + xx * y * y).clamp_min(1e-20).rsqrt()
+    radius = radius / (
+        1 + radius * slope / (1 + squared)
+    )  # slopes are tangents: towards the normal they shrink
+    radius2 = radius * radius
+    nearest = (slope - radius).clamp_min(0.0)
+    along = (aside / up - out) / slope  # the view's component along the lamp's slope
+    outline = torch.stack((squared, radius2, nearest * nearest, (product / radius2) ** 2, xx + yy))
+    return outline, nearest * nearest, out + nearest * along
+
+
+def _box_place(
+    lamp: Lamp, _arriving: Arrival, points: Tensor, normal: Tensor, view: Tensor, out: Tensor
+) -> tuple[Tensor, Tensor, Tensor]:
+    """The same for a rectangular lamp: an upright box through the middles of its sides."""
+    across, up = tangents(normal)
+    center = lamp.position[:, None] - points
+    u, v = half_axes(lamp)
+
+    def slope(offset: Tensor) -> Tensor:
+        half = unit(unit(offset) + view, 1e-4)
+        return torch.stack((dot(half, across), dot(half, up))) / dot(half, normal).clamp_min(_LEAST_UP)
+
+    left, right, bottom, top = (slope(center + o) for o in (-u, u, -v, v))
+    e = right - left
+    e = e / (e[0] * e[0] + e[1] * e[1]).clamp_min(1e-12).sqrt()
+    # Coordinates along the first axis and across it, on whichever side the second axis lies.
+    side = torch.where(e[0] * (top - bottom)[1] < e[1] * (top - bottom)[0], -1.0, 1.0)
+    x0, x1 = (e[0] * p[0] + e[1] * p[1] for p in (left, right))
+    y0, y1 = (side * (e[0] * p[1] - e[1] * p[0]) for p in (bottom, top))
+    # The box leans where the axes are not square: follow it at the height of the mirror direction.
+    lean = (e[0] * (top - bottom)[0] + e[1] * (top - bottom)[1]) / (y1 - y0).clamp_min(1e-6)
+    shift = lean.clamp(-2.0, 2.0) * ((y0 + y1) / 2).clamp(-1.0, 1.0)
+    x0, x1 = x0 - shift, x1 - shift
+    outline = torch.stack((x0, torch.maximum(x1, x0 + 1e-5), y0, torch.maximum(y1, y0 + 1e-5)))
+    x, y = x0.clamp_min(0.0) + x1.clamp_max(0.0), y0.clamp_min(0.0) + y1.clamp_max(0.0)
+    sideways, upwards = dot(view, across), dot(view, up)
+    along = x * (e[0] * sideways + e[1] * upwards) + y * side * (e[0] * upwards - e[1] * sideways)
+    return outline, x * x + y * y, out + along
+
+
+def _ellipse(outline: Tensor, alpha2: Tensor) -> Tensor:
+    """The lobe's integral over an ellipse: exact around the mirror direction and far from it.
+
+    In between that over the disc that reaches as far towards the mirror direction, times the part of the lobe's
+    width that it fills.
+    """
+    near = 1 + outline[2] / alpha2
+    radius2, axes2 = outline[1] / alpha2, outline[4] / alpha2
+    share = outline[3] * (radius2 + near) ** 2 / (outline[3] * radius2 * radius2 + near * (axes2 + near))
+    return _disc(outline[0] / alpha2, radius2) * share.sqrt()
+
+
+def _disc(d: Tensor, a: Tensor) -> Tensor:
+    """The lobe's integral over a disc: the view factor of a parallel disc, written without cancellation.
+
+    Args:
+        d: (N,) squared distance of its middle, in units of the lobe's width.
+        a: (N,) squared radius.
+    """
+    total = 1 + d + a
+    q = (total * total - 4 * a * d).clamp_min(1e-12).sqrt()
+    inside = a > 1 + d
+    far = 2 * a / (q * torch.where(inside, 1.0, q + 1 + d - a))
+    return torch.where(inside, (1 + (a - 1 - d) / q) / 2, far)
+
+
+def _box(outline: Tensor, alpha2: Tensor) -> Tensor:
+    """The lobe's integral over a rectangle: the view factor of a parallel rectangle."""
+    left, right, bottom, top = (outline * alpha2.rsqrt()).unbind(0)
+    whole = _corner(right, top) - _corner(left, top) - _corner(right, bottom) + _corner(left, bottom)
+    # Far off the lobe the corners cancel: there the density at the middle is as good.
+    area = (right - left) * (top - bottom)
+    x, y = (left + right) / 2, (bottom + top) / 2
+    far = 1 + x * x + y * y
+    return torch.where(area < 0.006 * far, area / (math.pi * far * far), whole.clamp_min(0.0))
+
+
+def _corner(x: Tensor, y: Tensor) -> Tensor:
+    """Integral of the unit lobe from the origin to (x, y), over a quarter plane at most 1/4."""
+    p, q = (1 + x * x).rsqrt(), (1 + y * y).rsqrt()
+    return (x * p * torch.atan(y * p) + y * q * torch.atan(x * q)) / (2 * math.pi)

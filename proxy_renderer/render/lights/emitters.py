@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Small glowing surfaces as lamps: few random rays would find them, fog would not scatter their light.
+
+The surface of a material is cut into compact clusters, each of which shines like a point with an intensity that
+depends on the direction. What faces a direction w is the sum of a |n.w| / 2 and of a n.w / 2 over the areas `a` that
+can be seen from one side. The second sum is linear in w. The first is close to the root of a quadratic form with the
+same mean: exactly so for planes, spheres and cylinders.
+"""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import torch
+from torch import Tensor
+
+from ...color.torch_color import luma
+from ...scene import Light
+from ..geometry.directions import cosine_directions
+from ..geometry.vectors import cross, unit
+from ..geometry.visibility import Geometry, sphere_points
+from ..material.shading_inputs import Paint
+from .lamps import Glow, Lamp
+
+_LEAST = 0.25
+"""Radiance from which a surface counts as a lamp: less is no brighter than what other lamps light."""
+_POINTS = 4096
+_MOST = 12
+_FINE, _COARSE = 1 / 30, 1 / 10
+"""Radii of clusters in distances of the view: fine ones need no further cut, larger ones than coarse are no points."""
+_ROUND = 0.6
+_ROUNDS = 12
+
+
+@dataclass(frozen=True)
+class Cluster:
+    """A part of a glowing surface: as a lamp of color 1, and the power of one of radiance 1."""
+
+    lamp: Lamp
+    power: float
+
+
+class Emitters:
+    """Finds the glowing surfaces that are worth it, once they glow; they stay lamps even if they fade.
+
+    Args:
+        geometry: The triangles.
+        near: A typical distance of what is seen, meters.
+
+    Attributes:
+        materials: Indices of those that are lamps.
+    """
+
+    def __init__(self, geometry: Geometry, near: float) -> None:
+        self._geometry, self._near = geometry, near
+        self._clusters: dict[int, list[Cluster]] = {}
+
+    @property
+    def materials(self) -> tuple[int, ...]:
+        """Indices of the materials whose light comes from lamps."""
+        return tuple(m for m, clusters in self._clusters.items() if clusters)
+
+    def notice(self, paints: Sequence[Paint]) -> bool:
+        """Takes up what has begun to glow; whether there are new lamps."""
+        before = self.materials
+        for material, paint in enumerate(paints):
+            if material not in self._clusters and float(luma(paint.emission.detach())) > _LEAST:
+                with torch.no_grad():
+                    self._clusters[material] = clusters_of(self._geometry, material, self._near)
+        return self.materials != before
+
+    def lamps(self, paints: Sequence[Paint]) -> list[Lamp]:
+        """All clusters as lamps, differentiable in emission."""
+        return [
+            replace(cluster.lamp, color=paints[material].emission * cluster.power)
+            for material, clusters in self._clusters.items()
+            for cluster in clusters
+        ]
+
+
+def clusters_of(geometry: Geometry, material: int, near: float) -> list[Cluster]:
+    """Cuts a material's surface into clusters; none where it is too large for that.
+
+    Args:
+        geometry: The triangles.
+        material: Its index.
+        near: A typical distance of what is seen, meters.
+    """
+    triangles = (geometry.material == material).nonzero()[:, 0]
+    if not len(triangles):
+        return []
+    place, normal, area = _points(geometry, triangles)
+    if not area > 0:
+        return []
+    outside, inside = (_open(geometry, material, place, side) for side in (normal, -normal))
+    for count in range(1, _MOST + 1):
+        label = _label(place, count)
+        groups = [label == k for k in range(count) if bool((label == k).any())]
+        size = torch.stack([_radius(place[:, group]) for group in groups])
+        blob = torch.stack([_blob(place[:, g], (outside + inside)[g]) for g in groups])
+        if bool((blob | (size < _FINE * near)).all()):
+            break
+    else:
+        if float(size.max()) > _COARSE * near:
+            return []
+    blockers = _without(geometry, triangles)
+    share = area / place.shape[1]
+    parts = [(place[:, g], normal[:, g], outside[g], inside[g]) for g in groups]
+    found = [_cluster(*p, share, blockers, f"{material}/{k}") for k, p in enumerate(parts)]
+    return [cluster for cluster in found if cluster.power > 0]
+
+
+def _points(geometry: Geometry, triangles: Tensor) -> tuple[Tensor, Tensor, float]:
+    """Evenly spread points (3, P), the normals (3, P) of their triangles (F,), and the whole area."""
+    a, b, c = (geometry.corners[k, triangles].T for k in range(3))
+    double = cross(b - a, c - a)
+    areas = double.norm(dim=0) / 2
+    step = (torch.arange(_POINTS, device=areas.device) + 0.5) / _POINTS * areas.sum()
+    chosen = torch.searchsorted(areas.cumsum(0), step).clamp_max(len(areas) - 1)
+    uv = sphere_points(_POINTS, 1, torch.Generator().manual_seed(3))[:, 0].to(areas.device)
+    root = uv[0].sqrt()
+    weights = 1 - root, root * (1 - uv[1]), root * uv[1]
+    place = sum((w * p[:, chosen] for w, p in zip(weights, (a, b, c), strict=True)), torch.zeros(()))
+    assert isinstance(place, Tensor)
+    return place, unit(double, 1e-15)[:, chosen], float(areas.sum())
+
+
+def _open(geometry: Geometry, material: int, place: Tensor, side: Tensor) -> Tensor:
+    """Where (P,) light that leaves to a side does not meet the same material, as 0 or 1."""
+    uv = torch.rand((2, place.shape[1]), generator=torch.Generator().manual_seed(4)).to(place.device)
+    toward = cosine_directions(side, uv)
+    hits = geometry.nearest(place + side * (1e-5 * geometry.size), toward)
+    own = hits.hit & (geometry.material[hits.triangle.clamp_min(0)] == material)
+    return (~own).to(place.dtype)
+
+
+def _label(place: Tensor, count: int) -> Tensor:
+    """k-means (P,): starts at points that are far from each other."""
+    centers = place[:, :1]
+    for _ in range(count - 1):
+        away = torch.cdist(place.T, centers.T).amin(1)
+        centers = torch.cat((centers, place[:, away.argmax()][:, None]), 1)
+    label = torch.zeros(place.shape[1], dtype=torch.int64, device=place.device)
+    for _ in range(_ROUNDS if count > 1 else 0):
+        label = torch.cdist(place.T, centers.T).argmin(1)
+        member = torch.nn.functional.one_hot(label, count).to(place.dtype)
+        centers = (place @ member) / member.sum(0).clamp_min(1.0)
+    return label
+
+
+def _radius(place: Tensor) -> Tensor:
+    """Root mean square distance () of points (3, n) from their middle."""
+    return (place - place.mean(1, keepdim=True)).square().sum(0).mean().sqrt()
+
+
+def _blob(place: Tensor, sides: Tensor) -> Tensor:
+    """Whether points (3, n) are a round and closed surface: as good as a sphere at any distance."""
+    if place.shape[1] < 4:
+        return torch.tensor(False, device=place.device)
+    spread = torch.linalg.eigvalsh(torch.cov(place))
+    return (spread[0] > _ROUND * spread[2]) & (sides.mean() < 1.2)
+
+
+def _cluster(
+    place: Tensor,
+    normal: Tensor,
+    outside: Tensor,
+    inside: Tensor,
+    share: float,
+    blockers: Geometry,
+    name: str,
+) -> Cluster:
+    """From points (3, n) with normals, seen from outside and inside (n,), that stand for an area each."""
+    even, odd = (outside + inside) / 2 * share, (outside - inside) / 2 * share
+    area = float(even.sum())
+    form = (normal * even) @ normal.T / max(area, 1e-20)
+    around = _sphere().to(place)
+    root = (around * (form @ around)).sum(0).clamp_min(0.0).sqrt()
+    form = form / root.mean().clamp_min(1e-6).square()
+    lean = 2 * (normal * odd).sum(1) / max(area, 1e-20)
+    axes = torch.eye(3, device=place.device)
+    light = Light(f"emitter/{name}", "POINT", ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), (0.0,) * 3)
+    light = replace(light, soft_falloff=False)
+    ones, middle = torch.ones(3, device=place.device), place.mean(1)
+    lamp = Lamp(light, ones, middle, axes, _radius(place), glow=Glow(form, lean, blockers))
+    return Cluster(lamp, 2 * math.pi * area)
+
+
+def _sphere(count: int = 2048) -> Tensor:
+    """(3, count) directions, evenly spread: a Fibonacci lattice."""
+    index = torch.arange(count) + 0.5
+    z, angle = 1 - 2 * index / count, index * (math.pi * (3 - math.sqrt(5)))
+    radius = (1 - z * z).sqrt()
+    return torch.stack((radius * angle.cos(), radius * angle.sin(), z))
+
+
+def _without(geometry: Geometry, triangles: Tensor) -> Geometry:
+    """The scene as what blocks light, without some triangles."""
+    rest = copy.copy(geometry)
+    rest.hide(triangles)
+    return rest

@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The world as a light: what a ray that leaves the scene sees, sharp, blurred, or as irradiance, and its suns as lamps."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+from torch.nn.functional import grid_sample, interpolate
+
+from ...scene import SceneData
+from ...scene.values import Settings
+from ..geometry.directions import texels
+from ..geometry.vectors import dot, unit
+from . import prefilter
+from .environment_suns import Sun, split
+from .lamps import Lamp
+
+_ROUGH_HEIGHT = 48
+_SHARP_HEIGHT = 512
+_SOFT = 0.5
+"""Roughness that the world is blurred by where a few directions stand for all."""
+
+
+class Environment:
+    """The parts of the world that no vibe changes.
+
+    Attributes:
+        whole: The picture (1, 3, H, W), one more column at both sides; None for a plain color.
+        sharp: The same without the suns that are not wide.
+        blurred: Copies of that, blurred to several degrees: see `prefilter.stack`.
+        suns: Its bright parts, which `soft` and `harmonics` are without.
+        soft: A blurred copy.
+        harmonics: (9, 3) spherical harmonics of the radiance; a plain color has only the first.
+    """
+
+    def __init__(self, scene: SceneData, device: torch.device) -> None:
+        self.suns: list[Sun] = []
+        self.whole: Tensor | None = None
+        self.sharp = self.blurred = self.soft = torch.zeros(0, device=device)
+        image = scene.world.image
+        if scene.world.kind != "environment" or image is None:
+            white = torch.full((1, 3), 2 * math.sqrt(math.pi), device=device)
+            self.harmonics = torch.cat((white, torch.zeros((8, 3), device=device)))
+            return
+        picture = torch.from_numpy(image).to(device).permute(2, 0, 1)[None]
+        size = (min(_SHARP_HEIGHT, picture.shape[2]), min(2 * _SHARP_HEIGHT, picture.shape[3]))
+        sharp = interpolate(picture, size, mode="area")
+        parts = split(sharp)
+        self.suns = parts.suns
+        small = interpolate(parts.rest, (_ROUGH_HEIGHT, 2 * _ROUGH_HEIGHT), mode="area")[0]
+        grid, solid = texels(_ROUGH_HEIGHT, 2 * _ROUGH_HEIGHT, device)
+        self.harmonics = harmonics(grid).mul(solid) @ small.flatten(1).T
+        self.whole, self.sharp = _padded(sharp), _padded(parts.shown)
+        self.blurred = prefilter.stack(parts.shown)
+        self.soft = _padded(prefilter.blurred(small, _SOFT)[None])
+
+
+@dataclass(frozen=True)
+class Sky:
+    """The world in one render.
+
+    Attributes:
+        environment: Its constant part.
+        color: (3,) color or tint, times strength.
+        turn: () rotation of the picture around the vertical, radians.
+    """
+
+    environment: Environment
+    color: Tensor
+    turn: Tensor
+
+    @property
+    def plain(self) -> bool:
+        """Whether it looks the same everywhere."""
+        return self.environment.whole is None
+
+    def signature(self) -> tuple[float, ...]:
+        """Numbers that change when what a direction sees does, color and strength aside."""
+        return () if self.plain else (float(self.turn.detach()),)
+
+    def mirror(self, toward: Tensor) -> Tensor:
+        """Uncolored radiance (3, N) in unit directions (3, N), as mirrors show it beside highlights."""
+        return (
+            torch.ones_like(toward) if self.plain else _look_up(self.environment.sharp, self._place(toward))
+        )
+
+    def soft(self, toward: Tensor) -> Tensor:
+        """Uncolored, blurred radiance (3, N) around unit directions (3, N), without suns."""
+        return torch.ones_like(toward) if self.plain else _look_up(self.environment.soft, self._place(toward))
+
+    def reflected(self, mirrored: Tensor, normal: Tensor, view: Tensor, roughness: float) -> Tensor:
+        """What a rough surface reflects of the world, uncolored, beside highlights.
+
+        Args:
+            mirrored: (3, N) mirror directions.
+            normal: (3, N) unit normals.
+            view: (7, N) albedo basis at the viewing cosine.
+            roughness: Of the surface, of which there should be few.
+
+        Returns:
+            Radiance (3, N).
+        """
+        if self.plain:
+            return torch.ones_like(mirrored)
+        leans, widths = torch.einsum("pkb,bn->pkn", prefilter.taps(roughness).to(view), view)
+        upwards = normal - mirrored * dot(normal, mirrored)
+        parts = [
+            prefilter.look_up(
+                self.environment.blurred, self._place(unit(mirrored + upwards * lean))[0, 0], width
+            )
+            for lean, width in zip(leans, widths, strict=True)
+        ]
+        return torch.stack(parts).mean(0)
+
+    def seen(self, toward: Tensor) -> Tensor:
+        """Uncolored radiance (3, N) of the world itself in unit directions (3, N), suns included."""
+        whole = self.environment.whole
+        return torch.ones_like(toward) if whole is None else _look_up(whole, self._place(toward))
+
+    @property
+    def lamps(self) -> list[Lamp]:
+        """The suns in its picture."""
+        return [sun.lamp(i, self.color, self.turn) for i, sun in enumerate(self.environment.suns)]
+
+    def _place(self, toward: Tensor) -> Tensor:
+        """Blender's equirectangular mapping of turned directions: (1, 1, N, 2) for grid_sample."""
+        x, y, z = toward.unbind(0)
+        across = (x * x + y * y).clamp_min(1e-12)
+        angle = torch.atan2(y, torch.where(across > 1e-11, x, x + 1e-5)) + self.turn
+        u = -angle / math.pi
+        u = u - 2 * torch.floor((u.detach() + 1) / 2)
+        v = torch.atan2(z, across.sqrt()) / (math.pi / 2)
+        return torch.stack((u, v), -1)[None, None]
+
+    def coefficients(self) -> Tensor:
+        """Spherical harmonics (9, 3) of the colored, turned world."""
+        base = self.environment.harmonics
+        if self.plain:
+            return base * self.color
+        rows = list(base.unbind(0))
+        for sine, cosine, order in ((1, 3, 1), (5, 7, 1), (4, 8, 2)):
+            c, s = (order * self.turn).cos(), (order * self.turn).sin()
+            rows[cosine], rows[sine] = rows[cosine] * c + rows[sine] * s, rows[sine] * c - rows[cosine] * s
+        return torch.stack(rows) * self.color
+
+    @property
+    def halves(self) -> Tensor:
+        """(2, 3) light of the world on surfaces that face up and down: irradiance over pi.
+
+        Ramamoorthi and Hanrahan's convolution with the cosine (2001), which the rotation does not change.
+        """
+        h = self.environment.harmonics * self.color
+        even, odd = 0.282095 * h[0] + 0.315392 * 2 / 4 * h[6], 0.488603 * 2 / 3 * h[2]
+        return torch.stack((even + odd, even - odd)).clamp_min(0.0)
+
+
+def sky_of(environment: Environment, settings: Settings) -> Sky:
+    """The world at a render's values."""
+    strength = settings.scalar("world/strength", 1.0)
+    if environment.whole is not None:
+        turn = torch.deg2rad(settings.scalar("world/rotation"))
+        return Sky(environment, settings.color("world/tint", 1.0) * strength, turn)
+    color = settings.color("world/color", 0.0)
+    return Sky(environment, color * strength, torch.zeros((), device=settings.device))
+
+
+def harmonics(toward: Tensor) -> Tensor:
+    """Real spherical harmonics up to degree 2, (9, N), of unit directions (3, N).
+
+    Order: 1, y, z, x, xy, yz, 3z^2 - 1, xz, x^2 - y^2 (Ramamoorthi and Hanrahan 2001).
+    """
+    x, y, z = toward.unbind(0)
+    one = torch.full_like(x, 0.282095)
+    linear = 0.488603 * y, 0.488603 * z, 0.488603 * x
+    mixed = 1.092548 * x * y, 1.092548 * y * z, 0.315392 * (3 * z * z - 1)
+    return torch.stack((one, *linear, *mixed, 1.092548 * x * z, 0.546274 * (x * x - y * y)))
+
+
+def _padded(picture: Tensor) -> Tensor:
+    """Adds a wrapped column on both sides, so that bilinear look-ups are seamless."""
+    return torch.cat((picture[..., -1:], picture, picture[..., :1]), -1).contiguous()
+
+
+def _look_up(picture: Tensor, place: Tensor) -> Tensor:
+    width = picture.shape[-1] - 2
+    place = place * place.new_tensor((width / (width + 2), 1.0))
+    return grid_sample(picture, place, padding_mode="border", align_corners=False)[0, :, 0]

@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Suns in a picture of the world: its small bright parts, taken out and treated as lamps, so that shadows are sharp.
+
+Cycles samples an environment by importance. What throws a visible shadow is what sends much light from a small
+part of the sky: a window, a lamp, the sun. The rest stays a smooth light from all around.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+from torch.nn.functional import interpolate, max_pool2d, pad
+
+from ...scene import Light
+from ..geometry.directions import texels
+from ..geometry.vectors import tangents
+from .lamps import Lamp
+
+_MOST, _TRIED = 3, 6
+_REGION = 0.25
+"""Brightness of the texels that belong to a sun, relative to the brightest one that they lie around."""
+_WIDE = math.radians(12.0)
+"""Diameter from which a sun is too large to pass for a disc in a mirror."""
+_LEAST_SHARE = 0.12
+"""Least irradiance of a sun in parts of what a surface gets from the whole world on average."""
+_LEAST_CONTRAST = 3.0
+"""Least radiance of a sun, as a disc, relative to the mean of the world."""
+_RADII = (3.0, 6.0, 12.0, 20.0)
+"""Degrees around a peak within which a sun may lie."""
+_MOST_OF = 0.8
+_SEARCH_HEIGHT = 128
+_LUMINANCE = (0.2126, 0.7152, 0.0722)
+
+
+@dataclass(frozen=True)
+class Sun:
+    """A bright part of a picture.
+
+    Attributes:
+        toward: (3,) unit vector to it, before the picture is turned.
+        color: (3,) irradiance of a surface that faces it, above its surroundings'.
+        angle: Its diameter in radians, as a disc.
+    """
+
+    toward: Tensor
+    color: Tensor
+    angle: float
+
+    @property
+    def wide(self) -> bool:
+        """Whether reflections show its picture, not the highlight of a disc."""
+        return self.angle > _WIDE
+
+    def lamp(self, number: int, tint: Tensor, turn: Tensor) -> Lamp:
+        """It as a lamp, in a world of color `tint` (3,) whose picture is turned by `turn` () radians."""
+        c, s, zero = turn.cos(), turn.sin(), torch.zeros_like(turn)
+        one = torch.ones_like(turn)
+        rows = torch.stack((c, s, zero)), torch.stack((-s, c, zero)), torch.stack((zero, zero, one))
+        across, up = tangents(self.toward[:, None])
+        axes = torch.stack(rows) @ torch.cat((across, up, self.toward[:, None]), 1)
+        identity = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+        light = Light(f"world/{number}", "SUN", identity, (0.0, 0.0, 0.0))
+        place, size = torch.zeros_like(self.toward), torch.full_like(turn.detach(), self.angle)
+        return Lamp(light, self.color * tint, place, axes, size, of_world=True, wide=self.wide)
+
+
+@dataclass(frozen=True)
+class Split:
+    """A picture of the world, equirectangular and bottom row first, in parts.
+
+    Attributes:
+        shown: (1, 3, H, W) without the suns that are not wide: what is reflected.
+        rest: (1, 3, H, W) without any sun.
+        suns: The wide ones last.
+    """
+
+    shown: Tensor
+    rest: Tensor
+    suns: list[Sun]
+
+
+def split(picture: Tensor) -> Split:
+    """Takes the suns out of a picture (1, 3, H, W)."""
+    height = min(_SEARCH_HEIGHT, picture.shape[2])
+    small = interpolate(picture, (height, 2 * height), mode="area")[0].flatten(1)
+    toward, solid = texels(height, 2 * height, picture.device)
+    fine, _ = texels(picture.shape[2], picture.shape[3], picture.device)
+    weights = picture.new_tensor(_LUMINANCE)
+    mean = float(weights @ small @ solid) / (4 * math.pi)
+    flat = picture[0].flatten(1)
+    found: list[tuple[Sun, Tensor]] = []
+    for _ in range(_TRIED):
+        peak = _middle(weights @ small, toward, solid)
+        radius, level = _extent(small, toward, solid, peak, weights)
+        excess = _excess(small, toward, peak, radius, level)
+        if not float(weights @ excess @ solid) > 0:
+            break
+        part = _excess(flat, fine, peak, radius, level)
+        found.append((_sun(excess @ solid, weights @ excess * solid, toward), part))
+        small, flat = small - excess, flat - part
+    found = [pair for pair in found if _counts(pair[0], float(weights @ pair[0].color), mean)]
+    kept = sorted(found, key=lambda pair: -float(weights @ pair[0].color))[:_MOST]
+    nothing = torch.zeros_like(picture)
+    rest = sum((part.view_as(picture) for _, part in kept), nothing)
+    discs = sum((part.view_as(picture) for sun, part in kept if not sun.wide), nothing)
+    return Split(picture - discs, picture - rest, sorted((sun for sun, _ in kept), key=lambda sun: sun.wide))
+
+
+def _counts(sun: Sun, light: float, mean: float) -> bool:
+    """Whether a sun's irradiance is worth a lamp in a world of this mean radiance."""
+    radiance = light / (math.pi * max(sun.angle / 2, 1e-4) ** 2)
+    return light > _LEAST_SHARE * math.pi * mean and radiance > _LEAST_CONTRAST * mean
+
+
+def _middle(light: Tensor, toward: Tensor, solid: Tensor) -> Tensor:
+    """Direction (3,) of the middle of the bright region (T,) around the brightest texel."""
+    height = round(math.sqrt(len(light) / 2))
+    brightest = int(light.argmax())
+    bright = light >= light[brightest] * _REGION
+    bright &= toward[:, brightest] @ toward > math.cos(math.radians(2 * _RADII[-1]))
+    region = torch.zeros_like(bright)
+    region[brightest] = True
+    for _ in range(2 * height):  # as far as a region can reach
+        wide = pad(region.to(light.dtype).view(1, 1, height, -1), (1, 1, 0, 0), mode="circular")
+        grown = (max_pool2d(wide, 3, 1, (1, 0)).flatten() > 0) & bright
+        if torch.equal(grown, region):
+            break
+        region = grown
+    middle = toward @ (light * solid * region)
+    return middle / middle.norm().clamp_min(1e-20)
+
+
+def _extent(
+    small: Tensor, toward: Tensor, solid: Tensor, peak: Tensor, weights: Tensor
+) -> tuple[float, Tensor]:
+    """Cosine of the least radius around a peak that holds most of its light, and the level (3,) around that."""
+    found = []
+    for degrees in _RADII:
+        radius = math.cos(math.radians(degrees))
+        cosine = peak @ toward
+        ring = (cosine < radius) & (cosine > math.cos(math.radians(1.3 * degrees + 1.0)))
+        # Where texels are too large for a ring, nothing stands out from its surroundings.
+        level = small[:, ring].median(1).values if bool(ring.any()) else small.max(1).values
+        light = weights @ _excess(small, toward, peak, radius, level) @ solid
+        found.append((float(light), radius, level))
+    most = max(light for light, _, _ in found)
+    return next((radius, level) for light, radius, level in found if light >= _MOST_OF * most)
+
+
+def _excess(picture: Tensor, toward: Tensor, peak: Tensor, radius: float, level: Tensor) -> Tensor:
+    """What is brighter than a level (3,) close to a peak: (3, T)."""
+    near = (peak @ toward > radius).to(picture.dtype)
+    return (picture - level[:, None]).clamp_min(0.0) * near
+
+
+def _sun(color: Tensor, light: Tensor, toward: Tensor) -> Sun:
+    """From the luminous irradiance (T,) of texels: its centroid, and the disc of the same second moment."""
+    center = toward @ light
+    center = center / center.norm()
+    cosine = (center @ toward).clamp(-1.0, 1.0)
+    moment = float((torch.arccos(cosine) ** 2) @ light / light.sum())
+    return Sun(center, color, 2 * math.sqrt(2 * moment))

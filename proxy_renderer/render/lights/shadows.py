@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Soft shadows: a few rays per sample to points on the lamp, smoothed where the surface is smooth."""
+
+from __future__ import annotations
+
+import math
+
+import torch
+from torch import Tensor
+
+from ..geometry.samples import Samples
+from ..geometry.vectors import dot
+from ..geometry.visibility import Geometry, Surface, sphere_points
+from .irradiance import Arrival
+from .lamps import Lamp, outline
+
+_MOST_RAYS = 4
+_SHARP = 1e-3
+"""Solid angle below which one ray is enough."""
+
+
+def shadow(
+    geometry: Geometry, smoothing: Smoothing, surface: Surface, lamp: Lamp, arriving: Arrival, moving: bool
+) -> Tensor:
+    """Share (N,) of a lamp that every surface sample sees.
+
+    Args:
+        geometry: The triangles.
+        smoothing: Of the view.
+        surface: The surface at its samples.
+        lamp: The lamp, detached.
+        arriving: What it sends, unshadowed.
+        moving: Whether the lamp is being moved by a gradient loop: fewer rays then, more smoothing.
+    """
+    count = len(surface.material)
+    if not lamp.light.shadow:
+        return torch.ones(count, device=surface.position.device)
+    solid = float(arriving.solid_angle.max()) if count else 0.0
+    rays = 1 if solid < _SHARP else (2 if moving else _MOST_RAYS)
+    facing, reached = dot(surface.facet, arriving.toward) > 0, arriving.frontal > 0
+    # Out of a spot's cone nothing is in shadow: smoothing would carry that over the cone's rim.
+    seen, lit = (facing & ~reached).to(torch.float32), facing & reached
+    index = lit.nonzero()[:, 0]
+    origin = geometry.lifted(surface)[:, index]
+    blockers = lamp.glow.blockers if lamp.glow else geometry
+    spots = sphere_points(rays, count, torch.Generator().manual_seed(11)).to(seen.device)[:, index]
+    part = arriving.toward[:, index], arriving.distance[index], arriving.solid_angle[index]
+    total = torch.zeros(len(index), device=seen.device)
+    for k in range(rays):
+        toward, distance = outline(lamp, *part, spots[:, :, k])
+        total += blockers.clear(origin, toward, distance * (1 - 1e-4))
+    seen[index] = total / rays
+    return smoothing(seen, radius=1 if rays == 1 else 2)
+
+
+class Smoothing:
+    """A cross-bilateral box filter over the picture: neighbors on the same smooth surface share rays.
+
+    Which they are depends on the view only, and is kept for every shadow that is traced in it.
+
+    Args:
+        samples: The samples of the view.
+        surface: Their surface.
+    """
+
+    def __init__(self, samples: Samples, surface: Surface) -> None:
+        width, height = samples.size
+        first, n = samples.first, samples.surfaces
+        self._size, self._inside = (height, width), first < n
+        self._chosen = chosen = first[self._inside]
+        self._plain = chosen[samples.weight[chosen] > 0.999]
+        self._plain_pixel = samples.pixel[self._plain]
+        fields = torch.cat((surface.normal, samples.hits.distance[None, :n]))
+        grid = torch.zeros((4, width * height), device=fields.device)
+        grid[:, self._inside] = fields[:, chosen]
+        self._grid = grid.view(4, height, width)
+        self._same: dict[tuple[int, int], Tensor] = {}
+        self._weight: dict[int, Tensor] = {}
+
+    def __call__(self, seen: Tensor, radius: int) -> Tensor:
+        """The shares (N,) averaged over so many pixels to each side; samples of edges stay as they are."""
+        value = torch.zeros(self._inside.shape, device=seen.device)
+        value[self._inside] = seen[self._chosen]
+        value = value.view(self._size)
+        total = value.clone()
+        for step in _steps(radius):
+            to, of = self._shifted(*step)
+            total[to] += value[of] * self._alike(*step)
+        if radius not in self._weight:
+            self._weight[radius] = self._count(radius)
+        smooth = seen.clone()
+        smooth[self._plain] = (total / self._weight[radius]).flatten()[self._plain_pixel]
+        return smooth
+
+    def _count(self, radius: int) -> Tensor:
+        """How many pixels (H, W) are averaged."""
+        weight = torch.ones(self._size, device=self._grid.device)
+        for step in _steps(radius):
+            weight[self._shifted(*step)[0]] += self._alike(*step)
+        return weight
+
+    def _alike(self, dy: int, dx: int) -> Tensor:
+        """(h, w) bool: pixels, those at the border aside, whose neighbor shares rays with them."""
+        if (dy, dx) not in self._same:
+            to, of = self._shifted(dy, dx)
+            normal, depth = self._grid[:3], self._grid[3]
+            alike = dot(normal[:, to[0], to[1]], normal[:, of[0], of[1]]) > 0.95
+            most = 8.0 * math.hypot(dx, dy) / max(self._size)
+            self._same[dy, dx] = alike & ((depth[to] - depth[of]).abs() < depth[to] * most)
+        return self._same[dy, dx]
+
+    def _shifted(self, dy: int, dx: int) -> tuple[tuple[slice, slice], tuple[slice, slice]]:
+        """The pixels that have a neighbor at an offset, and these neighbors."""
+        height, width = self._size
+        to = slice(max(0, -dy), min(height, height - dy)), slice(max(0, -dx), min(width, width - dx))
+        of = slice(max(0, dy), min(height, height + dy)), slice(max(0, dx), min(width, width + dx))
+        return to, of
+
+
+def _steps(radius: int) -> list[tuple[int, int]]:
+    """Offsets to the neighbors in a square."""
+    side = range(-radius, radius + 1)
+    return [(dy, dx) for dy in side for dx in side if dx or dy]

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A material's values in one render."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from torch import Tensor
+
+from ...color.torch_color import luma
+from ...scene import Material
+from ...scene.values import Settings, wanted
+from ..geometry.vectors import within
+
+_MOST = {"metallic": 1.0, "roughness": 1.0, "coat": 1.0, "transmission": 1.0, "emission": math.inf}
+"""Parameters that may vary over a surface, and their greatest values."""
+
+
+@dataclass(frozen=True)
+class Paint:
+    """A material's values in one render: scalars () and colors (3,).
+
+    Where nodes compute them, `metallic`, `roughness`, `coat` and `transmission` are (N,), `emission` (3, N).
+    """
+
+    base: Tensor
+    metallic: Tensor
+    roughness: Tensor
+    ior: Tensor
+    specular: Tensor
+    specular_tint: Tensor
+    coat: Tensor
+    coat_roughness: Tensor
+    coat_ior: float
+    coat_tint: tuple[float, ...]
+    sheen: Tensor
+    sheen_tint: tuple[float, ...]
+    sheen_roughness: float
+    transmission: Tensor
+    emission_color: Tensor
+    strength: Tensor
+    recolor: Tensor | None
+
+    @property
+    def emission(self) -> Tensor:
+        """Emitted radiance (3,), or (3, N) where its color or its strength vary."""
+        color, strength = self.emission_color, self.strength
+        return color[:, None] * strength if color.dim() == strength.dim() == 1 else color * strength
+
+    def varied(self, inputs: Mapping[str, Tensor]) -> Paint:
+        """The same with inputs (1 or 3, N) that vary over its samples."""
+        if not inputs:
+            return self
+        given: dict[str, Any] = {
+            "strength" if name == "emission" else name: value[0].clamp(0.0, _MOST[name])
+            for name, value in inputs.items()
+            if name in _MOST
+        }
+        if "emission_color" in inputs:
+            given["emission_color"] = inputs["emission_color"]
+        return replace(self, **given)
+
+    def colored(self, texture: Tensor | None) -> Tensor:
+        """Base color (3, 1), or (3, N) where a texture (3, N) is linked."""
+        if texture is None:
+            return self.base[:, None]
+        if self.recolor is not None and used(self.recolor):
+            grey = luma(texture.T).T
+            texture = texture + (grey - texture) * self.recolor
+        return texture * self.base[:, None]
+
+
+def paint_of(material: Material, settings: Settings) -> Paint:
+    """The values of one material."""
+    key = f"material/{material.name}/"
+    constants = material.constants
+    textured = material.texture is not None
+    base = settings.color(key + ("tint" if textured else "base_color"), 1.0 if textured else 0.8)
+
+    def unit(name: str, default: float) -> Tensor:
+        return within(settings.scalar(key + name, default), 0.0, 1.0)
+
+    return Paint(
+        base=within(base, 0.0, math.inf),
+        metallic=unit("metallic", 0.0),
+        roughness=unit("roughness", 0.5),
+        ior=within(settings.scalar(key + "ior", 1.5), 1.0, 10.0),
+        specular=within(settings.scalar(key + "specular", 0.5), 0.0, math.inf),
+        specular_tint=within(settings.color(key + "specular_tint", 1.0), 0.0, math.inf),
+        coat=unit("coat", 0.0),
+        coat_roughness=unit("coat_roughness", 0.03),
+        coat_ior=max(float(constants.get("coat_ior", 1.5)), 1.0),
+        coat_tint=tuple(constants.get("coat_tint", (1.0, 1.0, 1.0))),
+        sheen=unit("sheen", 0.0),
+        sheen_tint=tuple(constants.get("sheen_tint", (1.0, 1.0, 1.0))),
+        sheen_roughness=float(constants.get("sheen_roughness", 0.5)),
+        transmission=unit("transmission", 0.0),
+        emission_color=settings.color(key + "emission_color", 1.0),
+        strength=settings.scalar(key + "emission"),
+        recolor=settings.scalar(key + "recolor") if textured else None,
+    )
+
+
+def used(weight: Tensor) -> bool:
+    """Whether a lobe can matter: its weight is not zero, or somebody wants its gradient."""
+    return wanted(weight) or bool((weight != 0).any())

@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Material inputs that vary over a surface: textures over UVs, and what the exported camera saw of node networks."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import torch
+from torch import Tensor
+from torch.nn.functional import grid_sample, interpolate
+
+from ...scene import SceneData, Texture
+from ...scene.values import Settings
+from ..geometry.camera import view_of
+from ..geometry.vectors import dot, length
+
+if TYPE_CHECKING:
+    from ..geometry.visibility import Geometry, Surface
+
+_LEVELS = 7
+"""Versions of a pattern, each half as fine as the one before."""
+
+
+class Maps:
+    """All pictures of a scene's materials.
+
+    Args:
+        scene: The exported scene.
+        device: Where to compute.
+        size: Of the picture that is rendered: what the camera saw is averaged down to it.
+    """
+
+    def __init__(self, scene: SceneData, device: torch.device, size: tuple[int, int] | None = None) -> None:
+        self._scene = scene
+        with torch.no_grad():
+            self._view = view_of(scene, Settings(scene, {}, device), scene.resolution).detached()
+            self._images = {
+                (number, name): _image(texture, device, size)
+                for number, material in enumerate(scene.materials)
+                for name, texture in _textures(material.texture, material.maps)
+            }
+
+    def has(self, material: int, name: str) -> bool:
+        """Whether an input of a material varies; "base_color" is its texture."""
+        return (material, name) in self._images
+
+    def at(self, material: int, name: str, surface: Surface) -> Tensor:
+        """An input (C, N) of one material at points of it; differentiable in their places."""
+        row = self._scene.materials[material]
+        texture = row.texture if name == "base_color" else row.maps[name]
+        assert texture is not None
+        place = self._place(texture, surface)
+        if texture.extension == "REPEAT":
+            place = place - place.detach().floor()
+        padding = "zeros" if texture.extension == "CLIP" else "border"
+        image = self._images[material, name]
+        grid = (place * 2 - 1).T[None, None]
+        return grid_sample(image, grid, padding_mode=padding, align_corners=False)[0, :, 0]
+
+    def _place(self, texture: Texture, surface: Surface) -> Tensor:
+        """Where points lie in an image (2, N), [0, 1] from the lower left."""
+        if texture.window is not None:
+            return self._through(texture.window, surface.position)
+        if texture.plane is not None:
+            rows = surface.position.new_tensor(texture.plane)
+            return rows[:, :3] @ surface.position + rows[:, 3:]
+        return surface.uv
+
+    def relief(self, surface: Surface, geometry: Geometry) -> Tensor | None:
+        """Base colors (3, N) at points over the means of their textures; None where no material has one.
+
+        What only the exported camera saw is its mean wherever that did not see it.
+        """
+        result = None
+        for material, row in enumerate(self._scene.materials):
+            index = (surface.material == material).nonzero()[:, 0]
+            if row.texture is None or not len(index):
+                continue
+            name = "far" if "far" in row.maps else "base_color"
+            if name == "far":
+                place = self._place(row.maps[name], surface.pick(index))
+                index = index[((place > 0) & (place < 1)).all(0)]
+            elif row.texture.window is not None:
+                index = index[self._seen(row.texture.window, surface.pick(index), geometry)]
+            found = self._footprints(material, name, surface.pick(index))
+            mean = self._images[material, "base_color"].mean((2, 3)).view(3, 1).clamp_min(1e-3)
+            result = torch.ones_like(surface.position) if result is None else result
+            result = result.index_copy(1, index, found / mean)
+        return result
+
+    def _seen(
+        self, window: tuple[float, float, float, float], surface: Surface, geometry: Geometry
+    ) -> Tensor:
+        """(N,) bool: points in a window of the exported camera's picture that nothing hides from it."""
+        place = self._through(window, surface.position)
+        eye = self._view.position[:, None]
+        offset = surface.position - eye
+        if self._view.orthographic:
+            back = self._view.rotation[:, 2:3]
+            offset = -back * (dot(-back.expand_as(offset), offset))
+        distance = length(offset)
+        ahead = dot(-self._view.rotation[:, 2:3].expand_as(offset), offset) > 0
+        inside = ((place > 0) & (place < 1)).all(0) & ahead
+        start = surface.position - offset
+        open_ = geometry.clear(start, offset / distance, distance * (1 - 1e-3))
+        return inside & (open_ > 0)
+
+    def _footprints(self, material: int, name: str, surface: Surface) -> Tensor:
+        """A base color (3, N), averaged over what lies between a point and the next, as far as they are in a row.
+
+        Curved mirrors squeeze much into one pixel; neighbors in a row are neighbors in the picture.
+        """
+        texture = self._scene.materials[material].maps.get(name)
+        image = self._images[material, name]
+        if texture is None or surface.position.shape[1] < 2:
+            return self.at(material, name, surface)
+        place = self._place(texture, surface)
+        step = (place[:, 1:] - place[:, :-1]).abs().amax(0) * image.shape[-1]
+        level = torch.cat((step, step[-1:])).clamp_min(1.0).log2().clamp_max(_LEVELS - 1)
+        grid = (place * 2 - 1).T[None, None]
+        result = torch.zeros_like(surface.position)
+        for number in range(_LEVELS):
+            share = (1 - (level - number).abs()).clamp_min(0.0)
+            found = grid_sample(image, grid, padding_mode="border", align_corners=False)[0, :, 0]
+            result = result + found * share
+            image = interpolate(image, scale_factor=0.5, mode="area") if min(image.shape[2:]) > 1 else image
+        return result
+
+    def _through(self, window: tuple[float, float, float, float], points: Tensor) -> Tensor:
+        """Where points (3, N) lie in a window (2, N) of the exported camera's picture, [0, 1] from the lower left."""
+        pixel = self._view.project(points)
+        x, y = pixel[0] / self._view.size[0], 1 - pixel[1] / self._view.size[1]
+        left, bottom, right, top = window
+        return torch.stack(((x - left) / (right - left), (y - bottom) / (top - bottom)))
+
+
+def _textures(base: Texture | None, maps) -> list[tuple[str, Texture]]:
+    return [*([("base_color", base)] if base else []), *maps.items()]
+
+
+def _image(texture: Texture, device: torch.device, size: tuple[int, int] | None) -> Tensor:
+    """(1, C, H, W), row 0 at the bottom."""
+    image = torch.from_numpy(texture.image).to(device).permute(2, 0, 1)[None]
+    if size is None or texture.window is None:
+        return image
+    left, bottom, right, top = texture.window
+    wanted = max(1, round(size[1] * (top - bottom))), max(1, round(size[0] * (right - left)))
+    smaller = min(wanted[0], image.shape[2]), min(wanted[1], image.shape[3])
+    return interpolate(image, smaller, mode="area")
+
+
+class Opacity:
+    """Alpha of surfaces.
+
+    Args:
+        scene: The exported scene.
+        device: Where to compute.
+
+    Attributes:
+        clear: (M,) bool: materials that are not opaque everywhere.
+    """
+
+    def __init__(self, scene: SceneData, device: torch.device) -> None:
+        self._maps = Maps(scene, device)
+        self._alpha = torch.tensor([m.alpha for m in scene.materials], device=device).clamp(0, 1)
+        self._mapped = [i for i, m in enumerate(scene.materials) if "alpha" in m.maps]
+        self._seen_only = {
+            i: m.maps["alpha"].window is not None for i, m in enumerate(scene.materials) if "alpha" in m.maps
+        }
+        self.clear = self._alpha < 1
+        self.clear[self._mapped] = True
+
+    def at(self, surface: Surface, seen: bool = False) -> Tensor:
+        """Alpha (N,). What only the exported camera saw counts as its mean, except for points `seen` by it."""
+        alpha = self._alpha[surface.material]
+        for material in self._mapped:
+            index = (surface.material == material).nonzero()[:, 0]
+            if len(index) and (seen or not self._seen_only[material]):
+                found = self._maps.at(material, "alpha", surface.pick(index))
+                alpha = alpha.index_copy(0, index, found.mean(0).clamp(0, 1))
+        return alpha

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What all reflecting layers of a surface share: the light that arrives, and GGX reflection of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from ..lights.area_specular import Highlight
+from ..material import albedo
+
+
+@dataclass(frozen=True)
+class Light:
+    """Everything that arrives at N samples of one material.
+
+    Attributes:
+        irradiance: (3, N) shadowed, direct and bounced.
+        lamps: (L, 3) colors of the lamps in `highlights`.
+        highlights: One per lamp, shadowed.
+        view: (7, N) albedo basis at the viewing cosine.
+        mirror: (3, N) radiance of the mirror image.
+        glossy: (3, N) radiance around the mirror direction, blurred.
+        behind: (3, N) radiance seen through the surface, None where nothing is transparent.
+    """
+
+    irradiance: Tensor
+    lamps: Tensor
+    highlights: Sequence[Highlight]
+    view: Tensor
+    reflected: Reflected
+    behind: Tensor | None
+
+
+@dataclass(frozen=True)
+class Reflected:
+    """Radiance around the mirror direction for any roughness.
+
+    Attributes:
+        knots: Increasing roughness.
+        images: For every knot the radiance (3, N) that a surface so rough reflects.
+    """
+
+    knots: tuple[float, ...]
+    images: Sequence[Tensor]
+
+    def at(self, roughness: Tensor) -> Tensor:
+        """Radiance (3, N) between the two nearest knots of one roughness () or of many (N,)."""
+        if roughness.dim():
+            return self._varying(roughness)
+        r = float(roughness.detach())
+        i = max(k for k, knot in enumerate(self.knots[:-1]) if knot <= r or k == 0)
+        t = (roughness - self.knots[i]) / (self.knots[i + 1] - self.knots[i])
+        return torch.lerp(self.images[i], self.images[i + 1], t)
+
+    def _varying(self, roughness: Tensor) -> Tensor:
+        result = self.images[0]
+        for low, high, image in zip(self.knots, self.knots[1:], self.images[1:], strict=False):
+            result = torch.lerp(result, image, ((roughness - low) / (high - low)).clamp(0.0, 1.0))
+        return result
+
+
+def single_scattering(roughness: Tensor, view: Tensor) -> tuple[Tensor, Tensor]:
+    """Single-scattering albedo (N,) without Fresnel, and its mean ()."""
+    coefficients, mean = albedo.energy(roughness)
+    return albedo.weigh(coefficients, view).clamp(0.05, 1.0), mean.clamp(0.05, 1.0)
+
+
+def multiple_scattering(fss: Tensor, mean: Tensor) -> Tensor:
+    """Fresnel factor of light that bounces between microfacets (Kulla and Conty 2017, appendix)."""
+    return fss * mean / (1 - fss * (1 - mean))
+
+
+def summed(lamps: Tensor, lobes: Sequence[Tensor]) -> Tensor:
+    """Lobes (N,) of all lamps times their colors (L, 3): (3, N), or 0 without lamps."""
+    if not lobes:
+        return lamps.new_zeros(())
+    if len(lobes) == 1:
+        return lamps[0][:, None] * lobes[0]
+    return lamps.T @ torch.stack(list(lobes))
+
+
+def specular(
+    lamps: Tensor,
+    highlights: Sequence[Highlight],
+    lobes: Sequence[Tensor],
+    curve: Tensor,
+    f0: Tensor,
+    f90: Tensor | float,
+) -> Tensor:
+    """Highlights (3, N) with Fresnel mix(f0, f90, curve at the half vector); f0 is (3, 1) or (3, N)."""
+    plain = summed(lamps, lobes)
+    bent = summed(
+        lamps, [lobe * (curve @ h.curve).clamp_min(0.0) for lobe, h in zip(lobes, highlights, strict=True)]
+    )
+    return f0 * plain + (f90 - f0) * bent

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The values of one render: what the caller passes, completed by what the artist's scene has."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import torch
+from torch import Tensor
+
+from . import SceneData
+
+
+class Settings:
+    """Looks parameters up by key; missing ones take the scene's value.
+
+    Args:
+        scene: The exported scene.
+        values: Tensors (C,) by key; their gradients flow.
+        device: Where to compute.
+    """
+
+    def __init__(self, scene: SceneData, values: Mapping[str, Tensor], device: str | torch.device) -> None:
+        self.scene = scene
+        self.given = values
+        self.device = torch.device(device)
+
+    def color(self, key: str, default: float = 0.0) -> Tensor:
+        """A parameter's components (C,) float32; the default fills three where the scene has none."""
+        if key in self.given:
+            return self.given[key].to(self.device, torch.float32).reshape(-1)
+        value = self.scene.value(key, (default,) * 3)
+        return torch.tensor(value, dtype=torch.float32, device=self.device)
+
+    def scalar(self, key: str, default: float = 0.0) -> Tensor:
+        """A one-component parameter as a tensor ()."""
+        if key in self.given:
+            return self.given[key].to(self.device, torch.float32).reshape(-1)[0]
+        return torch.tensor(self.scene.value(key, default)[0], dtype=torch.float32, device=self.device)
+
+    def has(self, key: str) -> bool:
+        """Whether the scene or the caller knows the parameter."""
+        return key in self.given or key in self.scene.instances
+
+
+def wanted(*tensors: Tensor) -> bool:
+    """Whether gradients are being recorded for any of these."""
+    return torch.is_grad_enabled() and any(t.requires_grad for t in tensors)

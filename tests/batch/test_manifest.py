@@ -1,0 +1,222 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Manifests: what they mean, and that a mistake in one is found, with its line, before anything starts."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from proxy_renderer.batch.estimate import guess
+from proxy_renderer.batch.manifest.manifest import load
+from proxy_renderer.batch.plan import Plan
+from proxy_renderer.schema import VibeError
+
+ROOT = Path(__file__).parents[2]
+GOOD = """
+scenes = ["shots/*.blend", "cup.obj"]
+prompts = [
+    "noir",
+    "misty, cool blue fog",
+]
+seeds = [0, 7]
+
+[options]
+size = 256
+
+[scene."shots/b*"]
+prompts = ["golden hour"]
+lock = "material/*"
+"""
+
+
+@pytest.fixture
+def place(tmp_path):
+    """A folder with scenes; they are never opened."""
+    (tmp_path / "shots").mkdir()
+    for name in ("shots/a.blend", "shots/b.blend", "cup.obj"):
+        (tmp_path / name).write_text(name)
+    return tmp_path
+
+
+def read(place, text):
+    (place / "m.toml").write_text(text)
+    return list(Plan(load(place / "m.toml", place / "out").shots))
+
+
+def test_scenes_times_prompts_times_seeds(place):
+    jobs = read(place, GOOD)
+    assert [(j.scene, j.prompt, j.seed) for j in jobs[:4]] == [
+        ("shots/a.blend", "noir", 0),
+        ("shots/a.blend", "noir", 7),
+        ("shots/a.blend", "misty, cool blue fog", 0),
+        ("shots/a.blend", "misty, cool blue fog", 7),
+    ]
+    assert [(j.scene, j.prompt) for j in jobs[4:6]] == [("shots/b.blend", "golden hour")] * 2
+    assert len(jobs) == 4 + 2 + 4
+    assert "--size=256" in jobs[0].arguments
+    assert "--seed=7" in jobs[1].arguments
+    assert "--lock=material/*" in jobs[4].arguments
+    assert not any(a.startswith("--lock") for a in jobs[0].arguments)
+    assert len({j.name for j in jobs}) == len(jobs)
+
+
+def names(place, text=GOOD):
+    return [job.name for job in read(place, text)]
+
+
+def test_a_name_depends_on_what_the_result_depends_on_and_on_nothing_else(place):
+    before = names(place)
+    assert names(place, GOOD + "\n[limits]\nminutes = 5\n") == before
+    assert all(a != b for a, b in zip(before, names(place, GOOD.replace("256", "128")), strict=True))
+    shutil.copytree(place, place / "moved")
+    assert names(place / "moved") == before
+    (place / "shots" / "b.blend").write_text("other content")
+    changed = names(place)
+    assert [a == b for a, b in zip(before, changed, strict=True)] == [True] * 4 + [False] * 2 + [True] * 4
+
+
+def test_linked_files_count_if_they_are_named(place):
+    (place / "wood.png").write_text("oak")
+    text = 'files = ["*.png"]' + GOOD
+    before = names(place, text)
+    assert names(place, text) == before
+    (place / "wood.png").write_text("walnut")
+    assert not set(names(place, text)) & set(before)
+
+
+def test_prompts_of_a_file(place):
+    (place / "looks.txt").write_text("# ours\nnoir\n\n  golden hour\nnoir\n")
+    jobs = read(place, 'scenes = ["cup.obj"]\nprompts = "looks.txt"\n')
+    assert [j.prompt for j in jobs] == ["noir", "golden hour"]
+
+
+def test_results_are_no_scenes(place):
+    left = place / "out" / "jobs" / "x"
+    left.mkdir(parents=True)
+    (left / "vibed.blend").write_text("x")
+    jobs = read(place, 'scenes = ["**/*.blend"]\nprompts = ["noir"]\n')
+    assert [j.scene for j in jobs] == ["shots/a.blend", "shots/b.blend"]
+
+
+TOGETHER = """
+prompts = ["noir"]
+[[shots]]
+name = "cup"
+scenes = ["shots/a.blend"]
+cameras = "Wide"
+[[shots]]
+name = "hall"
+scenes = ["shots/*.blend"]
+frames = [1, 50]
+grade_each = true
+size = 128
+"""
+
+
+def test_shots_that_share_a_look_are_one_job(place):
+    cup, hall = read(place, TOGETHER)
+    assert (cup.scene, cup.source.name, cup.more) == ("cup", "a.blend", ())
+    assert "--cameras=Wide" in cup.arguments
+    assert (hall.source.name, [p.name for p in hall.more]) == ("a.blend", ["b.blend"])
+    assert {"--frames=1,50", "--grade-each", "--size=128"} <= set(hall.arguments)
+    (place / "shots" / "b.blend").write_text("other content")
+    again = read(place, TOGETHER)
+    assert again[0].name == cup.name
+    assert again[1].name != hall.name
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "words"),
+    [
+        ('name = "hall"', "", 7, ["a name of their own"]),
+        ('name = "hall"', 'name = "cup"', 7, ["a name of their own"]),
+        ("[1, 50]", '["x"]', 10, ["'x' names no frames"]),
+        ("[1, 50]", "1.5", 10, ["frames = [1, 50, 100]"]),
+        ("size = 128", "sice = 128", 12, ["'sice'", "cameras"]),
+        ("size = 128", 'groups = "camera"', 7, ["keep their cameras"]),
+        ("shots/*.blend", "cup.obj", 7, ["Only .blends"]),
+        ("shots/*.blend", "hall/*.blend", 9, ["'hall/*.blend'"]),
+    ],
+)
+def test_mistakes_in_shots_are_found_with_their_line(place, old, new, line, words):
+    assert old in TOGETHER
+    with pytest.raises(VibeError) as caught:
+        read(place, TOGETHER.replace(old, new))
+    assert f"m.toml, line {line}:" in caught.value.message, caught.value.message
+    assert all(word in str(caught.value) for word in words), str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "words"),
+    [
+        ("seeds = [0, 7]", "seeds = [0, 7", 9, ["not TOML"]),
+        ("seeds", "sedes", 7, ["'sedes'", "scenes, prompts, seeds"]),
+        ("[0, 7]", "[0, -7]", 7, ["seeds = [0, 1]"]),
+        ("cup.obj", "mug.obj", 2, ["'mug.obj'"]),
+        ("shots/*.blend", "shot/*.blend", 2, ["'shot/*.blend'"]),
+        ("misty, cool blue fog", "qwrtz xkcd", 5, ["Nothing in the prompt", "teal"]),
+        ("misty, cool blue fog", " ", 5, ["The prompt is empty"]),
+        ("size = 256", "sice = 256", 10, ["'sice'", "size"]),
+        ("size = 256", 'size = "256"', 10, ["size cannot be '256'", "size = 512"]),
+        ("size = 256", "size = 7", 10, ["out of range", "32 to 8192"]),
+        ("size = 256", "seed = 7", 10, ["'seed'", "at the top"]),
+        ("size = 256", 'baseline = "clip"', 10, ["clip-only"]),
+        ("size = 256", 'groups = ["lights"]', 10, ["'lights'", "material"]),
+        ("size = 256", 'vocabulary = "mine.toml"', 10, ["mine.toml", "Check the path"]),
+        ("shots/b*", "shots/c*", 12, ["'shots/c*'", "shots/a.blend"]),
+        ('lock = "material/*"', 'lock = "stuff/*"', 14, ["'stuff/*'"]),
+        ('lock = "material/*"', "lock = 3", 14, ["lock cannot be 3"]),
+        ('lock = "material/*"', 'vocabulary = "x"', 12, ["[options]"]),
+        ("[options]", "[limits]\nminutes = 0\n[options]", 10, ["minutes cannot be 0"]),
+        ("[options]", "[limits]\nhours = 1\n[options]", 10, ["'hours'", "minutes"]),
+        ("[options]", "[limits]\ncores = 1.5\n[options]", 10, ["whole number"]),
+    ],
+)
+def test_mistakes_are_found_with_their_line(place, old, new, line, words):
+    assert old in GOOD
+    with pytest.raises(VibeError) as caught:
+        read(place, GOOD.replace(old, new))
+    error = caught.value
+    assert f"m.toml, line {line}:" in error.message
+    assert error.remedy
+    assert all(word in str(error) for word in words), str(error)
+
+
+def batch(place, *arguments):
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "addon")])}
+    command = [sys.executable, "-m", "proxy_renderer.cli", "batch", "m.toml", *arguments]
+    return subprocess.run(command, cwd=place, env=environment, capture_output=True, text=True, timeout=120)
+
+
+def test_the_command_says_it_in_one_line_and_leaves_nothing(place):
+    (place / "m.toml").write_text(GOOD.replace("noir", "qwrtz"))
+    done = batch(place, "--out", "out")
+    assert done.returncode == 2
+    assert done.stderr.startswith("vibe: m.toml, line 4: ")
+    assert len(done.stderr.splitlines()) == 1
+    assert not (place / "out").exists()
+
+
+def test_a_dry_run_tells_the_plan_and_does_nothing(place):
+    (place / "m.toml").write_text(GOOD)
+    done = batch(place, "--out", "out", "--dry-run", "--workers", "2")
+    assert done.returncode == 0, done.stderr
+    assert "10 jobs: 0 done, 10 to do" in done.stdout
+    assert "4  shots/a.blend" in done.stdout
+    assert "with 2 workers" in done.stdout
+    assert not (place / "out").exists()
+
+
+@pytest.mark.parametrize("scenes", ["", "scenes = []\n"])
+def test_a_group_alone_needs_no_scenes_and_its_shots_take_their_time(place, scenes):
+    group = '[[shots]]\nname = "g"\nscenes = ["shots/*.blend"]\n'
+    times = []
+    for cameras in ("", 'cameras = ["Wide", "Close"]\n'):
+        (place / "m.toml").write_text(f'{scenes}prompts = ["noir"]\n{group}{cameras}')
+        (job,) = Plan(load(place / "m.toml", place / "out").shots)
+        assert job.scene == "g"
+        times.append(guess(job))
+    assert times[1] > 1.5 * times[0]

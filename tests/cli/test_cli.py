@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bad input to the real command: one clear line with the remedy, exit code 2, nothing left behind."""
+
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from proxy_renderer.cli.main import parser
+from proxy_renderer.options import check
+from proxy_renderer.schema import BUDGETS, VibeError
+
+ROOT = Path(__file__).parents[2]
+MESH = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n"
+
+
+def vibe(*arguments, cwd):
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "addon")])}
+    command = [sys.executable, "-m", "proxy_renderer.cli", *map(str, arguments)]
+    return subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True, timeout=60)
+
+
+def assert_refused(done, *words):
+    """Exit code 2, one line on stderr that holds the words, and no traceback anywhere."""
+    assert done.returncode == 2, done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1, done.stderr
+    assert "Traceback" not in done.stdout + done.stderr
+    for word in words:
+        assert word in done.stderr
+
+
+@pytest.fixture
+def mesh(tmp_path):
+    path = tmp_path / "thing.obj"
+    path.write_text(MESH)
+    return path
+
+
+def run(mesh, *more, prompt="glossy teal", out="out"):
+    return vibe("run", mesh, "--prompt", prompt, "--out", mesh.parent / out, *more, cwd=mesh.parent)
+
+
+@pytest.mark.parametrize(
+    ("scene", "words"),
+    [
+        ("missing.blend", ["no scene", "Check the path"]),
+        (".", ["is a folder"]),
+        ("notes.txt", [".blend", ".obj"]),
+        ("empty.obj", ["is empty"]),
+    ],
+)
+def test_scenes_that_cannot_be_one(tmp_path, scene, words):
+    (tmp_path / "notes.txt").write_text("hello")
+    (tmp_path / "empty.obj").touch()
+    done = vibe("run", scene, "--prompt", "teal", "--out", "out", cwd=tmp_path)
+    assert_refused(done, *words)
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("prompt", "word"),
+    [("", "empty"), (" \n\t", "empty"), ("teal " * 2000, "10000 characters"), ("xqzt wrrgl", "xqzt")],
+)
+def test_prompts_that_cannot_be_one(mesh, prompt, word):
+    assert_refused(run(mesh, prompt=prompt), word)
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        (["--rounds", "0"], ["--rounds 0", "1 to"]),
+        (["--steps", "-3"], ["--steps -3"]),
+        (["--size", "7"], ["--size 7", "32"]),
+        (["--samples", "many"], ["invalid int value", "--help"]),
+        (["--speed", "fast"], ["--speed", "--help"]),
+        (["--groups", "lights"], ["'lights'", "camera, light"]),
+        (["--groups", ","], ["--groups"]),
+        (["--lock", "lamp/Key"], ["'lamp/Key'", "light/Key"]),
+        (["--frames", "1,end"], ["'end' names no frames", "1,50,100"]),
+        (["--cameras", "Wide,Close"], ["Only .blends can share a look"]),
+        (["--grade-each"], ["--grade-each is for several shots", "--cameras"]),
+        (["--device", "gpu"], ["'gpu'", "cuda"]),
+        (["--baseline", "magic"], ["clip-only"]),
+        (["--stage", "moon"], ["cyclorama"]),
+        (["--vlm-model", "eyes", "--vlm-url", "localhost:11434"], ["'localhost:11434'", "http://"]),
+    ],
+)
+def test_options_that_mean_nothing(mesh, more, words):
+    assert_refused(run(mesh, *more), *words)
+    assert not (mesh.parent / "out").exists()
+
+
+def test_a_budget_decides_what_no_option_does():
+    parsed = parser().parse_args(
+        ["run", "a.blend", "--prompt", "p", "--out", "o", "--steps", "7", "--budget", "quick"]
+    )
+    check.numbers(parsed)
+    quick = BUDGETS["quick"]
+    assert (parsed.rounds, parsed.steps, parsed.size) == (quick.rounds, 7, quick.size)
+
+
+def test_an_output_folder_that_cannot_be_made(mesh):
+    (mesh.parent / "taken").write_text("a file")
+    assert_refused(run(mesh, out="taken/out"), "cannot be written", "--out")
+    assert_refused(run(mesh, out="taken"), "cannot be written")
+
+
+def test_a_stage_for_a_blend(tmp_path):
+    (tmp_path / "a.blend").write_bytes(b"BLENDER-v502")
+    assert_refused(
+        vibe("run", "a.blend", "--prompt", "teal", "--out", "o", "--stage", "floor", cwd=tmp_path), "--stage"
+    )
+
+
+def test_presets_are_files_or_names(tmp_path, monkeypatch):
+    """Which names there are, the Blender side knows."""
+    monkeypatch.chdir(tmp_path)
+    assert check.preset("golden hour") == "golden hour"
+    Path("golden hour").write_text("{}")
+    assert check.preset("golden hour") == str(tmp_path / "golden hour")
+    for name in ("", "-x", "looks/noir", "noir.json"):
+        with pytest.raises(VibeError):
+            check.preset(name)
+
+
+def test_other_commands_refuse_too(tmp_path, mesh):
+    assert_refused(vibe("apply", "nope.json", mesh, "--out", "o", cwd=tmp_path), "no preset nope.json")
+    assert_refused(vibe("revert", mesh, cwd=tmp_path), "not a .blend")
+    assert_refused(vibe("bench", "beauty", "--out", "o", cwd=tmp_path), "speed")
+    assert_refused(vibe("dance", cwd=tmp_path), "'dance'")
+    assert_refused(vibe(cwd=tmp_path), "COMMAND")
+
+
+def test_the_command_starts_at_once(tmp_path):
+    start = time.monotonic()
+    done = vibe("--help", cwd=tmp_path)
+    assert done.returncode == 0
+    assert "doctor" in done.stdout
+    assert time.monotonic() - start < 2.0  # measured 0.07 s; a heavy import would take far longer

@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Each term of the objective points where it should; views show what they say."""
+
+import pytest
+import torch
+import torch.nn.functional as F
+
+from proxy_renderer.color.torch_color import srgb_to_lab
+from proxy_renderer.guidance import augment, regions
+from proxy_renderer.guidance import losses as L
+
+
+def generator(seed=0):
+    return torch.Generator().manual_seed(seed)
+
+
+def disk(size=64, radius=0.5, center=(0.0, 0.0)):
+    axis = torch.linspace(-1, 1, size)
+    return ((axis[:, None] - center[1]) ** 2 + (axis[None] - center[0]) ** 2 < radius**2).float()
+
+
+def picture(subject, surroundings, mask):
+    m = mask[..., None]
+    return m * torch.tensor(subject) + (1 - m) * torch.tensor(surroundings)
+
+
+def test_equation_3_and_4():
+    text = F.normalize(torch.tensor([[1.0, 0.0], [0.0, 1.0]]), dim=1)
+    features = F.normalize(torch.tensor([[3.0, 4.0], [3.0, 4.0]]), dim=1)
+    assert L.positive_loss(features, text[:1]).item() == pytest.approx(1 - 0.6)
+    assert L.negative_loss(features, text, 0.25).item() == pytest.approx(0.8 - 0.25)
+    assert L.negative_loss(features, text, 0.9).item() == 0.0
+
+
+def test_the_direction_is_that_of_the_words_not_just_away_from_the_start():
+    axes = torch.eye(4)
+    start, plain, text = axes[0], axes[1:2], F.normalize(axes[1:2] + axes[2:3], dim=1)
+    words = F.normalize(start + F.normalize(text - plain, dim=1)[0], dim=0)
+    elsewhere = F.normalize(start + axes[3], dim=0)
+    still, right, wrong = (
+        L.direction_loss(f[None], start, text, plain).item() for f in (start, words, elsewhere)
+    )
+    assert still == pytest.approx(1.0, abs=1e-3)
+    assert right < 0.5
+    assert wrong > right + 0.4
+    moving = start.clone()[None].requires_grad_()
+    L.direction_loss(moving, start, text, plain).backward()
+    assert moving.grad.isfinite().all()
+
+
+def test_the_color_term_moves_a_region_towards_its_color_and_leaves_the_other():
+    mask = disk()
+    display = picture([0.6, 0.3, 0.3], [0.5, 0.5, 0.5], mask).requires_grad_()
+    teal = srgb_to_lab(torch.tensor([0.0, 0.5, 0.5])).tolist()
+    loss = L.color_loss(srgb_to_lab(display), mask, tuple(teal))
+    loss.backward()
+    red, green, blue = (display.grad * mask[..., None]).sum((0, 1)).tolist()
+    assert red > 0
+    assert green < 0
+    assert blue < 0
+    assert (display.grad * (1 - mask)[..., None]).abs().max() == 0
+    close = L.color_loss(srgb_to_lab(picture([0.0, 0.5, 0.5], [1.0, 0, 0], mask)), mask, tuple(teal))
+    assert close.item() == 0.0
+
+
+def test_a_subject_on_the_border_costs():
+    assert L.border_loss(disk(radius=0.5)).item() == 0.0
+    assert L.border_loss(disk(radius=0.5, center=(0.8, 0.0))).item() > 0.05
+
+
+@pytest.mark.parametrize(
+    ("subject", "surroundings", "seen"),
+    [
+        ((0.02, 0.02, 0.02), (0.5, 0.6, 0.8), True),  # a silhouette
+        ((0.1, 0.5, 0.5), (0.95, 0.95, 0.95), True),
+        ((0.9, 0.8, 0.5), (0.0, 0.0, 0.0), True),  # lit, in the dark
+        ((0.06, 0.06, 0.06), (0.02, 0.02, 0.02), False),  # the paper's failure: nothing has light
+        ((0.5, 0.5, 0.5), (0.5, 0.5, 0.5), False),
+        ((1.0, 1.0, 1.0), (0.5, 0.5, 0.5), False),  # burnt out
+    ],
+)
+def test_visibility(subject, surroundings, seen):
+    mask = disk()
+    loss = L.visibility_loss(srgb_to_lab(picture(subject, surroundings, mask)), mask).item()
+    assert (loss < 0.05) == seen
+
+
+def test_visibility_gives_light_to_what_is_too_dark():
+    mask = disk()
+    gain = torch.tensor(1.0, requires_grad=True)
+    L.visibility_loss(
+        srgb_to_lab(picture([0.1, 0.08, 0.06], [0.03, 0.03, 0.03], mask) * gain), mask
+    ).backward()
+    assert gain.grad.item() < 0
+
+
+def test_visibility_without_a_subject_says_nothing():
+    assert L.visibility_loss(torch.rand(16, 16, 3), torch.zeros(16, 16)).item() == 0.0
+
+
+def test_the_prior_pulls_unnamed_parameters_only():
+    where = torch.tensor([0.9, 0.9], requires_grad=True)
+    L.prior_loss(where, torch.tensor([0.5, 0.5]), torch.tensor([1.0, 0.0])).backward()
+    assert where.grad[0] > 0
+    assert where.grad[1] == 0
+
+
+def test_an_undistorted_full_quad_is_the_picture():
+    image = torch.rand(1, 3, 32, 32, generator=generator())
+    corners = torch.tensor([[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]])
+    torch.testing.assert_close(augment.warp(image, corners, 32), image, atol=1e-4, rtol=0)
+
+
+def test_quads_stay_inside():
+    corners = augment.quads(500, generator())
+    assert corners.abs().max() <= 1.0
+    assert corners.shape == (500, 4, 2)
+
+
+def test_crops_keep_most_of_their_region():
+    mask = disk(radius=0.3, center=(-0.5, 0.2))
+    corners = augment.keeping(mask, 64, generator())
+    held = augment.warp(mask[None, None], corners, 64)
+    share = held.sum((1, 2, 3)) / mask.sum()  # a crop also magnifies, so this is a lower bound's lower bound
+    assert (share > 0.7).all()
+
+
+def test_subject_views_do_not_show_the_surroundings():
+    mask = disk(radius=0.4)
+    for surroundings in ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]):
+        views = regions.subject_views(picture([0.1, 0.2, 0.9], surroundings, mask), mask, 4, generator(), 32)
+        assert views.shape == (4, 3, 32, 32)
+        torch.testing.assert_close(views[1, :, 16, 16], torch.tensor([0.1, 0.2, 0.9]), atol=0.02, rtol=0)
+        plain = regions.subject_views(
+            picture([0.1, 0.2, 0.9], [0.5, 0.5, 0.5], mask), mask, 4, generator(), 32
+        )
+        torch.testing.assert_close(views[1], plain[1], atol=0.05, rtol=0)  # on a random background
+
+
+def test_surroundings_views_do_not_show_the_subject():
+    mask = disk(radius=0.4)
+    views = regions.surroundings_views(
+        picture([1.0, 0.0, 0.0], [0.1, 0.4, 0.6], mask), mask, 3, generator(), 32
+    )
+    torch.testing.assert_close(
+        views, torch.tensor([0.1, 0.4, 0.6])[None, :, None, None].expand_as(views), atol=0.02, rtol=0
+    )
+
+
+def test_an_empty_mask_gives_finite_views():
+    display, mask = torch.rand(24, 40, 3), torch.zeros(24, 40)
+    for make in (regions.subject_views, regions.surroundings_views):
+        assert torch.isfinite(make(display, mask, 2, generator(), 16)).all()
+        assert torch.isfinite(make(display, mask + 1.0, 2, generator(), 16)).all()
+
+
+def test_views_are_reproducible_and_differ_between_seeds():
+    display = torch.rand(48, 48, 3, generator=generator(1))
+    first, again, other = (regions.whole_views(display, 3, generator(s), 24) for s in (5, 5, 6))
+    assert torch.equal(first, again)
+    assert torch.equal(first[0], other[0])  # the full frame
+    assert not torch.equal(first[1:], other[1:])
+
+
+def test_a_subject_lit_from_everywhere_has_no_relief():
+    mask = torch.zeros(24, 24)
+    mask[6:18, 6:18] = 1.0
+    flat = picture([0.6, 0.6, 0.6], [0.8, 0.8, 0.8], mask).requires_grad_()
+    lost = L.relief_loss(srgb_to_lab(flat), mask)
+    assert lost.item() > 0.9
+    shaded = flat.detach() * torch.linspace(0.4, 1.3, 24)[:, None, None]
+    assert L.relief_loss(srgb_to_lab(shaded.clamp(0, 1)), mask).item() == 0.0
+    faint = (flat.detach() * torch.linspace(0.97, 1.03, 24)[:, None, None]).requires_grad_()
+    L.relief_loss(srgb_to_lab(faint), mask).backward()
+    assert faint.grad[6, 12].mean() * faint.grad[17, 12].mean() < 0  # darker above, lighter below
+
+
+def test_a_subject_without_any_light_on_it_has_no_form():
+    mask = disk()
+    gain = torch.tensor(1.0, requires_grad=True)
+    lost = L.form_loss(srgb_to_lab(picture([0.03, 0.03, 0.03], [0.8, 0.7, 0.6], mask) * gain), mask)
+    lost.backward()
+    assert lost.item() > 0.5
+    assert gain.grad.item() < 0
+    assert L.form_loss(srgb_to_lab(picture([0.2, 0.2, 0.2], [0.8, 0.7, 0.6], mask)), mask).item() == 0.0
+
+
+def test_the_leash_keeps_a_color_on_the_way_between_its_bounds():
+    colors, free = torch.tensor([[0, 1, 2]]), torch.tensor([1.0, 1.0, 1.0])
+    assert L.leash_loss(torch.tensor([0.3, 0.3, 0.3]), colors, free).item() == pytest.approx(0.0)
+    assert L.leash_loss(torch.tensor([0.0, 0.0, 0.9]), colors, free).item() > 0.1
+    fixed = torch.tensor([1.0, 1.0, 0.0])  # what cannot move has no say
+    assert L.leash_loss(torch.tensor([0.3, 0.3, 0.0]), colors, fixed).item() == pytest.approx(0.0)

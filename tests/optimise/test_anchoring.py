@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: Apache-2.0
+"""When the loop asks for Cycles' pictures, and what becomes of it when there are none."""
+
+from pathlib import Path
+
+import numpy as np
+import OpenEXR
+import pytest
+import torch
+from test_pipeline import PROMPT, Silent
+from tiny_job import write_job
+
+from proxy_renderer.guidance.encoder import load_encoder
+from proxy_renderer.optimise import anchoring, pipeline
+from proxy_renderer.optimise.anchoring import Anchoring, Blender
+from proxy_renderer.optimise.shots import View
+from proxy_renderer.optimise.vector import ParameterVector
+from proxy_renderer.render.cycles.pictures import CyclesPicture
+from proxy_renderer.render.proxy import Proxy
+from proxy_renderer.scene import load_scene
+from proxy_renderer.schema import messages
+from proxy_renderer.schema.messages import Options
+
+SIZE = (32, 24)
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory):
+    return load_scene(write_job(tmp_path_factory.mktemp("job")))
+
+
+class Elsewhere:
+    """A renderer that shows everything a fifth brighter than the proxy; remembers what it was asked for."""
+
+    def __init__(self, scene, fails=()):
+        self.scene, self.fails, self.asked = scene, fails, []
+
+    def __call__(self, values, size):
+        self.asked.append(values)
+        if len(self.asked) in self.fails:
+            return None
+        with torch.no_grad():
+            tensors = {k: torch.tensor(v) for k, v in values.items()}
+            whole = 1.2 * Proxy(self.scene, size).render(tensors).linear
+        return CyclesPicture(whole, {"world": 0.5 * whole}, 0.5 * whole)
+
+
+def run(scene, source, **options):
+    encoder = load_encoder(None, "cpu")
+    chosen = Options(**{"rounds": 2, "steps": 4, "size": 48, **options})
+    return pipeline.run([View(scene, source)], PROMPT, chosen, encoder, encoder, Silent())
+
+
+def test_every_round_starts_from_a_picture_and_so_does_the_prediction(scene):
+    source = Elsewhere(scene)
+    outcome = run(scene, source)
+    assert source.asked[0] == {}
+    assert {r["round"] for r in outcome.shots[0].anchoring.records} == {1, 2}
+    last = {
+        k: list(v)
+        for k, v in outcome.vector.values(outcome.u).items()
+        if v != outcome.vector.instances[k].value
+    }
+    assert source.asked[-1] == last
+    assert len(source.asked) == len(outcome.shots[0].anchoring.records) <= 6
+    assert outcome.shots[0].anchoring.proxy.correction is not None
+    assert (
+        outcome.shots[0].anchoring.records[0]["delta_e"] > outcome.shots[0].anchoring.records[-1]["delta_e"]
+    )
+
+
+def test_pictures_steer_the_loop_and_are_reproducible(scene):
+    plain, first, again = (run(scene, s).u for s in (None, Elsewhere(scene), Elsewhere(scene)))
+    assert torch.equal(first, again)
+    assert not torch.equal(first, plain)
+
+
+def test_a_loop_without_pictures_is_the_proxys_own(scene):
+    plain, without = run(scene, None), run(scene, lambda values, size: None)
+    assert torch.equal(plain.u, without.u)
+    assert without.shots[0].anchoring.records == []
+
+
+def test_an_old_correction_is_kept_near_and_dropped_far(scene):
+    vector = ParameterVector(scene.instances)
+    proxy = Proxy(scene, SIZE)
+    kept = Anchoring(proxy, vector, Elsewhere(scene, fails=(2, 3)))
+    u = vector.encode({})
+    kept.renew(u, 0)
+    kept.renew(u, 0)
+    assert len(kept.records) == 1
+    near, far = u.clone(), u.clone()
+    part = vector.slices["material/Floor/base_color"]
+    near[part] += 0.1
+    far[part] -= 0.5
+    kept.renew(near, 1)
+    assert proxy.correction is not None
+    kept.renew(far, 1)
+    assert proxy.correction is None
+    kept.renew(far, 2)
+    assert proxy.correction is not None
+
+
+def exr(path: Path, size=SIZE) -> None:
+    grey = np.full((size[1], size[0], 3), 0.2, np.float32)
+    layers = {f"ViewLayer.{n}": grey for n in ("Combined", "Noisy Image", "Combined_Vibe 0")}
+    OpenEXR.File({"type": OpenEXR.scanlineimage}, layers).write(str(path))
+
+
+def answers(scene, *given):
+    """A Blender that answers with these, one after the other: an error, or a picture's width and height."""
+    queue = list(given)
+    asked = []
+
+    def ask(request):
+        asked.append(request)
+        answer = queue.pop(0)
+        if not isinstance(answer, tuple):
+            return answer and messages.Anchored(request.number, error=answer)
+        exr(scene.folder / "a.exr", answer)
+        return messages.Anchored(request.number, "a.exr", {"Vibe 0": "world"}, seconds=1.25)
+
+    return Blender(scene, ask, seed=5), asked
+
+
+def test_blenders_pictures_are_read_and_removed(scene):
+    blender, asked = answers(scene, SIZE)
+    picture = blender({"film/contrast": [1.2]}, SIZE)
+    assert picture.parts["world"].mean() == pytest.approx(0.2)
+    assert asked == [messages.Anchor(1, {"film/contrast": [1.2]}, 32, anchoring.SAMPLES, 5)]
+    assert blender.seconds == [1.25]
+    assert not (scene.folder / "a.exr").exists()
+
+
+def test_what_goes_wrong_is_noted_once_and_the_second_time_is_the_last(scene):
+    blender, asked = answers(scene, "out of memory", SIZE, (8, 8), "out of memory", SIZE)
+    found = [blender({}, SIZE) for _ in range(5)]
+    assert [picture is not None for picture in found] == [False, True, False, False, False]
+    assert len(asked) == 4
+    assert "out of memory" in blender.notes[0]
+    assert "pixels" in blender.notes[1]
+    assert len(blender.notes) == 2
+
+
+def test_a_vibe_that_ends_is_no_failure(scene):
+    blender, _ = answers(scene, None)
+    assert blender({}, SIZE) is None
+    assert blender.notes == []
+
+
+def test_slow_pictures_are_the_last(scene, monkeypatch):
+    monkeypatch.setattr(anchoring, "LONGEST", 1.0)
+    blender, asked = answers(scene, SIZE, SIZE)
+    assert blender({}, SIZE) is not None
+    assert blender({}, SIZE) is None
+    assert len(asked) == 1
+    assert "too long" in blender.notes[0]

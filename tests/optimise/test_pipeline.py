@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Algorithm 1 on a small real scene, with the real renderer, planner and embedded encoder."""
+
+import pytest
+import torch
+from tiny_job import write_job
+
+from proxy_renderer.color.torch_color import srgb_to_lab
+from proxy_renderer.engine.report import changed_values, parameter_records
+from proxy_renderer.guidance.encoder import load_encoder
+from proxy_renderer.optimise import context, pipeline
+from proxy_renderer.optimise.objective import draw
+from proxy_renderer.optimise.shots import View
+from proxy_renderer.render.proxy import Proxy
+from proxy_renderer.scene import load_scene
+from proxy_renderer.schema import VibeError
+from proxy_renderer.schema.messages import Options
+
+PROMPT = "glossy teal ball, white studio background"
+
+
+class Silent:
+    """Follows the loop without a word; ends it after some steps."""
+
+    def __init__(self, end=10**9):
+        self.end, self.seen = end, []
+
+    def stage(self, name):
+        self.seen.append(name)
+
+    def begin(self, display):
+        self.first = display
+
+    def step(self, progress, display):
+        self.seen.append(progress)
+        return self.stopped()
+
+    def stopped(self):
+        return len(self.seen) >= self.end
+
+    def ask(self, request):
+        raise AssertionError("nobody renders anchors here")
+
+
+@pytest.fixture(scope="module")
+def encoder():
+    return load_encoder(None, "cpu")
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory):
+    return load_scene(write_job(tmp_path_factory.mktemp("job")))
+
+
+def vibe(scene, encoder, prompt=PROMPT, watch=None, **options):
+    chosen = Options(**{"rounds": 2, "steps": 8, "size": 64, **options})
+    return pipeline.run([View(scene)], prompt, chosen, encoder, encoder, watch or Silent())
+
+
+@pytest.fixture(scope="module")
+def teal(scene, encoder):
+    return vibe(scene, encoder)
+
+
+def subject_lab(scene, outcome, u):
+    with torch.no_grad():
+        picture = draw(Proxy(scene, (64, 48)), outcome.vector, u)
+    return torch.tensor(context.picture_stats(picture).lab["subject"])
+
+
+def test_the_loss_falls_and_the_words_show(scene, teal):
+    start, end = teal.rounds[0]["loss"]
+    assert end < start
+    wanted = srgb_to_lab(torch.tensor([0.0, 0.5, 0.5]))
+    before, after = (subject_lab(scene, teal, u) for u in (teal.vector.encode({}), teal.u))
+    assert (after - wanted)[1:].norm() < 0.8 * (before - wanted)[1:].norm()
+
+
+def test_every_value_is_within_its_range_and_has_a_reason(teal):
+    for key, record in parameter_records(teal).items():
+        rows = zip(
+            *(x if isinstance(x, list) else [x] for x in (record["lower"], record["after"], record["upper"])),
+            strict=True,
+        )
+        for low, value, high in rows:
+            assert low - 1e-5 * abs(low) - 1e-9 <= value <= high + 1e-5 * abs(high) + 1e-9, key
+        assert record["reason"], key
+
+
+def test_no_round_optimises_more_than_k(scene, encoder):
+    outcome = vibe(scene, encoder, top_k=3, steps=2)
+    assert all(len(r["parameters"]) <= 3 for r in outcome.rounds)
+
+
+def test_same_seed_same_values_bit_for_bit(scene, encoder, teal):
+    again = vibe(scene, encoder)
+    assert torch.equal(again.u, teal.u)
+    assert again.rounds[0]["loss"] == teal.rounds[0]["loss"]
+    assert not torch.equal(vibe(scene, encoder, seed=7).u, teal.u)
+
+
+def test_locks_hold_exactly(scene, encoder):
+    outcome = vibe(scene, encoder, lock=("material/Ball", "light"), steps=3)
+    changed = changed_values(outcome)
+    assert changed
+    assert not [k for k in changed if k.startswith(("material/Ball/", "light/", "camera/"))]
+
+
+def test_only_the_groups_that_were_named_change(scene, encoder):
+    changed = changed_values(
+        vibe(scene, encoder, groups=("film",), prompt="dark, high contrast, vignette", steps=3)
+    )
+    assert changed
+    assert {key.split("/")[0] for key in changed} == {"film"}
+
+
+def test_what_no_word_names_stays_the_artists(scene, encoder):
+    changed = changed_values(vibe(scene, encoder, prompt="vignette", steps=3))
+    assert "film/vignette" in changed
+    assert "material/Ball/base_color" not in changed
+
+
+def test_no_fog_is_a_bound(tmp_path, encoder):
+    foggy = load_scene(write_job(tmp_path, **{"volume/density": 0.2}))
+    outcome = vibe(foggy, encoder, prompt="matte black ball, no fog", steps=2)
+    density = outcome.vector.values(outcome.u)["volume/density"][0]
+    assert density < 0.005
+
+
+def test_the_watcher_can_end_it(scene, encoder):
+    outcome = vibe(scene, encoder, watch=Silent(end=3), rounds=50, steps=50)
+    assert outcome.stopped
+    assert sum(r["steps"] for r in outcome.rounds) == 3
+    assert changed_values(outcome)
+
+
+def test_progress_counts_to_the_end(scene, encoder):
+    watch = Silent()
+    vibe(scene, encoder, watch=watch, rounds=1, steps=3)
+    assert [(p.round, p.step) for p in watch.seen] == [(1, 1), (1, 2), (1, 3)]
+    assert all(p.seconds_left >= 0 for p in watch.seen)
+
+
+def test_the_baseline_uses_everything_without_a_plan(scene, encoder):
+    outcome = vibe(scene, encoder, baseline="clip-only", rounds=1, camera=True)
+    assert len(outcome.optimised) > 40
+    assert {"camera/azimuth", "film/hue", "volume/density"} <= outcome.optimised
+    start, end = outcome.rounds[0]["loss"]
+    assert end < start
+
+
+def test_a_prompt_in_which_nothing_is_known(scene, encoder):
+    with pytest.raises(VibeError, match="xqzt") as caught:
+        vibe(scene, encoder, prompt="xqzt wrrgl")
+    assert caught.value.remedy
+
+
+def test_everything_locked(scene, encoder):
+    with pytest.raises(VibeError, match="may change"):
+        vibe(scene, encoder, prompt="vignette", lock=("film",))

@@ -1,0 +1,707 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sentences in, bound attributes and plans out: over many prompts and random scenes."""
+
+from __future__ import annotations
+
+import math
+import random
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from proxy_renderer.color.named import basic, from_hex, from_lab, luminance, to_lab
+from proxy_renderer.planning.display import lightness, radiance
+from proxy_renderer.planning.explanation import as_dict, explain
+from proxy_renderer.planning.planner import plan
+from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES, COLORS
+from proxy_renderer.prompt.lexicon.vocabulary import COLOR_MODES, default_vocabulary, load, parse_effect
+from proxy_renderer.prompt.parser import parse
+from proxy_renderer.prompt.prompts import compose
+from proxy_renderer.prompt.tokens import Lexer
+from proxy_renderer.prompt.types import PictureStats, Plan, PlanContext, SceneWords
+from proxy_renderer.schema import FAMILIES, PARAMETERS, Instance, VibeError
+
+LIGHTS = (("Key", "AREA", "key", -40.0), ("Fill", "AREA", "fill", 60.0), ("Back", "POINT", "rim", 160.0))
+REFERENCES = {
+    "light_distance": 4.0,
+    "light_distance_squared": 16.0,
+    "view_distance": 6.0,
+    "per_view_distance": 1 / 6,
+    "subject_height": 2.0,
+    "per_subject_height": 0.5,
+}
+PROMPTS = (
+    "Glossy teal dolphin, white studio background.",
+    "Matte black teapot, warm soft light, no fog.",
+    "Misty tree silhouette, cool blue fog, vignette.",
+    "Glossy cyan teapot on solid yellow background, strong left light, sharp highlights.",
+    "A vibrant, cinematic teapot scene with bold contrast, clean minimal backdrop, energetic mood.",
+    "Teapot made of glowing emerald glass, razor-sharp chrome highlights, floating in a pure magenta studio void. "
+    "Hard white key light from upper-left, subtle rim light. High contrast, slight vignette, no fog.",
+    "red car in front of a yellow wall under a cold sky",
+    "not too dark, very hazy, extremely rough rusty robot in a neon city at night",
+    "bright noir, pitch dark, high key, low key, vivid, muted",
+    "ominous, cosy, dreamy and sterile",
+    "no hard shadows, without vignette or bloom, not glossy, not red",
+)
+
+
+def make_instances(
+    seed: int | None = None,
+    lights=LIGHTS,
+    materials=(("Body", "subject"), ("Floor", "surroundings")),
+    textured: tuple[str, ...] = (),
+    environment: bool = False,
+) -> dict[str, Instance]:
+    """Instances of a scene; with a seed, with random legal values and lights that are anywhere."""
+    draw = random.Random(seed)
+    found: dict[str, Instance] = {}
+
+    def add(parameter, owner="", role="", value=None):
+        reference = REFERENCES.get(parameter.reference, 1.0)
+        if seed is not None:
+            low, high = parameter.lower, parameter.upper
+            value = tuple(
+                parameter.scale.from_unit(draw.random(), low, high) * reference
+                for _ in range(parameter.components)
+            )
+        elif value is None:
+            value = (parameter.default * reference,) * parameter.components
+        instance = Instance(parameter, owner, value, reference, role)
+        found[instance.key] = instance
+
+    for parameter in PARAMETERS:
+        if parameter.group == "light":
+            for name, kind, role, azimuth in lights:
+                if not parameter.only or kind in parameter.only:
+                    add(parameter, name, role, (azimuth,) if parameter.name == "azimuth" else None)
+        elif parameter.group == "material":
+            for name, role in materials:
+                linked = parameter.name in ("tint", "recolor")
+                if (linked and name in textured) or (
+                    not linked and not (parameter.name == "base_color" and name in textured)
+                ):
+                    add(parameter, name, role)
+        elif parameter.group == "world":
+            if parameter.name in (("tint", "strength", "rotation") if environment else ("color", "strength")):
+                add(parameter)
+        else:
+            add(parameter)
+    return found
+
+
+CONTEXT = PlanContext(light_types={name: kind for name, kind, _, _ in LIGHTS})
+
+
+def make_plan(
+    prompt: str, instances=None, context: PlanContext = CONTEXT, scene: SceneWords | None = None
+) -> Plan:
+    parsed = parse(prompt, scene or SceneWords())
+    return plan(parsed, compose(parsed), make_instances() if instances is None else instances, context)
+
+
+def bound(prompt: str, scene: SceneWords | None = None) -> set[tuple[str, str]]:
+    """{(entry, kind of thing)} of the words that the prompt says itself."""
+    return {(a.entry, a.kind) for a in parse(prompt, scene or SceneWords()).attributes if not a.cause}
+
+
+# ---- the vocabulary
+
+
+def test_vocabulary_is_large_and_every_effect_fits_the_schema():
+    vocabulary = default_vocabulary()
+    assert len(vocabulary.synonyms) >= 350
+    assert set(COLORS) <= set(vocabulary.colors)
+    assert len(vocabulary.colors) >= 250
+    effects = [(e.name, f) for e in vocabulary.entries.values() for f in (*e.effects, *e.never)]
+    effects += [(kind, f) for kind, some in vocabulary.painted.items() for f in some]
+    assert len(effects) > 400
+    for name, effect in effects:
+        parameter = FAMILIES[effect.family]
+        if effect.mode in COLOR_MODES:
+            assert parameter.kind == "color" or parameter.family == "world/strength", (name, effect)
+        elif effect.mode == "":
+            assert len(effect.lower) in (1, parameter.components), (name, effect)
+            for low, high in zip(effect.lower, effect.upper, strict=True):
+                assert parameter.lower <= low <= high <= parameter.upper, (name, effect)
+
+
+def test_every_entry_says_or_does_something_and_can_be_said():
+    vocabulary = default_vocabulary()
+    lexer = Lexer(vocabulary, SceneWords())
+    for entry in vocabulary.entries.values():
+        assert entry.effects or entry.means, entry.name
+        assert parse(entry.name, SceneWords()).attributes, entry.name
+        for word in entry.words:
+            tokens = [token for clause in lexer.clauses(word) for token in clause]
+            assert any(t.entry or t.color or t.adjective for t in tokens), word
+
+
+@pytest.mark.parametrize(
+    "line", ["material/roughnes 0..1", "sofa/size 0..1", "film/contrast 2..1", "film/contrast"]
+)
+def test_errors_in_a_vocabulary_are_named(line):
+    with pytest.raises(VibeError):
+        parse_effect(line)
+
+
+def test_a_broken_vocabulary_file_is_one_clear_error():
+    with pytest.raises(VibeError, match="line 2"):
+        load("[look]\nglossy = = 1", "")
+
+
+def test_basic_colors_are_their_own_class():
+    for name in COLORS:
+        assert basic(default_vocabulary().colors[name]) == name
+
+
+# ---- binding
+
+
+@pytest.mark.parametrize(
+    ("prompt", "expected"),
+    [
+        ("glossy teal dolphin, white studio background", {("glossy", "subject"), ("teal", "subject"), ("white", "surroundings")}),
+        ("white studio background, glossy teal dolphin", {("glossy", "subject"), ("teal", "subject"), ("white", "surroundings")}),
+        ("red car in front of a yellow wall under a cold sky", {("red", "subject"), ("yellow", "surroundings"), ("cool surroundings", "sky")}),
+        ("teapot on solid yellow background", {("yellow", "surroundings")}),
+        ("chrome on black", {("chrome", "subject"), ("black", "surroundings")}),
+        ("the background is dark green, the subject is matte", {("dark green", "surroundings"), ("matte", "subject")}),
+        ("a wall painted yellow behind a blue vase", {("yellow", "surroundings"), ("blue", "subject")}),
+        ("cool blue fog", {("fog", "fog"), ("cool blue", "fog")}),
+        ("warm soft light", {("warm light", "light"), ("soft light", "light")}),
+        ("hard white key light from upper-left", {("hard light", "light"), ("white", "light"), ("from upper left", "light")}),
+        ("blue rim light, orange cat", {("rim light", "rim"), ("blue", "rim"), ("orange", "subject")}),
+        ("matte black and soft light", {("matte", "subject"), ("black", "subject"), ("soft light", "light")}),
+        ("gold ring on a gold background", {("gold", "subject"), ("gold", "surroundings")}),
+        ("teapot made of glass", {("glass", "subject")}),
+        ("light blue walls, dark wooden floor", {("light blue", "surroundings"), ("wood", "surroundings")}),
+    ],
+)  # fmt: skip
+def test_words_describe_what_they_stand_with(prompt, expected):
+    vocabulary = default_vocabulary()
+    named = {(vocabulary.synonyms.get(entry, entry), kind) for entry, kind in expected}
+    assert named <= bound(prompt)
+
+
+PHRASINGS = [
+    line.split(" | ")
+    for line in Path(__file__).with_name("phrasings.txt").read_text("utf-8").splitlines()
+    if not line.startswith("#")
+]
+
+
+@pytest.mark.parametrize(("prompt", "said"), PHRASINGS, ids=[prompt[:40] for prompt, _ in PHRASINGS])
+def test_what_artists_type_is_understood(prompt, said):
+    vocabulary = default_vocabulary()
+    parsed = parse(prompt, SceneWords())
+    found = {(a.entry, a.kind): a for a in parsed.attributes if not a.cause}
+    for wish in said.split("; "):
+        if wish.startswith("-"):
+            assert wish[1:] in parsed.ignored
+            continue
+        entry, kind = wish.rstrip("~!?").split("@")
+        attribute = found.get((vocabulary.synonyms.get(entry, entry), kind))
+        assert attribute, wish
+        assert ("!" in wish and "?" not in wish) <= attribute.negated
+        assert ("~" in wish and "?" not in wish) <= (attribute.strength < 1)
+
+
+def test_swapping_the_words_swaps_the_regions():
+    for one, other in (("red", "blue"), ("white", "black"), ("teal", "yellow"), ("pink", "dark green")):
+        first = parse(f"{one} teapot, {other} background", SceneWords())
+        second = parse(f"{other} teapot, {one} background", SceneWords())
+        assert first.targets["subject_color"] == second.targets["surroundings_color"]
+        assert first.targets["surroundings_color"] == second.targets["subject_color"]
+        texts = compose(first)
+        assert one in texts.subject
+        assert other not in texts.subject
+        assert other in texts.surroundings
+        assert any(other in text for text in texts.subject_negatives)
+        assert any(one in text for text in texts.surroundings_negatives)
+
+
+def test_names_in_the_scene_match_several_subjects():
+    scene = SceneWords(
+        objects={"Cup.001": "subject", "WoodTable": "surroundings", "Spoon": "subject"},
+        materials={"M1": "subject", "M2": "surroundings", "M3": "subject"},
+        object_materials={"Cup.001": ("M1",), "WoodTable": ("M2",), "Spoon": ("M3",)},
+    )
+    parsed = parse("the cup is copper, the table is dark walnut, a silver spoon", scene)
+    owners = {a.entry: a.owners for a in parsed.attributes}
+    assert owners == {"copper metal": ("M1",), "walnut": ("M2",), "silver metal": ("M3",)}
+    instances = make_instances(materials=(("M1", "subject"), ("M2", "surroundings"), ("M3", "subject")))
+    plan_ = plan(parsed, compose(parsed), instances, CONTEXT)
+    assert plan_["material/M1/base_color"].reason.startswith("'copper'")
+    assert plan_["material/M3/base_color"].reason.startswith("'silver'")
+    assert plan_["material/M2/metallic"].reason.startswith("'dark walnut'")
+
+
+def test_dark_and_pale_materials_keep_their_hue():
+    albedo = {}
+    for words in ("dark oak", "oak", "very pale oak"):
+        entry = make_plan(f"{words} box")["material/Body/base_color"]
+        albedo[words] = [(a + b) / 2 for a, b in zip(entry.lower, entry.upper, strict=True)]
+        assert albedo[words][0] > albedo[words][1] > albedo[words][2]
+    assert albedo["dark oak"][0] < 0.6 * albedo["oak"][0] < albedo["oak"][0] < albedo["very pale oak"][0]
+    dark = make_plan("dark copper cup")
+    assert dark["material/Body/metallic"].lower[0] > 0.9
+    assert (
+        dark["material/Body/base_color"].upper[0]
+        < make_plan("copper cup")["material/Body/base_color"].upper[0]
+    )
+
+
+def test_prompts_never_negate():
+    for prompt in PROMPTS:
+        texts = compose(parse(prompt, SceneWords()))
+        for text in (texts.subject, texts.surroundings, texts.whole, *texts.whole_negatives):
+            assert not {"no", "not", "without"} & set(text.replace(",", "").split()[:1]), text
+
+
+# ---- meaning
+
+
+def test_targets_are_classes_of_the_heads():
+    for prompt in PROMPTS:
+        for head, value in parse(prompt, SceneWords()).targets.items():
+            assert value in ATTRIBUTES[head]
+
+
+@pytest.mark.parametrize(
+    ("prompt", "key", "limit"),
+    [
+        ("red, no fog", "volume/density", 0.01 / 6),
+        ("red, without vignette", "film/vignette", 0.02),
+        ("red, remove the fog", "volume/density", 0.01 / 6),
+        ("red, no bloom", "film/glare", 0.02),
+        ("not glossy, red", "material/Body/coat", 0.1),
+    ],
+)
+def test_negation_is_a_bound(prompt, key, limit):
+    assert make_plan(prompt)[key].upper[0] <= limit
+
+
+def test_negation_repels_a_positively_worded_picture():
+    texts = compose(parse("red teapot, no fog", SceneWords()))
+    assert any("fog" in text for text in texts.whole_negatives)
+    assert "fog" not in texts.whole
+
+
+@pytest.mark.parametrize(
+    ("word", "key", "sign"),
+    [
+        ("vignette", "film/vignette", 1),
+        ("glossy", "material/Body/roughness", -1),
+        ("matte", "material/Body/roughness", 1),
+        ("fog", "volume/density", 1),
+        ("vivid", "film/saturation", 1),
+        ("muted", "film/saturation", -1),
+        ("warm light", "light/Key/temperature", -1),
+        ("cool light", "light/Key/temperature", 1),
+        ("soft light", "light/Key/size", 1),
+        ("bright light", "light/Key/power", 1),
+        ("dim light", "light/Key/power", -1),
+        ("glowing", "material/Body/emission", 1),
+    ],
+)
+def test_intensity_is_monotone(word, key, sign):
+    entries = [
+        make_plan(f"{degree} {word}")[key] for degree in ("slightly", "somewhat", "", "very", "extremely")
+    ]
+    middles = [sign * (e.lower[0] + e.upper[0]) / 2 for e in entries]
+    assert middles == sorted(middles)
+    assert middles[0] < middles[2] < middles[4] or middles[0] < middles[2] <= middles[4]
+
+
+def test_directions_are_relative_to_the_camera_and_wrap_to_the_nearest():
+    for camera in (0.0, 90.0, -170.0, 300.0):
+        entry = make_plan("red, light from the left", context=PlanContext(camera_azimuth=camera))[
+            "light/Key/azimuth"
+        ]
+        middle = (entry.lower[0] + entry.upper[0]) / 2
+        assert (middle - camera + 90) % 360 == pytest.approx(0, abs=1e-6)
+        assert abs(middle + 40) <= 180 + 1e-6  # the artist's -40
+
+
+def test_red_and_blue_lights_are_shared_out():
+    plan_ = make_plan("red and blue lights")
+    assert plan_["light/Key/color"].upper[0] > plan_["light/Key/color"].upper[2]
+    assert plan_["light/Fill/color"].upper[2] > plan_["light/Fill/color"].upper[0]
+
+
+def test_one_light_and_the_world_share_two_colors():
+    plan_ = make_plan("red and blue lights, night", make_instances(lights=LIGHTS[:1]))
+    assert plan_["light/Key/color"].lower[0] > plan_["light/Key/color"].upper[2]
+    assert plan_["world/color"].lower[2] > plan_["world/color"].upper[0]
+    assert "'blue'" in plan_["world/color"].reason
+
+
+def test_moods_stand_for_plain_words_and_explicit_words_beat_them():
+    plan_ = make_plan("cosy teapot")
+    assert plan_["light/Key/temperature"].upper[0] < 5000
+    assert "'cosy'" in plan_["light/Key/temperature"].reason
+    assert make_plan("cosy teapot, cold light")["light/Key/temperature"].lower[0] > 7000
+
+
+def test_words_mean_what_they_mean_of_what_they_stand_with():
+    golden = make_plan("golden kitchen")
+    assert "golden" in golden["light/Key/temperature"].reason
+    assert "golden" not in golden["material/Floor/base_color"].reason
+    for painted in ("golden background", "golden studio background"):
+        assert "golden" in make_plan(painted)["material/Floor/base_color"].reason
+    assert bound("a faded sepia photograph") == {("faded", "tone"), ("sepia", "tone")}
+    assert bound("amber mood") == {("amber", "tone")}
+
+
+def test_what_is_a_color_and_a_material_is_a_color_before_another_material():
+    attributes = parse("emerald velvet sofa", SceneWords()).attributes
+    assert [(a.entry, bool(a.color)) for a in attributes] == [("emerald", True), ("velvet", False)]
+    assert ("emerald", "subject") not in bound("emerald vase")  # the gem, by its own name
+    assert {entry for entry, _ in bound("emerald and gold vase")} >= {"emerald gem", "gold"}
+
+
+def test_an_adjective_says_more_than_the_place_that_it_describes():
+    dim, plain = (
+        make_plan(f"vase in a {words}")["world/strength"].upper[0] for words in ("dim museum", "museum")
+    )
+    assert dim < 0.3 * plain
+
+
+def test_words_that_mean_more_of_the_same_agree():
+    warm = make_plan("dim warm light, candlelit")["light/Key/temperature"]
+    assert warm.upper[0] < 2701
+    assert "warm light" in warm.reason
+    assert "candlelit" in warm.reason
+
+
+def test_contradictions_are_resolved_and_reported():
+    plan_ = make_plan("hard light, soft light")
+    assert plan_["light/Key/size"].upper[0] <= 0.1 * 4
+    assert any("soft" in note and "hard" in note for note in plan_.notes)
+    assert make_plan("hard light, soft light") == make_plan("hard light, soft light")
+
+
+# ---- plans
+
+
+def random_prompt(draw: random.Random) -> str:
+    vocabulary = default_vocabulary()
+    pool = [
+        *vocabulary.synonyms,
+        *vocabulary.colors,
+        *vocabulary.nouns,
+        *vocabulary.intensity,
+        "no",
+        "not",
+        "on",
+        "with",
+    ]
+    words = [draw.choice(pool) for _ in range(draw.randint(3, 14))]
+    return " ".join(w + draw.choice([",", "", "", "."]) for w in (*words, "glossy"))
+
+
+def test_ranges_are_always_legal():
+    draw = random.Random(5)
+    for seed in range(60):
+        lights = draw.sample([*LIGHTS, ("Sun", "SUN", "other", 10.0)], draw.randint(0, 4))
+        instances = make_instances(
+            seed,
+            lights,
+            textured=draw.choice([(), ("Body",), ("Floor", "Body")]),
+            environment=draw.random() < 0.5,
+        )
+        lab = lambda: (draw.uniform(0, 100), draw.uniform(-60, 60), draw.uniform(-60, 60))  # noqa: E731
+        picture = PictureStats({"subject": lab(), "surroundings": lab()}, (5.0, 40.0, 95.0))
+        context = PlanContext(
+            draw.uniform(-180, 180), draw.choice(["AgX", "Filmic", "Standard", "False Color"]),
+            picture=picture if seed % 2 else None,
+        )  # fmt: skip
+        prompt = PROMPTS[seed] if seed < len(PROMPTS) else random_prompt(draw)
+        plan_ = make_plan(prompt, instances, context)
+        assert set(plan_) == set(instances)
+        for key, entry in plan_.items():
+            instance = instances[key]
+            assert len(entry.lower) == len(entry.upper) == len(instance.value)
+            for low, high, bottom, top in zip(
+                entry.lower, entry.upper, instance.lower, instance.upper, strict=True
+            ):
+                assert bottom <= low <= high <= top, (prompt, key, entry)
+            assert entry.reason
+            assert entry.priority is None or entry.priority >= 1
+
+
+def test_untouched_parameters_are_irrelevant_and_reasons_quote_the_word():
+    plan_ = make_plan("glossy teal dolphin, white studio background")
+    assert plan_["film/hue"].priority is None
+    assert plan_["light/Back/azimuth"].priority is None
+    assert plan_["material/Body/base_color"].reason.startswith("'teal'")
+    named = [e for e in plan_.values() if e.priority is not None and not e.reason.startswith("supports")]
+    assert named
+    assert all("'" in e.reason and e.prior == 0.0 for e in named)
+    assert all(e.prior > 0 for e in plan_.values() if e.priority is None)
+
+
+def test_locks_are_respected_and_said():
+    instances = make_instances()
+    key = "material/Body/base_color"
+    old = instances[key]
+    instances[key] = Instance(old.parameter, old.owner, old.value, 1.0, old.role, "keyframed")
+    plan_ = make_plan("teal dolphin", instances)
+    assert (plan_[key].lower, plan_[key].upper, plan_[key].priority) == (old.value, old.value, None)
+    (note,) = plan_.notes
+    assert note.endswith("Body: Base Color (keyframed).")
+
+
+def test_a_white_backdrop_is_displayed_white():
+    plan_ = make_plan("white studio background, black teapot")
+    color, strength = plan_["world/color"].lower[1], plan_["world/strength"].lower[0]
+    assert lightness(color * strength, "AgX") > 84
+    assert min(plan_["material/Floor/base_color"].lower) > 0.7
+
+
+def test_white_is_lifted_by_contrast_only_where_the_view_greys_it():
+    assert make_plan("glossy teal thing, white background")["film/contrast"].lower[0] > 1.1
+    for prompt, view in (
+        ("teal thing, white background", "Standard"),
+        ("teal thing, grey background", "AgX"),
+    ):
+        plan_ = make_plan(prompt, context=replace(CONTEXT, view=view))
+        assert plan_["film/contrast"].priority is None
+
+
+def test_a_black_subject_stands_out_without_named_surroundings():
+    dark = make_instances()
+    floor = dark["material/Floor/base_color"]
+    dark[floor.key] = Instance(floor.parameter, "Floor", (0.02, 0.02, 0.02), 1.0, "surroundings")
+    assert min(make_plan("matte black teapot", dark)["material/Floor/base_color"].lower) > 0.05
+
+
+def test_textures_are_tinted_and_recolored():
+    plan_ = make_plan("teal dolphin", make_instances(textured=("Body",)))
+    tint = plan_["material/Body/tint"]
+    assert tint.upper[0] < tint.lower[1]
+    assert plan_["material/Body/recolor"].lower[0] >= 0.8
+
+
+def test_albedo_allows_for_the_light():
+    dim = make_instances()
+    for name, *_ in LIGHTS:
+        power = dim[f"light/{name}/power"]
+        dim[power.key] = Instance(power.parameter, name, (power.value[0] / 20,), 16.0, power.role)
+    in_the_dark = make_plan("teal dolphin", dim)["material/Body/base_color"]
+    assert make_plan("teal dolphin")["material/Body/base_color"].upper[1] < in_the_dark.lower[1]
+
+
+def planned_color(prompt):
+    """Middle of the range of the subject's color."""
+    entry = make_plan(prompt)["material/Body/base_color"]
+    return [(a + b) / 2 for a, b in zip(entry.lower, entry.upper, strict=True)]
+
+
+def test_blue_stays_blue_by_candlelight_and_orange_just_grows_warm():
+    """Eyes are used to warm lamps, but not so far that they see blue where candles leave violet."""
+    plain, warm = (planned_color(f"cobalt blue subject{light}") for light in ("", ", candlelight"))
+    assert warm[0] / warm[2] < 0.6 * plain[0] / plain[2]
+    plain, warm = (planned_color(f"orange subject{light}") for light in ("", ", candlelight"))
+    assert warm[0] / warm[1] == pytest.approx(plain[0] / plain[1], rel=0.1)
+
+
+def test_small_parts_keep_their_color():
+    instances = make_instances(materials=(("Paint", "subject"), ("Tyre", "subject")))
+    context = PlanContext(material_share={"Paint": 0.95, "Tyre": 0.05})
+    plan_ = make_plan("red car", instances, context)
+    assert plan_["material/Paint/base_color"].priority == 1
+    assert plan_["material/Tyre/base_color"].priority is None
+
+
+def pictured(subject, surroundings):
+    picture = PictureStats({"subject": (subject, 0.0, 0.0), "surroundings": surroundings}, (5.0, 40.0, 95.0))
+    return replace(CONTEXT, picture=picture)
+
+
+def test_a_vignette_is_seen_as_much_on_white_as_on_grey():
+    ends = {}
+    for ground in (50.0, 88.0):
+        entry = make_plan("slight vignette", context=pictured(40.0, (ground, 0.0, 0.0)))["film/vignette"]
+        ends[ground] = entry.lower[0]
+        corner = lightness(radiance(ground, "AgX") * (1 - entry.lower[0]), "AgX")
+        assert 5.0 < ground - corner < 12.0
+    assert ends[88.0] > ends[50.0] + 0.1
+
+
+def test_a_silhouette_stands_before_something_bright():
+    dim, lit = (
+        make_plan("tree silhouette", context=pictured(8.0, (ground, 0.0, 0.0)))["film/exposure"]
+        for ground in (30.0, 70.0)
+    )
+    assert dim.upper[0] > lit.upper[0] + 0.3
+
+
+def test_a_pale_color_is_not_made_vivid_for_anothers_sake():
+    prompt = "glossy teal vase on a pale sand background"
+    pale = make_plan(prompt, context=pictured(50.0, (85.0, 1.0, 9.0)))["film/saturation"]
+    yellow = make_plan(prompt, context=pictured(50.0, (85.0, 3.0, 25.0)))["film/saturation"]
+    assert pale.upper[0] > 1.2
+    assert yellow.priority is None
+
+
+def test_a_pale_tint_is_seen():
+    gain = make_plan("pale blue tones")["film/gain"]
+    assert gain.upper[0] < 0.95
+    assert gain.lower[2] > 1.05
+
+
+def test_a_muted_tint_tints_less_than_a_vivid_one():
+    scene = SceneWords(objects={"A": "subject", "B": "subject"})
+    spread = []
+    for prompt in ("muted blue", "blue"):
+        entry = make_plan(prompt, scene=scene)["light/Key/color"]
+        middle = [(a + b) / 2 for a, b in zip(entry.lower, entry.upper, strict=True)]
+        spread.append(max(middle) - min(middle))
+    assert spread[0] < 0.75 * spread[1]
+
+
+# ---- input of every kind
+
+
+@pytest.mark.parametrize(
+    "prompt", ["", "   ", "x" * 10_000, "teal " * 2_000, "asdf qwer zxcv", "🐬🌊✨", "das ist ein Haus", "?!"]
+)
+def test_hopeless_prompts_are_one_clear_error(prompt):
+    with pytest.raises(VibeError) as caught:
+        parse(prompt, SceneWords())
+    assert caught.value.remedy
+    assert "\n" not in caught.value.message
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    [
+        "<b>glossy</b> teal",
+        "🐬 glossy teal 🌊",
+        "GLOSSY—TEAL!!!",
+        "glossy\n\nteal",
+        "glossy;teal",
+        '{"look": "glossy teal"}',
+    ],
+)
+def test_markup_emoji_and_shouting_do_not_matter(prompt):
+    assert {("glossy", "subject"), ("teal", "subject")} <= bound(prompt)
+
+
+def test_unknown_words_are_said_to_be_ignored_and_typos_to_be_guesses():
+    parsed = parse("glosy teall frobnicated teapot, zorp", SceneWords(subject="teapot"))
+    assert parsed.guesses == {"glosy": "glossy", "teall": "teal"}
+    assert {"frobnicated", "zorp"} <= set(parsed.ignored)
+
+
+def test_what_a_look_cannot_do_is_ignored():
+    parsed = parse("add a second dragon, gold", SceneWords())
+    assert {"add", "second", "dragon"} <= set(parsed.ignored)
+    assert parsed.targets["subject_metal"] == "metal"
+    assert "fog" in parse("add fog, gold", SceneWords()).targets
+
+
+def test_explanations_name_everything():
+    for prompt in PROMPTS:
+        parsed = parse(prompt, SceneWords())
+        texts = compose(parsed)
+        plan_ = plan(parsed, texts, make_instances(), CONTEXT)
+        text = explain(parsed, texts, plan_)
+        assert texts.subject in text
+        assert all(note in text for note in plan_.notes)
+        assert set(as_dict(parsed, texts, plan_)["plan"]) == set(plan_)
+
+
+# ---- colors and views
+
+
+def test_color_conversions_invert_each_other():
+    for code in ("#000000", "#ffffff", "#008080", "#c04e01", "#123456"):
+        srgb = from_hex(code)
+        assert from_lab(to_lab(srgb)) == pytest.approx(srgb, abs=2e-3)
+    assert to_lab(from_hex("#ff0000")) == pytest.approx((53.24, 80.09, 67.20), abs=0.05)
+
+
+def test_view_curves_invert_each_other():
+    for view in ("AgX", "Filmic", "Standard"):
+        for goal in (3.0, 20.0, 50.0, 80.0, 95.0):
+            assert lightness(radiance(goal, view), view) == pytest.approx(goal, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("prompt", "entry", "kind"),
+    [
+        ("very soft, slightly warm key light", "soft light", "light"),
+        ("soft, warm", "soft light", "whole"),
+        ("the cup glows orange", "orange", "subject"),
+        ("red car", "red", "subject"),
+    ],
+)
+def test_lists_and_trailing_words(prompt, entry, kind):
+    scene = SceneWords("Cube", {"Cube": "subject", "Cup": "subject"}, {"M": "subject"}, {"Cup": ("M",)})
+    attributes = [a for a in parse(prompt, scene).attributes if a.entry == entry]
+    assert attributes
+    assert attributes[0].kind == kind or entry == "soft light"
+    assert attributes[0].owners == ("M",) or "cup" not in prompt
+
+
+def test_not_too_qualifies_what_was_said_before():
+    strengths = [a.strength for a in parse("dark, but not too dark", SceneWords()).attributes]
+    assert strengths == [0.5]
+
+
+def test_a_place_in_the_dark_is_about_what_is_around():
+    parsed = parse("neon pink sign in the dark", SceneWords())
+    assert parsed.objects[0].name == "sign"
+    assert [a.entry for a in parsed.attributes if a.region == "surroundings"] == ["dark surroundings"]
+    assert not parsed.ignored
+
+
+# ---- how much light there is
+
+
+def test_hard_light_and_noon_leave_the_world_a_share_of_the_key():
+    lamps = make_instances()
+    for prompt, most in (("hard light", 0.35), ("bright noon", 0.28), ("light from the left", 0.4)):
+        plan_ = make_plan(prompt, lamps)
+        power, world = plan_["light/Key/power"], plan_["world/strength"]
+        facing = min(max(lamps["light/Key/power"].value[0], power.lower[0]), power.upper[0])
+        key = facing / (math.pi**2 * REFERENCES["light_distance_squared"])
+        glow = luminance(plan_["world/color"].lower if "noon" in prompt else lamps["world/color"].value)
+        assert world.upper[0] <= 1.3 * most * key / glow, prompt
+
+
+def test_a_dim_lamp_is_not_made_nine_times_brighter():
+    lamps = make_instances()
+    lamps["light/Key/power"] = replace(lamps["light/Key/power"], value=(150.0,))
+    entry = make_plan("bright light", lamps)["light/Key/power"]
+    assert 1.2 * 150.0 < entry.lower[0] < entry.upper[0] < 5 * 150.0
+
+
+def test_bright_light_does_not_make_dark_things_light():
+    """Exposure is for a grey thing in the subject's place, whatever the subject's own color."""
+    stops = [make_plan(f"{color} vase, bright")["film/exposure"].upper[0] for color in ("black", "white")]
+    assert abs(stops[0] - stops[1]) < 0.2
+
+
+def test_a_word_about_contrast_beats_what_sepia_implies():
+    assert make_plan("sepia photograph, high contrast")["film/contrast"].lower[0] > 1.1
+    assert make_plan("sepia photograph")["film/contrast"].upper[0] < 1.0
+
+
+# ---- what words mean beside others
+
+
+def test_under_water_nothing_is_made_of_water():
+    assert ("water", "subject") not in bound("underwater, murky green water")
+    assert ("water", "subject") in bound("a vase made of water")
+
+
+@pytest.mark.parametrize("prompt", ["Overcast day, matte navy blue car", "Stormy weather, navy blue car"])
+def test_a_day_is_not_the_subject(prompt):
+    parsed = parse(prompt, SceneWords())
+    assert parsed.objects[0].name == "car"
+    assert parsed.objects[0].attributes["color"] == "navy blue"

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Names in a scene and things in a prompt: what is the same thing, what is a part of it, and what is a mood instead."""
+
+import pytest
+
+from proxy_renderer.planning.planner import plan
+from proxy_renderer.prompt.names import is_detail, kind_of, scene_names
+from proxy_renderer.prompt.parser import parse
+from proxy_renderer.prompt.prompts import compose
+from proxy_renderer.prompt.types import PlanContext, SceneWords
+from proxy_renderer.schema import FAMILIES, Instance
+
+
+def scene(worn: dict[str, str]) -> SceneWords:
+    """Subjects with a material each."""
+    materials = dict.fromkeys(worn.values(), "subject")
+    return SceneWords(
+        "", dict.fromkeys(worn, "subject"), materials, {name: (stuff,) for name, stuff in worn.items()}
+    )
+
+
+CAR = scene(
+    {
+        "Body": "Body",
+        "Cabin": "Cabin",
+        **{f"Wheel {i}": f"Tyre {n}" for i, n in enumerate(("", "Two", "Three"))},
+    }
+)
+DUCK = scene({"Duck": "Duck", "Duck Head": "Duck Head", "Bill": "Beak"})
+TEAPOT = scene({"Teapot": "Glaze", "Lid": "Lid Glaze", "Handle": "Bamboo"})
+
+
+def painted(prompt: str, words: SceneWords, shares: dict[str, float]) -> set[str]:
+    """Materials whose color a plan changes."""
+    family = FAMILIES["material/base_color"]
+    instances = [Instance(family, name, (0.5, 0.5, 0.5), 1.0, "subject") for name in words.materials]
+    parsed = parse(prompt, words)
+    made = plan(parsed, compose(parsed), {i.key: i for i in instances}, PlanContext(material_share=shares))
+    return {i.owner for i in instances if made[i.key].priority is not None}
+
+
+def test_parts_of_a_kind_are_painted_alike_and_details_are_not():
+    seen = {"Body": 0.5, "Cabin": 0.2, "Tyre ": 0.16, "Tyre Two": 0.1, "Tyre Three": 0.04}
+    assert painted("red car", CAR, seen) == {"Body", "Cabin"}
+    assert painted("golden tyres", CAR, seen) == {"Tyre ", "Tyre Two", "Tyre Three"}
+    columns = scene({"Column 0": "Stone", "Column 1": "Stone.001", "Top": "Rope"})
+    assert painted("white columns", columns, {"Stone": 0.7, "Stone.001": 0.08, "Rope": 0.06}) == {
+        "Stone",
+        "Stone.001",
+    }
+
+
+def test_a_thing_has_its_limbs():
+    for prompt in ("red duck", "the duck is red"):
+        assert {a.owners for a in parse(prompt, DUCK).attributes} == {("Duck", "Duck Head")}
+    assert {a.owners for a in parse("yellow beak", DUCK).attributes} == {("Beak",)}
+    assert {a.owners for a in parse("red teapot", TEAPOT).attributes} == {("Glaze", "Lid Glaze", "Bamboo")}
+
+
+def test_names_that_say_nothing_are_kinds_of_their_own():
+    assert kind_of("Material.001") != kind_of("Material.002")
+    assert kind_of("Tyre.001") == kind_of("tyre_02") == "tyre"
+    assert is_detail("Eyes")
+    assert is_detail("car_window.001")
+    assert not is_detail("Body")
+
+
+@pytest.mark.parametrize(
+    ("prompt", "moods", "thing"),
+    [
+        ("a gold castle in the mist", {"gold", "mist"}, "castle"),
+        ("yellow ghost", {"yellow"}, "ghost"),
+        ("the candle is red", {"red"}, "candle"),
+        ("castle look, gold", {"medieval", "gold"}, "subject"),
+        ("lit by a candle, gold", {"candlelight", "gold"}, "subject"),
+        ("castle", {"medieval"}, "subject"),
+    ],
+)
+def test_a_word_for_a_mood_may_be_the_thing_itself(prompt, moods, thing):
+    parsed = parse(prompt, SceneWords())
+    assert {a.entry for a in parsed.attributes if not a.cause} == moods
+    assert parsed.objects[0].name == thing
+
+
+def test_names_in_the_scene_come_before_moods():
+    words = scene({"Candle": "Wax"})
+    assert {a.owners for a in parse("the candle is red", words).attributes} == {("Wax",)}
+
+
+@pytest.mark.parametrize(
+    ("prompt", "entries"),
+    [
+        ('{"fog": "none", "light": "warm"}', {("fog", True), ("warm light", False)}),
+        ("vignette=off; background: white", {("vignette", True), ("white", False)}),
+        ("Candlelit: a red bowl", {("candlelight", False), ("red", False)}),
+    ],
+)
+def test_keys_and_values_are_read_as_a_sentence(prompt, entries):
+    parsed = parse(prompt, SceneWords())
+    assert {(a.entry, a.negated) for a in parsed.attributes if not a.cause} == entries
+
+
+def test_the_color_of_the_air_is_the_words():
+    parsed = parse("underwater, murky green", SceneWords())
+    assert parsed.targets["surroundings_color"] == "green"
+    assert {"ambience", "fog"} <= {a.kind for a in parsed.attributes if a.color}
+    clear = parse("bright noon, clear blue sky, sand", SceneWords())
+    assert {a.kind for a in clear.attributes if a.entry == "sand"} == {"subject"}
+
+
+@pytest.mark.parametrize(
+    ("prompt", "kind"),
+    [
+        ("cottage in a snowstorm at dusk, cold blue", "ambience"),
+        ("cottage, cold blue", "subject"),
+        ("cup, warm light, pale blue", "subject"),
+    ],
+)
+def test_a_color_after_light_or_air_is_theirs_if_light_can_have_it(prompt, kind):
+    assert {a.kind for a in parse(prompt, SceneWords()).attributes if a.color} == {kind}
+
+
+def test_light_of_gold_is_no_metal():
+    assert "subject_metal" not in parse("red vase, gold light", SceneWords()).targets
+
+
+def test_of_two_materials_of_one_name_the_subjects_is_meant():
+    """After Make Single-User the subject has "Monkey.001", and the floor keeps "Monkey"."""
+    words = SceneWords(materials={"Monkey": "surroundings", "Monkey.001": "subject"})
+    assert scene_names(words)["monkey"].materials == ("Monkey.001",)

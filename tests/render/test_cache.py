@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rays are traced again only where something has moved."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+import torch
+
+from proxy_renderer.bench.scenes import balls
+from proxy_renderer.render.geometry.visibility import Geometry
+from proxy_renderer.render.proxy import Proxy
+
+
+@pytest.fixture
+def traced(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[int]]:
+    """Counts of rays, by call; the rays are traced all the same."""
+    counts: list[int] = []
+    for name in ("first_hits", "clear"):
+        original = getattr(Geometry, name)
+
+        def spy(self, origin, *rest, _original=original):  # type: ignore[no-untyped-def]
+            counts.append(origin.shape[1])
+            return _original(self, origin, *rest)
+
+        monkeypatch.setattr(Geometry, name, spy)
+    return iter([counts]).__next__()
+
+
+def test_colors_and_powers_trace_nothing(traced: list[int]) -> None:
+    proxy = Proxy(balls(2, 2, 2), (48, 48))
+    before = proxy.render({}).linear
+    traced.clear()
+    changed = {
+        "light/Lamp 0/power": torch.tensor([500.0]),
+        "material/Floor/base_color": torch.tensor([0.1, 0.2, 0.9]),
+    }
+    after = proxy.render(changed).linear
+    assert not traced
+    assert not torch.allclose(before, after)
+
+
+def test_one_moving_lamp_leaves_the_other_alone(traced: list[int]) -> None:
+    proxy = Proxy(balls(2, 2, 2), (48, 48))
+    proxy.render({})
+    everything = sum(traced)
+    traced.clear()
+    proxy.render({"light/Lamp 1/azimuth": torch.tensor([80.0])})
+    one = sum(traced)
+    traced.clear()
+    proxy.render({"light/Lamp 0/azimuth": torch.tensor([10.0]), "light/Lamp 1/azimuth": torch.tensor([80.0])})
+    assert 0 < sum(traced) < 0.8 * everything
+    assert 0 < one < 0.5 * everything
+
+
+def test_a_moving_camera_traces_all_again(traced: list[int]) -> None:
+    proxy = Proxy(balls(2, 1, 2), (48, 48))
+    proxy.render({})
+    everything = sum(traced)
+    traced.clear()
+    proxy.render({"camera/azimuth": torch.tensor([20.0])})
+    assert sum(traced) > 0.7 * everything
+
+
+def test_a_render_depends_on_its_values_only() -> None:
+    scene = balls(2, 2, 2)
+    values = {"light/Lamp 0/azimuth": torch.tensor([25.0]), "camera/azimuth": torch.tensor([15.0])}
+    travelled, fresh = Proxy(scene, (48, 48)), Proxy(scene, (48, 48))
+    travelled.render({})
+    travelled.render({"light/Lamp 0/azimuth": torch.tensor([90.0])})
+    assert torch.equal(travelled.render(values).display, fresh.render(values).display)
+
+
+def test_seeds_are_reproducible() -> None:
+    scene = balls(2, 1, 2)
+    first, second = (Proxy(scene, (48, 48), seed=3).render({}).display for _ in range(2))
+    assert torch.equal(first, second)
+
+
+def test_memory_grows_as_the_pixels_do() -> None:
+    """Bytes that a step keeps for its gradient."""
+    scene = balls(2, 2, 2)
+
+    def kept(side: int) -> int:
+        found: dict[int, int] = {}
+
+        def pack(tensor: torch.Tensor) -> torch.Tensor:
+            found[tensor.untyped_storage().data_ptr()] = tensor.untyped_storage().nbytes()
+            return tensor
+
+        values = {key: torch.tensor(i.value, requires_grad=True) for key, i in scene.instances.items()}
+        with torch.autograd.graph.saved_tensors_hooks(pack, lambda tensor: tensor):
+            Proxy(scene, (side, side)).render(values).display.mean().backward()
+        return sum(found.values())
+
+    assert kept(256) < 4.4 * kept(128)

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The film: OCIO views as tables, the grade's formulas, and gradients through all of it."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+from tiny_job import blender_config
+
+from proxy_renderer.color.named import to_lab, to_oklab
+from proxy_renderer.color.view_transform import ViewTransform, apply_ocio
+from proxy_renderer.planning.display import scene_color
+from proxy_renderer.prompt.lexicon.vocabulary import default_vocabulary
+from proxy_renderer.render.film.bloom import bloom
+from proxy_renderer.render.film.film import Film, grade
+from proxy_renderer.scene import FilmSettings
+from proxy_renderer.schema import PARAMETERS, VibeError
+
+SPEC = FilmSettings(blender_config(), "sRGB", "AgX", "", transparent=False, working_space="Linear Rec.709")
+SIZE = (20, 12)  # width, height
+NEUTRAL = {p.family: torch.full((p.components,), p.default) for p in PARAMETERS if p.group == "film"}
+
+
+@pytest.fixture
+def picture():
+    torch.manual_seed(1)
+    return 2 ** (torch.rand(SIZE[1], SIZE[0], 3) * 8 - 6)
+
+
+@pytest.mark.parametrize(
+    ("view", "look"),
+    [
+        ("Standard", ""),
+        ("AgX", ""),
+        ("AgX", "AgX - Punchy"),
+        ("Filmic", "High Contrast"),
+        ("Khronos PBR Neutral", ""),
+    ],
+)
+def test_the_table_is_ocio(view, look):
+    random = np.random.default_rng(0)
+    tint = random.uniform(0, 1, (20000, 3)) ** random.choice([0.1, 1.0, 3.0], (20000, 1))
+    colors = (tint / tint.max(-1, keepdims=True) * 2 ** random.uniform(-10, 5.5, (20000, 1))).astype(
+        np.float32
+    )
+    exact = apply_ocio(colors, SPEC.ocio, "sRGB", view, look).clip(0, 1)
+    got = ViewTransform(SPEC.ocio, "sRGB", view, look)(torch.from_numpy(colors)).clamp(0, 1).numpy()
+    assert np.abs(got - exact).mean() < 0.3 / 255
+    assert np.quantile(np.abs(got - exact), 0.99) < 2.5 / 255
+
+
+@pytest.mark.parametrize("view", ["AgX", "Filmic"])
+def test_the_language_knows_what_a_view_shows(view):
+    """Surfaces in ordinary light, dark and saturated ones too, shown and found again."""
+    random = np.random.default_rng(2)
+    tint = random.uniform(0.02, 1, (600, 3)) ** 1.5
+    colors = tint / tint.max(-1, keepdims=True) * 10 ** random.uniform(-2, 0.2, (600, 1))
+    shown = apply_ocio(colors.astype(np.float32), SPEC.ocio, "sRGB", view, "").clip(0, 1)
+    found = np.array([scene_color(tuple(map(float, c)), view) for c in shown], np.float32)
+    again = apply_ocio(found, SPEC.ocio, "sRGB", view, "").clip(0, 1)
+    off = [math.dist(to_lab(tuple(a)), to_lab(tuple(b))) for a, b in zip(shown, again, strict=True)]
+    assert np.median(off) < 1.2
+    assert np.quantile(off, 0.9) < 4
+
+
+@pytest.mark.parametrize("view", ["AgX", "Filmic"])
+@pytest.mark.parametrize("name", ["blue", "royal blue", "cobalt blue", "indigo", "red", "orange", "green"])
+def test_a_vivid_color_out_of_reach_keeps_its_hue(name, view):
+    """Views show no screen's blue: what comes nearest is a blue, and no violet."""
+    wanted = default_vocabulary().colors[name]
+    nearest = np.array([scene_color(wanted, view)], np.float32)
+    shown = apply_ocio(nearest, SPEC.ocio, "sRGB", view, "").clip(0, 1)[0]
+    hues = [math.degrees(math.atan2(b, a)) for _, a, b in map(to_oklab, (wanted, shown.tolist()))]
+    assert abs((hues[0] - hues[1] + 180) % 360 - 180) < 4
+
+
+def test_an_unknown_view_is_refused():
+    with pytest.raises(VibeError, match="No such view"):
+        Film(replace(SPEC, view="No such view"), SIZE)
+    with pytest.raises(VibeError, match="cannot be made"):
+        Film(replace(SPEC, ocio="missing.ocio"), SIZE)
+
+
+def test_neutral_values_change_nothing(picture):
+    film = Film(SPEC, SIZE)
+    learning = {key: value.clone().requires_grad_() for key, value in NEUTRAL.items()}
+    torch.testing.assert_close(film.grade(picture, learning), picture, atol=1e-5, rtol=1e-5)
+    torch.testing.assert_close(
+        film.develop(picture, learning), film.develop(picture, {}), atol=1e-5, rtol=1e-5
+    )
+    assert film.grade(picture, NEUTRAL) is picture
+
+
+def test_formulas():
+    color = torch.tensor([[[0.1, 0.4, 0.02]]])
+    one = torch.ones(1)
+    torch.testing.assert_close(grade.contrast(color, one * 2), 0.18 * (color / 0.18) ** 2)
+    torch.testing.assert_close(grade.saturation(color, one * 0), torch.full((1, 1, 3), 0.30878))
+    torch.testing.assert_close(grade.power(-color, one * 2), -color)
+    turned = grade.turn_hue(torch.tensor([[[1.0, 0.0, 0.0], [0.2, 0.6, 0.4]]]), one * 120)
+    torch.testing.assert_close(turned, torch.tensor([[[0.0, 1.0, 0.0], [0.4, 0.2, 0.6]]]))
+    lifted = grade.lift_gamma_gain(color, one * 0.9, one * 2, one * 1.5)
+    torch.testing.assert_close(lifted, (((color - 1) * 1.1 + 1) * 1.5).clamp_min(0).sqrt())
+    assert grade.falloff(101, 51)[25, 50].item() == 0
+    assert grade.falloff(4001, 3001)[0, 0].item() == pytest.approx(1, abs=1e-3)
+
+
+def test_bloom_of_an_even_picture_is_its_highlight():
+    glow = bloom(torch.full((32, 48, 3), 3.0))
+    torch.testing.assert_close(glow, torch.full((32, 48, 3), 2.0))
+    assert bloom(torch.full((32, 48, 3), 0.8)).abs().max() == 0
+
+
+MOVED = {
+    "exposure": 0.4, "gamma": 1.2, "grade_exposure": -0.3, "lift": 1.05, "midtone": 0.9, "gain": 1.1, "contrast": 1.2,
+    "saturation": 1.3, "hue": 20.0, "grade_gamma": 0.9, "vignette": 0.4, "glare": 0.3,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", [name for name in MOVED if name not in ("exposure", "gamma")])
+def test_gradients_of_the_grade(picture, name):
+    key = f"film/{name}"
+    values = {k: torch.full_like(v, MOVED[k.split("/")[1]], dtype=torch.float64) for k, v in NEUTRAL.items()}
+    small = picture.double()[:3, :4] * 0.2
+    film = Film(SPEC, (4, 3))
+    given = values[key].requires_grad_()
+    assert torch.autograd.gradcheck(lambda value: film.grade(small, {**values, key: value}), given)
+
+
+@pytest.mark.parametrize("name", ["exposure", "gamma"])
+def test_gradients_of_the_view(picture, name):
+    film, key = Film(SPEC, SIZE), f"film/{name}"
+    values = {f"film/{n}": torch.tensor([MOVED[n]]) for n in ("exposure", "gamma")}
+
+    def score(value):
+        return film.develop(picture, {**values, key: value}).double().square().mean()
+
+    value = values[key].clone().requires_grad_()
+    (gradient,) = torch.autograd.grad(score(value), value)
+    difference = (score(values[key] + 5e-3) - score(values[key] - 5e-3)) / 1e-2
+    assert gradient.item() == pytest.approx(difference.item(), rel=1e-2)
+
+
+def test_gradients_are_finite_on_black_white_and_grey():
+    picture = torch.tensor([0.0, 1e-9, 0.18, 1.0, 500.0])[:, None, None].repeat(1, 4, 3).requires_grad_()
+    learning = {key: value.clone().requires_grad_() for key, value in NEUTRAL.items()}
+    Film(SPEC, (4, 5)).develop(picture, learning).sum().backward()
+    for tensor in (picture, *learning.values()):
+        assert torch.isfinite(tensor.grad).all()
