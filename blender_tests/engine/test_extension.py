@@ -40,9 +40,9 @@ def built(tmp_path_factory):
 def test_zip_holds_the_schema_and_what_the_engine_runs_from(built):
     names = zipfile.ZipFile(built).namelist()
     assert {"blender_manifest.toml", "__init__.py", "schema/parameters.py", "engine.txt"} <= set(names)
-    assert {"engine/requirements.txt", "engine/proxy_renderer/worker.py"} <= set(names)
-    assert {"looks/noir.json", "looks/noir.jpg"} <= set(names)
-    assert not {"looks/prompts.toml", "make_looks.py"} & set(names)
+    assert {"carried/requirements.txt", "carried/proxy_renderer/engine/worker.py"} <= set(names)
+    assert {"looks/shipped/noir.json", "looks/shipped/noir.jpg"} <= set(names)
+    assert not {"looks/shipped/prompts.toml", "bench/make_looks.py"} & set(names)
     assert not [n for n in names if "__pycache__" in n or "/bench/" in n or "/train/" in n or "tests/" in n]
 
 
@@ -51,10 +51,10 @@ def test_carried_engine_is_complete(built, tmp_path):
     zipfile.ZipFile(built).extractall(tmp_path)
     code = "import proxy_renderer as p, proxy_renderer.engine.worker, proxy_renderer.engine.session; print(p.__file__)"
     command = [sys.executable, "-c", code]
-    environment = {"PYTHONPATH": str(tmp_path / "engine"), "HOME": str(tmp_path)}
+    environment = {"PYTHONPATH": str(tmp_path / "carried"), "HOME": str(tmp_path)}
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert str(tmp_path) in done.stdout, done.stderr
-    needed = (tmp_path / "engine" / "requirements.txt").read_text().splitlines()
+    needed = (tmp_path / "carried" / "requirements.txt").read_text().splitlines()
     assert any(line.startswith("torch") for line in needed)
     assert not any(line.startswith("bpy") for line in needed)
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import torch
 from PIL import Image
 
-from ..optimise.objective import draw
-from ..optimise.pipeline import Outcome
+from ..optimize.objective import draw
+from ..optimize.pipeline import Outcome
 from ..render.proxy import Proxy, Render
 from . import report
 

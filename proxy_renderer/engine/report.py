@@ -20,9 +20,9 @@ from ..schema import Values
 if TYPE_CHECKING:
     from torch import Tensor
 
-    from ..optimise.anchoring import Blender
-    from ..optimise.pipeline import Outcome
-    from ..optimise.shots import Shot
+    from ..optimize.anchoring import Blender
+    from ..optimize.pipeline import Outcome
+    from ..optimize.shots import Shot
 
 _PANEL = 512
 _MARGIN = 24
@@ -31,7 +31,7 @@ _PACKAGES = ("torch", "open_clip_torch", "numpy", "opencolorio", "trimesh")
 
 
 def parameter_records(outcome: Outcome) -> dict[str, dict[str, Any]]:
-    """Key -> before, after, lower, upper, moved (on the perceptual scale), optimised, reason, for every parameter of the scene."""
+    """Key -> before, after, lower, upper, moved (on the perceptual scale), optimized, reason, for every parameter of the scene."""
     after = outcome.vector.values(outcome.u)
     lower, upper = (outcome.vector.plain(b) for b in outcome.vector.bounds(outcome.ranges))
     return {
@@ -41,7 +41,7 @@ def parameter_records(outcome: Outcome) -> dict[str, dict[str, Any]]:
             "lower": plain(lower[key]),
             "upper": plain(upper[key]),
             "moved": round(instance.distance(after[key]), 4),
-            "optimised": key in outcome.optimised,
+            "optimized": key in outcome.optimized,
             "reason": instance.locked or outcome.plan[key].reason,
         }
         for key, instance in outcome.vector.instances.items()

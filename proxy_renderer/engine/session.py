@@ -16,10 +16,10 @@ from PIL import Image
 from ..color.torch_color import mean_difference
 from ..guidance import augment
 from ..guidance.encoder import Encoder, load_encoder
-from ..optimise import context, pipeline
-from ..optimise.anchoring import Blender
-from ..optimise.progress import Watch
-from ..optimise.shots import View
+from ..optimize import context, pipeline
+from ..optimize.anchoring import Blender
+from ..optimize.progress import Watch
+from ..optimize.shots import View
 from ..render.proxy import Proxy
 from ..scene import SceneData, load_scene
 from ..schema import VibeError, messages

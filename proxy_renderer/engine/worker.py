@@ -199,7 +199,7 @@ def _warm_up() -> None:
     """Imports torch and loads the embedded encoder; what fails here is reported by the vibe that needs it."""
     try:
         from ..guidance.encoder import load_encoder
-        from ..optimise import pipeline  # noqa: F401
+        from ..optimize import pipeline  # noqa: F401
 
         load_encoder(None, "cpu")
     except VibeError:

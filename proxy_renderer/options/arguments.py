@@ -16,7 +16,7 @@ _BUDGET = {
     "steps": "gradient steps in each round",
     "starts": "points that a coarse first pass tries",
     "variants": "different looks to find for the same words, as pictures to choose from",
-    "top_k": "parameters that a round may optimise",
+    "top_k": "parameters that a round may optimize",
     "seed": "the same seed gives the same look",
 }
 _EFFORT = "; ".join(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The typed structures between a sentence and the optimiser, whoever fills them in."""
+"""The typed structures between a sentence and the optimizer, whoever fills them in."""
 
 from __future__ import annotations
 
@@ -187,7 +187,7 @@ class PlanEntry:
     Attributes:
         lower: Component-wise, within the instance's hard bounds.
         upper: At least `lower`.
-        priority: The smaller the more important; None is never optimised (but still projected).
+        priority: The smaller the more important; None is never optimized (but still projected).
         reason: For the artist; quotes the word that caused it.
         prior: Weight in [0, 1] of the pull to the artist's value: 0 where words named the value.
     """

@@ -18,14 +18,14 @@ class Options:
         rounds: Outer rounds of Algorithm 1: the plan is made anew in each.
         steps: Gradient steps in each round.
         size: Longer side of the prediction, pixels.
-        top_k: How many parameters a round may optimise.
+        top_k: How many parameters a round may optimize.
         seed: Seed of every random choice.
         groups: Parameter groups that may change; empty for all of them (the camera only if named).
         lock: Patterns of parameters that must not change: a group, "light/Key", or a glob.
         encoder: An open_clip hub tag or local checkpoint; "" for the embedded encoder.
         device: A torch device, or "auto".
         baseline: "" for the product, "clip-only" for the paper's baseline.
-        camera: Whether the camera may be optimised though `groups` does not name it.
+        camera: Whether the camera may be optimized though `groups` does not name it.
         vlm_model: A vision-language model that parses, plans and judges; "" for the environment's
             VIBE_VLM_MODEL (none if that is not set), "off" for none.
         vlm_url: Base URL of its OpenAI-compatible endpoint; "" for the environment's.

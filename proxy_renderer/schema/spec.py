@@ -57,7 +57,7 @@ class Parameter:
         lower: Hard lower bound of every component, in `unit`, times the instance's reference.
         upper: Hard upper bound, likewise.
         unit: "", "W", "W/m2", "m", "1/m", "deg", "K" or "stops".
-        scale: The perceptual scale that optimisation steps on.
+        scale: The perceptual scale that optimization steps on.
         region: The part of the picture that it mainly changes.
         doc: What it does, for help texts and tool tips.
         blender: The socket or property that it means, as an artist would look for it.

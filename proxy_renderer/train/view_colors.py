@@ -66,7 +66,7 @@ def main(config: str) -> None:
     settings = ocio.Config.CreateFromFile(config)
     lines = [
         "# Scene-linear Rec.709 that each view shows as an sRGB display color: a grid of",
-        f"# {STEPS} x {STEPS} x {STEPS} display colors, blue fastest. Written by calibrate.py.",
+        f"# {STEPS} x {STEPS} x {STEPS} display colors, blue fastest. Written by train/view_colors.py.",
     ]
     for view in VIEWS:
         shown = ocio.DisplayViewTransform(src="Linear Rec.709", display="sRGB", view=view)

@@ -55,7 +55,9 @@ def engine_environment() -> dict[str, str]:
     """The environment variables that the engine runs with."""
     variables = {k: v for k, v in os.environ.items() if k not in ("PYTHONHOME", "PYTHONSTARTUP")}
     # An extension uses the engine that it carries, a clone's add-on its own clone's: they speak one schema.
-    code = next((p for p in (CARRIED, _CLONE) if (p / "proxy_renderer" / "worker.py").is_file()), None)
+    code = next(
+        (p for p in (CARRIED, _CLONE) if (p / "proxy_renderer" / "engine" / "worker.py").is_file()), None
+    )
     if code:
         paths = [str(code), *filter(None, [variables.get("PYTHONPATH")])]
         variables["PYTHONPATH"] = os.pathsep.join(paths)

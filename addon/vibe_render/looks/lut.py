@@ -2,7 +2,7 @@
 """The grade as a .cube file, for other programs: what Vibe Grade does to every color, whatever is around it.
 
 Colors go in and come out as displays show them: sRGB, Rec.709 primaries. In between the grade's formula works on
-linear light (see `grade.py`). Vignette and bloom depend on more than the color and are left out, as is the view
+linear light (see `scene/nodes/grade.py`). Vignette and bloom depend on more than the color and are left out, as is the view
 transform: on a picture that was rendered with the view Standard, the file does what the compositor would have done.
 
 Colors below black and above white are written as they are, and become black and white when the file is used: between

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a scene was like before a vibe, kept inside the .blend so that Revert works after saving and reopening.
 
-Only what was touched is kept: a journal (see `journal.py`) in a custom property of the scene.
+Only what was touched is kept: a journal (see `core/journal.py`) in a custom property of the scene.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The judge encoder: another network than the one that guides, which no picture has been optimised for."""
+"""The judge encoder: another network than the one that guides, which no picture has been optimized for."""
 
 from __future__ import annotations
 

@@ -155,7 +155,7 @@ def _product(parts: Mapping[str, float]) -> float:
 def _method(results: Mapping[str, Any]) -> str:
     budget = results["budget"]
     judged = (
-        " An encoder that was never optimised is asked too, as one ask among them."
+        " An encoder that was never optimized is asked too, as one ask among them."
         if results["judge_encoder"]
         else ""
     )

@@ -18,7 +18,7 @@ from .. import blender
 from .pairs import COMPARED, Pair
 
 OURS, BASELINE = "", "clip-only"
-_CODE = ("color", "guidance", "optimise", "planning", "prompt", "render", "scene", "schema")
+_CODE = ("color", "guidance", "optimize", "planning", "prompt", "render", "scene", "schema")
 """What a result depends on in this package; of Blender's side it is all but the measurements."""
 
 

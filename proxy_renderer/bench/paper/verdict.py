@@ -38,7 +38,7 @@ class Reading:
     Attributes:
         amounts: Of each ask, in its unit.
         visible: The subject.
-        judge: Similarity to the prompt gained over the artist's picture, to an encoder that nobody optimised; None
+        judge: Similarity to the prompt gained over the artist's picture, to an encoder that nobody optimized; None
             where there is none.
     """
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Words that the vocabulary does not have fall to the nearest entry, with a confidence: a guess, and said to be one.
 
-words.safetensors holds a small vector for every English word that may speak of a look; `train/words.py` makes it.
+words.safetensors holds a small vector for every English word that may speak of a look; `train/text/words.py` makes it.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes language/words.safetensors: a small vector for every English word that may speak of a look.
+"""Makes prompt/lexicon/words.safetensors: a small vector for every English word that may speak of a look.
 
 The language side knows a few thousand words by heart; any other one falls to the nearest of them. What "near" means
 is distilled from three sources, none of which is needed, or loaded, when the product runs:

@@ -8,9 +8,9 @@ from tiny_job import write_job
 from proxy_renderer.color.torch_color import srgb_to_lab
 from proxy_renderer.engine.report import changed_values, parameter_records
 from proxy_renderer.guidance.encoder import load_encoder
-from proxy_renderer.optimise import context, pipeline
-from proxy_renderer.optimise.objective import draw
-from proxy_renderer.optimise.shots import View
+from proxy_renderer.optimize import context, pipeline
+from proxy_renderer.optimize.objective import draw
+from proxy_renderer.optimize.shots import View
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import VibeError
@@ -143,8 +143,8 @@ def test_progress_counts_to_the_end(scene, encoder):
 
 def test_the_baseline_uses_everything_without_a_plan(scene, encoder):
     outcome = vibe(scene, encoder, baseline="clip-only", rounds=1, camera=True)
-    assert len(outcome.optimised) > 40
-    assert {"camera/azimuth", "film/hue", "volume/density"} <= outcome.optimised
+    assert len(outcome.optimized) > 40
+    assert {"camera/azimuth", "film/hue", "volume/density"} <= outcome.optimized
     start, end = outcome.rounds[0]["loss"]
     assert end < start
 

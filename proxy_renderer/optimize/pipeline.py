@@ -43,7 +43,7 @@ class Outcome:
         u: The values found, see `ParameterVector.values`.
         plan: The last round's plan.
         ranges: The last round's (lower, upper) by key, azimuths turned as the values are.
-        optimised: Keys that some round optimised.
+        optimized: Keys that some round optimized.
         parsed: The prompt, understood.
         prompts: What the encoder was asked.
         rounds: One record per round: parameters, loss at start and end, its terms, steps, seconds.
@@ -58,7 +58,7 @@ class Outcome:
     u: Tensor
     plan: Plan
     ranges: dict[str, tuple[Values, Values]]
-    optimised: set[str]
+    optimized: set[str]
     parsed: Parsed
     prompts: Prompts
     shots: list[Shot]
@@ -153,7 +153,7 @@ def refine(search: Search, start: Start) -> Outcome:
         u=u,
         plan=plan,
         ranges=now.ranges,
-        optimised={key for record in rounds for key in record["parameters"]},
+        optimized={key for record in rounds for key in record["parameters"]},
         parsed=now.advice.parsed,
         prompts=now.advice.prompts,
         shots=search.shots,

@@ -6,7 +6,7 @@ import math
 import pytest
 import torch
 
-from proxy_renderer.optimise.inner import Settings, descend, promise
+from proxy_renderer.optimize.inner import Settings, descend, promise
 
 
 class Bowl:

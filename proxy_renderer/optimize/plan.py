@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which parameters a round optimises, and how far each may go."""
+"""Which parameters a round optimizes, and how far each may go."""
 
 from __future__ import annotations
 

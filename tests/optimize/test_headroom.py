@@ -9,7 +9,7 @@ import pytest
 from test_language import CONTEXT, make_plan
 
 from proxy_renderer.bench.scenes import balls
-from proxy_renderer.optimise.headroom import elevations
+from proxy_renderer.optimize.headroom import elevations
 
 FLOOR, CEILING, FAR = 1.0, 2.0, 4.0
 

@@ -4,7 +4,7 @@
 import pytest
 import torch
 
-from proxy_renderer.optimise.vector import ParameterVector, nearest_turn, project
+from proxy_renderer.optimize.vector import ParameterVector, nearest_turn, project
 from proxy_renderer.schema import FAMILIES, PARAMETERS, Instance
 
 

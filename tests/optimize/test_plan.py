@@ -3,7 +3,7 @@
 
 import pytest
 
-from proxy_renderer.optimise.plan import carry, feasible_ranges, lock, top_k
+from proxy_renderer.optimize.plan import carry, feasible_ranges, lock, top_k
 from proxy_renderer.prompt.types import Plan, PlanEntry
 from proxy_renderer.schema import FAMILIES, Instance, VibeError
 

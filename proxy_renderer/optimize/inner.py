@@ -115,7 +115,7 @@ def descend(
         return sum(losses) / len(losses)
 
     best = Descent(u.clone(), math.inf, math.inf)
-    position, optimiser = _restart(((u - lower)[chosen] / span).clone(), settings.rate)
+    position, optimizer = _restart(((u - lower)[chosen] / span).clone(), settings.rate)
     stale = 0
     for step in range(1, steps + 2):  # the last turn only judges
         point, shot = place(position), (step - 1) % objective.shots
@@ -131,14 +131,14 @@ def descend(
         loss = objective.loss(picture, point, generator, shot)
         best.steps = step
         if _backward(loss, position, settings.clip):
-            optimiser.param_groups[0]["lr"] = _rate(settings.rate * 0.5**best.repairs, step, steps)
-            optimiser.step()
+            optimizer.param_groups[0]["lr"] = _rate(settings.rate * 0.5**best.repairs, step, steps)
+            optimizer.step()
             with torch.no_grad():
                 position.copy_(project(position, torch.zeros_like(position), torch.ones_like(position)))
         else:
             best.repairs += 1
             calmer = settings.rate * 0.5**best.repairs
-            position, optimiser = _restart((best.u - lower)[chosen] / span, calmer)
+            position, optimizer = _restart((best.u - lower)[chosen] / span, calmer)
         if on_step(step, float(loss.detach()), picture) or best.repairs > settings.repairs:
             break
     return best

@@ -11,10 +11,10 @@ from test_pipeline import PROMPT, Silent
 from tiny_job import write_job
 
 from proxy_renderer.guidance.encoder import load_encoder
-from proxy_renderer.optimise import anchoring, pipeline
-from proxy_renderer.optimise.anchoring import Anchoring, Blender
-from proxy_renderer.optimise.shots import View
-from proxy_renderer.optimise.vector import ParameterVector
+from proxy_renderer.optimize import anchoring, pipeline
+from proxy_renderer.optimize.anchoring import Anchoring, Blender
+from proxy_renderer.optimize.shots import View
+from proxy_renderer.optimize.vector import ParameterVector
 from proxy_renderer.render.cycles.pictures import CyclesPicture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene

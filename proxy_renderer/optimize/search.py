@@ -239,7 +239,7 @@ def select(
 
 
 def pull(plan: Plan, vector: ParameterVector, chosen: list[str]) -> Tensor:
-    """(N,) weight in [0, 1] of the prior: on what is optimised though no word named it."""
+    """(N,) weight in [0, 1] of the prior: on what is optimized though no word named it."""
     weight = torch.zeros(vector.size, dtype=torch.float64)
     for key in chosen:
         weight[vector.slices[key]] = plan[key].prior

@@ -46,7 +46,7 @@ def draw_starts(
 ) -> list[Tensor]:
     """Points of the feasible box, the first of them u (N,) itself.
 
-    What the plan optimises is drawn anew from its range, a color's components at one place in theirs: the corners
+    What the plan optimizes is drawn anew from its range, a color's components at one place in theirs: the corners
     of the box are other hues. What `roam` has opened moves as one.
 
     Args:

@@ -17,7 +17,7 @@ from ..schema import Instance
 
 def plan_everything(instances: Mapping[str, Instance]) -> Plan:
     """Every parameter is equally important and may go anywhere within its hard bounds."""
-    reason = "the baseline optimises everything"
+    reason = "the baseline optimizes everything"
     return Plan({k: PlanEntry(i.lower, i.upper, 0, reason, prior=0.0) for k, i in instances.items()})
 
 

@@ -11,8 +11,8 @@ from tiny_job import write_job
 from proxy_renderer.engine.report import changed_values
 from proxy_renderer.engine.session import Session
 from proxy_renderer.guidance.encoder import load_encoder
-from proxy_renderer.optimise import pipeline
-from proxy_renderer.optimise.shots import MOVES, View, share
+from proxy_renderer.optimize import pipeline
+from proxy_renderer.optimize.shots import MOVES, View, share
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema.messages import VARIANTS, Options, Shot
 
