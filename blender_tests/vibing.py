@@ -5,14 +5,14 @@ import time
 
 import bpy
 import pytest
-from vibe_render.session.state import desk
+from vibe_render.session.state import addon_state
 
 from proxy_renderer.schema import VibeError
 
 
 def advance(until):
     """A new vibe, as far as a condition of it."""
-    running = desk.begin(bpy.context)
+    running = addon_state.begin(bpy.context)
     while not until(running):
         assert running.advance()
         time.sleep(0.02)
@@ -25,6 +25,6 @@ def fails(running):
         while running.advance():
             time.sleep(0.02)
     except VibeError as error:
-        desk.end(error)
+        addon_state.end(error)
         return str(error)
     pytest.fail("it did not fail")

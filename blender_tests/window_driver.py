@@ -40,7 +40,7 @@ def start(screen):
 def ways_out(screen):
     """The preferences; a prompt is typed; a vibe is stopped and given up, by button and by Esc."""
     from bl_ext.user_default.vibe_render import snapshot
-    from bl_ext.user_default.vibe_render.session.state import desk
+    from bl_ext.user_default.vibe_render.session.state import addon_state
 
     yield from preferences(screen)
     screen.shoot("panel")
@@ -71,11 +71,11 @@ def ways_out(screen):
     for name, end in (("stop", stop), ("cancel", cancel), ("esc", esc), ("esc_twice", esc_twice)):
         yield from running(screen)
         yield from end()
-        yield from screen.wait(lambda: not desk.running, 600, f"{name} ends it")
+        yield from screen.wait(lambda: not addon_state.running, 600, f"{name} ends it")
         yield from screen.away()
         screen.shoot(name)
         if name in ("stop", "esc"):
-            seen[f"{name}_takes_the_best"] = snapshot.exists(bpy.context.scene) and not desk.failure
+            seen[f"{name}_takes_the_best"] = snapshot.exists(bpy.context.scene) and not addon_state.failure
             yield from screen.undo()
             yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 30, f"undo of {name}")
             yield 0.7
@@ -85,12 +85,12 @@ def ways_out(screen):
 def choosing(screen):
     """A result: undone, compared, dimmed, another variant, locks, saved as a preset, again, kept or reverted."""
     from bl_ext.user_default.vibe_render import snapshot
-    from bl_ext.user_default.vibe_render.session.state import desk
+    from bl_ext.user_default.vibe_render.session.state import addon_state
 
     before, scene = values(), bpy.context.scene
     yield from a_result(screen, variants=2)
     screen.shoot("result")
-    seen["failure"] = str(desk.failure or "")
+    seen["failure"] = str(addon_state.failure or "")
     after = values()
     seen["changed"] = [key for key in after if after[key] != before.get(key)]
     seen["listed"] = [change.name for change in scene.vibe.changes]
@@ -136,7 +136,7 @@ def choosing(screen):
 
 def locks(screen):
     """The key light's power and the fog are locked; then the same words once more."""
-    from bl_ext.user_default.vibe_render.session.state import desk
+    from bl_ext.user_default.vibe_render.session.state import addon_state
 
     settings, key = bpy.context.scene.vibe, "light/Key/power"
     yield from screen.click_on(f'vibe.lock(key="{key}"', 931, (0.82, 0.84, 0.8))
@@ -151,8 +151,8 @@ def locks(screen):
     screen.shoot("group_lock")
     power, kept = values()["Key.energy"], locked_values(key)
     yield from screen.click_on("vibe.run(again=True)", 851, (0.2,))
-    yield from screen.wait(lambda: desk.running, 60, "Again starts")
-    yield from screen.wait(lambda: not desk.running, 900, "Again ends")
+    yield from screen.wait(lambda: addon_state.running, 60, "Again starts")
+    yield from screen.wait(lambda: not addon_state.running, 900, "Again ends")
     yield from screen.away()
     screen.shoot("again")
     seen["locked_stays"] = values()["Key.energy"] == power
@@ -170,7 +170,7 @@ def locked_values(key):
 def questions(screen):
     """The question about a shared material, answered both ways."""
     from bl_ext.user_default.vibe_render import snapshot
-    from bl_ext.user_default.vibe_render.session.state import desk
+    from bl_ext.user_default.vibe_render.session.state import addon_state
 
     floor, monkey = bpy.data.objects["Plane"], bpy.data.objects["Suzanne"]
     floor.data.materials[0] = monkey.data.materials[0]
@@ -179,19 +179,21 @@ def questions(screen):
     bpy.ops.ed.undo_push(message="Share")
     for answer in ("ALL", "SINGLE"):
         yield from screen.click_on("vibe.run", 236)
-        yield from screen.wait(lambda: desk.session and desk.session.question, 120, "the question")
+        yield from screen.wait(
+            lambda: addon_state.session and addon_state.session.question, 120, "the question"
+        )
         yield from screen.away()
         screen.shoot(f"question_{answer.lower()}")
-        seen["asked_about"] = list(desk.session.question)
+        seen["asked_about"] = list(addon_state.session.question)
         yield from screen.click_on(f"vibe.answer(shared='{answer}')", 254 if answer == "ALL" else 278)
-        yield from screen.wait(lambda: not desk.running, 900, "the answered vibe ends")
+        yield from screen.wait(lambda: not addon_state.running, 900, "the answered vibe ends")
         yield from screen.away()
         screen.shoot(f"answered_{answer.lower()}")
         one = (
             bpy.data.objects["Plane"].data.materials[0]
             == bpy.data.objects["Suzanne"].material_slots[0].material
         )
-        seen[f"answer_{answer.lower()}"] = one == (answer == "ALL") and not desk.failure
+        seen[f"answer_{answer.lower()}"] = one == (answer == "ALL") and not addon_state.failure
         yield from screen.undo()
         yield from screen.wait(
             lambda: not snapshot.exists(bpy.context.scene), 60, "undo of the answered vibe"
@@ -202,26 +204,26 @@ def questions(screen):
 
 def ends(screen):
     """A second window, another file, and the end of Blender, while a vibe runs."""
-    from bl_ext.user_default.vibe_render.session.state import desk
+    from bl_ext.user_default.vibe_render.session.state import addon_state
 
     yield from running(screen)
-    yield from second_window(screen, desk)
+    yield from second_window(screen, addon_state)
     with screen.over(screen.view):
         bpy.ops.wm.read_homefile(use_factory_startup=True)
     yield 1.0
     yield from open_panel(screen)
-    seen["load_ends_it"] = not desk.running and not desk.failure
+    seen["load_ends_it"] = not addon_state.running and not addon_state.failure
     yield from screen.away()
     screen.shoot("another_file")
     with screen.over(screen.view):
         a_scene()
     yield 0.5
     yield from running(screen)
-    seen["last_engine"] = desk._engine._process.pid
+    seen["last_engine"] = addon_state._engine._process.pid
     screen.shoot("closed_while_it_runs")
 
 
-def second_window(screen, desk):
+def second_window(screen, addon_state):
     """Opens another window while a vibe runs, and closes it."""
     with screen.over(screen.view):
         bpy.ops.wm.window_new()
@@ -232,24 +234,24 @@ def second_window(screen, desk):
         screen.shoot("second_window")
         bpy.ops.wm.window_close()
     yield 1.0
-    seen["closing_it_changes_nothing"] = desk.running and not desk.failure
+    seen["closing_it_changes_nothing"] = addon_state.running and not addon_state.failure
 
 
 def preferences(screen):
     """What the add-on's preferences look like, and whether they find and try the engine."""
-    from bl_ext.user_default.vibe_render.session.engine_state import place
+    from bl_ext.user_default.vibe_render.session.engine_state import engine_state
 
     kind, screen.area.type = screen.area.type, "PREFERENCES"
     bpy.context.preferences.active_section = "ADDONS"
     bpy.context.window_manager.addon_search = "Vibe"
     with bpy.context.temp_override(window=screen.window, area=screen.area):
         bpy.ops.preferences.addon_expand(module="bl_ext.user_default.vibe_render")
-    yield from screen.wait(lambda: place.python, 60, "the engine is found")
+    yield from screen.wait(lambda: engine_state.python, 60, "the engine is found")
     screen.shoot("preferences_before")
     yield from screen.click_on("vibe.test_engine", 395, (0.7, 0.6, 0.8))
-    yield from screen.wait(lambda: place.said, 600, "the engine answers")
+    yield from screen.wait(lambda: engine_state.outcome, 600, "the engine answers")
     yield from screen.away()
-    seen["engine"] = place.said
+    seen["engine"] = engine_state.outcome
     screen.shoot("preferences")
     screen.area.type = kind
     yield 0.5

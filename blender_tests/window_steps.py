@@ -21,27 +21,27 @@ def open_panel(screen):
 
 def running(screen):
     """A long vibe is started, and its first picture awaited."""
-    from bl_ext.user_default.vibe_render.session.state import desk
+    from bl_ext.user_default.vibe_render.session.state import addon_state
 
     bpy.context.scene.vibe.prompt = PROMPT
     effort(20, 60, 256)
     yield from screen.click_on("vibe.run", 236)
-    yield from screen.wait(lambda: desk.running, 60, "Vibe It starts")
-    yield from screen.wait(lambda: desk.session.progress, 900, "progress is seen")
+    yield from screen.wait(lambda: addon_state.running, 60, "Vibe It starts")
+    yield from screen.wait(lambda: addon_state.session.progress, 900, "progress is seen")
     yield 1.0
     screen.shoot("running")
 
 
 def a_result(screen, variants=1):
     """A short vibe is run to its end."""
-    from bl_ext.user_default.vibe_render.session.state import desk
+    from bl_ext.user_default.vibe_render.session.state import addon_state
 
     effort(1, 4)
     bpy.context.scene.vibe.variants, bpy.context.scene.vibe.prompt = variants, PROMPT
     bpy.ops.ed.undo_push(message="Words")
     yield from screen.click_on("vibe.run", 236)
-    yield from screen.wait(lambda: desk.running, 60, "Vibe It starts")
-    yield from screen.wait(lambda: not desk.running, 900, "the vibe ends")
+    yield from screen.wait(lambda: addon_state.running, 60, "Vibe It starts")
+    yield from screen.wait(lambda: not addon_state.running, 900, "the vibe ends")
     yield from screen.away()
 
 

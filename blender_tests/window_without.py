@@ -12,9 +12,9 @@ KEY = "light/Key/power"
 
 def without_engine(screen):
     """The panel, earlier prompts, single locks, a preset compared and dimmed, the properties editor, the preferences."""
-    from bl_ext.user_default.vibe_render.session.engine_state import place
+    from bl_ext.user_default.vibe_render.session.engine_state import engine_state
 
-    yield from screen.wait(lambda: place.problem, 60, "no engine is found")
+    yield from screen.wait(lambda: engine_state.problem, 60, "no engine is found")
     yield from screen.away()
     screen.shoot("no_engine")
     screen.seen["vibe_it_waits"] = not bpy.ops.vibe.run.poll()
@@ -24,7 +24,7 @@ def without_engine(screen):
     yield from a_preset(screen)
     yield from compared(screen, before, values())
     yield from in_the_properties(screen, before, values())
-    yield from preferences(screen, place)
+    yield from preferences(screen, engine_state)
 
 
 def earlier_prompts(screen):
@@ -131,7 +131,7 @@ def in_the_properties(screen, before, after):
     screen.look()
 
 
-def preferences(screen, place):
+def preferences(screen, engine_state):
     """The panel's button opens them; the test says what is missing, and nothing is downloaded offline."""
     yield from screen.click_on("preferences.addon_show", 430, (0.7,))
     windows = bpy.context.window_manager.windows
@@ -140,11 +140,11 @@ def preferences(screen, place):
     screen.look("PREFERENCES")
     screen.shoot("preferences")
     yield from screen.click_on("vibe.test_engine", 400, (0.7, 0.6, 0.8))
-    yield from screen.wait(lambda: place.said, 60, "the test's answer")
+    yield from screen.wait(lambda: engine_state.outcome, 60, "the test's answer")
     yield 0.7
     screen.shoot("tested")
-    screen.seen["tested"] = place.said
+    screen.seen["tested"] = engine_state.outcome
     yield from screen.click_on("vibe.setup_engine", 400, (0.5, 0.45))
     yield 1.0
-    screen.seen["offline_sets_up_nothing"] = not place.setting_up
+    screen.seen["offline_sets_up_nothing"] = not engine_state.setting_up
     screen.shoot("set_up_offline")

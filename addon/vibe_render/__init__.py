@@ -6,8 +6,7 @@ Importing this needs no Blender; registering it does.
 
 
 def _classes() -> tuple[type, ...]:
-    from .session import preferences
-    from .ui import operators, panels, properties, value_list
+    from .ui import operators, panels, preferences, properties, value_list
 
     data = (preferences, properties, value_list)
     modules = (*data, *operators.MODULES, *panels.MODULES)
@@ -35,13 +34,13 @@ def unregister() -> None:
     """Inverse of `register`; ends the engine."""
     import bpy
 
-    from .session import engine_state
-    from .session.state import desk
+    from .session.engine_state import engine_state
+    from .session.state import addon_state
     from .ui import handlers, look_icons, picture_icons
 
     handlers.unregister()
-    desk.close()
-    engine_state.place.close()
+    addon_state.close()
+    engine_state.close()
     picture_icons.free()
     look_icons.free()
     del bpy.types.Scene.vibe

@@ -12,7 +12,7 @@ import bpy
 from dump import difference
 from test_operators import contents
 from vibe_render.session import session
-from vibe_render.session.state import desk
+from vibe_render.session.state import addon_state
 from vibing import advance, fails
 
 STAGES = {  # when it is reached, with how many steps
@@ -32,12 +32,12 @@ def test_killed_at_each_stage_and_then_a_vibe(addon):
         running = advance(until)
         os.kill(running._engine._process.pid, signal.SIGKILL)
         assert "stopped unexpectedly" in fails(running)
-        assert desk.failure.remedy
+        assert addon_state.failure.remedy
         assert difference(before, contents()) == {}
     settings.size = 64
     assert bpy.ops.vibe.run() == {"FINISHED"}
     assert settings.changes
-    assert desk.failure is None
+    assert addon_state.failure is None
     assert bpy.ops.vibe.revert() == {"FINISHED"}
     assert difference(before, contents()) == {}
 
@@ -52,7 +52,7 @@ def test_given_up_for_its_silence(addon, monkeypatch):
     while running.silence < session.SILENT:  # what it had said before
         assert running.advance()
         time.sleep(0.3)
-    desk.cancel()
+    addon_state.cancel()
     assert hung.poll() is not None
     assert difference(before, contents()) == {}
 
@@ -64,10 +64,10 @@ def test_an_engine_that_hangs_when_given_up_does_not_hold_up_the_next(addon, mon
     running = advance(lambda r: r.asked)
     hung = running._engine._process
     os.kill(hung.pid, signal.SIGSTOP)
-    desk.cancel()
+    addon_state.cancel()
     advance(lambda r: r.asked)
     assert hung.poll() is not None
-    desk.cancel()
+    addon_state.cancel()
 
 
 ORPHAN = """

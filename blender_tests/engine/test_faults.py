@@ -12,7 +12,7 @@ from test_operators import contents
 from vibe_render.export import jobs
 from vibe_render.scene import snapshot
 from vibe_render.session.session import result
-from vibe_render.session.state import desk
+from vibe_render.session.state import addon_state
 from vibe_render.ui.operators.vibe import obstacle
 from vibing import advance, fails
 
@@ -25,7 +25,7 @@ def test_a_full_disk_is_named(addon, monkeypatch):
 
     monkeypatch.setattr(jobs, "finish", full)
     before = contents()
-    assert "no room left on the disk" in fails(desk.begin(bpy.context))
+    assert "no room left on the disk" in fails(addon_state.begin(bpy.context))
     assert difference(before, contents()) == {}
 
 
@@ -85,7 +85,7 @@ def test_what_artists_do_meanwhile_is_safe(addon, tmp_path, act):
             assert not bpy.data.scenes[name].vibe.changes
             bpy.ops.object.mode_set(mode="OBJECT")
         time.sleep(0.02)
-    desk.end()
+    addon_state.end()
     scene = bpy.data.scenes[name]
     assert scene.vibe.changes
     assert [s.name for s in bpy.data.scenes if snapshot.exists(s)] == [name]
@@ -104,7 +104,7 @@ def test_deleting_the_subject_meanwhile_is_safe(addon):
     running.stop()
     while running.advance():
         time.sleep(0.02)
-    desk.end()
+    addon_state.end()
     assert any(change.name.startswith("light/") for change in addon.vibe.changes)
     assert bpy.ops.vibe.revert() == {"FINISHED"}
     assert [light.energy for light in bpy.data.lights] == powers
@@ -120,8 +120,8 @@ def test_another_file_ends_the_vibe_before_it_is_opened(addon, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "vibed.blend"))
     advance(lambda r: r.asked)
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "vibed.blend"))
-    assert not desk.running
-    assert desk.failure is None
+    assert not addon_state.running
+    assert addon_state.failure is None
     scene = bpy.context.scene
     assert bpy.data.lights["Point"].energy == 7.0
     assert [change.name for change in scene.vibe.changes] == ["light/Point/power"]
@@ -132,10 +132,10 @@ def test_a_damaged_snapshot_is_explained_in_the_panel_and_keep_ends_it(addon):
     addon[snapshot.KEY] = "somebody else's"
     with pytest.raises(RuntimeError, match="damaged"):
         bpy.ops.vibe.revert()
-    assert "Press Keep" in desk.failure.remedy
+    assert "Press Keep" in addon_state.failure.remedy
     assert bpy.ops.vibe.keep() == {"FINISHED"}
     assert not snapshot.exists(addon)
-    assert desk.failure is None
+    assert addon_state.failure is None
 
 
 def test_modes_without_whole_undo_are_refused_with_the_reason(addon):

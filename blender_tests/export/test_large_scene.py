@@ -9,7 +9,7 @@ from dump import difference
 from faulty_scenes import AIM
 from test_operators import contents
 from vibe_render.session import session
-from vibe_render.session.state import desk
+from vibe_render.session.state import addon_state
 from vibing import advance
 
 from proxy_renderer.scene import load_scene
@@ -30,7 +30,7 @@ def test_two_million_triangles(addon):
     assert len(read.mesh.faces) > 1_900_000
     while running.advance():
         time.sleep(0.02)
-    desk.end()
+    addon_state.end()
     assert any(change.name == "material/Body/base_color" for change in settings.changes)
     assert running.agreement < 10.0
     assert bpy.ops.vibe.revert() == {"FINISHED"}

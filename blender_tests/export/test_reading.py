@@ -11,7 +11,7 @@ from test_operators import contents
 from test_undo import state
 from vibe_render.scene import snapshot
 from vibe_render.session import session
-from vibe_render.session.state import desk
+from vibe_render.session.state import addon_state
 from vibing import advance, fails
 
 
@@ -45,7 +45,7 @@ def halfway():
 def finish(running):
     while running.advance():
         time.sleep(0.02)
-    desk.end()
+    addon_state.end()
 
 
 @pytest.mark.parametrize("change", CHANGES)
@@ -71,8 +71,8 @@ def test_given_up_while_the_scene_is_read(addon):
     before = contents()
     running = halfway()
     assert "Vibe Camera" in bpy.data.objects
-    desk.cancel()
-    assert not desk.running
+    addon_state.cancel()
+    assert not addon_state.running
     assert running.advance() is False
     assert difference(before, contents()) == {}
 
@@ -80,7 +80,7 @@ def test_given_up_while_the_scene_is_read(addon):
 def test_edit_mode_while_the_engine_starts(addon):
     """There a mesh has no triangles that a render shows: the vibe waits for the artist to come back."""
     addon.vibe.rounds, addon.vibe.steps = 1, 2
-    running = desk.begin(bpy.context)
+    running = addon_state.begin(bpy.context)
     bpy.context.view_layer.objects.active = bpy.data.objects["Subject"]
     bpy.ops.object.mode_set(mode="EDIT")
     while "Object Mode" not in running.stage:
@@ -96,7 +96,7 @@ def test_nothing_left_to_see(addon):
     running = halfway()
     remove("Subject", "Floor")
     assert "no mesh" in fails(running)
-    assert desk.failure.remedy
+    assert addon_state.failure.remedy
     assert not snapshot.exists(addon)
     assert not [m for m in bpy.data.materials if m.name.startswith("Vibe")]
 
@@ -121,6 +121,6 @@ def test_undone_while_the_scene_is_read(addon):
 def test_another_file_while_the_scene_is_read(addon):
     running = halfway()
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    assert not desk.running
+    assert not addon_state.running
     assert running.advance() is False
     assert not snapshot.exists(bpy.context.scene)

@@ -5,7 +5,7 @@ import time
 
 import bpy
 from vibe_render.session.session import before_image
-from vibe_render.session.state import desk
+from vibe_render.session.state import addon_state
 from vibing import advance
 
 
@@ -32,7 +32,7 @@ def test_a_camera_that_moves_meanwhile(addon):
     while running.before is None:
         assert running.advance()
         time.sleep(0.02)
-    desk.cancel()
+    addon_state.cancel()
     assert here != there
     assert there.is_file()
     assert not here.exists()

@@ -16,7 +16,7 @@ from test_operators import contents
 from vibe_render.looks import asset_catalog, library, lut
 from vibe_render.render import final_render
 from vibe_render.session import before_image, prompt_history, session
-from vibe_render.session.state import desk
+from vibe_render.session.state import addon_state
 from vibing import advance, fails
 
 from proxy_renderer.schema import VibeError
@@ -91,7 +91,7 @@ def test_a_vibe_without_room_for_its_files_and_then_one_with_room(addon, disk):
         running = advance(until)
         disk.fill()
         assert NO_ROOM + str(disk.folder) in fails(running)
-        assert "Make room" in desk.failure.remedy
+        assert "Make room" in addon_state.failure.remedy
         assert difference(before, contents()) == {}
         assert {name for name in disk.files() if "/vibe-before-" not in name} == set()
         disk.make_room()

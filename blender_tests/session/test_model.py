@@ -122,7 +122,7 @@ def test_a_vibe_from_the_panel_with_the_key_of_the_preferences(installed, tmp_pa
     with serving(dying) as model:
         chosen.vlm_model, chosen.vlm_url, chosen.vlm_key = MODEL, model.url, KEY
         assert bpy.ops.vibe.run() == {"FINISHED"}
-        vibe_render.session.state.desk.close()
+        vibe_render.session.state.addon_state.close()
     assert {h["authorization"] for h in model.headers} == {f"Bearer {KEY}"}
     assert (
         scene.vibe.changes["film/glare"].reason == "model: dreamy"
@@ -138,7 +138,7 @@ def test_blender_s_online_access_is_asked(installed, monkeypatch):
     scene.vibe.prompt = "glossy red cube"
     with pytest.raises(RuntimeError, match="online access is off"):
         bpy.ops.vibe.run()
-    vibe_render.session.state.desk.close()
+    vibe_render.session.state.addon_state.close()
 
 
 def test_what_failed_is_said():

@@ -15,7 +15,7 @@ from vibe_render.engine.process import Engine
 from vibe_render.render import anchors
 from vibe_render.scene import bindings, snapshot
 from vibe_render.session import changes, result, session
-from vibe_render.session.state import desk, engine_choice
+from vibe_render.session.state import addon_state, engine_choice
 
 from proxy_renderer.schema import FAMILIES, GROUPS, VibeError, messages
 
@@ -227,9 +227,9 @@ def warm(addon, engine):
     studio(addon)
     addon.vibe.prompt, addon.vibe.budget = PROMPT, "CUSTOM"
     addon.vibe.rounds, addon.vibe.steps, addon.vibe.size = 1, 2, 64
-    desk._engine, desk._engine_choice = engine, engine_choice(bpy.context)
+    addon_state._engine, addon_state._engine_choice = engine, engine_choice(bpy.context)
     yield addon
-    desk._engine = None
+    addon_state._engine = None
 
 
 @pytest.fixture
@@ -238,7 +238,7 @@ def cold(addon):
     studio(addon)
     addon.vibe.prompt = PROMPT
     before = contents()
-    started = desk.begin(bpy.context)
+    started = addon_state.begin(bpy.context)
     while not started.asked:
         assert started.advance()
     assert difference(before, contents())
@@ -262,12 +262,12 @@ def test_engine_refusal_reaches_the_panel(warm):
     warm.vibe.prompt = "qwxz vbnm"
     with pytest.raises(RuntimeError):
         bpy.ops.vibe.run()
-    assert desk.failure.remedy
+    assert addon_state.failure.remedy
     assert difference(before, contents()) == {}
 
 
 def test_anchors_are_announced_and_leave_the_scene_as_it_was_meanwhile(warm):
-    running = desk.begin(bpy.context)
+    running = addon_state.begin(bpy.context)
     while running.stage != session.ANCHORING:
         assert running.advance()
         time.sleep(0.05)
@@ -283,19 +283,19 @@ def test_cancel_between_anchors_leaves_a_vibe_as_it_was(warm):
     assert bpy.ops.vibe.run() == {"FINISHED"}
     before = contents()
     warm.vibe.prompt = "dark, cool blue light, fog"
-    running = desk.begin(bpy.context)
+    running = addon_state.begin(bpy.context)
     for _ in range(2):
         while running.stage != session.ANCHORING:
             assert running.advance()
             time.sleep(0.05)
         assert running.advance()
-    desk.cancel()
+    addon_state.cancel()
     assert difference(before, contents()) == {}
 
 
 def test_without_anchors_nothing_is_rendered(warm):
     warm.vibe.anchor = False
-    running = desk.begin(bpy.context)
+    running = addon_state.begin(bpy.context)
     stages = {running.stage}
     while running.advance():
         stages.add(running.stage)
@@ -309,7 +309,7 @@ def test_a_blender_that_cannot_render_goes_on_without(warm, monkeypatch):
         raise RuntimeError("no memory for this")
 
     monkeypatch.setattr(anchors, "render_anchor", broken)
-    running = desk.begin(bpy.context)
+    running = addon_state.begin(bpy.context)
     to_the_end(running)
     assert warm.vibe.changes
     assert running.agreement is None
@@ -319,11 +319,11 @@ def test_a_blender_that_cannot_render_goes_on_without(warm, monkeypatch):
 def test_cancel_leaves_the_scene_as_it_was_and_the_engine_warm(warm, engine):
     before, process = contents(), engine._process
     warm.vibe.rounds, warm.vibe.steps = 100, 1000
-    running = desk.begin(bpy.context)
+    running = addon_state.begin(bpy.context)
     while running.progress is None:
         assert running.advance()
         time.sleep(0.05)
-    desk.cancel()
+    addon_state.cancel()
     assert difference(before, contents()) == {}
     warm.vibe.rounds, warm.vibe.steps = 1, 2
     assert bpy.ops.vibe.run() == {"FINISHED"}
@@ -333,7 +333,7 @@ def test_cancel_leaves_the_scene_as_it_was_and_the_engine_warm(warm, engine):
 def test_stop_takes_the_best_so_far(warm):
     before = contents()
     warm.vibe.rounds, warm.vibe.steps = 100, 1000
-    running = desk.begin(bpy.context)
+    running = addon_state.begin(bpy.context)
     while running.progress is None:
         assert running.advance()
         time.sleep(0.05)
@@ -347,7 +347,7 @@ def test_stop_takes_the_best_so_far(warm):
 
 def test_cancel_at_once_leaves_the_scene_as_it_was(cold):
     _, before, _ = cold
-    desk.cancel()
+    addon_state.cancel()
     assert difference(before, contents()) == {}
 
 

@@ -6,8 +6,8 @@ import pytest
 from small_scenes import studio
 from test_operators import addon  # noqa: F401  (a fixture)
 from vibe_render.session import changes, preferences, prompt_history
-from vibe_render.session.state import desk
-from vibe_render.ui import value_list
+from vibe_render.session.state import addon_state
+from vibe_render.ui import cache_size, value_list
 from vibe_render.ui.panels import result
 
 
@@ -80,23 +80,23 @@ def test_locks_open_and_close(addon):  # noqa: F811
 
 
 def test_the_cache_is_measured_and_cleared_but_not_during_a_vibe(folder, addon, monkeypatch):  # noqa: F811
-    preferences._known.clear()
+    cache_size.measure_again()
     place = preferences.cache_folder(bpy.context)
-    assert preferences._usage(place) == "Empty"
+    assert cache_size.text(place) == "Empty"
     assert not bpy.ops.vibe.clear_cache.poll()
     (place / "deep").mkdir(parents=True)
     (place / "deep" / "answer.json").write_bytes(bytes(1500))
     beside = place.parent / "mine.txt"
     beside.write_text("the artist's")
-    preferences._known.clear()
-    assert preferences._usage(place) == "1.5 kB in 1 file"
-    monkeypatch.setattr(desk, "running", True)
+    cache_size.measure_again()
+    assert cache_size.text(place) == "1.5 kB in 1 file"
+    monkeypatch.setattr(addon_state, "running", True)
     assert not bpy.ops.vibe.clear_cache.poll()
-    monkeypatch.setattr(desk, "running", False)
+    monkeypatch.setattr(addon_state, "running", False)
     assert bpy.ops.vibe.clear_cache() == {"FINISHED"}
     assert not place.exists()
     assert beside.is_file()
-    assert preferences._usage(place) == "Empty"
+    assert cache_size.text(place) == "Empty"
 
 
 @pytest.mark.parametrize(

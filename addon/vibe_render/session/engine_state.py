@@ -15,30 +15,31 @@ from ..core.user_folder import own_folder
 from ..engine.find import find_python
 from ..engine.process import Engine
 from ..engine.setup import Setup, requirements
+from . import preferences
 
-_TICK = 0.25  # seconds between looks
+_TICK = 0.25  # seconds between two looks at what goes on
 _PATIENCE = 60.0  # seconds that a test waits for the engine's first word
 
 
-class EnginePlace:
+class EngineState:
     """What is known about the engine of this computer.
 
     Attributes:
         python: The Python that has it; None while that is not known, or there is none.
         problem: Why there is none.
         setup: An environment in the making, or the last one that was made.
-        said: What the last test or setup came to, for the preferences; "" before.
-        works: Whether that was good.
+        outcome: What the last test or setup came to, for the preferences; "" before.
+        succeeded: Whether that was good.
     """
 
     def __init__(self) -> None:
         self.python: Path | None = None
         self.problem: schema.VibeError | None = None
         self.setup: Setup | None = None
-        self.said, self.works = "", True
+        self.outcome, self.succeeded = "", True
         self._choice: str | None = None
-        self._search: Future[Path] | None = None
-        self._test: Future[str] | None = None
+        self._search_work: Future[Path] | None = None
+        self._test_work: Future[str] | None = None
 
     @property
     def busy(self) -> bool:
@@ -48,30 +49,30 @@ class EnginePlace:
     @property
     def searching(self) -> bool:
         """Whether it is being looked for."""
-        return self._search is not None
+        return self._search_work is not None
 
     @property
     def testing(self) -> bool:
         """Whether it is being tested."""
-        return self._test is not None
+        return self._test_work is not None
 
     @property
     def setting_up(self) -> bool:
         """Whether an environment is being made."""
         return self.setup is not None and self.setup.running
 
-    def look(self, choice: str, again: bool = False) -> None:
+    def search(self, choice: str, again: bool = False) -> None:
         """Looks for the engine, unless that has been done for the artist's choice of a folder."""
         if self.searching or (choice == self._choice and not again):
             return
         self._choice, self.python, self.problem = choice, None, None
-        self._search = background.begin(lambda: find_python(choice))
+        self._search_work = background.begin(lambda: find_python(choice))
         self._follow()
 
     def test(self, choice: str) -> None:
         """Starts an engine to see whether it answers."""
         if not self.testing:
-            self._test = background.begin(lambda: version(choice))
+            self._test_work = background.begin(lambda: version(choice))
             self._follow()
 
     def set_up(self) -> None:
@@ -98,13 +99,13 @@ class EnginePlace:
 
     def tick(self) -> float | None:
         """Takes what has been found out; Blender calls it while something goes on."""
-        if self._search and self._search.done():
-            search, self._search = self._search, None
-            self.python, self.problem = _outcome(search)
-        if self._test and self._test.done():
-            test, self._test = self._test, None
-            found, problem = _outcome(test)
-            self.said, self.works = str(problem or f"Engine {found} answers"), problem is None
+        if self._search_work and self._search_work.done():
+            search, self._search_work = self._search_work, None
+            self.python, self.problem = _answer_of(search)
+        if self._test_work and self._test_work.done():
+            test, self._test_work = self._test_work, None
+            answer, problem = _answer_of(test)
+            self.outcome, self.succeeded = str(problem or f"Engine {answer} answers"), problem is None
         if self.setup and not self.setup.running:
             self._end_setup(self.setup)
         drawing.redraw()
@@ -115,14 +116,12 @@ class EnginePlace:
         try:
             setup.finish()
         except schema.VibeError as error:
-            self.said, self.works = str(error), False
+            self.outcome, self.succeeded = str(error), False
             return
-        from . import preferences
-
-        self.said, self.works = "The engine is set up", True
+        self.outcome, self.succeeded = "The engine is set up", True
         if chosen := preferences.get(bpy.context):
             chosen.engine = str(setup.folder)
-            self.look(chosen.engine, again=True)
+            self.search(chosen.engine, again=True)
 
 
 def version(choice: str) -> str:
@@ -141,7 +140,7 @@ def version(choice: str) -> str:
     raise schema.VibeError("The engine does not answer.", f"See {engine.log}.")
 
 
-def _outcome(future: Future) -> tuple:
+def _answer_of(future: Future) -> tuple:
     """(what it returned, None) or (None, the VibeError that says why not)."""
     try:
         return future.result(), None
@@ -151,4 +150,4 @@ def _outcome(future: Future) -> tuple:
         return None, schema.VibeError(f"That failed: {error}.", "Please report it.")
 
 
-place = EnginePlace()
+engine_state = EngineState()

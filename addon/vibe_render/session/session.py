@@ -20,7 +20,7 @@ from ..export import jobs
 from ..render import anchors
 from ..scene import shared_materials, snapshot, stored_subject
 from . import before_image, preferences, result
-from .status import LOOKING, Told
+from .status import LOOKING, SessionStatus
 
 READING = "Reading the scene"
 ANCHORING = "Rendering an anchor"
@@ -32,7 +32,7 @@ _LOST = 900.0  # and that mean that it hangs
 T = TypeVar("T")
 
 
-class Session(Told):
+class Session(SessionStatus):
     """One vibe.
 
     It remembers the scene's number instead of the scene: an undo meanwhile would leave a dangling reference.

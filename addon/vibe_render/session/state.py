@@ -13,7 +13,7 @@ from . import preferences
 from .session import Session
 
 
-class Desk:
+class AddonState:
     """What the add-on holds while Blender runs: a warm engine, and the vibe that runs or ran last.
 
     Attributes:
@@ -80,4 +80,4 @@ def engine_choice(context: bpy.types.Context) -> tuple[str, Path]:
     return preferences.engine_choice(context), preferences.cache_folder(context)
 
 
-desk = Desk()
+addon_state = AddonState()

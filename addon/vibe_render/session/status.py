@@ -13,7 +13,7 @@ from .word_notes import word_notes
 LOOKING = "Looking for the look"
 
 
-class Told:
+class SessionStatus:
     """The news of one vibe.
 
     Attributes:

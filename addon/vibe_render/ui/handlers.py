@@ -6,13 +6,13 @@ from __future__ import annotations
 import bpy
 from bpy.app.handlers import persistent
 
-from ..session.state import desk
+from ..session.state import addon_state
 
 
 @persistent
 def _before_load(*_: object) -> None:
     """A vibe belongs to its file: it ends before Blender opens another, and its pictures go."""
-    desk.cancel()
+    addon_state.cancel()
 
 
 def register() -> None:

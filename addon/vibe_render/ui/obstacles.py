@@ -5,16 +5,16 @@ from __future__ import annotations
 
 import bpy
 
-from ..scene import stored_subject
+from ..scene import snapshot, stored_subject
 from ..scene.scene_context import GEOMETRY
-from ..session.engine_state import place
-from ..session.state import desk
+from ..session.engine_state import engine_state
+from ..session.state import addon_state
 
 
 def obstacle(context: bpy.types.Context) -> str:
     """Why there can be no vibe now; "" if there can."""
     scene = context.scene
-    if desk.running:
+    if addon_state.running:
         return "A vibe is on its way"
     if reason := untouchable(context):
         return reason
@@ -28,9 +28,18 @@ def obstacle(context: bpy.types.Context) -> str:
         return "Choose the subject's collection"
     if scene.vibe.subject == "SELECTED" and not (context.selected_objects or stored_subject.recall(scene)):
         return "Select the subject"
-    if place.problem:
+    if engine_state.problem:
         return "Set up the engine first"
     return ""
+
+
+def result_obstacle(context: bpy.types.Context) -> str:
+    """Why nothing can be done with the result now; "" if something can."""
+    if addon_state.running:
+        return "A vibe is on its way"
+    if not snapshot.exists(context.scene):
+        return "This scene has not been vibed"
+    return untouchable(context)
 
 
 def untouchable(context: bpy.types.Context) -> str:

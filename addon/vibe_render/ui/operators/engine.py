@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The buttons that find, make and try the engine, in the panel and in the preferences."""
+"""The buttons that find, make and try the engine, and clear its cache, in the panel and in the preferences."""
 
 from __future__ import annotations
+
+import shutil
 
 import bpy
 
 from ...core.schema_import import schema
-from ...session.engine_state import place, version
-from ...session.preferences import engine_choice, online
+from ...session.engine_state import engine_state, version
+from ...session.preferences import cache_folder, engine_choice, online
+from ...session.state import addon_state
+from .. import cache_size
 
 
 class VIBE_OT_setup_engine(bpy.types.Operator):
@@ -21,16 +25,16 @@ class VIBE_OT_setup_engine(bpy.types.Operator):
         """Not without leave to go online."""
         if not online():
             cls.poll_message_set("Online access is off: see Preferences > System > Network")
-        elif place.setting_up:
+        elif engine_state.setting_up:
             cls.poll_message_set("It is being set up already")
-        return online() and not place.setting_up
+        return online() and not engine_state.setting_up
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Begins; panels and preferences show how it goes."""
         try:
-            place.set_up()
+            engine_state.set_up()
         except schema.VibeError as error:
-            place.said, place.works = str(error), False
+            engine_state.outcome, engine_state.succeeded = str(error), False
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         return {"FINISHED"}
@@ -44,8 +48,8 @@ class VIBE_OT_cancel_setup(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Cancels."""
-        if place.setup:
-            place.setup.cancel()
+        if engine_state.setup:
+            engine_state.setup.cancel()
         return {"FINISHED"}
 
 
@@ -57,7 +61,7 @@ class VIBE_OT_look_for_engine(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Looks."""
-        place.look(engine_choice(context), again=True)
+        engine_state.search(engine_choice(context), again=True)
         return {"FINISHED"}
 
 
@@ -69,7 +73,7 @@ class VIBE_OT_test_engine(bpy.types.Operator):
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Tests beside Blender; what comes of it is shown under the button."""
-        place.test(engine_choice(context))
+        engine_state.test(engine_choice(context))
         return {"FINISHED"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -82,9 +86,30 @@ class VIBE_OT_test_engine(bpy.types.Operator):
         return {"FINISHED"}
 
 
+class VIBE_OT_clear_cache(bpy.types.Operator):
+    """Delete what the engine keeps; it is made again when it is needed"""
+
+    bl_idname = "vibe.clear_cache"
+    bl_label = "Clear"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Only when there is something, and nobody reads it."""
+        running = addon_state.running
+        cls.poll_message_set("A vibe is on its way, and reads it" if running else "The cache is empty")
+        return not running and cache_folder(context).is_dir()
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Deletes our folder in the cache folder, and nothing beside it."""
+        shutil.rmtree(cache_folder(context), ignore_errors=True)
+        cache_size.measure_again()
+        return {"FINISHED"}
+
+
 CLASSES = (
     VIBE_OT_setup_engine,
     VIBE_OT_cancel_setup,
     VIBE_OT_look_for_engine,
     VIBE_OT_test_engine,
+    VIBE_OT_clear_cache,
 )

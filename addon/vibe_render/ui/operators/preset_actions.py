@@ -16,7 +16,7 @@ from bpy_extras.io_utils import ExportHelper
 from ...core import files
 from ...core.schema_import import preset, schema
 from ...looks import library
-from ...session.state import desk
+from ...session.state import addon_state
 
 
 class VibePresets(bpy.types.PropertyGroup):
@@ -39,7 +39,7 @@ class Idle(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Greyed out, with the reason, while there is an obstacle."""
-        reason = "A vibe is on its way" if desk.running else cls.obstacle(context)
+        reason = "A vibe is on its way" if addon_state.running else cls.obstacle(context)
         if reason:
             cls.poll_message_set(reason)
         return not reason

@@ -15,7 +15,7 @@ from bpy_extras.io_utils import ExportHelper, ImportHelper
 from ...core.schema_import import preset, schema
 from ...looks import library, thumbnail, use
 from ...scene.scene_context import GEOMETRY
-from ...session.state import desk
+from ...session.state import addon_state
 from ..obstacles import untouchable
 from .preset_actions import Chosen, Export, FileDialog, Idle, Named, OfLook, OwnChosen, VibePresets
 
@@ -63,7 +63,7 @@ class VIBE_OT_preset_apply(Chosen):
         if look.preset is None:
             raise schema.VibeError(look.problem, "Delete it, or correct the file.")
         rest = use.apply(context.scene, look.preset, context.scene.vibe.choice())
-        desk.forget()  # its pictures and variants are not of this look
+        addon_state.forget()  # its pictures and variants are not of this look
         held = context.window_manager.vibe_presets
         held.chosen, held.rest = str(look.path), "\n".join(rest)
         left = (

@@ -10,10 +10,9 @@ import bpy
 from bpy.props import IntProperty, StringProperty
 
 from ...core.schema_import import labels, schema
-from ...scene import snapshot
 from ...session import result
-from ...session.state import desk
-from ..obstacles import untouchable
+from ...session.state import addon_state
+from ..obstacles import result_obstacle
 
 
 class _Vibed(bpy.types.Operator):
@@ -22,19 +21,10 @@ class _Vibed(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Greyed out, with the reason, unless there is a vibe and nothing runs."""
-        reason = why_not(context)
+        reason = result_obstacle(context)
         if reason:
             cls.poll_message_set(reason)
         return not reason
-
-
-def why_not(context: bpy.types.Context) -> str:
-    """Why nothing can be done with the result now; "" if something can."""
-    if desk.running:
-        return "A vibe is on its way"
-    if not snapshot.exists(context.scene):
-        return "This scene has not been vibed"
-    return untouchable(context)
 
 
 class VIBE_OT_revert(_Vibed):
@@ -49,10 +39,10 @@ class VIBE_OT_revert(_Vibed):
         try:
             lost = result.revert(context.scene)
         except schema.VibeError as error:
-            desk.end(error)  # it stays in the panel, not in a passing report alone
+            addon_state.end(error)  # it stays in the panel, not in a passing report alone
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        desk.forget()
+        addon_state.forget()
         if lost:
             self.report({"WARNING"}, f"{len(lost)} values could not be restored: {lost[0]}")
         return {"FINISHED"}
@@ -68,7 +58,7 @@ class VIBE_OT_keep(_Vibed):
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Keeps."""
         result.keep(context.scene)
-        desk.forget()
+        addon_state.forget()
         return {"FINISHED"}
 
 
@@ -83,7 +73,7 @@ class VIBE_OT_variant(_Vibed):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Writes its values."""
-        session, scene = desk.session, context.scene
+        session, scene = addon_state.session, context.scene
         if session is None or not 0 <= self.number < len(session.variants):
             self.report({"ERROR"}, "That look is not there any more")
             return {"CANCELLED"}

@@ -12,7 +12,7 @@ from bpy.props import EnumProperty, StringProperty
 from ...core import drawing
 from ...core.schema_import import schema
 from ...session import prompt_history
-from ...session.state import desk
+from ...session.state import addon_state
 
 
 class _Running(bpy.types.Operator):
@@ -22,7 +22,7 @@ class _Running(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         """Only while a vibe runs."""
         cls.poll_message_set("No vibe is on its way")
-        return desk.running
+        return addon_state.running
 
 
 class VIBE_OT_stop(_Running):
@@ -35,13 +35,13 @@ class VIBE_OT_stop(_Running):
     def poll(cls, context: bpy.types.Context) -> bool:
         """Only while there is a best so far."""
         cls.poll_message_set("There is no look yet to take")
-        return desk.running and bool(desk.session and desk.session.can_stop)
+        return addon_state.running and bool(addon_state.session and addon_state.session.can_stop)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Asks the engine; its result arrives as usual."""
         try:
-            if desk.session:
-                desk.session.stop()
+            if addon_state.session:
+                addon_state.session.stop()
         except schema.VibeError as error:
             self.report({"ERROR"}, str(error))
         return {"FINISHED"}
@@ -55,7 +55,7 @@ class VIBE_OT_cancel(_Running):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Gives up."""
-        desk.cancel()
+        addon_state.cancel()
         drawing.redraw()
         return {"FINISHED"}
 
@@ -82,8 +82,8 @@ class VIBE_OT_answer(_Running):
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Goes on with the vibe."""
         context.scene.vibe.shared = self.shared
-        if desk.session:
-            desk.session.answer(self.shared)
+        if addon_state.session:
+            addon_state.session.answer(self.shared)
         return {"FINISHED"}
 
 
@@ -96,7 +96,7 @@ class VIBE_OT_dismiss(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Forgets the failure."""
-        desk.forget()
+        addon_state.forget()
         return {"FINISHED"}
 
 

@@ -15,7 +15,7 @@ from ...core import drawing
 from ...core.schema_import import schema
 from ...session import prompt_history
 from ...session.session import Session
-from ...session.state import desk
+from ...session.state import addon_state
 from ..obstacles import obstacle
 
 _TICK = 0.1  # seconds between looks at the engine
@@ -61,14 +61,14 @@ class VIBE_OT_run(bpy.types.Operator):
         """Does it all at once, for scripts without a window."""
         session = self._begin(context)
         failure = None
-        while failure is None and desk.running:
+        while failure is None and addon_state.running:
             failure = _advance(session)
         return self._done(failure, "ERROR")
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Looks at the engine on every tick; everything else is Blender's, but for Esc."""
         session = self._session
-        if desk.session is not session or not desk.running:  # given up elsewhere
+        if addon_state.session is not session or not addon_state.running:  # given up elsewhere
             self._clean_up(context)
             return {"CANCELLED"}
         if event.type == "ESC" and event.value == "PRESS" and not bpy.app.is_job_running("RENDER"):
@@ -77,15 +77,15 @@ class VIBE_OT_run(bpy.types.Operator):
             return {"PASS_THROUGH"}
         failure = _advance(session)
         drawing.redraw()
-        if desk.running and failure is None:
+        if addon_state.running and failure is None:
             return {"PASS_THROUGH"}
         self._clean_up(context)
         return self._done(failure, "WARNING")  # the panel explains; no need for a pop-up
 
     def cancel(self, context: bpy.types.Context) -> None:
         """Another file is opened, or the window is closed: nothing has been written yet."""
-        if desk.session is self._session:
-            desk.cancel()
+        if addon_state.session is self._session:
+            addon_state.cancel()
         self._clean_up(context)
 
     def _begin(self, context: bpy.types.Context, ask: bool = False) -> Session:
@@ -94,7 +94,7 @@ class VIBE_OT_run(bpy.types.Operator):
             settings.prompt = settings.vibed_prompt
             settings.seed += 1
         prompt_history.remember(settings.prompt.strip())
-        return desk.begin(context, ask)
+        return addon_state.begin(context, ask)
 
     def _escape(self, context: bpy.types.Context) -> set[str]:
         """The best so far if there is one; nothing, if there is none yet or this is the second Esc."""
@@ -103,17 +103,17 @@ class VIBE_OT_run(bpy.types.Operator):
                 self._session.stop()
             context.workspace.status_text_set("Taking the best so far     Esc: give it up")
             return {"RUNNING_MODAL"}
-        desk.cancel()
+        addon_state.cancel()
         self._clean_up(context)
         self.report({"INFO"}, "Vibe canceled; the scene is as it was")
         return {"CANCELLED"}
 
     def _done(self, failure: schema.VibeError | None, severity: str) -> set[str]:
         if failure is None:
-            note = desk.session.note if desk.session else ""
+            note = addon_state.session.note if addon_state.session else ""
             self.report({"WARNING" if note else "INFO"}, note or "The vibe is in the scene")
             return {"FINISHED"}
-        desk.end(failure)
+        addon_state.end(failure)
         self.report({severity}, str(failure))
         return {"CANCELLED"}
 
@@ -128,7 +128,7 @@ def _advance(session: Session) -> schema.VibeError | None:
     """Does the next bit of a vibe; returns what went wrong, if something did."""
     try:
         if not session.advance():
-            desk.end()
+            addon_state.end()
     except schema.VibeError as error:
         return error
     except Exception as error:  # an artist must never be left with a stuck panel

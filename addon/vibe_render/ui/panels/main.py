@@ -11,9 +11,9 @@ import bpy
 from ...core.drawing import paragraph
 from ...core.schema_import import schema
 from ...session import preferences, prompt_history
-from ...session.engine_state import place
-from ...session.state import desk
-from .. import obstacles
+from ...session.engine_state import engine_state
+from ...session.state import addon_state
+from .. import obstacles, value_list
 from . import presets, progress, result, trouble
 
 _PLACES = {
@@ -49,9 +49,9 @@ class _Main:
     def draw(self, context: bpy.types.Context) -> None:
         """Draws the panel."""
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
-        if desk.running and desk.session:  # text instead of greyed fields
-            paragraph(layout, context, f"“{desk.session.prompt}”")
-            progress.draw(layout, context, desk.session)
+        if addon_state.running and addon_state.session:  # text instead of greyed fields
+            paragraph(layout, context, f"“{addon_state.session.prompt}”")
+            progress.draw(layout, context, addon_state.session)
             return
         column = layout.column()
         column.label(text="Describe the mood")
@@ -59,7 +59,7 @@ class _Main:
         field.scale_y = 1.3
         field.prop(settings, "prompt", text="", placeholder="misty, cool blue fog, vignette")
         field.menu("VIBE_MT_history", text="", icon="RECOVER_LAST")
-        place.look(preferences.engine_choice(context))
+        engine_state.search(preferences.engine_choice(context))
         row = column.row(align=True)
         for name in schema.BUDGETS:
             row.prop_enum(settings, "budget", name.upper())
@@ -67,9 +67,9 @@ class _Main:
         button = layout.row()
         button.scale_y = 1.8
         button.operator("vibe.run", icon="SHADERFX")
-        if desk.failure:
-            trouble.draw_failure(layout, context, desk.failure)
-        elif place.problem or place.setting_up:
+        if addon_state.failure:
+            trouble.draw_failure(layout, context, addon_state.failure)
+        elif engine_state.problem or engine_state.setting_up:
             trouble.draw_no_engine(layout, context)
         elif reason := obstacles.obstacle(context):
             paragraph(layout, context, reason, "INFO", faint=True)
@@ -81,7 +81,7 @@ class _Idle:
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Not while a vibe runs."""
-        return not desk.running
+        return not addon_state.running
 
 
 class _Scope(_Idle):
@@ -117,8 +117,6 @@ class _Values(_Idle):
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draws the list."""
-        from .. import value_list
-
         layout: Any = self.layout  # type: ignore[attr-defined]
         value_list.keep_up(context)
         values = context.window_manager.vibe_values

@@ -9,7 +9,7 @@ import bpy
 
 from ...core.drawing import paragraph
 from ...looks import library
-from ...session.state import desk
+from ...session.state import addon_state
 from .. import look_icons
 
 _WIDTH, _COLUMNS = 26, 4  # of the grid; the width in Blender's units, a button's height each
@@ -57,7 +57,7 @@ class Presets:
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Not while a vibe runs."""
-        return not desk.running
+        return not addon_state.running
 
     def draw_header_preset(self, context: bpy.types.Context) -> None:
         """The menu."""

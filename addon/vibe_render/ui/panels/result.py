@@ -15,9 +15,9 @@ from ...core.schema_import import labels, schema
 from ...scene import snapshot
 from ...session import changes
 from ...session.session import Session
-from ...session.state import desk
+from ...session.state import addon_state
 from .. import picture_icons
-from ..operators import result
+from ..obstacles import result_obstacle
 from ..value_list import draw_lock
 
 _AGREEMENTS = ((1.0, "matches", True), (3.0, "is close to", True), (math.inf, "differs from", False))
@@ -33,7 +33,7 @@ class Result:
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Only when there is one."""
-        return snapshot.exists(context.scene) and not desk.running
+        return snapshot.exists(context.scene) and not addon_state.running
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draws the panel."""
@@ -42,8 +42,8 @@ class Result:
             paragraph(layout, context, "A vibe has been in this scene; Revert takes away what is left of it.")
         else:  # whole, which a field cuts
             paragraph(layout, context, f"“{settings.vibed_prompt}”", faint=True)
-        if desk.session and desk.session.scene == context.scene.name:
-            _draw_session(layout, context, desk.session)
+        if addon_state.session and addon_state.session.scene == context.scene.name:
+            _draw_session(layout, context, addon_state.session)
         if settings.changes:
             _draw_compare(layout, context)
         grid = layout.column(align=True)
@@ -54,10 +54,12 @@ class Result:
         row = grid.row(align=True)
         row.operator("vibe.run", text="Again", icon="FILE_REFRESH").again = True
         row.operator("vibe.preset_save", text="Save Preset", icon="PRESET_NEW")
-        if reason := result.why_not(context):
+        if reason := result_obstacle(context):
             paragraph(layout, context, reason, "INFO", faint=True)
-        if desk.session and desk.session.scene == context.scene.name:
-            for note in [*desk.session.remarks, *desk.session.notes][:4]:  # below what is always there
+        if addon_state.session and addon_state.session.scene == context.scene.name:
+            for note in [*addon_state.session.remarks, *addon_state.session.notes][
+                :4
+            ]:  # below what is always there
                 paragraph(layout, context, note, "INFO", faint=True)
 
 
@@ -123,7 +125,7 @@ class Changes:
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Only when there are changes."""
-        return bool(context.scene.vibe.changes) and not desk.running
+        return bool(context.scene.vibe.changes) and not addon_state.running
 
     def draw_header_preset(self, context: bpy.types.Context) -> None:
         """How many there are."""

@@ -9,7 +9,8 @@ from ...core import ADDON
 from ...core.drawing import paragraph
 from ...core.schema_import import schema
 from ...session import preferences
-from ...session.engine_state import place
+from ...session.engine_state import engine_state
+from .. import engine_line
 
 
 def draw_failure(layout: bpy.types.UILayout, context: bpy.types.Context, failure: schema.VibeError) -> None:
@@ -22,7 +23,7 @@ def draw_failure(layout: bpy.types.UILayout, context: bpy.types.Context, failure
     paragraph(box, context, failure.message)
     if failure.remedy:
         paragraph(box, context, failure.remedy)
-    if place.problem:
+    if engine_state.problem:
         _engine_buttons(box)
     else:
         box.operator("preferences.addon_show", text="Preferences", icon="PREFERENCES").module = ADDON
@@ -32,8 +33,8 @@ def draw_no_engine(layout: bpy.types.UILayout, context: bpy.types.Context) -> No
     """How to get an engine."""
     box = layout.box()
     box.label(text="One more step: the engine", icon="INFO")
-    if place.setting_up:
-        preferences.draw_place(box)
+    if engine_state.setting_up:
+        engine_line.draw(box)
         return
     paragraph(
         box,
@@ -41,8 +42,12 @@ def draw_no_engine(layout: bpy.types.UILayout, context: bpy.types.Context) -> No
         "It turns words into looks. Set Up Engine downloads it once: several GB. Presets, strength, compare "
         "and revert work without it.",
     )
-    if place.said and not place.works and place.said != str(place.problem):  # the buttons say what to do
-        paragraph(box, context, place.said, "ERROR")
+    if (
+        engine_state.outcome
+        and not engine_state.succeeded
+        and engine_state.outcome != str(engine_state.problem)
+    ):  # the buttons say what to do
+        paragraph(box, context, engine_state.outcome, "ERROR")
     _engine_buttons(box)
 
 
