@@ -9,6 +9,7 @@ from typing import Any
 
 import bpy
 from bpy.types import ID, bpy_prop_collection, bpy_struct
+from vibe_render.core import compat
 
 COLLECTIONS = (  # noqa: SIM905
     "actions cameras collections curves images lights materials meshes node_groups objects scenes texts worlds"
@@ -53,6 +54,31 @@ def difference(before: dict[str, Any], after: dict[str, Any]) -> dict[str, tuple
         for path in sorted({*before, *after})
         if before.get(path, "(absent)") != after.get(path, "(absent)")
     }
+
+
+def contents() -> dict[str, Any]:
+    """Everything in the file but the panel's own fields, the picture that Blender makes for any render, and,
+    as Blender 4 cannot delete it, a compositor tree that is switched off."""
+    left_out = [".vibe", "images[Render Result]"]
+    if compat.compositor(bpy.context.scene) is None:
+        left_out.append("scenes[Scene].node_tree")
+    return {path: value for path, value in dump().items() if not any(part in path for part in left_out)}
+
+
+def changes(before: dict[str, Any]) -> dict[str, tuple]:
+    """What differs from before, apart from the one thing that Blender 4 offers no way to take back.
+
+    A scene there has no compositor tree until the first use; then it has one for good. It is left
+    empty and switched off.
+    """
+    found = difference(before, dump())
+    for scene in bpy.data.scenes:
+        tree = getattr(scene, "node_tree", None)
+        path = f"scenes[{scene.name}].node_tree"
+        if not compat.COMPOSITOR_IS_GROUP and before.get(path, 0) is None and not scene.use_nodes:
+            assert tree is None or not tree.nodes
+            found = {k: v for k, v in found.items() if not k.startswith(path)}
+    return found
 
 
 def _walk(struct: bpy_struct, path: str, seen: set[int]) -> Iterator[tuple[str, Any]]:

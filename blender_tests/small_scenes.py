@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import bpy
+import numpy as np
 from bpy.types import Light, Material, Mesh, Object, Scene, World
 from vibe_render.core import compat
 
@@ -70,6 +72,18 @@ def picture(name: str = "Picture") -> bpy.types.Image:
     image = bpy.data.images.new(name, 8, 8)
     image.pack()
     return image
+
+
+def wide_picture(folder: Path) -> Path:
+    """A wide picture, red on the left and right, green in the middle."""
+    image = bpy.data.images.new("wide", 300, 100)
+    pixels = np.zeros((100, 300, 4), np.float32)
+    pixels[..., 0], pixels[:, 100:200, 0], pixels[:, 100:200, 1], pixels[..., 3] = 1.0, 0.0, 1.0, 1.0
+    image.pixels.foreach_set(pixels.ravel())
+    image.filepath_raw, image.file_format = str(folder / "wide.jpg"), "JPEG"
+    image.save()
+    bpy.data.images.remove(image)
+    return folder / "wide.jpg"
 
 
 def bare(scene: Scene) -> list[Object]:

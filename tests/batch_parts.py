@@ -53,6 +53,12 @@ def carry_out(folder, plan, limits=None, workers=1, pool_of=local):
         return told, list(store.rows(plan))
 
 
+def contents(folder):
+    """What the jobs have made, without times and logs."""
+    names = ("after.png", "preset.json", "vibed.blend", "details.js")
+    return {p.relative_to(folder): p.read_bytes() for name in names for p in folder.glob(f"jobs/*/{name}")}
+
+
 if __name__ == "__main__":
     where = on_cluster(os.environ["RAY_CLUSTER"]) if "RAY_CLUSTER" in os.environ else local
     try:

@@ -152,3 +152,11 @@ def plan_for(body, **changes):
         "keep": [],
     }
     return {**answer, **changes}
+
+
+VERDICT = says("WINNER = AFTER\nREASON = It is teal.")
+
+
+def sensible(body, number):
+    """Plans when asked to plan, judges when asked to judge."""
+    return says(plan_for(body)) if "response_format" in body else VERDICT

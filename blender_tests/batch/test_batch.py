@@ -8,50 +8,13 @@ import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import bpy
 import pytest
 from dump import difference, dump
+from headless_runs import BATCH, FILES, QUICK, ROOT, batch, save_scene
 
-ROOT = Path(__file__).parents[2]
-BATCH = ROOT / "addon" / "vibe_render" / "batch.py"
 _COMPOSITOR = "scenes[Scene].node_tree"
-QUICK = ["--rounds=1", "--steps=2", "--size=48", "--samples=2"]
-FILES = {"before.png", "after.png", "mask.png", "compare.png", "vibed.blend", "preset.json", "report.json"}
-
-
-def batch(*arguments, **variables):
-    """Runs batch.py with the package of this Python; its output in one string."""
-    done = subprocess.run(
-        [sys.executable, str(BATCH), *map(str, arguments)],
-        capture_output=True,
-        encoding="utf-8",
-        errors="replace",
-        timeout=300,
-        env={**os.environ, **variables},
-    )
-    return done.returncode, done.stdout + done.stderr
-
-
-def save_scene(path):
-    """A cube on a floor, with a camera and a lamp: small, and quick to render."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    for name, size, height in (("Floor", 30.0, -15.0), ("Box", 1.0, 0.5)):
-        bpy.ops.mesh.primitive_cube_add(size=size, location=(0, 0, height))
-        bpy.context.object.name = name
-        material = bpy.data.materials.new(name)
-        material.use_nodes = True
-        bpy.context.object.data.materials.append(material)
-    bpy.ops.object.camera_add(location=(1.5, -5, 2), rotation=(1.25, 0, 0.29))
-    bpy.context.scene.camera = bpy.context.object
-    bpy.ops.object.light_add(type="AREA", location=(-2, -2, 4), rotation=(0.5, -0.4, 0))
-    bpy.context.object.data.energy = 200.0
-    scene = bpy.context.scene
-    scene.render.resolution_x, scene.render.resolution_y = 96, 64
-    scene.cycles.max_bounces = 2
-    bpy.ops.wm.save_as_mainfile(filepath=str(path))
-    return path
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ import sys
 import time
 
 import pytest
-from test_batch import BATCH, QUICK, save_scene
+from headless_runs import BATCH, QUICK, save_scene
 
 STAGES = {
     "looking": ('"progress"', 500),

@@ -7,8 +7,7 @@ import sys
 import bpy
 import numpy as np
 import pytest
-from dump import difference
-from test_operators import contents
+from dump import contents, difference
 from vibe_render.core import compat
 from vibe_render.render import bake
 

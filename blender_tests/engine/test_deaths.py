@@ -9,8 +9,7 @@ import time
 from pathlib import Path
 
 import bpy
-from dump import difference
-from test_operators import contents
+from dump import contents, difference
 from vibe_render.session import session
 from vibe_render.session.state import addon_state
 from vibing import advance, fails

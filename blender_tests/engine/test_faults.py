@@ -6,9 +6,8 @@ import time
 
 import bpy
 import pytest
-from dump import difference
+from dump import contents, difference
 from small_scenes import cube
-from test_operators import contents
 from vibe_render.export import jobs
 from vibe_render.scene import snapshot
 from vibe_render.session.session import result

@@ -9,16 +9,15 @@ from pathlib import Path
 
 import bpy
 import pytest
-from test_batch import BATCH, FILES, QUICK, save_scene
-from test_model import MODEL, sensible, serving
+from headless_runs import BATCH, FILES, QUICK, save_scene
+from model_server import MODEL, sensible, serving
 from vibe_render.looks import take
 
 HERE = Path(__file__).parents[1]
 WINDOW = """
 import json, os, sys
 import bpy, vibe_render
-from dump import difference
-from test_operators import contents
+from dump import contents, difference
 vibe_render.register()
 bpy.ops.wm.open_mainfile(filepath=sys.argv[1])
 settings, before = bpy.context.scene.vibe, contents()

@@ -5,9 +5,8 @@ import time
 
 import bpy
 import pytest
-from dump import difference
+from dump import contents, difference
 from faulty_scenes import AIM
-from test_operators import contents
 from vibe_render.session import session
 from vibe_render.session.state import addon_state
 from vibing import advance

@@ -3,10 +3,9 @@
 
 import bpy
 import pytest
-from dump import difference
+from dump import contents, difference
+from headless_runs import FILES, QUICK, batch, save_scene
 from small_disk import small_disk
-from test_batch import FILES, QUICK, batch, save_scene
-from test_operators import contents
 from vibe_render.scene import snapshot
 
 

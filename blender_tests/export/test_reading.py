@@ -5,10 +5,9 @@ import time
 
 import bpy
 import pytest
-from dump import difference
+from dump import contents, difference
+from results import state
 from small_scenes import studio
-from test_operators import contents
-from test_undo import state
 from vibe_render.scene import snapshot
 from vibe_render.session import session
 from vibe_render.session.state import addon_state

@@ -5,8 +5,8 @@ other scene leads back to exactly what it was."""
 import bpy
 import pytest
 import small_scenes as scenes
-from dump import dump
-from test_snapshot import changes, vibe
+from dump import changes, dump
+from results import vibe
 from vibe_render.scene import snapshot
 
 

@@ -4,10 +4,9 @@
 import bpy
 import pytest
 import vibe_render
-from dump import difference
+from dump import contents, difference
+from sample_presets import NOIR
 from small_scenes import studio
-from test_library import NOIR
-from test_operators import contents
 from vibe_render.export import jobs
 from vibe_render.looks import asset_catalog, asset_preview, assets, thumbnail, use
 from vibe_render.scene.nodes import owned

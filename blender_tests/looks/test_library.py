@@ -7,65 +7,15 @@ import shutil
 import bpy
 import numpy as np
 import pytest
-import vibe_render
-from dump import difference
-from small_scenes import studio
-from test_operators import FOUND, PIVOT, PROMPT, contents, read
-from vibe_render.looks import asset_preview, library, take, thumbnail, use
+from dump import contents, difference
+from results import FOUND, PIVOT, PROMPT, read
+from sample_presets import DAY, NOIR
+from vibe_render.looks import library, take, thumbnail, use
 from vibe_render.scene import bindings, snapshot
 from vibe_render.scene.subject import Choice
 from vibe_render.session.session import result
 
 from proxy_renderer.schema import VibeError, messages, preset
-
-NOIR = preset.Preset(
-    "Noir",
-    {
-        "key": [{"power": [60.0], "color": [0.8, 0.9, 1.0]}],
-        "rim": [{"power": [90.0]}],
-        "film": [{"saturation": [0.0], "contrast": [1.4]}],
-        "subject": [{"roughness": [0.15]}],
-    },
-    {"key": ["AREA"], "rim": ["AREA"]},
-    "black and white noir, hard light",
-)
-DAY = preset.Preset("Day", {"film": [{"exposure": [1.0]}], "world": [{"strength": [2.0]}]}, {}, "bright day")
-
-
-@pytest.fixture
-def own(tmp_path, monkeypatch):
-    """The artist's folder, empty, beside a shipped one with one look."""
-    mine, shipped = tmp_path / "mine", tmp_path / "shipped"
-    for place in (mine, shipped):
-        place.mkdir()
-    monkeypatch.setattr(library, "folder", lambda create=False: mine)
-    monkeypatch.setattr(library, "SHIPPED", shipped)
-    (shipped / "cosy.json").write_text(preset.Preset("Cosy", DAY.roles, {}, "cosy, warm").dumps())
-    return mine
-
-
-@pytest.fixture
-def wide(tmp_path):
-    """A wide picture, red on the left and right, green in the middle."""
-    image = bpy.data.images.new("wide", 300, 100)
-    pixels = np.zeros((100, 300, 4), np.float32)
-    pixels[..., 0], pixels[:, 100:200, 0], pixels[:, 100:200, 1], pixels[..., 3] = 1.0, 0.0, 1.0, 1.0
-    image.pixels.foreach_set(pixels.ravel())
-    image.filepath_raw, image.file_format = str(tmp_path / "wide.jpg"), "JPEG"
-    image.save()
-    bpy.data.images.remove(image)
-    return tmp_path / "wide.jpg"
-
-
-@pytest.fixture
-def addon(scene, monkeypatch):
-    """The add-on, registered with a studio in the file; pictures are quick."""
-    for module in (thumbnail, asset_preview):
-        monkeypatch.setattr(module, "_SAMPLES", 2)
-    vibe_render.register()
-    studio(scene)
-    yield scene
-    vibe_render.unregister()
 
 
 def names(words=""):

@@ -6,9 +6,8 @@ from pathlib import Path
 
 import pytest
 import vibe_render
-from dump import difference
+from dump import contents, difference
 from small_scenes import studio
-from test_operators import contents
 from vibe_render.looks import library, thumbnail, use
 from vibe_render.scene.subject import Choice
 from vibe_render.session.session import result

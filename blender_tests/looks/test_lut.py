@@ -4,7 +4,7 @@
 import numpy as np
 import PyOpenColorIO
 import pytest
-from test_grade import IDENTITY, reference
+from grade_formula import IDENTITY, reference
 from vibe_render.looks import library, lut, take
 
 from proxy_renderer.schema import VibeError

@@ -3,9 +3,8 @@
 
 import bpy
 import pytest
-from dump import difference
-from test_library import DAY, NOIR, addon, own  # noqa: F401  (fixtures)
-from test_operators import contents
+from dump import contents, difference
+from sample_presets import DAY, NOIR
 from vibe_render.looks import library, take, thumbnail
 from vibe_render.ui import look_icons
 from vibe_render.ui.panels import presets
@@ -14,7 +13,7 @@ from proxy_renderer.schema import preset
 
 
 @pytest.fixture
-def held(addon, own):  # noqa: F811
+def held(addon, own):
     """What the panel holds, with a preset of the artist's chosen in a studio."""
     saved = library.save(NOIR)
     bpy.ops.vibe.preset_choose(path=str(saved.path))
@@ -88,7 +87,7 @@ def test_shipped_presets_are_applied_and_not_deleted(held):
         lambda path: bpy.ops.vibe.preset_import(filepath=path),
     ],
 )
-def test_nonsense_is_one_clear_line_and_changes_nothing(held, own, act):  # noqa: F811
+def test_nonsense_is_one_clear_line_and_changes_nothing(held, own, act):
     (own / "bad.json").write_text('{"format": "vibe-preset", "version": 1, "roles": {"film": [{"a": 1}]}}')
     before, there = contents(), sorted(own.iterdir())
     with pytest.raises(RuntimeError, match="unknown parameter film/'a'"):

@@ -4,14 +4,13 @@
 import bpy
 import pytest
 import small_scenes as scenes
-from dump import difference, dump
+from dump import changes, dump
+from results import PIVOT, vibe
 from vibe_render.core import compat
 from vibe_render.scene import bindings, fog, prepare, scene_context, snapshot
 from vibe_render.scene.nodes import owned
 
 from proxy_renderer import schema
-
-PIVOT = (0.0, 0.0, 0.5)
 
 
 def reopen(tmp_path):
@@ -19,34 +18,6 @@ def reopen(tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=path)
     bpy.ops.wm.open_mainfile(filepath=path)
     return bpy.context.scene
-
-
-def vibe(scene, subject, level=0.6):
-    """Prepares a scene and moves every value it has."""
-    prepare.prepare(scene, subject)
-    found = bindings.instances(scene, subject, PIVOT)
-    values = {
-        key: tuple((1.0 - level) * a + level * b for a, b in zip(i.lower, i.upper, strict=True))
-        for key, i in found.items()
-    }
-    rest = bindings.write(scene, values, subject, PIVOT)
-    assert all(found[key].locked for key in rest)
-
-
-def changes(before):
-    """What differs from before, apart from the one thing that Blender 4 offers no way to take back.
-
-    A scene there has no compositor tree until the first use; then it has one for good. It is left
-    empty and switched off.
-    """
-    found = difference(before, dump())
-    for scene in bpy.data.scenes:
-        tree = getattr(scene, "node_tree", None)
-        path = f"scenes[{scene.name}].node_tree"
-        if not compat.COMPOSITOR_IS_GROUP and before.get(path, 0) is None and not scene.use_nodes:
-            assert tree is None or not tree.nodes
-            found = {k: v for k, v in found.items() if not k.startswith(path)}
-    return found
 
 
 @pytest.fixture(params=scenes.ALL)

@@ -4,8 +4,7 @@
 import bpy
 import pytest
 import vibe_render
-from dump import difference
-from test_operators import contents
+from dump import contents, difference
 from vibe_render.export import jobs
 from vibe_render.looks import use
 from vibe_render.scene import stored_subject

@@ -6,13 +6,12 @@ from dataclasses import replace
 
 import bpy
 import pytest
-from dump import difference
+from dump import contents, difference
+from headless_runs import QUICK, batch, run_with_model, save_scene
+from model_server import sensible, serving
+from sample_presets import NOIR
 from small_disk import small_disk
-from small_scenes import studio
-from test_batch import QUICK, batch, save_scene
-from test_library import NOIR, wide  # noqa: F401  (a fixture)
-from test_model import run, sensible, serving
-from test_operators import contents
+from small_scenes import studio, wide_picture
 from vibe_render.looks import asset_catalog, library, lut
 from vibe_render.render import final_render
 from vibe_render.session import before_image, prompt_history, session
@@ -31,9 +30,9 @@ def disk(tmp_path):
 
 
 @pytest.mark.parametrize("left", [0, 1])
-def test_presets(disk, monkeypatch, wide, left):  # noqa: F811
+def test_presets(disk, monkeypatch, tmp_path, left):
     """With one page left, the preset has room, and its picture does not."""
-    mine = replace(NOIR, name="Mine")
+    mine, wide = replace(NOIR, name="Mine"), wide_picture(tmp_path)
     monkeypatch.setattr(library, "folder", lambda create=False: disk.folder)
     library.save(mine, wide)
     there = disk.files()
@@ -118,6 +117,6 @@ def test_a_model_whose_answers_cannot_be_kept(disk, tmp_path, monkeypatch):
     monkeypatch.setenv("VIBE_CACHE", str(disk.folder))
     disk.fill()
     with serving(sensible) as model:
-        report, _ = run(tmp_path, model)
+        report, _ = run_with_model(tmp_path, model)
     assert disk.files() == set()
     assert (report["vlm"]["calls"], report["vlm"]["failures"]) == (1, [])

@@ -3,51 +3,16 @@
 
 import json
 import os
-import sys
 from dataclasses import asdict
-from pathlib import Path
 
 import bpy
 import pytest
 import vibe_render
+from headless_runs import run_with_model
+from model_server import KEY, MODEL, has_picture, plan_for, refuses, says, sensible, serving
 from small_scenes import studio
-from test_batch import QUICK, batch, save_scene
 from vibe_render.session.model_notes import failure_note, model_lines
 from vibe_render.session.session import preferences
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
-from model_server import KEY, MODEL, has_picture, plan_for, refuses, says, serving
-
-VERDICT = says("WINNER = AFTER\nREASON = It is teal.")
-
-
-def sensible(body, number):
-    """Plans when asked to plan, judges when asked to judge."""
-    return says(plan_for(body)) if "response_format" in body else VERDICT
-
-
-def run(folder, model):
-    shot = save_scene(folder / "shot.blend")
-    variables = {
-        "VIBE_VLM_MODEL": "another",
-        "VIBE_VLM_URL": model.url,
-        "VIBE_VLM_KEY": KEY,
-        "VIBE_VLM_TIMEOUT": "20",
-        "XDG_CACHE_HOME": str(folder / "cache"),
-        "TMPDIR": str(folder / "tmp"),
-    }
-    (folder / "tmp").mkdir()
-    code, said = batch(
-        "run",
-        shot,
-        "--prompt=glossy teal box, vignette",
-        f"--vlm-model={MODEL}",
-        f"--out={folder / 'out'}",
-        *QUICK,
-        **variables,
-    )
-    assert code == 0, said
-    return json.loads((folder / "out" / "report.json").read_text()), said
 
 
 def without_key(folder):
@@ -59,7 +24,7 @@ def without_key(folder):
 
 def test_a_run_with_a_model(tmp_path):
     with serving(sensible) as model:
-        report, said = run(tmp_path, model)
+        report, said = run_with_model(tmp_path, model)
     assert [has_picture(body) for body in model.asked] == [True, True]
     assert {h["authorization"] for h in model.headers} == {f"Bearer {KEY}"}
     vlm = report["vlm"]
@@ -76,7 +41,7 @@ def test_a_run_with_a_model(tmp_path):
 
 def test_a_server_that_refuses_and_talks_about_the_key(tmp_path):
     with serving(lambda body, n: refuses(401, f"Incorrect API key provided: {KEY}")) as model:
-        report, said = run(tmp_path, model)
+        report, said = run_with_model(tmp_path, model)
     assert "refuses the key" in report["vlm"]["failures"][0]
     assert "refuses the key" in report["judge"]["error"]
     assert "Planned without the model in 1 of 1 rounds" in said

@@ -7,9 +7,9 @@ import math
 import bpy
 import numpy as np
 import pytest
+from headless_runs import batch
 from PIL import Image
 from small_scenes import camera, cube, light, principled, shader, world
-from test_batch import batch
 
 QUICK = ["--rounds=1", "--steps=4", "--size=64", "--samples=4"]
 COLOR = "material/Body/base_color"

@@ -8,9 +8,9 @@ import time
 import bpy
 import pytest
 import vibe_render
-from dump import difference, dump
+from dump import contents, difference
+from results import FOUND, PIVOT, PROMPT, read
 from small_scenes import studio
-from vibe_render.core import compat
 from vibe_render.engine.process import Engine
 from vibe_render.render import anchors
 from vibe_render.scene import bindings, snapshot
@@ -18,25 +18,6 @@ from vibe_render.session import changes, result, session
 from vibe_render.session.state import addon_state, engine_choice
 
 from proxy_renderer.schema import FAMILIES, GROUPS, VibeError, messages
-
-PROMPT = "glossy red cube, warm light, thick fog"
-FOUND = {
-    "light/Area/power": [7.0],
-    "light/Sun/color": [1.0, 0.5, 0.2],
-    "material/Body/base_color": [0.6, 0.05, 0.05],
-    "material/Body/roughness": [0.1],
-    "volume/density": [0.05],
-    "film/contrast": [1.3],
-}
-PIVOT = (0.0, 0.0, 0.5)
-
-
-@pytest.fixture
-def addon(scene):
-    """The add-on, registered with an empty file."""
-    vibe_render.register()
-    yield scene
-    vibe_render.unregister()
 
 
 @pytest.fixture
@@ -50,21 +31,6 @@ def vibed(addon):
         addon, PROMPT, messages.Result(FOUND, {"parameters": records}, "prediction.png"), subject, PIVOT
     )
     return addon, before
-
-
-def contents():
-    """Everything in the file but the panel's own fields, the picture that Blender makes for any render, and,
-    as Blender 4 cannot delete it, a compositor tree that is switched off."""
-    left_out = [".vibe", "images[Render Result]"]
-    if compat.compositor(bpy.context.scene) is None:
-        left_out.append("scenes[Scene].node_tree")
-    return {path: value for path, value in dump().items() if not any(part in path for part in left_out)}
-
-
-def read(scene):
-    """The values of what FOUND names."""
-    there = bindings.read(scene, (), PIVOT)
-    return {key: list(there[key]) for key in FOUND if key in there}
 
 
 def test_registers_and_leaves_without_a_trace(scene):

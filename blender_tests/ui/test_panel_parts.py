@@ -4,7 +4,6 @@
 import bpy
 import pytest
 from small_scenes import studio
-from test_operators import addon  # noqa: F401  (a fixture)
 from vibe_render.session import changes, preferences, prompt_history
 from vibe_render.session.state import addon_state
 from vibe_render.ui import cache_size, value_list
@@ -19,7 +18,7 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_earlier_prompts_come_newest_first_and_once(folder, addon):  # noqa: F811
+def test_earlier_prompts_come_newest_first_and_once(folder, addon):
     for text in ("noir", "golden hour", "noir", "nebliger Morgen, grün"):
         prompt_history.remember(text)
     assert prompt_history.prompts() == ["nebliger Morgen, grün", "noir", "golden hour"]
@@ -40,7 +39,7 @@ def test_a_damaged_history_is_an_empty_one(folder, content):
     assert prompt_history.prompts() == ["noir"]
 
 
-def test_the_list_has_every_value_and_says_which_must_stay(addon):  # noqa: F811
+def test_the_list_has_every_value_and_says_which_must_stay(addon):
     studio(addon)
     bpy.data.materials["Body"].node_tree.nodes["Principled BSDF"].inputs["Roughness"].keyframe_insert(
         "default_value", frame=1
@@ -54,7 +53,7 @@ def test_the_list_has_every_value_and_says_which_must_stay(addon):  # noqa: F811
     assert "light/Area/power" not in bpy.context.window_manager.vibe_values.rows
 
 
-def test_the_list_is_searched_by_title_and_key(addon):  # noqa: F811
+def test_the_list_is_searched_by_title_and_key(addon):
     studio(addon)
     value_list.fill(addon)
     values = bpy.context.window_manager.vibe_values
@@ -69,7 +68,7 @@ def test_the_list_is_searched_by_title_and_key(addon):  # noqa: F811
     assert order == []
 
 
-def test_locks_open_and_close(addon):  # noqa: F811
+def test_locks_open_and_close(addon):
     assert not bpy.ops.vibe.unlock_all.poll()
     for key in ("light/Area/power", "film/exposure", "light/Area/power"):
         bpy.ops.vibe.lock(key=key)
@@ -79,7 +78,7 @@ def test_locks_open_and_close(addon):  # noqa: F811
     assert not addon.vibe.locks
 
 
-def test_the_cache_is_measured_and_cleared_but_not_during_a_vibe(folder, addon, monkeypatch):  # noqa: F811
+def test_the_cache_is_measured_and_cleared_but_not_during_a_vibe(folder, addon, monkeypatch):
     cache_size.measure_again()
     place = preferences.cache_folder(bpy.context)
     assert cache_size.text(place) == "Empty"
@@ -128,7 +127,7 @@ def test_agreement_is_said_in_words_and_of_cycles_alone(difference, engine, said
     assert is_good is good
 
 
-def test_moving_strength_shows_the_look_again(addon):  # noqa: F811
+def test_moving_strength_shows_the_look_again(addon):
     addon.vibe.show_original = True
     addon.vibe.strength = 0.5
     assert not addon.vibe.show_original

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import psutil
 import pytest
-from batch_parts import carry_out, plan_of
+from batch_parts import carry_out, contents, plan_of
 
 from proxy_renderer.batch.finals import Finals, takes
 from proxy_renderer.batch.local import fitting
@@ -162,12 +162,6 @@ def test_what_is_killed_is_resumed_with_the_same_results(tmp_path):
     assert 2 <= len(whole) - len(told) < len(whole)
     assert [row["status"] for row in rows] == ["done"] * 6
     assert contents(tmp_path / "cut") == contents(tmp_path / "whole")
-
-
-def contents(folder):
-    """What the jobs have made, without times and logs."""
-    names = ("after.png", "preset.json", "vibed.blend", "details.js")
-    return {p.relative_to(folder): p.read_bytes() for name in names for p in folder.glob(f"jobs/*/{name}")}
 
 
 def test_a_moved_folder_resumes(tmp_path):

@@ -8,8 +8,7 @@ import time
 from pathlib import Path
 
 import pytest
-from batch_parts import COMMAND, SMALL, carry_out, on_cluster, plan_of
-from test_jobs import contents
+from batch_parts import COMMAND, SMALL, carry_out, contents, on_cluster, plan_of
 
 from proxy_renderer.batch import schedule
 from proxy_renderer.batch.manifest.manifest import Shot

@@ -7,7 +7,7 @@ import numpy as np
 import OpenEXR
 import pytest
 import torch
-from test_pipeline import PROMPT, Silent
+from loop_parts import PROMPT, Silent
 from tiny_job import write_job
 
 from proxy_renderer.guidance.encoder import load_encoder

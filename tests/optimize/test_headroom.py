@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_language import CONTEXT, make_plan
+from plan_parts import CONTEXT, make_plan
 
 from proxy_renderer.bench.scenes import balls
 from proxy_renderer.optimize.headroom import elevations

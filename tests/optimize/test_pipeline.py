@@ -3,6 +3,7 @@
 
 import pytest
 import torch
+from loop_parts import PROMPT, Silent
 from tiny_job import write_job
 
 from proxy_renderer.color.torch_color import srgb_to_lab
@@ -15,31 +16,6 @@ from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import VibeError
 from proxy_renderer.schema.messages import Options
-
-PROMPT = "glossy teal ball, white studio background"
-
-
-class Silent:
-    """Follows the loop without a word; ends it after some steps."""
-
-    def __init__(self, end=10**9):
-        self.end, self.seen = end, []
-
-    def stage(self, name):
-        self.seen.append(name)
-
-    def begin(self, display):
-        self.first = display
-
-    def step(self, progress, display):
-        self.seen.append(progress)
-        return self.stopped()
-
-    def stopped(self):
-        return len(self.seen) >= self.end
-
-    def ask(self, request):
-        raise AssertionError("nobody renders anchors here")
 
 
 @pytest.fixture(scope="module")

@@ -4,8 +4,8 @@
 from dataclasses import replace
 
 import pytest
+from loop_parts import Silent
 from PIL import Image
-from test_pipeline import Silent
 from tiny_job import write_job
 
 from proxy_renderer.engine.report import changed_values

@@ -3,7 +3,7 @@
 
 import pytest
 import torch
-from test_pipeline import Silent
+from loop_parts import Silent
 from tiny_job import write_job
 
 from proxy_renderer.engine.report import changed_values, parameter_records

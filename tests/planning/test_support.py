@@ -3,7 +3,7 @@
 
 from dataclasses import replace
 
-from test_language import CONTEXT, make_instances, make_plan, pictured
+from plan_parts import CONTEXT, make_instances, make_plan, pictured
 
 SPECULAR = "material/Body/specular"
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from plan_parts import CONTEXT, LIGHTS, REFERENCES, make_instances, make_plan, pictured
 
 from proxy_renderer.color.named import basic, from_hex, from_lab, luminance, to_lab
 from proxy_renderer.planning.display import lightness, radiance
@@ -19,18 +20,9 @@ from proxy_renderer.prompt.lexicon.vocabulary import COLOR_MODES, default_vocabu
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.prompts import compose
 from proxy_renderer.prompt.tokens import Lexer
-from proxy_renderer.prompt.types import PictureStats, Plan, PlanContext, SceneWords
-from proxy_renderer.schema import FAMILIES, PARAMETERS, Instance, VibeError
+from proxy_renderer.prompt.types import PictureStats, PlanContext, SceneWords
+from proxy_renderer.schema import FAMILIES, Instance, VibeError
 
-LIGHTS = (("Key", "AREA", "key", -40.0), ("Fill", "AREA", "fill", 60.0), ("Back", "POINT", "rim", 160.0))
-REFERENCES = {
-    "light_distance": 4.0,
-    "light_distance_squared": 16.0,
-    "view_distance": 6.0,
-    "per_view_distance": 1 / 6,
-    "subject_height": 2.0,
-    "per_subject_height": 0.5,
-}
 PROMPTS = (
     "Glossy teal dolphin, white studio background.",
     "Matte black teapot, warm soft light, no fog.",
@@ -45,60 +37,6 @@ PROMPTS = (
     "ominous, cosy, dreamy and sterile",
     "no hard shadows, without vignette or bloom, not glossy, not red",
 )
-
-
-def make_instances(
-    seed: int | None = None,
-    lights=LIGHTS,
-    materials=(("Body", "subject"), ("Floor", "surroundings")),
-    textured: tuple[str, ...] = (),
-    environment: bool = False,
-) -> dict[str, Instance]:
-    """Instances of a scene; with a seed, with random legal values and lights that are anywhere."""
-    draw = random.Random(seed)
-    found: dict[str, Instance] = {}
-
-    def add(parameter, owner="", role="", value=None):
-        reference = REFERENCES.get(parameter.reference, 1.0)
-        if seed is not None:
-            low, high = parameter.lower, parameter.upper
-            value = tuple(
-                parameter.scale.from_unit(draw.random(), low, high) * reference
-                for _ in range(parameter.components)
-            )
-        elif value is None:
-            value = (parameter.default * reference,) * parameter.components
-        instance = Instance(parameter, owner, value, reference, role)
-        found[instance.key] = instance
-
-    for parameter in PARAMETERS:
-        if parameter.group == "light":
-            for name, kind, role, azimuth in lights:
-                if not parameter.only or kind in parameter.only:
-                    add(parameter, name, role, (azimuth,) if parameter.name == "azimuth" else None)
-        elif parameter.group == "material":
-            for name, role in materials:
-                linked = parameter.name in ("tint", "recolor")
-                if (linked and name in textured) or (
-                    not linked and not (parameter.name == "base_color" and name in textured)
-                ):
-                    add(parameter, name, role)
-        elif parameter.group == "world":
-            if parameter.name in (("tint", "strength", "rotation") if environment else ("color", "strength")):
-                add(parameter)
-        else:
-            add(parameter)
-    return found
-
-
-CONTEXT = PlanContext(light_types={name: kind for name, kind, _, _ in LIGHTS})
-
-
-def make_plan(
-    prompt: str, instances=None, context: PlanContext = CONTEXT, scene: SceneWords | None = None
-) -> Plan:
-    parsed = parse(prompt, scene or SceneWords())
-    return plan(parsed, compose(parsed), make_instances() if instances is None else instances, context)
 
 
 def bound(prompt: str, scene: SceneWords | None = None) -> set[tuple[str, str]]:
@@ -514,11 +452,6 @@ def test_small_parts_keep_their_color():
     plan_ = make_plan("red car", instances, context)
     assert plan_["material/Paint/base_color"].priority == 1
     assert plan_["material/Tyre/base_color"].priority is None
-
-
-def pictured(subject, surroundings):
-    picture = PictureStats({"subject": (subject, 0.0, 0.0), "surroundings": surroundings}, (5.0, 40.0, 95.0))
-    return replace(CONTEXT, picture=picture)
 
 
 def test_a_vignette_is_seen_as_much_on_white_as_on_grey():

@@ -4,14 +4,13 @@
 import bpy
 import pytest
 from dump import difference
-from test_library import NOIR, addon, own  # noqa: F401  (fixtures)
-from test_operators import contents
+from results import state
+from sample_presets import NOIR
 from vibe_render.looks import library
-from vibe_render.scene import snapshot
 
 
 @pytest.fixture
-def looks(addon, own):  # noqa: F811
+def looks(addon, own):
     """A studio with a preset of the artist's applied: (path of it, path of another)."""
     first = str(library.save(NOIR).path)
     other = str(library.find("Cosy").path)
@@ -25,15 +24,6 @@ ACTIONS = {
     "revert": lambda first, other: bpy.ops.vibe.revert("EXEC_DEFAULT", True),
     "apply": lambda first, other: bpy.ops.vibe.preset_apply("EXEC_DEFAULT", True, path=other),
 }
-
-
-def state():
-    """What an artist sees: the scene, what changed, and whether there is a way back."""
-    scene = bpy.context.scene
-    counted = (".is_runtime_data", ".users")  # Blender's own counting, which any undo turns
-    seen = {k: v for k, v in contents().items() if not k.endswith(counted)}
-    seen["changes"] = [(c.name, tuple(c.before), tuple(c.after)) for c in scene.vibe.changes]
-    return seen | {"vibed": (snapshot.exists(scene), scene.vibe.vibed_preset)}
 
 
 @pytest.mark.parametrize("act", ACTIONS)
