@@ -236,7 +236,7 @@ def _bench(a: argparse.Namespace) -> int:
     out = check.folder(a.out)
     print(f"Measuring {a.bench} …", flush=True)
     options = {k: v for k, v in vars(a).items() if k not in ("command", "bench", "out")}
-    results = import_module(f".bench.{a.bench}", __package__).run(out, **options)
+    results = import_module(f"..bench.{a.bench}", __package__).run(out, **options)
     print(f"Written: {out / 'results.json'}")
     return 1 if results.get("failed") else 0
 
