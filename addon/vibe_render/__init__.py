@@ -18,7 +18,7 @@ def register() -> None:
     import bpy
 
     from .ui import handlers
-    from .ui.operators.preset_actions import VibePresets
+    from .ui.operators.base import VibePresets
     from .ui.properties import VibeSettings
     from .ui.value_list import VibeValues
 

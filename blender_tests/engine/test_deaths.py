@@ -59,7 +59,7 @@ def test_given_up_for_its_silence(addon, monkeypatch):
 def test_an_engine_that_hangs_when_given_up_does_not_hold_up_the_next(addon, monkeypatch):
     from vibe_render.engine.process import process
 
-    monkeypatch.setattr(process, "_LET_GO", 0.5)
+    monkeypatch.setattr(process, "_ABANDON_TIMEOUT", 0.5)
     running = advance(lambda r: r.asked)
     hung = running._engine._process
     os.kill(hung.pid, signal.SIGSTOP)

@@ -31,12 +31,12 @@ def offline(monkeypatch):
 
 
 def test_makes_an_environment_that_is_found(wheel, tmp_path):
-    made = setup.Setup(tmp_path / "engine", [str(wheel)])
+    environment = setup.EngineSetup(tmp_path / "engine", [str(wheel)])
     texts = set()
-    while made.running:
-        texts.add(made.text)
+    while environment.running:
+        texts.add(environment.text)
         time.sleep(0.02)
-    made.finish()
+    environment.finish()
     assert "Making a Python environment" in texts
     python = find.find_python(str(tmp_path / "engine"))
     assert find.has_engine(python)
@@ -45,33 +45,33 @@ def test_makes_an_environment_that_is_found(wheel, tmp_path):
 
 def test_a_failure_says_why_and_leaves_nothing(tmp_path):
     (tmp_path / "file").write_text("")
-    made = setup.Setup(tmp_path / "file" / "engine", ["no-such-package"])
+    environment = setup.EngineSetup(tmp_path / "file" / "engine", ["no-such-package"])
     with pytest.raises(VibeError, match="Making a Python environment failed"):
-        made.finish()
+        environment.finish()
     assert (tmp_path / "file").read_text() == ""
 
 
 def test_cancel_leaves_nothing(wheel, tmp_path):
-    made = setup.Setup(tmp_path / "engine", [str(wheel)])
-    while not (tmp_path / "engine").exists() and made.running:
+    environment = setup.EngineSetup(tmp_path / "engine", [str(wheel)])
+    while not (tmp_path / "engine").exists() and environment.running:
         time.sleep(0.02)
-    made.cancel()
+    environment.cancel()
     with pytest.raises(VibeError, match="Canceled"):
-        made.finish()
+        environment.finish()
     assert not (tmp_path / "engine").exists()
 
 
 def test_downloads_are_followed():
     """Lines as pip writes them."""
-    made = object.__new__(setup.Setup)
-    made._hear("Collecting torch>=2.5\n")
-    assert made.text == "Looking for torch"
-    made._hear("  Downloading torch-2.15.0-cp313-cp313-manylinux_2_28_x86_64.whl (901.2 MB)\n")
-    assert made.text == "Downloading torch (901.2 MB)"
-    made._hear("Progress 50 of 200\n")
-    assert made.fraction == 0.25
-    made._hear("Installing collected packages: numpy, torch\n")
-    assert made.text == "Installing 2 packages, for some minutes"
+    environment = object.__new__(setup.EngineSetup)
+    environment._follow("Collecting torch>=2.5\n")
+    assert environment.text == "Looking for torch"
+    environment._follow("  Downloading torch-2.15.0-cp313-cp313-manylinux_2_28_x86_64.whl (901.2 MB)\n")
+    assert environment.text == "Downloading torch (901.2 MB)"
+    environment._follow("Progress 50 of 200\n")
+    assert environment.fraction == 0.25
+    environment._follow("Installing collected packages: numpy, torch\n")
+    assert environment.text == "Installing 2 packages, for some minutes"
 
 
 @pytest.mark.parametrize(
@@ -86,7 +86,7 @@ def test_downloads_are_followed():
     ],
 )
 def test_complaints_become_one_clear_line(line, meaning):
-    assert meaning in str(setup._complaint("Installing", [line]))
+    assert meaning in str(setup._failure("Installing", [line]))
 
 
 def test_a_clone_says_what_to_do_instead():

@@ -31,6 +31,6 @@ def test_two_million_triangles(addon):
         time.sleep(0.02)
     addon_state.end()
     assert any(change.name == "material/Body/base_color" for change in settings.changes)
-    assert running.agreement < 10.0
+    assert running.prediction_error < 10.0
     assert bpy.ops.vibe.revert() == {"FINISHED"}
     assert difference(before, contents()) == {}

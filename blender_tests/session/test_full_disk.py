@@ -69,7 +69,7 @@ def test_what_is_only_convenient_is_left_out(scene, disk, tmp_path, monkeypatch)
     disk.fill()
     prompt_history.remember("golden hour")
     (tmp_path / "picture.png").write_bytes(b"own" * 9000)
-    picture = before_image.keep(disk.folder / "kept.png", tmp_path / "picture.png", True)
+    picture = before_image.store(disk.folder / "kept.png", tmp_path / "picture.png", True)
     assert picture == tmp_path / "picture.png"
     assert disk.files() == {"prompts.json"}
     assert prompt_history.prompts() == ["noir"]

@@ -241,8 +241,8 @@ def test_anchors_are_announced_and_leave_the_scene_as_it_was_meanwhile(warm):
     assert running.advance()
     assert difference(between, contents()) == {}
     to_the_end(running)
-    assert running.agreement >= 0.0
-    assert running.notes == []
+    assert running.prediction_error >= 0.0
+    assert running.anchor_notes == []
 
 
 def test_cancel_between_anchors_leaves_a_vibe_as_it_was(warm):
@@ -267,7 +267,7 @@ def test_without_anchors_nothing_is_rendered(warm):
         stages.add(running.stage)
         time.sleep(0.02)
     assert session.ANCHORING not in stages
-    assert running.agreement is None
+    assert running.prediction_error is None
 
 
 def test_a_blender_that_cannot_render_goes_on_without(warm, monkeypatch):
@@ -278,8 +278,8 @@ def test_a_blender_that_cannot_render_goes_on_without(warm, monkeypatch):
     running = addon_state.begin(bpy.context)
     to_the_end(running)
     assert warm.vibe.changes
-    assert running.agreement is None
-    assert "no memory for this" in running.notes[0]
+    assert running.prediction_error is None
+    assert "no memory for this" in running.anchor_notes[0]
 
 
 def test_cancel_leaves_the_scene_as_it_was_and_the_engine_warm(warm, engine):

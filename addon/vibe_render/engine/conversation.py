@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 from ..core.schema_import import messages, schema
 from .process import Engine
 
-Answer = TypeVar("Answer", messages.Result, messages.Finished)
+_Answer = TypeVar("_Answer", messages.Result, messages.Finished)
 
 
 class Conversation:
@@ -40,8 +40,8 @@ class Conversation:
             self._engine.send(messages.Stop())
 
     def wait(
-        self, kind: type[Answer], serve: Callable[[messages.Anchor], messages.Anchored] | None = None
-    ) -> Answer:
+        self, kind: type[_Answer], serve: Callable[[messages.Anchor], messages.Anchored] | None = None
+    ) -> _Answer:
         """The answer to the last request; raises the VibeError that the engine sent instead.
 
         Args:

@@ -20,7 +20,7 @@ from ..core.schema_import import messages as wire
 from ..core.schema_import import schema
 from .find import engine_environment, find_python, own_group
 
-_LET_GO = 10.0  # seconds that an engine may take to let go of a vibe that was given up
+_ABANDON_TIMEOUT = 10.0  # seconds that an engine may take to let go of a vibe that was given up
 
 _ANSWERS = (wire.Result, wire.Finished, wire.Error)
 
@@ -42,11 +42,11 @@ class Engine:
         self.log = log or Path(tempfile.gettempdir()) / f"vibe-engine-{os.getpid()}.log"
         self._process: subprocess.Popen[bytes] | None = None
         self._inbox: queue.Queue[_Item] = queue.Queue()
-        self._owed = False  # an answer that nobody waits for any more
-        self._owed_since = 0.0
+        self._abandoned = False  # an answer that nobody waits for any more
+        self._abandoned_at = 0.0
         self._busy = False  # an answer is on its way
-        self._died: schema.VibeError | None = None  # what to say of it, to every thread that asks
-        self._dying = threading.Lock()
+        self._exit_error: schema.VibeError | None = None  # what to say of it, to every thread that asks
+        self._exit_lock = threading.Lock()
 
     @property
     def alive(self) -> bool:
@@ -62,7 +62,7 @@ class Engine:
         if self.alive:
             return
         python = find_python(self._choice)
-        self._inbox, self._owed, self._busy, self._died = queue.Queue(), False, False, None
+        self._inbox, self._abandoned, self._busy, self._exit_error = queue.Queue(), False, False, None
         try:
             with self.log.open("wb") as log:
                 self._process = subprocess.Popen(
@@ -89,14 +89,14 @@ class Engine:
         """
         process = self._process
         if process is None or process.stdin is None:
-            with self._dying:  # another thread may be about to find out
-                raise self._died or schema.VibeError("The engine is not running.", "Start it first.")
+            with self._exit_lock:  # another thread may be about to find out
+                raise self._exit_error or schema.VibeError("The engine is not running.", "Start it first.")
         try:
             process.stdin.write(wire.encode(message))
             process.stdin.flush()
             self._busy = self._busy or isinstance(message, wire.Vibe | wire.Finish)
         except (OSError, ValueError) as error:
-            raise self._death() from error
+            raise self._report_exit() from error
 
     def poll(self) -> list[wire.Message]:
         """The messages that have arrived since the last call; never waits.
@@ -122,27 +122,27 @@ class Engine:
         """Gives up the vibe that it works on, and keeps it warm, unless it has not let go of the last one yet."""
         if not self._busy:
             return
-        if self._owed:
+        if self._abandoned:
             self.stop(patience=0.2)
             return
         with contextlib.suppress(schema.VibeError):
             self.send(wire.Stop())
-            self._owed, self._owed_since = True, time.monotonic()
+            self._abandoned, self._abandoned_at = True, time.monotonic()
 
     def settle(self) -> bool:
         """Drops what belongs to an abandoned vibe; True when that is over, and the next may be sent.
 
         An engine that hangs is ended instead of waited for.
         """
-        while self._owed:
+        while self._abandoned:
             try:
                 item = self._inbox.get_nowait()
             except queue.Empty:
-                if time.monotonic() - self._owed_since > _LET_GO:
+                if time.monotonic() - self._abandoned_at > _ABANDON_TIMEOUT:
                     self.stop(patience=0.02)
-                    self._owed = False
-                return not self._owed
-            self._owed = self._busy = isinstance(item, wire.Message) and not isinstance(item, _ANSWERS)
+                    self._abandoned = False
+                return not self._abandoned
+            self._abandoned = self._busy = isinstance(item, wire.Message) and not isinstance(item, _ANSWERS)
         return True
 
     def stop(self, patience: float = 3.0) -> None:
@@ -162,7 +162,7 @@ class Engine:
 
     def _checked(self, item: _Item) -> wire.Message:
         if item is None:
-            raise self._death()
+            raise self._report_exit()
         if isinstance(item, _ANSWERS):
             self._busy = False
         if isinstance(item, schema.VibeError):
@@ -177,13 +177,13 @@ class Engine:
                 raise
         return item
 
-    def _death(self) -> schema.VibeError:
+    def _report_exit(self) -> schema.VibeError:
         """What to say when the process has gone by itself."""
-        with self._dying:
-            self._died = self._died or self._bury()
-            return self._died
+        with self._exit_lock:
+            self._exit_error = self._exit_error or self._describe_exit()
+            return self._exit_error
 
-    def _bury(self) -> schema.VibeError:
+    def _describe_exit(self) -> schema.VibeError:
         code = None
         if self._process is not None:
             with contextlib.suppress(subprocess.TimeoutExpired):
@@ -192,11 +192,11 @@ class Engine:
         log = self.log.read_text(encoding="utf-8", errors="replace") if self.log.exists() else ""
         lines = log.strip().splitlines() or [""]
         last = next((line for line in reversed(lines) if re.match(r"\w+(Error|Exception)", line)), lines[-1])
-        said = f" Its last words: {last}" if last else ""
+        last_words = f" Its last words: {last}" if last else ""
         if code == -9 and not last:
-            said = " Something ended it from outside: perhaps memory ran out."
+            last_words = " Something ended it from outside: perhaps memory ran out."
         return schema.VibeError(
-            f"The engine stopped unexpectedly (exit code {code}).{said}",
+            f"The engine stopped unexpectedly (exit code {code}).{last_words}",
             f"Try again; if it happens again, see {self.log}.",
         )
 

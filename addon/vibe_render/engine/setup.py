@@ -41,7 +41,7 @@ def requirements() -> list[str]:
     return [line for line in lines if line]
 
 
-class Setup:
+class EngineSetup:
     """An environment in the making, in a thread; a failure or `cancel` leaves nothing behind.
 
     Args:
@@ -93,9 +93,9 @@ class Setup:
             pip = (python, "-m", "pip", "--disable-pip-version-check", "--no-input", "install")
             with contextlib.suppress(schema.VibeError):  # an old one only tells less about downloads
                 self._run("Updating pip", *pip, "--upgrade", "pip")
-            told = ("--progress-bar", "raw") if _pip_version(self.folder) >= (24, 1) else ()
+            progress = ("--progress-bar", "raw") if _pip_version(self.folder) >= (24, 1) else ()
             # Compiling thousands of modules, of which an engine uses some, would take most of a minute.
-            self._run("Looking for packages", *pip, "--no-compile", *told, *self._packages)
+            self._run("Looking for packages", *pip, "--no-compile", *progress, *self._packages)
             self.text, self.fraction = "Checking", None
             if python is None or not has_engine(python):
                 raise schema.VibeError("The new environment has no engine in it.", _AGAIN)
@@ -120,20 +120,20 @@ class Setup:
             text=True, encoding="utf-8", errors="replace", env=_environment(), **own_group(),
         )  # fmt: skip
         last: collections.deque[str] = collections.deque(maxlen=30)
-        with cast(IO[str], self._process.stdout) as said:
-            for line in said:
+        with cast(IO[str], self._process.stdout) as output:
+            for line in output:
                 last.append(line.strip())
-                self._hear(line)
+                self._follow(line)
         if self._process.wait():
-            raise _complaint(text, last)
+            raise _failure(text, last)
 
-    def _hear(self, line: str) -> None:
+    def _follow(self, line: str) -> None:
         """One line of pip's."""
-        if found := _PROGRESS.match(line):
-            done, whole = map(int, found.groups())
+        if match := _PROGRESS.match(line):
+            done, whole = map(int, match.groups())
             self.fraction = done / whole if whole else None
-        elif found := re.match(r"\s*Downloading (\S+?)-(\d\S*?)(?:-\S+)? \((.+)\)", line):
-            self.text, self.fraction = f"Downloading {found[1]} ({found[3]})", 0.0
+        elif match := re.match(r"\s*Downloading (\S+?)-(\d\S*?)(?:-\S+)? \((.+)\)", line):
+            self.text, self.fraction = f"Downloading {match[1]} ({match[3]})", 0.0
         elif line.startswith("Collecting"):
             self.text, self.fraction = f"Looking for {re.split(r'[<>=!;@ ]', line.split()[1])[0]}", None
         elif line.startswith("Installing collected packages"):
@@ -158,8 +158,8 @@ def _python() -> Path:
 def _pip_version(folder: Path) -> tuple[int, ...]:
     """Of the pip in an environment, read from the name of its record."""
     names = [p.name for p in folder.glob("[Ll]ib/**/pip-*.dist-info")]
-    found = re.match(r"pip-(\d+)\.(\d+)", max(names, default=""))
-    return tuple(map(int, found.groups())) if found else (0, 0)
+    match = re.match(r"pip-(\d+)\.(\d+)", max(names, default=""))
+    return tuple(map(int, match.groups())) if match else (0, 0)
 
 
 def _environment() -> dict[str, str]:
@@ -167,12 +167,12 @@ def _environment() -> dict[str, str]:
     return {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "PIP_TARGET", "VIRTUAL_ENV"))}
 
 
-def _complaint(text: str, lines: collections.deque[str]) -> schema.VibeError:
+def _failure(text: str, lines: collections.deque[str]) -> schema.VibeError:
     """What a command's last lines mean."""
-    said = "\n".join(lines)
-    if "No space left" in said:
+    output = "\n".join(lines)
+    if "No space left" in output:
         return schema.VibeError("There is not enough room on the disk.", "Make room for about 6 GB.")
-    if re.search(r"NewConnectionError|Temporary failure|Network is unreachable|ConnectTimeout", said):
+    if re.search(r"NewConnectionError|Temporary failure|Network is unreachable|ConnectTimeout", output):
         return schema.VibeError("The package index cannot be reached.", "Check the network, then try again.")
     errors = [line.removeprefix("ERROR: ") for line in lines if line.startswith("ERROR")]
     last = next(reversed(errors), next((line for line in reversed(lines) if line), "it said nothing"))

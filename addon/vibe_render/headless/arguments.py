@@ -45,26 +45,28 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
     Raises:
         VibeError: For every mistake in them.
     """
-    a = _parser().parse_args(list(argv))
-    schema.budgets.fill(a)
-    a.command = "revert" if a.revert else "apply" if a.preset else "demo" if a.demo else "run"
-    if a.words:
-        a.command = a.words[0]
-        names = _COMMANDS.get(a.command)
-        more = a.command == "run" and len(a.words) > 1
-        if names is None or (len(a.words) != len(names) + 1 and not more):
-            raise schema.VibeError(f"Unknown command {' '.join(a.words)!r}.", f"Use {', '.join(_COMMANDS)}.")
-        for name, word in zip(names, a.words[1:]):  # noqa: B905  those of several follow
-            setattr(a, name, word)
-    a.scenes = a.words[1:] if a.command == "run" and a.words else [a.scene]
-    a.cameras, a.frames = _listed(a.cameras), schema.frame_numbers(a.frames)
-    if a.command in ("run", "demo"):
-        _check_prompt(a.prompt)
-        a.groups = _names(a.groups)
-        _check_groups(a.groups, a.lock)
-    if a.command not in ("revert", "serve"):
-        a.out = _folder(a.out)
-    return a
+    args = _parser().parse_args(list(argv))
+    schema.budgets.fill(args)
+    args.command = "revert" if args.revert else "apply" if args.preset else "demo" if args.demo else "run"
+    if args.words:
+        args.command = args.words[0]
+        names = _COMMANDS.get(args.command)
+        more = args.command == "run" and len(args.words) > 1
+        if names is None or (len(args.words) != len(names) + 1 and not more):
+            raise schema.VibeError(
+                f"Unknown command {' '.join(args.words)!r}.", f"Use {', '.join(_COMMANDS)}."
+            )
+        for name, word in zip(names, args.words[1:]):  # noqa: B905  those of several follow
+            setattr(args, name, word)
+    args.scenes = args.words[1:] if args.command == "run" and args.words else [args.scene]
+    args.cameras, args.frames = _listed(args.cameras), schema.frame_numbers(args.frames)
+    if args.command in ("run", "demo"):
+        _check_prompt(args.prompt)
+        args.groups = _names(args.groups)
+        _check_groups(args.groups, args.lock)
+    if args.command not in ("revert", "serve"):
+        args.out = _folder(args.out)
+    return args
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -113,11 +115,11 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def engine_options(a: argparse.Namespace, free_camera: bool, online: bool) -> messages.Options:
+def engine_options(args: argparse.Namespace, free_camera: bool, online: bool) -> messages.Options:
     """The options of a vibe; the camera is free for bare meshes, or if it is among the groups.
 
     Args:
-        a: The command line.
+        args: The command line.
         free_camera: Whether the scene is a bare mesh.
         online: Whether other computers may be reached.
     """
@@ -134,9 +136,9 @@ def engine_options(a: argparse.Namespace, free_camera: bool, online: bool) -> me
         "anchor",
         "grade_each",
     )
-    chosen = {name: getattr(a, name) for name in names}
+    chosen = {name: getattr(args, name) for name in names}
     return messages.Options(
-        **chosen, groups=tuple(a.groups), lock=tuple(a.lock), camera=free_camera, online=online
+        **chosen, groups=tuple(args.groups), lock=tuple(args.lock), camera=free_camera, online=online
     )
 
 

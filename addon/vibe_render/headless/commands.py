@@ -26,86 +26,84 @@ from . import summary
 from .arguments import engine_options
 from .report import Reporter
 from .scenes import check_writable, open_blend, open_scene, save_blend
-from .shots import Framing, Reel, Shot
-from .summary import Laps, numbered
-
-Values = dict[str, Any]
+from .shots import Framing, RequestedShot, ShotList
+from .summary import Stopwatch, numbered
 
 
-def vibe(a: argparse.Namespace, reporter: Reporter) -> None:
+def vibe(args: argparse.Namespace, reporter: Reporter) -> None:
     """Opens or builds the scene, has the engine look for the look, renders it and saves everything."""
-    engine = Engine(a.engine)
+    engine = Engine(args.engine)
     engine.start()  # first of all: it loads while the scene does
-    talk = Conversation(engine, reporter.engine)
-    on_interrupt(talk.stop)
+    conversation = Conversation(engine, reporter.engine)
+    on_interrupt(conversation.stop)
     try:
-        carry_out(a, reporter, talk)
+        carry_out(args, reporter, conversation)
     except BaseException:
         engine.stop(patience=0.1)  # it may be in the middle of something
         raise
     engine.stop()
 
 
-def carry_out(a: argparse.Namespace, reporter: Reporter, talk: Conversation) -> Survey:
+def carry_out(args: argparse.Namespace, reporter: Reporter, conversation: Conversation) -> Survey:
     """One vibe with an engine that runs already, and goes on running: many can follow one another.
 
     Returns:
         The scene as it was looked at; it has its new values now.
     """
-    laps = Laps()
+    stopwatch = Stopwatch()
     temporary = tempfile.TemporaryDirectory(prefix="vibe-", ignore_cleanup_errors=True)
-    with temporary as folder, Outputs(a.out) as out:
-        reel = Reel(a, Path(folder), reporter)
-        reel.export()
-        laps.lap("open and export")
-        talk.ask(_request(a, reel))
-        for number in reversed(range(len(reel))):  # the last one is still open
-            _render(a, reel, number, out, "before.png")
-        laps.lap("render before")
-        found = talk.wait(messages.Result, lambda request: _anchor(request, reel, reporter))
-        laps.lap("wait for the engine")
-        measured, skipped = _finish(a, reel, found, talk, out, reporter, laps)
-        out.write_json("report.json", summary.report(a, reel, found, measured, skipped, laps))
-    reporter.result(summary.summary(reel, found, measured, skipped), found.stopped)
-    return reel.jobs[-1].survey
+    with temporary as folder, Outputs(args.out) as out:
+        shot_list = ShotList(args, Path(folder), reporter)
+        shot_list.export()
+        stopwatch.lap("open and export")
+        conversation.ask(_request(args, shot_list))
+        for number in reversed(range(len(shot_list))):  # the last one is still open
+            _render(args, shot_list, number, out, "before.png")
+        stopwatch.lap("render before")
+        result = conversation.wait(messages.Result, lambda request: _anchor(request, shot_list, reporter))
+        stopwatch.lap("wait for the engine")
+        measured, skipped = _finish(args, shot_list, result, conversation, out, reporter, stopwatch)
+        out.write_json("report.json", summary.report(args, shot_list, result, measured, skipped, stopwatch))
+    reporter.result(summary.summary(shot_list, result, measured, skipped), result.stopped)
+    return shot_list.jobs[-1].survey
 
 
-def _request(a: argparse.Namespace, reel: Reel) -> messages.Vibe:
+def _request(args: argparse.Namespace, shot_list: ShotList) -> messages.Vibe:
     """What the engine is asked for."""
-    several = len(reel) > 1
+    several = len(shot_list) > 1
     shots = [
         messages.Shot(str(job.folder), shot.name, shot.scene)
-        for job, shot in zip(reel.jobs, reel.shots, strict=True)
+        for job, shot in zip(shot_list.jobs, shot_list.shots, strict=True)
     ]
-    free_camera = reel.bare and not several
-    options = engine_options(a, free_camera=free_camera, online=preferences.online())
+    free_camera = shot_list.bare and not several
+    options = engine_options(args, free_camera=free_camera, online=preferences.online())
     return messages.Vibe(
-        schema.schema_hash(), shots[0].job, a.prompt, asdict(options), shots=shots if several else []
+        schema.schema_hash(), shots[0].job, args.prompt, asdict(options), shots=shots if several else []
     )
 
 
-def _anchor(request: messages.Anchor, reel: Reel, reporter: Reporter) -> messages.Anchored:
+def _anchor(request: messages.Anchor, shot_list: ShotList, reporter: Reporter) -> messages.Anchored:
     """Renders what the engine corrects itself by."""
-    name = reel.shots[request.shot].name
+    name = shot_list.shots[request.shot].name
     reporter.stage(f"rendering anchor {request.number}{f', {name}' if name else ''}")
-    job = reel.show(request.shot)
-    found = job.survey
-    return anchors.answer(found.scene, job.folder, request, found.objects, found.pivot)
+    job = shot_list.show(request.shot)
+    survey = job.survey
+    return anchors.answer(survey.scene, job.folder, request, survey.objects, survey.pivot)
 
 
-def _render(a: argparse.Namespace, reel: Reel, number: int, out: Outputs, name: str) -> None:
-    scene = reel.show(number).survey.scene
-    final_render.render(scene, out.path(numbered(name, number)), a.size, a.samples, a.seed)
+def _render(args: argparse.Namespace, shot_list: ShotList, number: int, out: Outputs, name: str) -> None:
+    scene = shot_list.show(number).survey.scene
+    final_render.render(scene, out.path(numbered(name, number)), args.size, args.samples, args.seed)
 
 
 def _finish(
-    a: argparse.Namespace,
-    reel: Reel,
-    found: messages.Result,
-    talk: Conversation,
+    args: argparse.Namespace,
+    shot_list: ShotList,
+    result: messages.Result,
+    conversation: Conversation,
     out: Outputs,
     reporter: Reporter,
-    laps: Laps,
+    stopwatch: Stopwatch,
 ) -> tuple[list[messages.Finished], dict[str, str]]:
     """Writes the values into every shot's scene, renders, measures and saves it.
 
@@ -114,97 +112,103 @@ def _finish(
     """
     measured: list[messages.Finished] = []
     skipped: dict[str, str] = {}
-    for number in range(len(reel)):
-        job, family = reel.show(number), reel.siblings(number)
+    for number in range(len(shot_list)):
+        job, family = shot_list.show(number), shot_list.siblings(number)
         scene, survey = job.survey.scene, job.survey
-        if a.grade_each or number == family[0]:
-            values = _values(a, reel, found, number)
+        if args.grade_each or number == family[0]:
+            values = _values(args, shot_list, result, number)
             skipped |= bindings.write(scene, values, survey.objects, survey.pivot)
-            if reel.choice.explicit:
+            if shot_list.choice.explicit:
                 stored_subject.remember(scene, survey.objects)
         reporter.stage("rendering with Cycles")
-        _render(a, reel, number, out, "after.png")
-        final_render.render_mask(scene, out.path(numbered("mask.png", number)), a.size, survey.objects)
-        laps.lap("render after")
+        _render(args, shot_list, number, out, "after.png")
+        final_render.render_mask(scene, out.path(numbered("mask.png", number)), args.size, survey.objects)
+        stopwatch.lap("render after")
         pictures = [out.path(numbered(name, number)) for name in ("before.png", "after.png")]
         # Not in `out`, which a failure clears while the engine writes.
         compared = Path(job.folder) / "compare.png"
         pictures.append(compared)
-        talk.ask(messages.Finish(*map(str, pictures), shot=number))  # type: ignore[misc, arg-type]
+        conversation.ask(messages.Finish(*map(str, pictures), shot=number))  # type: ignore[misc, arg-type]
         if number == 0:
-            out.write_text("preset.json", take.extract(a.prompt, job, found.values).dumps())
-            _write_variants(out, a, reel, found)
-        if a.grade_each or number == family[-1]:
-            if not a.grade_each:
-                reel.restore()
-            save_blend(out.path(summary.blend_of(a, reel, number)))
-        measured.append(talk.wait(messages.Finished))
+            out.write_text("preset.json", take.extract(args.prompt, job, result.values).dumps())
+            _write_variants(out, args, shot_list, result)
+        if args.grade_each or number == family[-1]:
+            if not args.grade_each:
+                shot_list.restore()
+            save_blend(out.path(summary.blend_of(args, shot_list, number)))
+        measured.append(conversation.wait(messages.Finished))
         out.copy("compare.png", compared)
-        laps.lap("save and measure")
+        stopwatch.lap("save and measure")
     return measured, skipped
 
 
-def _values(a: argparse.Namespace, reel: Reel, found: messages.Result, number: int) -> Values:
+def _values(
+    args: argparse.Namespace, shot_list: ShotList, result: messages.Result, number: int
+) -> dict[str, Any]:
     """What is written into a shot's scene: also what only the other shots of this .blend show.
 
     With a grade for each, this shot's own, and not what is left of another's.
     """
-    if not found.shots:
-        return found.values
-    values = {key: value for i in reel.siblings(number) for key, value in found.shots[i].items()}
-    if not a.grade_each:
+    if not result.shots:
+        return result.values
+    values = {key: value for i in shot_list.siblings(number) for key, value in result.shots[i].items()}
+    if not args.grade_each:
         return values
-    film = {key: list(i.value) for key, i in reel.jobs[number].instances.items() if key.startswith("film/")}
-    return values | {key: value for key, value in film.items() if key in values} | found.shots[number]
+    film = {
+        key: list(i.value) for key, i in shot_list.jobs[number].instances.items() if key.startswith("film/")
+    }
+    return values | {key: value for key, value in film.items() if key in values} | result.shots[number]
 
 
-def _write_variants(out: Outputs, a: argparse.Namespace, reel: Reel, found: messages.Result) -> None:
+def _write_variants(
+    out: Outputs, args: argparse.Namespace, shot_list: ShotList, result: messages.Result
+) -> None:
     """A preset of every variant, and the sheet to choose from."""
-    job = reel.jobs[0]
-    for number, variant in enumerate(found.variants, start=1):
-        look = take.extract(a.prompt, job, variant.values, f"{number}: {a.prompt}")
+    job = shot_list.jobs[0]
+    for number, variant in enumerate(result.variants, start=1):
+        look = take.extract(args.prompt, job, variant.values, f"{number}: {args.prompt}")
         out.write_text(f"preset-{number}.json", look.dumps())
-    if found.variants:
+    if result.variants:
         out.copy(messages.VARIANTS, Path(job.folder) / messages.VARIANTS)
 
 
-def export(a: argparse.Namespace, reporter: Reporter) -> None:
+def export(args: argparse.Namespace, reporter: Reporter) -> None:
     """Writes what the engine needs to know of a scene into a folder, and leaves the file alone."""
-    scene, choice, _ = open_scene(a, reporter)
+    scene, choice, _ = open_scene(args, reporter)
     reporter.stage("reading the scene")
-    jobs.open_job(scene, a.out, choice)
-    reporter.result([f"Written: {a.out}"])
+    jobs.open_job(scene, args.out, choice)
+    reporter.result([f"Written: {args.out}"])
 
 
-def apply(a: argparse.Namespace, reporter: Reporter) -> None:
+def apply(args: argparse.Namespace, reporter: Reporter) -> None:
     """Puts a preset on a scene, renders it before and after, and saves it."""
-    look = library.named(a.preset)
-    with Outputs(a.out) as out:
-        scene, choice, _ = open_scene(a, reporter)
+    look = library.named(args.preset)
+    with Outputs(args.out) as out:
+        scene, choice, _ = open_scene(args, reporter)
         sight = jobs.open_sight(scene, choice)
-        survey, found = sight.survey, fit.fit(look, sight)
-        if not found.values:
+        survey, fitted = sight.survey, fit.fit(look, sight)
+        if not fitted.values:
             raise schema.VibeError("Nothing in this scene takes what the preset holds.", "Use another scene.")
         reporter.stage("rendering before")
-        final_render.render(scene, out.path("before.png"), a.size, a.samples, a.seed)
-        skipped = bindings.write(scene, found.values, survey.objects, survey.pivot)
+        final_render.render(scene, out.path("before.png"), args.size, args.samples, args.seed)
+        skipped = bindings.write(scene, fitted.values, survey.objects, survey.pivot)
         if choice.explicit:
             stored_subject.remember(scene, survey.objects)
         reporter.stage("rendering after")
-        final_render.render(scene, out.path("after.png"), a.size, a.samples, a.seed)
-        final_render.render_mask(scene, out.path("mask.png"), a.size, survey.objects)
+        final_render.render(scene, out.path("after.png"), args.size, args.samples, args.seed)
+        final_render.render_mask(scene, out.path("mask.png"), args.size, survey.objects)
         save_blend(out.path("vibed.blend"))
-    lines = [f"Did not fit: {line}" for line in found.rest]
+    lines = [f"Did not fit: {line}" for line in fitted.rest]
     lines += [f"Did not fit: {labels.title(key)}: {reason}" for key, reason in skipped.items()]
-    count = len(found.values) - len(skipped)
-    listed = summary.listed(sight.instances, found.values)
+    count = len(fitted.values) - len(skipped)
+    listed = summary.listed(sight.instances, fitted.values)
     reporter.result([f"{count} values of the preset fit this scene.", *listed, *lines])
 
 
-def revert(a: argparse.Namespace, reporter: Reporter) -> None:
+def revert(args: argparse.Namespace, reporter: Reporter) -> None:
     """Takes every vibe out of a .blend, which is written in place."""
-    if a.scene:
-        open_blend(Path(a.scene))
+    if args.scene:
+        open_blend(Path(args.scene))
     path = Path(bpy.data.filepath)
     scenes = [scene for scene in bpy.data.scenes if snapshot.exists(scene)]
     if not scenes:
@@ -218,21 +222,21 @@ def revert(a: argparse.Namespace, reporter: Reporter) -> None:
     reporter.result([f"{path.name} is as it was before.", *(f"Could not restore: {line}" for line in lost)])
 
 
-def frames(a: argparse.Namespace, reporter: Reporter) -> None:
+def frames(args: argparse.Namespace, reporter: Reporter) -> None:
     """Renders frames of a .blend as it stands, with Cycles, to OUT/0001.png and so on; those that are there stay.
 
     Through the camera that is given, or through the scene's own, as its markers say.
     """
-    a.out.mkdir(parents=True, exist_ok=True)
-    scene, _, _ = open_scene(a, reporter)
-    Framing(scene).show(Shot(a.scene, *a.cameras[:1]))
-    for number in a.frames or range(scene.frame_start, scene.frame_end + 1):
-        path = a.out / f"{number:04}.png"
+    args.out.mkdir(parents=True, exist_ok=True)
+    scene, _, _ = open_scene(args, reporter)
+    Framing(scene).show(RequestedShot(args.scene, *args.cameras[:1]))
+    for number in args.frames or range(scene.frame_start, scene.frame_end + 1):
+        path = args.out / f"{number:04}.png"
         if not path.exists():
             reporter.stage(f"rendering frame {number}")
             scene.frame_set(number)
             final_render.render_final(scene, path)
-    reporter.result([f"Written: {a.out}"])
+    reporter.result([f"Written: {args.out}"])
 
 
 COMMANDS: dict[str, Callable[[argparse.Namespace, Reporter], None]] = {

@@ -16,16 +16,16 @@ from ..scene.subject import Choice
 from .report import Reporter
 
 
-def open_scene(a: argparse.Namespace, reporter: Reporter) -> tuple[bpy.types.Scene, Choice, bool]:
+def open_scene(args: argparse.Namespace, reporter: Reporter) -> tuple[bpy.types.Scene, Choice, bool]:
     """The scene, how its subject is chosen, and whether it is a bare mesh that we have staged."""
-    path = Path(a.scene).expanduser().absolute() if a.scene else None
-    chosen = tuple(a.subject)
-    if a.command == "demo" or a.demo:
+    path = Path(args.scene).expanduser().absolute() if args.scene else None
+    chosen = tuple(args.subject)
+    if args.command == "demo" or args.demo:
         reporter.stage("building the demo scene")
         return demo.build_demo(), Choice(chosen or (demo.SUBJECT,)), False
     if path and path.suffix.lower() in stage.FORMATS:
         reporter.stage(f"staging {path.name}")
-        scene = stage.build_stage(path, a.stage)
+        scene = stage.build_stage(path, args.stage)
         return scene, Choice(chosen, selected=not chosen), True
     if path:
         reporter.stage(f"opening {path.name}")

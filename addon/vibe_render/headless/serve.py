@@ -30,15 +30,15 @@ def serve() -> None:
     threading.Thread(target=_listen, args=(lines,), daemon=True).start()
     reporter, engine = Reporter(events=True), Engine()
     engine.start()
-    talk = Conversation(engine, reporter.engine)
+    conversation = Conversation(engine, reporter.engine)
     try:
         while line := lines.get():
             if not engine.alive:
                 engine = Engine()
                 engine.start()
-                talk = Conversation(engine, reporter.engine)
+                conversation = Conversation(engine, reporter.engine)
             try:
-                _carry_out(json.loads(line), reporter, talk)
+                _carry_out(json.loads(line), reporter, conversation)
             except schema.VibeError as error:
                 reporter.error(error)
                 engine.stop(patience=0.1)  # it may be in the middle of something
@@ -46,12 +46,12 @@ def serve() -> None:
         engine.stop()
 
 
-def _carry_out(arguments: list[str], reporter: Reporter, talk: Conversation) -> None:
-    given = parse(arguments)
-    if given.command == "run":
-        commands.carry_out(given, reporter, talk)
+def _carry_out(arguments: list[str], reporter: Reporter, conversation: Conversation) -> None:
+    args = parse(arguments)
+    if args.command == "run":
+        commands.carry_out(args, reporter, conversation)
     else:
-        commands.COMMANDS[given.command](given, reporter)
+        commands.COMMANDS[args.command](args, reporter)
 
 
 def _listen(lines: queue.SimpleQueue[str | None]) -> None:

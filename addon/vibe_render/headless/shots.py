@@ -22,7 +22,7 @@ from .scenes import open_scene
 
 
 @dataclass(frozen=True)
-class Shot:
+class RequestedShot:
     """One of them.
 
     Attributes:
@@ -38,21 +38,21 @@ class Shot:
     name: str = ""
 
 
-def shots_of(a: argparse.Namespace) -> list[Shot]:
+def shots_of(args: argparse.Namespace) -> list[RequestedShot]:
     """Every scene, through each camera, at each frame."""
     shots = [
-        Shot(scene, camera, frame)
-        for scene in a.scenes
-        for camera in a.cameras or [""]
-        for frame in a.frames or [None]
+        RequestedShot(scene, camera, frame)
+        for scene in args.scenes
+        for camera in args.cameras or [""]
+        for frame in args.frames or [None]
     ]
     if len(shots) == 1:
         return shots
-    stems = {scene: Path(scene).stem if len(a.scenes) > 1 else "" for scene in a.scenes}
+    stems = {scene: Path(scene).stem if len(args.scenes) > 1 else "" for scene in args.scenes}
     return [replace(shot, name=_name(stems[shot.scene], shot)) for shot in shots]
 
 
-def _name(stem: str, shot: Shot) -> str:
+def _name(stem: str, shot: RequestedShot) -> str:
     frame = "" if shot.frame is None else f"frame {shot.frame}"
     return " · ".join(part for part in (stem, shot.camera, frame) if part)
 
@@ -64,15 +64,16 @@ class Framing:
         self._scene, self._camera, self._frame = scene, scene.camera, scene.frame_current
         self._markers = [(marker, marker.camera) for marker in scene.timeline_markers]
 
-    def show(self, shot: Shot) -> None:
+    def show(self, shot: RequestedShot) -> None:
         """Looks through a shot's camera, at its frame."""
         scene = self._scene
         if shot.camera:
             camera = scene.objects.get(shot.camera)
             if camera is None or camera.type != "CAMERA":
-                known = ", ".join(sorted(o.name for o in scene.objects if o.type == "CAMERA")) or "none"
+                cameras = ", ".join(sorted(o.name for o in scene.objects if o.type == "CAMERA")) or "none"
                 raise schema.VibeError(
-                    f"There is no camera {shot.camera!r} in {Path(shot.scene).name}.", f"There are: {known}."
+                    f"There is no camera {shot.camera!r} in {Path(shot.scene).name}.",
+                    f"There are: {cameras}.",
                 )
             for marker, _ in self._markers:  # or the frame would choose the camera
                 marker.camera = None
@@ -91,11 +92,11 @@ class Framing:
             self._scene.camera = self._camera
 
 
-class Reel:
+class ShotList:
     """The shots in their order; those of one .blend come after one another. One of them is shown at a time.
 
     Args:
-        a: The command line.
+        args: The command line.
         folder: For the job folders.
         reporter: Hears what is opened.
 
@@ -106,9 +107,9 @@ class Reel:
         bare: Whether the first one is a bare mesh.
     """
 
-    def __init__(self, a: argparse.Namespace, folder: Path, reporter: Reporter) -> None:
-        self._a, self._folder, self._reporter = a, folder, reporter
-        self.shots = shots_of(a)
+    def __init__(self, args: argparse.Namespace, folder: Path, reporter: Reporter) -> None:
+        self._args, self._folder, self._reporter = args, folder, reporter
+        self.shots = shots_of(args)
         self.jobs: list[Job] = []
         self.bare = False
         self._open: str | None = None
@@ -140,9 +141,9 @@ class Reel:
     def show(self, number: int) -> Job:
         """Puts a shot before its camera; opens its .blend and prepares it again if another one is open."""
         shot = self.shots[number]
-        known = self._open == shot.scene
+        is_open = self._open == shot.scene
         scene, choice = self._shown(number)
-        if not known:
+        if not is_open:
             if shot.scene in self._fog:
                 fog.plan(scene, self._fog[shot.scene])
             jobs.ready(scene, choice)
@@ -160,9 +161,9 @@ class Reel:
     def _shown(self, number: int) -> tuple[bpy.types.Scene, Choice]:
         shot = self.shots[number]
         if self._framing is None or self._open != shot.scene:
-            a = copy(self._a)
-            a.scene = shot.scene
-            scene, self.choice, bare = open_scene(a, self._reporter)
+            args = copy(self._args)
+            args.scene = shot.scene
+            scene, self.choice, bare = open_scene(args, self._reporter)
             self._open, self._framing = shot.scene, Framing(scene)
             self.bare = self.bare or (bare and not self.jobs)
         self._framing.show(shot)

@@ -15,49 +15,51 @@ import bpy
 from ..core.schema_import import labels, messages, schema
 from ..session.model_notes import model_lines
 from ..session.word_notes import word_notes
-from .shots import Reel
+from .shots import ShotList
 
 _SHOWN = 8
 
 
 def report(
-    a: argparse.Namespace,
-    reel: Reel,
-    found: messages.Result,
+    args: argparse.Namespace,
+    shot_list: ShotList,
+    result: messages.Result,
     measured: Sequence[messages.Finished],
     skipped: dict[str, str],
-    laps: Laps,
+    stopwatch: Stopwatch,
 ) -> dict[str, Any]:
     """The fields of report.json: the engine's, and ours. Figures of several shots are their means."""
-    fields = dict(found.report)
-    timings = {**laps.seconds, **{f"engine: {k}": v for k, v in fields.pop("timings", {}).items()}}
+    fields = dict(result.report)
+    timings = {**stopwatch.seconds, **{f"engine: {k}": v for k, v in fields.pop("timings", {}).items()}}
     versions = {**fields.pop("versions", {}), "blender": bpy.app.version_string}
     judges = [each.judge for each in measured if each.judge]
     return {
         **fields,
-        "prompt": a.prompt,
-        "scene": os.path.basename(a.scene or bpy.data.filepath) or a.command,
-        "subject": sorted(reel.subjects[0]),
+        "prompt": args.prompt,
+        "scene": os.path.basename(args.scene or bpy.data.filepath) or args.command,
+        "subject": sorted(shot_list.subjects[0]),
         "similarity": _mean([each.similarity for each in measured]),
         "delta_e": _mean([{"": each.delta_e} for each in measured])[""],
         **({"judge": judges[0]} if judges else {}),
-        **({"shots": _shots(a, reel, measured)} if len(reel) > 1 else {}),
-        "stopped": found.stopped,
+        **({"shots": _shots(args, shot_list, measured)} if len(shot_list) > 1 else {}),
+        "stopped": result.stopped,
         "not_written": skipped,
         "delta_e_others": _mean([each.others for each in measured]),
-        "warnings": _warnings(reel, found),
-        "timings": {**timings, "total": round(sum(laps.seconds.values()), 2)},
+        "warnings": _warnings(shot_list, result),
+        "timings": {**timings, "total": round(sum(stopwatch.seconds.values()), 2)},
         "versions": versions,
     }
 
 
-def _shots(a: argparse.Namespace, reel: Reel, measured: Sequence[messages.Finished]) -> list[dict[str, Any]]:
+def _shots(
+    args: argparse.Namespace, shot_list: ShotList, measured: Sequence[messages.Finished]
+) -> list[dict[str, Any]]:
     """What became of each of several shots, and where its pictures are."""
     return [
         {
             "name": shot.name,
             "scene": Path(shot.scene).stem,
-            "blend": blend_of(a, reel, number),
+            "blend": blend_of(args, shot_list, number),
             "camera": shot.camera,
             "frame": shot.frame,
             "before": numbered("before.png", number),
@@ -66,14 +68,14 @@ def _shots(a: argparse.Namespace, reel: Reel, measured: Sequence[messages.Finish
             "delta_e": each.delta_e,
             **({"judge": each.judge} if each.judge else {}),
         }
-        for number, (shot, each) in enumerate(zip(reel.shots, measured, strict=True))
+        for number, (shot, each) in enumerate(zip(shot_list.shots, measured, strict=True))
     ]
 
 
-def blend_of(a: argparse.Namespace, reel: Reel, number: int) -> str:
+def blend_of(args: argparse.Namespace, shot_list: ShotList, number: int) -> str:
     """The name of the .blend that a shot is saved in: with a grade for each, its own; else its scene's."""
-    scenes = list(dict.fromkeys(a.scenes))
-    return numbered("vibed.blend", number if a.grade_each else scenes.index(reel.shots[number].scene))
+    scenes = list(dict.fromkeys(args.scenes))
+    return numbered("vibed.blend", number if args.grade_each else scenes.index(shot_list.shots[number].scene))
 
 
 def numbered(name: str, number: int) -> str:
@@ -86,26 +88,29 @@ def _mean(rows: Sequence[dict[str, float]]) -> dict[str, float]:
     return {key: round(sum(row[key] for row in rows) / len(rows), 4) for key in rows[0]}
 
 
-def _warnings(reel: Reel, found: messages.Result) -> list[str]:
+def _warnings(shot_list: ShotList, result: messages.Result) -> list[str]:
     """What the prediction lacks, in words for the artist."""
-    ours = [warning for job in reel.jobs for warning in job.warnings]
-    return list(dict.fromkeys([*ours, *found.report.get("anchored", {}).get("notes", [])]))
+    ours = [warning for job in shot_list.jobs for warning in job.warnings]
+    return list(dict.fromkeys([*ours, *result.report.get("anchored", {}).get("notes", [])]))
 
 
 def summary(
-    reel: Reel, found: messages.Result, measured: Sequence[messages.Finished], skipped: dict[str, str]
+    shot_list: ShotList,
+    result: messages.Result,
+    measured: Sequence[messages.Finished],
+    skipped: dict[str, str],
 ) -> list[str]:
     """The lines that the artist reads."""
-    values = {k: v for k, v in found.values.items() if k not in skipped}
-    notes = [*word_notes(found.report)[:6], *_warnings(reel, found)[:4]]
-    lines = [*(f"Note: {note}" for note in notes), *listed(reel.jobs[0].instances, values)]
-    if found.variants:
+    values = {k: v for k, v in result.values.items() if k not in skipped}
+    notes = [*word_notes(result.report)[:6], *_warnings(shot_list, result)[:4]]
+    lines = [*(f"Note: {note}" for note in notes), *listed(shot_list.jobs[0].instances, values)]
+    if result.variants:
         lines.append(
-            f"{len(found.variants)} variants on variants.png; `vibe apply preset-2.json` takes the second."
+            f"{len(result.variants)} variants on variants.png; `vibe apply preset-2.json` takes the second."
         )
-    lines += model_lines(found.report, measured[0].judge)
-    for shot, each in zip(reel.shots, measured, strict=True):
-        s, who = each.similarity, f"{shot.name}: " if len(reel) > 1 else ""
+    lines += model_lines(result.report, measured[0].judge)
+    for shot, each in zip(shot_list.shots, measured, strict=True):
+        s, who = each.similarity, f"{shot.name}: " if len(shot_list) > 1 else ""
         lines.append(
             f"{who}Similarity to the words {s['before']:.3f} -> {s['after']:.3f}; "
             f"the prediction is {each.delta_e:.1f} CIEDE2000 away from Cycles."
@@ -130,7 +135,7 @@ def listed(instances: dict[str, schema.Instance], values: dict[str, Any]) -> lis
     return [line for _, line in rows[:_SHOWN]] + more
 
 
-class Laps:
+class Stopwatch:
     """A stopwatch: `seconds` by the name of the lap."""
 
     def __init__(self) -> None:

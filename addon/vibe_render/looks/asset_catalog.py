@@ -57,9 +57,9 @@ def add(place: Path, paths: Iterable[str]) -> None:
         lines = [line.strip() for line in text.splitlines()]
         if "VERSION 1" not in lines:
             raise schema.VibeError(f"{file} is of another version.", "Choose another folder.")
-        known = {line.partition(":")[0] for line in lines}
+        present = {line.partition(":")[0] for line in lines}
         rows = [f"{identifier(path)}:{path}:{path.replace('/', '-')}" for path in paths]
-        missing = [row for row in rows if row.partition(":")[0] not in known]
+        missing = [row for row in rows if row.partition(":")[0] not in present]
         if not missing:
             return
         with whole(file) as part:

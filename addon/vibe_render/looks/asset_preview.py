@@ -39,8 +39,8 @@ def balls(materials: Sequence[Material]) -> list[np.ndarray]:
         with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
             return [_shoot(scene, ball, material, Path(folder) / "ball.png") for material in materials]
     finally:
-        made = [(kind, b) for kind in _KINDS for b in list(getattr(bpy.data, kind)) if b not in before]
-        for kind, block in made:
+        temporary = [(kind, b) for kind in _KINDS for b in list(getattr(bpy.data, kind)) if b not in before]
+        for kind, block in temporary:
             getattr(bpy.data, kind).remove(block)
 
 

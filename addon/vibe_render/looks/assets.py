@@ -32,11 +32,11 @@ class _Crate:
 
     name: str
     assets: list[tuple[ID, str]] = field(default_factory=list)
-    made: list[tuple[str, ID]] = field(default_factory=list)
+    copies: list[tuple[str, ID]] = field(default_factory=list)
 
     def keep(self, collection: str, block: Any, name: str) -> Any:
         """Notes a copy, for its removal, under the look's name."""
-        self.made.append((collection, block))
+        self.copies.append((collection, block))
         block.name = f"{self.name} {name}"
         if owned.MARK in block:  # what somebody drags into another file is theirs, and not for us to find
             del block[owned.MARK]
@@ -52,7 +52,7 @@ class _Crate:
 
     def empty(self) -> None:
         """Removes the copies from the open file."""
-        for collection, block in reversed(self.made):
+        for collection, block in reversed(self.copies):
             getattr(bpy.data, collection).remove(block)
 
 

@@ -11,7 +11,7 @@ import bpy
 from ..core.schema_import import labels, preset, schema
 from ..scene import prepare, scene_context
 from . import take
-from .take import RADIANCE, Known, camera_azimuth, owners
+from .take import RADIANCE, SceneParameters, camera_azimuth, owners
 
 _TEXTURE_LUMA = 0.5  # of a typical texture: what a color is divided by to become a tint
 _OURS = {"key": "Vibe Key", "fill": "Vibe Fill", "rim": "Vibe Rim"}
@@ -33,32 +33,32 @@ class Fit:
     rest: list[str] = field(default_factory=list)
 
 
-def fit(look: preset.Preset, known: Known) -> Fit:
+def fit(look: preset.Preset, target: SceneParameters) -> Fit:
     """Values for another scene, and what that scene has no place for.
 
     Where the scene has more materials or lights of a role than the preset, the rest get the last entry;
     where it has none of a light that the look needs, one is added.
     """
-    found = Fit()
+    result = Fit()
     for role, entries in look.roles.items():
-        group, theirs = preset.ROLES[role], owners(known, role)
+        group, theirs = preset.ROLES[role], owners(target, role)
         kinds = look.kinds.get(role) or ["AREA"] * len(entries)
         if not theirs and entries:
-            _missing(found, known, role, entries[0], kinds)
+            _missing(result, target, role, entries[0], kinds)
         if role == "subject":
-            theirs, less = _prominent(theirs, len(entries), take.shares(known.survey))
-            found.rest += [f"{owner}: shows too little to be what the look is about" for owner in less]
+            theirs, less = _prominent(theirs, len(entries), take.shares(target.survey))
+            result.rest += [f"{owner}: shows too little to be what the look is about" for owner in less]
         for place, owner in enumerate(theirs if entries else ()):
             index = min(place, len(entries) - 1)
             entry = entries[index]
             if group == "light":
                 entry = _for_light(entry, kinds[index], bpy.data.objects[owner].data.type)
             for name, value in entry.items():
-                _put(found, known, group, owner, name, value)
+                _put(result, target, group, owner, name, value)
         spare = sum(map(bool, entries[len(theirs) :])) if theirs else 0
         if spare:
-            found.rest.append(f"{_words(role)}: {spare} more than this scene has")
-    return found
+            result.rest.append(f"{_words(role)}: {spare} more than this scene has")
+    return result
 
 
 def _prominent(owners: list[str], count: int, shares: dict[str, float]) -> tuple[list[str], list[str]]:
@@ -74,24 +74,24 @@ def _words(role: str) -> str:
     return f"{role.capitalize()} {group}" if group in ("material", "light") else role.capitalize()
 
 
-def _missing(found: Fit, known: Known, role: str, entry: preset.Entry, kinds: list[str]) -> None:
+def _missing(result: Fit, target: SceneParameters, role: str, entry: preset.Entry, kinds: list[str]) -> None:
     """A role that nothing in the scene has: a light of ours takes it, if it would be seen."""
     ours = _OURS.get(role, "")
     entry = _for_light(entry, kinds[0], "AREA") if ours else entry
     if "power" not in entry or ours in bpy.data.objects:
         if entry:
-            found.rest.append(f"{_words(role)}: this scene has none")
+            result.rest.append(f"{_words(role)}: this scene has none")
         return
     if entry["power"][0] * RADIANCE["AREA"] < _DIM:
         return
-    corners = scene_context.bounds(known.survey.scene, known.survey.objects)
+    corners = scene_context.bounds(target.survey.scene, target.survey.objects)
     distance = prepare.light_distance(*corners)
     lengths = {"light_distance": distance, "light_distance_squared": distance * distance}
     for name, value in entry.items():
         parameter = schema.FAMILIES[f"light/{name}"]
         reference = lengths.get(parameter.reference, 1.0)
-        turn = camera_azimuth(known) if name == "azimuth" else 0.0
-        found.values[parameter.key(ours)] = [v * reference + turn for v in value]
+        turn = camera_azimuth(target) if name == "azimuth" else 0.0
+        result.values[parameter.key(ours)] = [v * reference + turn for v in value]
 
 
 def _for_light(entry: preset.Entry, made_on: str, kind: str) -> preset.Entry:
@@ -107,29 +107,29 @@ def _for_light(entry: preset.Entry, made_on: str, kind: str) -> preset.Entry:
     return result
 
 
-def _put(found: Fit, known: Known, group: str, owner: str, name: str, value: list[float]) -> None:
+def _put(result: Fit, target: SceneParameters, group: str, owner: str, name: str, value: list[float]) -> None:
     """One value as the scene can take it, within its bounds; otherwise why not."""
     key = schema.FAMILIES[f"{group}/{name}"].key(owner)
-    instance = known.instances.get(key)
+    instance = target.instances.get(key)
     if instance is None or instance.locked:
-        tinted = _as_tint(known, group, owner, value) if name in ("base_color", "color") else {}
-        found.values |= tinted
+        tinted = _as_tint(target, group, owner, value) if name in ("base_color", "color") else {}
+        result.values |= tinted
         if not tinted and not (instance is None and name in _ONLY_LAMPS):
             reason = instance.locked if instance else "there is nothing of that kind in this scene"
-            found.rest.append(f"{labels.title(key)}: {reason}")
+            result.rest.append(f"{labels.title(key)}: {reason}")
         return
     if group == "light" and name == "azimuth":
-        value = [value[0] + camera_azimuth(known)]
+        value = [value[0] + camera_azimuth(target)]
     bounds = zip(value, instance.lower, instance.upper, strict=True)
-    found.values[key] = [min(max(v * instance.reference, low), high) for v, low, high in bounds]
+    result.values[key] = [min(max(v * instance.reference, low), high) for v, low, high in bounds]
 
 
-def _as_tint(known: Known, group: str, owner: str, color: list[float]) -> dict[str, list[float]]:
+def _as_tint(target: SceneParameters, group: str, owner: str, color: list[float]) -> dict[str, list[float]]:
     """A color for something whose own color is a texture."""
-    tint = known.instances.get(f"{group}/{owner}/tint" if owner else f"{group}/tint")
-    recolor = known.instances.get(f"{group}/{owner}/recolor")
+    tint = target.instances.get(f"{group}/{owner}/tint" if owner else f"{group}/tint")
+    recolor = target.instances.get(f"{group}/{owner}/recolor")
     if tint is None or tint.locked:
         return {}
     level = _TEXTURE_LUMA if group == "material" else max(*color, 1e-3)
-    found = {tint.key: [min(v / level, high) for v, high in zip(color, tint.upper, strict=True)]}
-    return {**found, recolor.key: [1.0]} if recolor and not recolor.locked else found
+    tinted = {tint.key: [min(v / level, high) for v, high in zip(color, tint.upper, strict=True)]}
+    return {**tinted, recolor.key: [1.0]} if recolor and not recolor.locked else tinted

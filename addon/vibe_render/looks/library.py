@@ -74,11 +74,11 @@ def folder(create: bool = False) -> Path:
 
 def looks(words: str = "") -> list[Look]:
     """The artist's own presets, then those that come with us, by name; those that match some words."""
-    found: list[Look] = []
+    all_looks: list[Look] = []
     for place in (folder(), SHIPPED):
         theirs = [_read(path, *_stamp(path)) for path in place.glob("[!.]*.json")]
-        found += sorted(theirs, key=lambda look: (look.name.casefold(), look.path.name))
-    return [look for look in found if look.matches(words)]
+        all_looks += sorted(theirs, key=lambda look: (look.name.casefold(), look.path.name))
+    return [look for look in all_looks if look.matches(words)]
 
 
 def named(preset_: str) -> preset.Preset:
@@ -99,15 +99,15 @@ def find(name: str) -> Look:
     Raises:
         VibeError: There is none, or not only one.
     """
-    known, wanted = looks(), name.casefold().strip()
+    library, wanted = looks(), name.casefold().strip()
     for same in (
         lambda look: look.name.casefold() == wanted,
         lambda look: look.name.casefold().startswith(wanted),
     ):
-        chosen = [look for look in known if same(look)]
+        chosen = [look for look in library if same(look)]
         if len({look.name for look in chosen}) == 1:
             return chosen[0]
-    listed = ", ".join(look.name for look in known)
+    listed = ", ".join(look.name for look in library)
     raise schema.VibeError(f"There is no preset {name!r}.", f"Name a file, or one of: {listed}.")
 
 
@@ -143,10 +143,10 @@ def rename(look: Look, name: str) -> Look:
     _check_own(look)
     if look.preset is None:
         raise schema.VibeError(look.problem, "Delete it, or correct the file.")
-    made = _write(look.path.parent, replace(look.preset, name=name), look.picture, look.path)
-    if made.path != look.path:
+    renamed = _write(look.path.parent, replace(look.preset, name=name), look.picture, look.path)
+    if renamed.path != look.path:
         delete(look)
-    return made
+    return renamed
 
 
 def delete(look: Look) -> None:
@@ -183,10 +183,10 @@ def _check_own(look: Look) -> None:
 def _stamp(path: Path) -> tuple[int, int]:
     """Changes when the file does."""
     try:
-        found = path.stat()
+        status = path.stat()
     except OSError:
         return 0, 0
-    return found.st_mtime_ns, found.st_size
+    return status.st_mtime_ns, status.st_size
 
 
 @lru_cache(maxsize=1000)  # panels ask many times a second

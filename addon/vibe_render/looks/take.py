@@ -23,7 +23,7 @@ RADIANCE = {
 }
 
 
-class Known(Protocol):
+class SceneParameters(Protocol):
     """What is known about a scene: an exported job, or less."""
 
     @property
@@ -55,20 +55,20 @@ def load(path: Path) -> preset.Preset:
 
 
 def extract(
-    prompt: str, known: Known, values: Mapping[str, Sequence[float]], name: str = ""
+    prompt: str, scene: SceneParameters, values: Mapping[str, Sequence[float]], name: str = ""
 ) -> preset.Preset:
     """The look that a vibe gave a scene.
 
     Args:
         prompt: What the artist typed.
-        known: The scene.
+        scene: The scene.
         values: What the vibe has changed, by key.
         name: A title; without one, the prompt's first words.
     """
     roles: dict[str, list[preset.Entry]] = {}
     kinds: dict[str, list[str]] = {}
     for role, group in preset.ROLES.items():
-        entries = {owner: _entry(known, group, owner, values) for owner in owners(known, role)}
+        entries = {owner: _entry(scene, group, owner, values) for owner in owners(scene, role)}
         if any(entries.values()):
             roles[role] = list(entries.values())
             if group == "light":
@@ -76,19 +76,19 @@ def extract(
     return preset.Preset(preset.title(name or prompt), roles, kinds, prompt)
 
 
-def owners(known: Known, role: str) -> list[str]:
+def owners(scene: SceneParameters, role: str) -> list[str]:
     """Names in keys of all that has a role, the most visible or the brightest first."""
     group = preset.ROLES[role]
     if group not in ("material", "light"):
         return [""]
-    theirs = {i.owner for i in known.instances.values() if i.parameter.group == group and i.role == role}
-    order = shares(known.survey) if group == "material" else {o: _brightness(known, o) for o in theirs}
+    theirs = {i.owner for i in scene.instances.values() if i.parameter.group == group and i.role == role}
+    order = shares(scene.survey) if group == "material" else {o: _brightness(scene, o) for o in theirs}
     return sorted(theirs, key=lambda owner: (-order.get(owner, 0), owner))
 
 
-def camera_azimuth(known: Known) -> float:
+def camera_azimuth(scene: SceneParameters) -> float:
     """Where the camera stands, degrees; light directions in presets are counted from there."""
-    instance = known.instances.get("camera/azimuth")
+    instance = scene.instances.get("camera/azimuth")
     return instance.value[0] if instance else 0.0
 
 
@@ -98,23 +98,25 @@ def shares(survey: Survey) -> dict[str, float]:
     return {survey.geometry.materials[n]: float(c) for n, c in zip(numbers, counts, strict=True) if n >= 0}
 
 
-def _brightness(known: Known, owner: str) -> float:
+def _brightness(scene: SceneParameters, owner: str) -> float:
     """What a white surface at the subject that faces the light sends back."""
     for name in ("power", "strength"):
-        if instance := known.instances.get(f"light/{owner}/{name}"):
+        if instance := scene.instances.get(f"light/{owner}/{name}"):
             return instance.value[0] / instance.reference * RADIANCE[bpy.data.objects[owner].data.type]
     return 0.0
 
 
-def _entry(known: Known, group: str, owner: str, values: Mapping[str, Sequence[float]]) -> preset.Entry:
+def _entry(
+    scene: SceneParameters, group: str, owner: str, values: Mapping[str, Sequence[float]]
+) -> preset.Entry:
     """What has been changed of one material, light, …, free of names and lengths."""
     entry = {}
     for name in (p.name for p in schema.PARAMETERS if p.group == group):
         key = schema.FAMILIES[f"{group}/{name}"].key(owner)
-        if key in values and key in known.instances:
-            entry[name] = [v / known.instances[key].reference for v in values[key]]
+        if key in values and key in scene.instances:
+            entry[name] = [v / scene.instances[key].reference for v in values[key]]
             if group == "light" and name == "azimuth":
-                camera = values.get("camera/azimuth", [camera_azimuth(known)])[0]
+                camera = values.get("camera/azimuth", [camera_azimuth(scene)])[0]
                 entry[name] = [_wrapped(entry[name][0] - camera)]
     return preset.clamped(group, entry)
 

@@ -48,16 +48,16 @@ def apply(scene: bpy.types.Scene, look: preset.Preset, choice: Choice) -> list[s
 
 
 def _apply(scene: bpy.types.Scene, look: preset.Preset, sight: jobs.Sight) -> list[str]:
-    found, survey = fit.fit(look, sight), sight.survey
-    if not found.values:
+    fitted, survey = fit.fit(look, sight), sight.survey
+    if not fitted.values:
         raise schema.VibeError(
             "Nothing in this scene takes what the preset holds.", "See what it is for in its description."
         )
-    added = {key: [0.0] for key in found.values if key.endswith(_POWER) and key not in sight.instances}
+    added = {key: [0.0] for key in fitted.values if key.endswith(_POWER) and key not in sight.instances}
     bindings.write(scene, added, survey.objects, survey.pivot)  # so that strength dims lights that are new
-    made = messages.Result(found.values, {}, "")  # no reasons: its name stands above the list
-    result.apply(scene, look.prompt or look.name, made, survey.objects, survey.pivot, onto=True)
-    return found.rest
+    as_result = messages.Result(fitted.values, {}, "")  # no reasons: its name stands above the list
+    result.apply(scene, look.prompt or look.name, as_result, survey.objects, survey.pivot, fresh_list=True)
+    return fitted.rest
 
 
 def capture(scene: bpy.types.Scene, choice: Choice, name: str) -> preset.Preset:

@@ -17,28 +17,28 @@ from ..core.files import whole
 from ..core.schema_import import schema
 
 
-def place(scene: bpy.types.Scene) -> Path:
+def path_of(scene: bpy.types.Scene) -> Path:
     """Where the first picture of the scene as its camera sees it now is kept, if there is one."""
     camera, size = scene.camera, (scene.render.resolution_x, scene.render.resolution_y)
-    where = [round(x, 4) for row in camera.matrix_world for x in row] if camera else []
+    pose = [round(x, 4) for row in camera.matrix_world for x in row] if camera else []
     lens = round(camera.data.angle, 4) if camera else 0.0
-    sight = zlib.crc32(repr((size, scene.frame_current, where, lens)).encode())
-    return Path(bpy.app.tempdir) / f"{_name(scene)}{sight:08x}.png"
+    framing = zlib.crc32(repr((size, scene.frame_current, pose, lens)).encode())
+    return Path(bpy.app.tempdir) / f"{_name(scene)}{framing:08x}.png"
 
 
-def keep(kept: Path, picture: Path, first: bool) -> Path:
+def store(path: Path, picture: Path, first: bool) -> Path:
     """The picture to compare with.
 
     Args:
-        kept: The place of what the picture shows, as it was when the scene was exported.
+        path: The place of what the picture shows, as it was when the scene was exported.
         picture: Of the scene as it was then.
         first: Whether nothing had been vibed yet, so that this is the one to keep.
     """
     if first:
         # on a full disk there is none to compare with later
-        with contextlib.suppress(schema.VibeError), whole(kept) as part:
+        with contextlib.suppress(schema.VibeError), whole(path) as part:
             shutil.copyfile(picture, part)
-    return kept if kept.is_file() else picture
+    return path if path.is_file() else picture
 
 
 def forget(scene: bpy.types.Scene) -> None:

@@ -14,7 +14,7 @@ from ..core.schema_import import messages, schema
 from ..core.user_folder import own_folder
 from ..engine.find import find_python
 from ..engine.process import Engine
-from ..engine.setup import Setup, requirements
+from ..engine.setup import EngineSetup, requirements
 from . import preferences
 
 _TICK = 0.25  # seconds between two looks at what goes on
@@ -35,7 +35,7 @@ class EngineState:
     def __init__(self) -> None:
         self.python: Path | None = None
         self.problem: schema.VibeError | None = None
-        self.setup: Setup | None = None
+        self.setup: EngineSetup | None = None
         self.outcome, self.succeeded = "", True
         self._choice: str | None = None
         self._search_work: Future[Path] | None = None
@@ -82,7 +82,7 @@ class EngineState:
             VibeError: This copy of the add-on cannot.
         """
         if not self.setting_up:
-            self.setup = Setup(own_folder("engine"), requirements())
+            self.setup = EngineSetup(own_folder("engine"), requirements())
             self._follow()
 
     def close(self) -> None:
@@ -111,7 +111,7 @@ class EngineState:
         drawing.redraw()
         return _TICK if self.busy else None
 
-    def _end_setup(self, setup: Setup) -> None:
+    def _end_setup(self, setup: EngineSetup) -> None:
         self.setup = None
         try:
             setup.finish()

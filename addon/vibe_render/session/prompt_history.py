@@ -17,10 +17,10 @@ _NAME = "prompts.json"
 def prompts() -> list[str]:
     """All that are kept; none where the file cannot be read."""
     try:
-        found = json.loads((own_folder("") / _NAME).read_text(encoding="utf-8"))
+        stored = json.loads((own_folder("") / _NAME).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return []
-    return [text for text in found if isinstance(text, str)] if isinstance(found, list) else []
+    return [text for text in stored if isinstance(text, str)] if isinstance(stored, list) else []
 
 
 def remember(prompt: str) -> None:

@@ -16,10 +16,10 @@ from . import before_image, changes
 def apply(
     scene: bpy.types.Scene,
     prompt: str,
-    found: messages.Result,
+    engine_result: messages.Result,
     subject: Sequence[bpy.types.Object],
     pivot: Sequence[float],
-    onto: bool = False,
+    fresh_list: bool = False,
 ) -> None:
     """Writes a result into the scene and lists what it changed; a failure leaves the scene as it was.
 
@@ -28,28 +28,28 @@ def apply(
     Args:
         scene: The scene that was exported.
         prompt: What it was asked for.
-        found: The engine's result.
+        engine_result: The engine's result.
         subject: The subject at export.
         pivot: Its centre at export.
-        onto: Whether the list leads from the scene as it is now instead.
+        fresh_list: Whether the list leads from the scene as it is now instead.
 
     Raises:
         VibeError: If the result does not fit the scene.
     """
     settings = scene.vibe
-    earlier = {} if onto else {c.name: (c.values()[0], c.reason) for c in settings.changes}
-    now = bindings.read(scene, subject, pivot)
-    skipped = bindings.write(scene, found.values, subject, pivot)
-    records = dict(found.report.get("parameters", {}))
-    values: dict[str, Sequence[float]] = {k: v for k, v in found.values.items() if k not in skipped}
+    earlier = {} if fresh_list else {c.name: (c.values()[0], c.reason) for c in settings.changes}
+    current = bindings.read(scene, subject, pivot)
+    skipped = bindings.write(scene, engine_result.values, subject, pivot)
+    records = dict(engine_result.report.get("parameters", {}))
+    values: dict[str, Sequence[float]] = {k: v for k, v in engine_result.values.items() if k not in skipped}
     for key, (own, reason) in earlier.items():
-        left = now.get(key, own)  # as the earlier vibe did, which stays
+        left = current.get(key, own)  # as the earlier vibe did, which stays
         if key not in values and not labels.same(key, own, left):
             values[key], records[key] = left, {"reason": reason}
     forget(scene)
     settings.vibed_prompt, settings.pivot = prompt, pivot
-    before = {**now, **{key: own for key, (own, _) in earlier.items()}}
-    _list_changes(settings, before, _in_order(values, now), {}, records)
+    before = {**current, **{key: own for key, (own, _) in earlier.items()}}
+    _list_changes(settings, before, _in_order(values, current), {}, records)
 
 
 def _in_order(
@@ -109,7 +109,7 @@ def choose(
     settings, theirs = scene.vibe, {key for variant in variants for key in variant.values}
     old = {change.name: change.values()[0] for change in settings.changes}
     earlier = {c.name: (c.values()[1], c.reason) for c in settings.changes if c.name not in theirs}
-    now = bindings.read(scene, subject, settings.pivot)
+    current = bindings.read(scene, subject, settings.pivot)
     values = {**{key: new for key, (new, _) in earlier.items()}, **variants[number].values}
     back = {key: was for key, was in old.items() if key not in values}
     skipped = bindings.write(scene, {**back, **values}, subject, settings.pivot)
@@ -117,7 +117,7 @@ def choose(
     settings.strength, settings.show_original, settings.variant = 1.0, False, number
     reasons = {**{key: reason for key, (_, reason) in earlier.items()}, **variants[number].reasons}
     records = {key: {"reason": reason} for key, reason in reasons.items()}
-    _list_changes(settings, {**now, **old}, _in_order(values, now), skipped, records)
+    _list_changes(settings, {**current, **old}, _in_order(values, current), skipped, records)
 
 
 def mix(scene: bpy.types.Scene) -> None:

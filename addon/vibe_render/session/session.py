@@ -52,11 +52,11 @@ class Session(SessionStatus):
         self.question: dict[str, list[str]] = {}
         self._subject: list[str] = []
         self._pivot = (0.0, 0.0, 0.0)
-        self._first = Path()  # where the picture of before the first vibe is kept
+        self._before_path = Path()  # where the picture of before the first vibe is kept
         self._vibed = False  # whether an earlier vibe is in the scene
         self._options = settings.engine_options(context)
-        held = preferences.get(context)
-        self._key = held.vlm_key if held else ""
+        saved = preferences.get(context)
+        self._key = saved.vlm_key if saved else ""
         self._choice = settings.choice()
         self._engine = engine
         self._steps = self._run()
@@ -85,7 +85,7 @@ class Session(SessionStatus):
     def cancel(self) -> None:
         """Gives up, or ends what has failed; the scene is as it was."""
         self._steps.close()
-        if self.asked and self._found is None:
+        if self.asked and self._result is None:
             if self.silence > SILENT:
                 self._engine.stop(patience=0.02)
             else:
@@ -99,29 +99,29 @@ class Session(SessionStatus):
     def _run(self) -> Generator[str]:
         """Yields before every wait, so that the panel can show what comes."""
         yield self.stage
-        yield from self._beside(self._engine.start)
+        yield from self._in_background(self._engine.start)
         while not self._engine.settle():
             yield self.stage
-        yield from self._beside(self._engine.start)  # it may have died of the last one
+        yield from self._in_background(self._engine.start)  # it may have died of the last one
         self.stage = READING
         yield self.stage
         scene = self._find_scene()
         self._vibed, start = snapshot.exists(scene), snapshot.mark(scene)
         try:
             yield from self._export()
-            yield from self._settle_shared()
+            yield from self._ask_about_shared()
             yield from self._wait_for_result()
             # elsewhere one undo would not take the vibe back
             yield from self._object_mode("Found. Go back to Object Mode to see it")
-            scene, found = self._find_scene(), cast(messages.Result, self._found)
-            result.apply(scene, self.prompt, found, self.subject(scene), self._pivot)
+            scene, engine_result = self._find_scene(), cast(messages.Result, self._result)
+            result.apply(scene, self.prompt, engine_result, self.subject(scene), self._pivot)
             if self._choice.explicit:
                 stored_subject.remember(scene, self.subject(scene))
         except BaseException:  # Esc closes this generator, which raises here
             self._restore(start)
             raise
 
-    def _beside(self, act: Callable[[], T]) -> Generator[str, None, T]:
+    def _in_background(self, act: Callable[[], T]) -> Generator[str, None, T]:
         """Waits for what needs no Blender; returns what it returned."""
         work = background.begin(act)
         yield self.stage
@@ -136,26 +136,26 @@ class Session(SessionStatus):
 
     def _export(self) -> Generator[str]:
         """Reads the scene; the artist may have changed it whenever this has yielded."""
-        found = None
-        while found is None:
+        job = None
+        while job is None:
             yield from self._object_mode("Go back to Object Mode to go on")  # elsewhere a mesh shows nothing
             self.stage = READING
             scene = self._find_scene()
             captured = jobs.begin(scene, self._choice)
-            self._first = before_image.place(scene)  # the camera may move before the picture comes
-            prospect = yield from self._beside(captured.prospect)
-            found = jobs.finish(self._find_scene(), self._job, self._choice, prospect)
-        self._subject = [obj.name_full for obj in found.survey.objects]
-        self._pivot = found.survey.pivot
+            self._before_path = before_image.path_of(scene)  # the camera may move before the picture comes
+            prospect = yield from self._in_background(captured.prospect)
+            job = jobs.finish(self._find_scene(), self._job, self._choice, prospect)
+        self._subject = [obj.name_full for obj in job.survey.objects]
+        self._pivot = job.survey.pivot
 
-    def _settle_shared(self) -> Generator[str]:
+    def _ask_about_shared(self) -> Generator[str]:
         """Asks about materials that other things use too, unless that is settled; may export anew."""
         scene = self._find_scene()
-        theirs = shared_materials.found(self.subject(scene))
-        if not theirs:
+        shared = shared_materials.found(self.subject(scene))
+        if not shared:
             return
         if self.shared == "ASK":
-            self.question = {m.name: [o.name for o in users] for m, users in theirs.items()}
+            self.question = {m.name: [o.name for o in users] for m, users in shared.items()}
             self.stage = "Waiting for your answer"
             while self.question:
                 yield self.stage
@@ -175,17 +175,17 @@ class Session(SessionStatus):
             schema.schema_hash(), str(self._job), self.prompt, asdict(self._options), self._key
         )
         self._engine.send(request)
-        self._heard = time.monotonic()
+        self._last_word_at = time.monotonic()
         self.stage = "Warming up the engine"
-        while self._found is None:
+        while self._result is None:
             yield self.stage
             self._check_silence()
             self._find_scene()  # there is no use in going on without it
             for message in self._engine.poll():
-                self.hear(message)
+                self.receive(message)
                 if isinstance(message, messages.Stage) and message.picture:
                     picture = self._job / message.picture
-                    self.before = before_image.keep(self._first, picture, not self._vibed)
+                    self.before = before_image.store(self._before_path, picture, not self._vibed)
                 if isinstance(message, messages.Anchor):
                     yield from self._anchor(message)
 
@@ -197,7 +197,7 @@ class Session(SessionStatus):
         yield self.stage
         scene = self._find_scene()
         self._engine.send(anchors.answer(scene, self._job, request, self.subject(scene), self._pivot))
-        self._heard = time.monotonic()
+        self._last_word_at = time.monotonic()
         if not self._stopping:
             self.stage = LOOKING
 

@@ -31,8 +31,8 @@ class SessionStatus:
         self.preview: Path | None = None
         self.variants: list[tuple[messages.Variant, Path]] = []
         self._job = job
-        self._found: messages.Result | None = None
-        self._heard = 0.0  # when the engine spoke last; 0 before it is asked
+        self._result: messages.Result | None = None
+        self._last_word_at = 0.0  # when the engine spoke last; 0 before it is asked
         self._stopping = False
 
     @property
@@ -44,12 +44,12 @@ class SessionStatus:
     @property
     def asked(self) -> bool:
         """Whether the engine has been given the vibe."""
-        return self._heard > 0.0
+        return self._last_word_at > 0.0
 
     @property
     def silence(self) -> float:
         """Seconds since the engine's last word, while it is to speak."""
-        return time.monotonic() - self._heard if self.asked and not self._found else 0.0
+        return time.monotonic() - self._last_word_at if self.asked and not self._result else 0.0
 
     @property
     def can_stop(self) -> bool:
@@ -57,28 +57,28 @@ class SessionStatus:
         return self.progress is not None and not self._stopping
 
     @property
-    def note(self) -> str:
+    def model_note(self) -> str:
         """What the artist should know of a vibe that has succeeded; "" if there is nothing."""
-        return failure_note(self._found.report) if self._found else ""
+        return failure_note(self._result.report) if self._result else ""
 
     @property
-    def agreement(self) -> float | None:
+    def prediction_error(self) -> float | None:
         """Mean CIEDE2000 between the last prediction and the picture of Cycles that came next; None without."""
-        return self._found.report.get("anchored", {}).get("predicted") if self._found else None
+        return self._result.report.get("anchored", {}).get("predicted") if self._result else None
 
     @property
-    def notes(self) -> list[str]:
+    def anchor_notes(self) -> list[str]:
         """What went wrong with such pictures, in words for the artist."""
-        return self._found.report.get("anchored", {}).get("notes", []) if self._found else []
+        return self._result.report.get("anchored", {}).get("notes", []) if self._result else []
 
     @property
-    def remarks(self) -> list[str]:
+    def prompt_notes(self) -> list[str]:
         """What the artist should know about the words: which were left out, guessed, or in each other's way."""
-        return word_notes(self._found.report) if self._found else []
+        return word_notes(self._result.report) if self._result else []
 
-    def hear(self, message: messages.Message) -> None:
+    def receive(self, message: messages.Message) -> None:
         """Takes note of what the engine says."""
-        self._heard = time.monotonic()
+        self._last_word_at = time.monotonic()
         if isinstance(message, messages.Stage):
             self.stage = message.name.capitalize()
             if message.picture:
@@ -89,6 +89,6 @@ class SessionStatus:
             if message.preview:
                 self.preview = self._job / message.preview
         elif isinstance(message, messages.Result):
-            self._found = message
+            self._result = message
             self.preview = self._job / message.prediction
             self.variants = [(v, self._job / v.picture) for v in message.variants]

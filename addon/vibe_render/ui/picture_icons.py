@@ -11,8 +11,8 @@ import numpy as np
 
 _GAP = 6  # pixels between two pictures
 
-Version = tuple[tuple[Path, int], ...]
-_slots: dict[tuple[bool, tuple[Path, ...]], tuple[Version, bpy.utils.previews.ImagePreviewCollection]] = {}
+_Version = tuple[tuple[Path, int], ...]
+_slots: dict[tuple[bool, tuple[Path, ...]], tuple[_Version, bpy.utils.previews.ImagePreviewCollection]] = {}
 
 
 def icon(*pictures: Path | None, square: bool = False) -> int:
@@ -27,10 +27,10 @@ def icon(*pictures: Path | None, square: bool = False) -> int:
         return 0
     version = tuple((path, path.stat().st_mtime_ns) for path in there)
     slot = square, there
-    known, collection = _slots.get(slot, (None, None))
+    shown, collection = _slots.get(slot, (None, None))
     if collection is None:
         collection = bpy.utils.previews.new()
-    if version != known:
+    if version != shown:
         collection.clear()
         parts = [_load(collection, path) for path in there]
         if len(parts) > 1 or square:

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the buttons do."""
 
-from . import engine, looks, presets, result, running, vibe
+from . import engine, exports, presets, result, running, vibe
 
-MODULES = (engine, vibe, running, result, presets, looks)
+MODULES = (engine, vibe, running, result, presets, exports)

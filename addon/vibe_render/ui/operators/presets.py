@@ -17,7 +17,16 @@ from ...looks import library, thumbnail, use
 from ...scene.scene_context import GEOMETRY
 from ...session.state import addon_state
 from ..obstacles import untouchable
-from .preset_actions import Chosen, Export, FileDialog, Idle, Named, OfLook, OwnChosen, VibePresets
+from .base import (
+    ExportDialog,
+    FileDialog,
+    IdleOperator,
+    LookOperator,
+    NameDialog,
+    OwnPresetOperator,
+    PresetOperator,
+    VibePresets,
+)
 
 
 class VIBE_OT_preset_choose(bpy.types.Operator):
@@ -44,7 +53,7 @@ class VIBE_OT_preset_choose(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class VIBE_OT_preset_apply(Chosen):
+class VIBE_OT_preset_apply(PresetOperator):
     """Give the scene this look. Strength, Before, Keep and Revert work as after a vibe"""
 
     bl_idname = "vibe.preset_apply"
@@ -64,8 +73,8 @@ class VIBE_OT_preset_apply(Chosen):
             raise schema.VibeError(look.problem, "Delete it, or correct the file.")
         rest = use.apply(context.scene, look.preset, context.scene.vibe.choice())
         addon_state.forget()  # its pictures and variants are not of this look
-        held = context.window_manager.vibe_presets
-        held.chosen, held.rest = str(look.path), "\n".join(rest)
+        window_state = context.window_manager.vibe_presets
+        window_state.chosen, window_state.rest = str(look.path), "\n".join(rest)
         left = (
             f"; {len(rest)} things did not fit"
             if len(rest) > 1
@@ -76,7 +85,7 @@ class VIBE_OT_preset_apply(Chosen):
         return f"{look.name} is in the scene{left}"
 
 
-class VIBE_OT_preset_save(Named, OfLook):
+class VIBE_OT_preset_save(NameDialog, LookOperator):
     """Save the look that the scene has now as a preset, with a picture of it"""
 
     bl_idname = "vibe.preset_save"
@@ -101,7 +110,7 @@ class VIBE_OT_preset_save(Named, OfLook):
         return f"Saved as {saved.name}"
 
 
-class VIBE_OT_preset_rename(Named, OwnChosen):
+class VIBE_OT_preset_rename(NameDialog, OwnPresetOperator):
     """Give this preset another name"""
 
     bl_idname = "vibe.preset_rename"
@@ -123,7 +132,7 @@ class VIBE_OT_preset_rename(Named, OwnChosen):
         return f"Renamed to {renamed.name}"
 
 
-class VIBE_OT_preset_delete(OwnChosen):
+class VIBE_OT_preset_delete(OwnPresetOperator):
     """Delete this preset and its picture"""
 
     bl_idname = "vibe.preset_delete"
@@ -149,7 +158,7 @@ class VIBE_OT_preset_delete(OwnChosen):
         return f"{look.name} is deleted"
 
 
-class VIBE_OT_preset_import(Idle, FileDialog, ImportHelper):
+class VIBE_OT_preset_import(IdleOperator, FileDialog, ImportHelper):
     """Copy preset files into your presets. Nothing in them is ever run"""
 
     bl_idname = "vibe.preset_import"
@@ -177,14 +186,14 @@ class VIBE_OT_preset_import(Idle, FileDialog, ImportHelper):
         if not brought:
             raise wrong[0][1] if len(wrong) == 1 else schema.VibeError(f"{bad}.", "Choose preset files.")
         context.window_manager.vibe_presets.chosen = str(brought[-1].path)
-        said = f"{brought[0].name} is" if len(brought) == 1 else f"{len(brought)} presets are"
-        said += " among your presets"
+        summary = f"{brought[0].name} is" if len(brought) == 1 else f"{len(brought)} presets are"
+        summary += " among your presets"
         if wrong:
             self.severity = "WARNING" if bpy.app.background else "ERROR"  # a pop-up; it would stop a script
-        return f"{said}. {bad}" if wrong else said
+        return f"{summary}. {bad}" if wrong else summary
 
 
-class VIBE_OT_preset_export(Chosen, Export):
+class VIBE_OT_preset_export(PresetOperator, ExportDialog):
     """Save this preset and its picture as files, to pass on"""
 
     bl_idname = "vibe.preset_export"

@@ -110,7 +110,7 @@ class VIBE_OT_run(bpy.types.Operator):
 
     def _done(self, failure: schema.VibeError | None, severity: str) -> set[str]:
         if failure is None:
-            note = addon_state.session.note if addon_state.session else ""
+            note = addon_state.session.model_note if addon_state.session else ""
             self.report({"WARNING" if note else "INFO"}, note or "The vibe is in the scene")
             return {"FINISHED"}
         addon_state.end(failure)

@@ -148,9 +148,9 @@ class _Advanced(_Idle):
 
 _PANELS: tuple[tuple[str, type, str], ...] = (
     ("main", _Main, ""),
-    ("presets", presets.Presets, "main"),
-    ("result", result.Result, ""),
-    ("changes", result.Changes, "result"),
+    ("presets", presets.PresetsPanel, "main"),
+    ("result", result.ResultPanel, ""),
+    ("changes", result.ChangesPanel, "result"),
     ("scope", _Scope, ""),
     ("values", _Values, "scope"),
     ("advanced", _Advanced, ""),
@@ -160,7 +160,7 @@ _PANELS: tuple[tuple[str, type, str], ...] = (
 
 def _classes() -> list[type]:
     """Every panel in every place; in the properties editor all of them are inside the first."""
-    made = []
+    panels = []
     for prefix, where in _PLACES.items():
         for name, base, parent in _PANELS:
             names: dict[str, Any] = {"__module__": __name__, "__doc__": base.__doc__, **where}
@@ -170,8 +170,8 @@ def _classes() -> list[type]:
                 names["bl_parent_id"] = f"{prefix}_{parent}"
             if name == "main" and where["bl_space_type"] == "PROPERTIES":
                 names["bl_options"] = {"DEFAULT_CLOSED"}
-            made.append(type(f"{prefix}_{name}", (base, bpy.types.Panel), names))
-    return made
+            panels.append(type(f"{prefix}_{name}", (base, bpy.types.Panel), names))
+    return panels
 
 
 CLASSES = (VIBE_MT_history, *_classes())

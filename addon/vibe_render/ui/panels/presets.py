@@ -49,7 +49,7 @@ class VIBE_MT_presets(bpy.types.Menu):
         layout.operator("vibe.export_lut", text="Export Grade as LUT…", icon="COLOR")
 
 
-class Presets:
+class PresetsPanel:
     """The chosen preset, and the way to the others."""
 
     bl_label = "Presets"
@@ -83,20 +83,20 @@ class VIBE_PT_preset_grid(bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draws the panel."""
-        layout, held = self.layout, context.window_manager.vibe_presets
-        layout.prop(held, "search", text="", icon="VIEWZOOM", placeholder="Search names and prompts")
-        found = library.looks(held.search)
+        layout, window_state = self.layout, context.window_manager.vibe_presets
+        layout.prop(window_state, "search", text="", icon="VIEWZOOM", placeholder="Search names and prompts")
+        shown = library.looks(window_state.search)
         grid = layout.grid_flow(row_major=True, columns=_COLUMNS, even_columns=True, even_rows=True)
-        for look in found:
+        for look in shown:
             cell = grid.column(align=True)
             cell.template_icon(icon_value=look_icons.icon(look), scale=_WIDTH / _COLUMNS - 1.0)
-            picked = str(look.path) == held.chosen
+            picked = str(look.path) == window_state.chosen
             row = cell.row(align=True)
             row.operator("vibe.preset_choose", text=look.name, depress=picked).path = str(look.path)
             row.operator("vibe.preset_apply", text="", icon="CHECKMARK").path = str(look.path)
-        for _ in range(-len(found) % _COLUMNS if len(found) < _COLUMNS else 0):  # pictures keep their size
+        for _ in range(-len(shown) % _COLUMNS if len(shown) < _COLUMNS else 0):  # pictures keep their size
             grid.label(text="")
-        if not found:
+        if not shown:
             _draw_faint(layout, "No preset has these words")
         elif chosen := _chosen(context):
             _draw_chosen(layout, context, chosen, _LETTERS)

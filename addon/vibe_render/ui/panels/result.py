@@ -25,7 +25,7 @@ _AGREEMENTS = ((1.0, "matches", True), (3.0, "is close to", True), (math.inf, "d
 that people see side by side."""
 
 
-class Result:
+class ResultPanel:
     """What the last vibe did, and what to do with it."""
 
     bl_label = "Result"
@@ -57,7 +57,7 @@ class Result:
         if reason := result_obstacle(context):
             paragraph(layout, context, reason, "INFO", faint=True)
         if addon_state.session and addon_state.session.scene == context.scene.name:
-            for note in [*addon_state.session.remarks, *addon_state.session.notes][
+            for note in [*addon_state.session.prompt_notes, *addon_state.session.anchor_notes][
                 :4
             ]:  # below what is always there
                 paragraph(layout, context, note, "INFO", faint=True)
@@ -89,8 +89,8 @@ def _draw_session(layout: bpy.types.UILayout, context: bpy.types.Context, sessio
             row.label(text="Above: before. Below: after, as predicted")
     if len(session.variants) > 1:
         _draw_variants(layout, session, current)
-    if session.agreement is not None and not current:
-        text, good = agreement(session.agreement, context.scene.render.engine)
+    if session.prediction_error is not None and not current:
+        text, good = agreement(session.prediction_error, context.scene.render.engine)
         paragraph(layout, context, text, "CHECKMARK" if good else "INFO")
 
 
@@ -117,7 +117,7 @@ def _draw_variants(layout: bpy.types.UILayout, session: Session, current: int) -
         button.number = number
 
 
-class Changes:
+class ChangesPanel:
     """Every value that changed: old, new, and why; one heading for each light, material and so on."""
 
     bl_label = "What Changed and Why"

@@ -31,7 +31,7 @@ class VibePresets(bpy.types.PropertyGroup):
     rest: StringProperty(description="What did not fit of the last one, in lines")
 
 
-class Idle(bpy.types.Operator):
+class IdleOperator(bpy.types.Operator):
     """For what must wait until a vibe is over; a failure is one line, and leaves everything as it was."""
 
     severity = "INFO"  # of what is said in the end
@@ -53,7 +53,7 @@ class Idle(bpy.types.Operator):
         """Does it."""
         try:
             with _waiting(context):
-                said = self.act(context)
+                message = self.act(context)
         except (schema.VibeError, OSError) as error:
             if isinstance(error, OSError):  # what we write for a moment only
                 error = files.unwritable(Path(tempfile.gettempdir(), "vibe"), error, "Check that folder.")
@@ -61,7 +61,7 @@ class Idle(bpy.types.Operator):
             return {"CANCELLED"}
         for area in context.screen.areas if context.screen else ():
             area.tag_redraw()
-        self.report({self.severity}, said)
+        self.report({self.severity}, message)
         return {"FINISHED"}
 
     def act(self, context: bpy.types.Context) -> str:
@@ -82,7 +82,7 @@ def _waiting(context: bpy.types.Context) -> Iterator[None]:
         context.window.cursor_modal_restore()
 
 
-class Chosen(Idle):
+class PresetOperator(IdleOperator):
     """For what is done with the chosen preset."""
 
     path: StringProperty(
@@ -94,7 +94,7 @@ class Chosen(Idle):
         return library.at(self.path or context.window_manager.vibe_presets.chosen)
 
 
-class OwnChosen(Chosen):
+class OwnPresetOperator(PresetOperator):
     """For what cannot be done with the presets that come with Vibe Render."""
 
     @classmethod
@@ -106,7 +106,7 @@ class OwnChosen(Chosen):
         return "It comes with Vibe Render" if Path(chosen).parent == library.SHIPPED else ""
 
 
-class OfLook(Idle):
+class LookOperator(IdleOperator):
     """For what is done with the look that the scene has now."""
 
     @classmethod
@@ -115,7 +115,7 @@ class OfLook(Idle):
         return "" if context.scene.vibe.changes else "Vibe the scene first, or apply a preset"
 
 
-class Named:
+class NameDialog:
     """A dialog for a name, which can be typed at once."""
 
     name: StringProperty(
@@ -135,7 +135,7 @@ class FileDialog:
     hide_props_region: BoolProperty(default=True, options={"HIDDEN", "SKIP_SAVE"})
 
 
-class Export(FileDialog, ExportHelper):
+class ExportDialog(FileDialog, ExportHelper):
     """A file dialog that proposes a name."""
 
     def propose(self, name: str, folder: str = "") -> None:

@@ -15,10 +15,10 @@ from bpy_extras.io_utils import ExportHelper
 from ...core.schema_import import preset, schema
 from ...export import jobs
 from ...looks import assets, lut, thumbnail, use
-from .preset_actions import Export, Idle, OfLook
+from .base import ExportDialog, IdleOperator, LookOperator
 
 
-class VIBE_OT_export_assets(OfLook, Export):
+class VIBE_OT_export_assets(LookOperator, ExportDialog):
     """Save materials, world, lights and grade of the look that the scene has now, for the Asset Browser"""
 
     bl_idname = "vibe.export_assets"
@@ -40,7 +40,7 @@ class VIBE_OT_export_assets(OfLook, Export):
         settings.show_original = False
         keys = [schema.split_key(change.name) for change in settings.changes]
         names = dict.fromkeys(owner for group, owner, _ in keys if group == "material")
-        known = {material.name_full: material for material in bpy.data.materials}
+        materials = {material.name_full: material for material in bpy.data.materials}
         survey = jobs.look_at(scene, settings.choice()).survey
         with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
             picture = Path(folder) / f"picture{thumbnail.SUFFIX}"
@@ -49,14 +49,14 @@ class VIBE_OT_export_assets(OfLook, Export):
                 survey,
                 _name(context),
                 settings.vibed_prompt,
-                [known[name] for name in names if name in known],
+                [materials[name] for name in names if name in materials],
                 Path(self.filepath),
                 picture,
             )
         return f"{len(written)} assets are in {self.filepath}"
 
 
-class VIBE_OT_export_lut(Idle, Export):
+class VIBE_OT_export_lut(IdleOperator, ExportDialog):
     """Save the scene's color grade as a .cube file for other programs: sRGB in, sRGB out"""
 
     bl_idname = "vibe.export_lut"
