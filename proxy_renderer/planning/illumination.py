@@ -8,11 +8,9 @@ from collections.abc import Callable, Collection, Iterator
 
 from ..color.named import luminance
 from ..prompt.types import PlanContext, Region
-from ..schema import Instance, Values
+from ..schema import Instance, Values, radiometry
 from .display import radiance
 
-# Watts per d^2 that give a facing white surface a radiance of 1 (Cycles' calibration); W/m2 for the sun.
-_WATTS = {"POINT": 4 * math.pi**2, "SPOT": 4 * math.pi**2, "AREA": math.pi**2, "SUN": math.pi}
 _FACING = 0.45  # mean cosine over the lit side, times the share of what is seen that is lit
 _MIRRORED = 0.05  # of a dielectric at an index of 1.5, grazing angles included
 _PUREST = 0.3  # share of white light that the weakest component of colored light is taken to have
@@ -28,7 +26,8 @@ def watts(instance: Instance, context: PlanContext) -> float:
     """What `power` (per d^2) or `strength` makes a facing white surface's radiance 1, at the light's own exposure."""
     sun = instance.parameter.name == "strength"
     stops = context.light_stops.get(instance.owner, 0.0)
-    return _WATTS["SUN" if sun else context.light_types.get(instance.owner, "AREA")] / 2**stops
+    light_type = "SUN" if sun else context.light_types.get(instance.owner, "AREA")
+    return radiometry.unit_energy(light_type) / 2**stops
 
 
 def white_radiance(instances: dict[str, Instance], context: PlanContext, value: Value) -> float:

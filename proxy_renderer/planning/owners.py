@@ -3,11 +3,11 @@
 
 from __future__ import annotations
 
-from ..color.named import luminance
 from ..prompt.lexicon.vocabulary import OWNERS, Effect
 from ..prompt.names import is_detail, kind_of
 from ..prompt.types import Attribute, Parsed, PlanContext
 from ..schema import Instance
+from .illumination import facing_radiance
 
 _PART = 0.12  # materials on less of their region are parts: tyres, eyes, screws
 _SLIVER = 0.05  # of the surroundings: so little world counts as none
@@ -17,7 +17,7 @@ class Owners:
     """Materials by region and lights by role.
 
     Attributes:
-        key: Names of the key lights; the strongest one where no light has that role.
+        key: Names of the key lights; the one that is brightest on the subject where no light has that role.
         rim: Names of the rim lights; else the one nearest to behind the subject, if there are several.
         fill: Names of the fill lights.
         lights: All lights.
@@ -26,7 +26,7 @@ class Owners:
     def __init__(self, parsed: Parsed, instances: dict[str, Instance], context: PlanContext) -> None:
         self.parsed, self.instances, self.context = parsed, instances, context
         self.lights = list(dict.fromkeys(i.owner for i in instances.values() if i.parameter.group == "light"))
-        self.key = self._roles("key") or self._strongest()
+        self.key = self._roles("key") or self._brightest()
         self.rim = [n for n in self._roles("rim") if n not in self.key] or self._nearest_behind()
         self.fill = [n for n in self._roles("fill") if n not in self.key]
 
@@ -108,13 +108,11 @@ class Owners:
         instance = self.instances.get(f"light/{light}/{name}")
         return instance.value[0] / instance.reference if instance else None
 
-    def _strongest(self) -> list[str]:
-        def shine(light: str) -> float:
-            color = self.instances.get(f"light/{light}/color")
-            level = (self._value(light, "power") or 0.0) + 12 * (self._value(light, "strength") or 0.0)
-            return level * (luminance(color.value) if color else 1.0)
+    def _brightest(self) -> list[str]:
+        def bright(light: str) -> float:
+            return facing_radiance(self.instances, self.context, lambda i: i.value, (light,))
 
-        return [max(self.lights, key=shine)] if self.lights else []
+        return [max(self.lights, key=bright)] if self.lights else []
 
     def _nearest_behind(self) -> list[str]:
         """The light that is most behind the subject, seen from the camera; never the key."""

@@ -2,7 +2,7 @@
 """The contract between Blender and the engine. Standard library and relative imports only:
 building the extension copies this folder into it."""
 
-from . import budgets, labels, orbit
+from . import budgets, labels, orbit, radiometry
 from .budgets import BUDGETS, Budget
 from .errors import VibeError
 from .frames import frame_numbers
@@ -27,6 +27,7 @@ __all__ = [
     "labels",
     "matches",
     "orbit",
+    "radiometry",
     "schema_hash",
     "split_key",
 ]

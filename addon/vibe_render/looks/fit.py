@@ -11,7 +11,7 @@ import bpy
 from ..core.schema_import import labels, preset, schema
 from ..scene import prepare, scene_context
 from . import take
-from .take import RADIANCE, SceneParameters, camera_azimuth, owners
+from .take import SceneParameters, camera_azimuth, owners
 
 _TEXTURE_LUMA = 0.5  # of a typical texture: what a color is divided by to become a tint
 _OURS = {"key": "Vibe Key", "fill": "Vibe Fill", "rim": "Vibe Rim"}
@@ -82,7 +82,7 @@ def _missing(result: Fit, target: SceneParameters, role: str, entry: preset.Entr
         if entry:
             result.rest.append(f"{_words(role)}: this scene has none")
         return
-    if entry["power"][0] * RADIANCE["AREA"] < _DIM:
+    if schema.radiometry.radiance("AREA", entry["power"][0]) < _DIM:
         return
     corners = scene_context.bounds(target.survey.scene, target.survey.objects)
     distance = prepare.light_distance(*corners)
@@ -99,7 +99,8 @@ def _for_light(entry: preset.Entry, made_on: str, kind: str) -> preset.Entry:
     result = dict(entry)
     bright = result.pop("power", None) or result.pop("strength", None)
     if bright:
-        result["strength" if kind == "SUN" else "power"] = [bright[0] * RADIANCE[made_on] / RADIANCE[kind]]
+        energy = schema.radiometry.radiance(made_on, bright[0]) * schema.radiometry.unit_energy(kind)
+        result["strength" if kind == "SUN" else "power"] = [energy]
     if kind == "SUN" and "size" in result:
         result["angle"] = [math.degrees(2 * math.atan(result.pop("size")[0] / 2))]
     elif kind != "SUN" and "angle" in result:

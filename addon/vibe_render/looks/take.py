@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Protocol
@@ -13,14 +12,6 @@ import numpy as np
 
 from ..core.schema_import import preset, schema
 from ..export.analysis import Survey
-
-# What a white surface that faces the light sends back, per watt at a distance of 1 m (sun: per W/m2).
-RADIANCE = {
-    "POINT": 0.25 / math.pi**2,
-    "SPOT": 0.25 / math.pi**2,
-    "AREA": 1 / math.pi**2,
-    "SUN": 1 / math.pi,
-}
 
 
 class SceneParameters(Protocol):
@@ -102,7 +93,8 @@ def _brightness(scene: SceneParameters, owner: str) -> float:
     """What a white surface at the subject that faces the light sends back."""
     for name in ("power", "strength"):
         if instance := scene.instances.get(f"light/{owner}/{name}"):
-            return instance.value[0] / instance.reference * RADIANCE[bpy.data.objects[owner].data.type]
+            kind = bpy.data.objects[owner].data.type
+            return schema.radiometry.radiance(kind, instance.value[0] / instance.reference)
     return 0.0
 
 

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import pi, tan
+from math import tan
 
 import bpy
 from bpy.types import Object, Scene
@@ -22,7 +22,7 @@ LIGHTS = {
     "Vibe Rim": (155.0, 45.0, 0.3, 2.0),
 }
 """Lights that we may add: azimuth from the camera, elevation (degrees), size in distances, and the radiance
-of a white surface that faces them (P / (π² d²), see Blender's area lights)."""
+of a white surface that faces them."""
 
 
 def prepare(scene: Scene, subject: Sequence[Object] = ()) -> list[str]:
@@ -110,7 +110,7 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
         owned.mark(block, name)
     pivot, distance = (low + high) / 2.0, light_distance(low, high)
     data.size = size * distance
-    data.energy = brightness * pi**2 * distance**2
+    data.energy = brightness * schema.radiometry.unit_energy(data.type, distance)
     front = schema.orbit.angles(scene.camera.matrix_world.translation - pivot)[0] if scene.camera else 0.0
     _stand(light, pivot, front + azimuth, elevation, distance)
     scene.collection.objects.link(light)

@@ -198,7 +198,7 @@ def light_roles(cast: Cast) -> dict[Object, str]:
     found = lights(cast.scene)
     rims = {o for o in found if _from_behind(o, cast)}
     front = [o for o in found if o not in rims] or found
-    key = max(front, key=lambda o: _irradiance(o, cast.pivot), default=None)
+    key = max(front, key=lambda o: _brightness(o, cast.pivot), default=None)
     return {o: "key" if o is key else "rim" if o in rims else "fill" for o in found}
 
 
@@ -221,10 +221,9 @@ def _from_behind(obj: Object, cast: Cast) -> bool:
     return flat.normalized().dot(light.normalized()) < -0.2
 
 
-def _irradiance(obj: Object, pivot: Vector) -> float:
+def _brightness(obj: Object, pivot: Vector) -> float:
+    """Radiance that the light gives to a white diffuse surface at the pivot that faces it."""
     data: Light = obj.data
-    power = data.energy * max(data.color) * 2.0 ** getattr(data, "exposure", 0.0)
-    if data.type == "SUN":
-        return power
     distance = _light_lengths(obj, pivot)["light_distance"]
-    return power / (4.0 * math.pi**2 * distance * distance)
+    power = data.energy * max(data.color)
+    return schema.radiometry.radiance(data.type, power, distance, getattr(data, "exposure", 0.0))

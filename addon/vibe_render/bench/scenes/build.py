@@ -13,6 +13,7 @@ from bpy.types import Object, Scene
 from mathutils import Euler, Vector
 
 from ...core import compat
+from ...core.schema_import import schema
 from ...scene import bindings, scene_context, snapshot
 from ...scene.stage import parts
 from .props import PROPS
@@ -111,11 +112,10 @@ def _lamp(scene: Scene, name: str, lamp: Lamp, pivot: Vector, luck: random.Rando
     data = bpy.data.lights.new(name, lamp.kind)
     angles = (lamp.azimuth + luck.uniform(-15, 15), lamp.elevation + luck.uniform(-5, 5))
     level = lamp.level * luck.uniform(0.8, 1.25)
-    # the inverses of what Cycles makes of a lamp's power (see the facts in `rendering`'s calibration test)
+    data.energy = level * schema.radiometry.unit_energy(lamp.kind, lamp.distance)
     if lamp.kind == "SUN":
-        data.energy, data.angle = math.pi * level, math.radians(lamp.size)
+        data.angle = math.radians(lamp.size)
     else:
-        data.energy = level * math.pi**2 * lamp.distance**2 * (1.0 if lamp.kind == "AREA" else 4.0)
         setattr(data, "size" if lamp.kind == "AREA" else "shadow_soft_size", lamp.size)
     data.color = shifted(lamp.color, luck, 0.06)
     for key, value in lamp.settings.items():

@@ -63,7 +63,7 @@ def area_light(
     """
     lamp = bpy.data.lights.new(name, "AREA")
     lamp.shape, lamp.size, lamp.color = "SQUARE", size, color
-    lamp.energy = radiance * math.pi**2 * distance**2  # the inverse of Cycles' P / (pi^2 d^2)
+    lamp.energy = radiance * schema.radiometry.unit_energy(lamp.type, distance)
     made = bpy.data.objects.new(name, lamp)
     made.matrix_world = pose(pivot, *angles, distance)
     scene.collection.objects.link(made)

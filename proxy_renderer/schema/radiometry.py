@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Radiometry: how bright Blender's lights make a white diffuse surface that faces them. The only table of it.
+
+Checked against Cycles renders by blender_tests/scene/test_key_light.py.
+"""
+
+from __future__ import annotations
+
+import math
+
+from .errors import VibeError
+
+_UNIT_ENERGY = {
+    "POINT": 4 * math.pi**2,
+    "SPOT": 4 * math.pi**2,  # Blender's spots are points with a mask: inside the cone as bright as those
+    "AREA": math.pi**2,
+    "SUN": math.pi,
+}
+_AT_INFINITY = ("SUN",)  # their energy is an irradiance, which no distance changes
+
+
+def unit_energy(light_type: str, distance: float = 1.0) -> float:
+    """The energy at which a white diffuse surface that faces the light has a radiance of 1.
+
+    Args:
+        light_type: Blender's name of it: "POINT", "SPOT", "AREA" or "SUN".
+        distance: From the light to the surface, meters; several times the light's size. Suns ignore it.
+
+    Returns:
+        Watts; W/m² of a sun.
+
+    Raises:
+        VibeError: There is no such light type.
+    """
+    if light_type not in _UNIT_ENERGY:
+        raise VibeError(
+            f'Lights of type "{light_type}" are unknown.', f"Use one of {', '.join(_UNIT_ENERGY)}."
+        )
+    falloff = 1.0 if light_type in _AT_INFINITY else distance**2
+    return _UNIT_ENERGY[light_type] * falloff
+
+
+def radiance(light_type: str, energy: float, distance: float = 1.0, stops: float = 0.0) -> float:
+    """Radiance of a white diffuse surface that faces a light: the inverse of `unit_energy`.
+
+    Args:
+        light_type: As for `unit_energy`.
+        energy: Watts; W/m² of a sun.
+        distance: As for `unit_energy`.
+        stops: The light's own exposure.
+    """
+    return energy * 2.0**stops / unit_energy(light_type, distance)

@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Without roles, the key light is the one that lights the subject most, whatever its type."""
+
+import pytest
+
+from proxy_renderer.planning.owners import Owners
+from proxy_renderer.prompt.parser import parse
+from proxy_renderer.prompt.types import PlanContext, SceneWords
+from proxy_renderer.schema import FAMILIES, Instance
+from proxy_renderer.schema.radiometry import unit_energy
+
+TYPES = ("SUN", "AREA", "SPOT", "POINT")
+
+
+def instances(brighter: str) -> dict[str, Instance]:
+    """One light of each type, all as bright on the subject but one that is 20 % brighter."""
+    found = {}
+    for distance, kind in enumerate(TYPES, 2):
+        family = FAMILIES["light/strength" if kind == "SUN" else "light/power"]
+        reference = 1.0 if kind == "SUN" else float(distance**2)
+        energy = unit_energy(kind, distance) * (1.2 if kind == brighter else 1.0)
+        instance = Instance(family, kind.title(), (energy,), reference)
+        found[instance.key] = instance
+    return found
+
+
+@pytest.mark.parametrize("brighter", TYPES)
+def test_the_brightest_light_is_the_key(brighter):
+    context = PlanContext(light_types={kind.title(): kind for kind in TYPES})
+    assert Owners(parse("noir", SceneWords()), instances(brighter), context).key == [brighter.title()]
+
+
+def test_a_lights_own_exposure_counts():
+    context = PlanContext(light_types={kind.title(): kind for kind in TYPES}, light_stops={"Spot": 1.0})
+    assert Owners(parse("noir", SceneWords()), instances("SUN"), context).key == ["Spot"]
