@@ -6,8 +6,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from ..prompt.types import Lab
 from ..schema import Values
+
+Lab = tuple[float, float, float]
+"""CIE L*a*b* under D65: L in [0, 100]."""
 
 _WHITE = (0.95047, 1.0, 1.08883)  # D65
 _TO_XYZ = (

@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING
 import torch
 from torch import Tensor
 
+from ..color.named import Lab
 from ..color.torch_color import srgb_to_lab
-from ..prompt.types import Lab, Prompts, Region
+from ..prompt.types import Prompts
+from ..schema.spec import Region
 from . import regions
 from .attributes import Attributes, attributes
 from .losses import (

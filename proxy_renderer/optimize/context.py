@@ -11,13 +11,15 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
+from ..color.named import Lab
 from ..color.torch_color import LUMA, srgb_to_lab
 from ..guidance import regions
-from ..prompt.types import Lab, PictureStats, PlanContext, Region, SceneWords
+from ..prompt.types import PictureStats, PlanContext, SceneWords
 from ..render.geometry.camera import view_of
 from ..scene import SceneData
 from ..scene.values import Settings
 from ..schema import Values
+from ..schema.spec import Region
 from . import headroom
 
 if TYPE_CHECKING:

@@ -110,8 +110,7 @@ def model(arguments: argparse.Namespace) -> bool:
 
 def vocabulary(name: str) -> None:
     """The artist's own words, if any, can be used; this process and those that it starts will use them."""
-    from ..prompt.lexicon.user_words import VARIABLE
-    from ..prompt.lexicon.vocabulary import default_vocabulary
+    from ..prompt.lexicon.user_words import VARIABLE, default_vocabulary
 
     if name:
         os.environ[VARIABLE] = str(file(name, "vocabulary"))

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from ..prompt.lexicon.vocabulary import default_vocabulary
+from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.meaning import forget_parts
 from ..prompt.parser import parse
 from ..prompt.prompts import compose

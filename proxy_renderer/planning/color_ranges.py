@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 from ..color.named import chroma, from_hex, hue_apart, luminance, shade, to_lab, to_linear, to_srgb
-from ..prompt.lexicon.vocabulary import Effect, default_vocabulary
+from ..prompt.lexicon.user_words import default_vocabulary
+from ..prompt.lexicon.vocabulary import Effect
 from ..prompt.meaning import fog_color
 from ..prompt.types import Attribute
 from ..schema import Instance, Values

@@ -7,8 +7,9 @@ import math
 from collections.abc import Callable, Collection, Iterator
 
 from ..color.named import luminance
-from ..prompt.types import PlanContext, Region
+from ..prompt.types import PlanContext
 from ..schema import Instance, Values, radiometry
+from ..schema.spec import Region
 from .display import radiance
 
 _FACING = 0.45  # mean cosine over the lit side, times the share of what is seen that is lit

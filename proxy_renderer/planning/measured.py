@@ -7,8 +7,9 @@ import math
 
 from ..color.named import chroma, from_lab, to_lab
 from ..prompt.meaning import display_color
-from ..prompt.types import PlanContext, Region
+from ..prompt.types import PlanContext
 from ..schema import Instance, Values
+from ..schema.spec import Region
 from .display import dimming, first_within, scene_color
 
 _NEAR = math.log(2.5)  # how far the value may be from the formula's for the picture to tell

@@ -6,7 +6,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..color.named import to_srgb
-from ..prompt.lexicon.vocabulary import Effect, Vocabulary, default_vocabulary
+from ..prompt.lexicon.user_words import default_vocabulary
+from ..prompt.lexicon.vocabulary import Effect, Vocabulary
 from ..prompt.meaning import is_vague
 from ..prompt.types import Attribute, Parsed, Plan, PlanContext, PlanEntry, Prompts
 from ..schema import Instance, Values, labels

@@ -5,9 +5,10 @@ from __future__ import annotations
 
 import math
 
-from ..color.named import luminance, to_lab, to_srgb
-from ..prompt.types import Lab, Parsed, PlanContext, PlanEntry, Region
+from ..color.named import Lab, luminance, to_lab, to_srgb
+from ..prompt.types import Parsed, PlanContext, PlanEntry
 from ..schema import Instance
+from ..schema.spec import Region
 from .display import lightness, radiance
 from .owners import Owners
 from .ranges import clip

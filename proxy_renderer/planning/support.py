@@ -9,8 +9,9 @@ from __future__ import annotations
 import math
 
 from ..color.named import chroma
-from ..prompt.types import Parsed, PlanContext, PlanEntry, Region
+from ..prompt.types import Parsed, PlanContext, PlanEntry
 from ..schema import Instance
+from ..schema.spec import Region
 from .display import radiance
 from .owners import Owners
 from .ranges import clip, facing_white

@@ -5,12 +5,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from .binding import Binding, Thing, Word
+from ..schema.spec import Region
+from .binding import Binder
 from .clause import ClauseState
 from .lexicon.vocabulary import Vocabulary
 from .roles import KIND_OF_SLOT, Roles, light_role
+from .things import Thing, Word
 from .tokens import Token
-from .types import Region
 
 _PICTURES = ("shot", "photo", "photography", "render", "advert", "commercial", "packshot", "shoot")
 """What colors before it describe is not the light: "white product shot"."""
@@ -30,7 +31,7 @@ class Actions:
         subject: What the prompt calls the subject, if nobody knows the word.
     """
 
-    def __init__(self, vocabulary: Vocabulary, binding: Binding, roles: Roles, subject: str) -> None:
+    def __init__(self, vocabulary: Vocabulary, binding: Binder, roles: Roles, subject: str) -> None:
         self.vocabulary, self.binding, self.roles, self.subject = vocabulary, binding, roles, subject
 
     def connect(self, state: ClauseState, token: Token, following: Token | None) -> None:

@@ -4,12 +4,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ..schema import VibeError
 from .lexicon.vocabulary import Vocabulary
-from .tokens import Token
-from .types import Attribute, Parsed, Region
+from .things import Thing, Word
+from .types import Attribute, Parsed
 from .unclaimed import BOUND_SLOTS, Unclaimed
 
 _LESS = 0.7  # how much of the opposite "less" asks for
@@ -17,40 +17,7 @@ _PAINTED = ("background", "backdrop", "wall", "walls")
 """Ends of names of settings that are a surface behind the subject."""
 
 
-@dataclass
-class Thing:
-    """What words are bound to; `kind` as in the vocabulary's nouns, or "whole"."""
-
-    kind: str
-    name: str = ""
-    region: Region = "subject"
-    owners: tuple[str, ...] = ()
-    role: str = ""
-
-    @property
-    def matter(self) -> bool:
-        """Whether it has a surface."""
-        return self.kind in ("subject", "surroundings")
-
-
-@dataclass
-class Word:
-    """A look word that waits for its noun."""
-
-    token: Token
-    text: str
-    strength: float
-    negated: bool
-    barred: bool = False  # an "and" came after it
-
-    @property
-    def less(self) -> bool:
-        """Whether it is to be there in a smaller degree than now: a step towards its opposite."""
-        itself = self.token.text.startswith("less ")  # "less contrast" is a word of its own
-        return self.text.startswith("less ") and not (itself or self.negated)
-
-
-class Binding:
+class Binder:
     """Collects attributes.
 
     Attributes:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from .binding import Thing, Word
+from .things import Thing, Word
 from .tokens import Token
 
 

@@ -3,11 +3,12 @@
 
 from __future__ import annotations
 
-from ..color.named import basic, chroma, shade, to_lab
+from ..color.named import Lab, basic, chroma, shade, to_lab
 from ..schema import Values
+from ..schema.spec import Region
 from .lexicon.attributes import ATTRIBUTES, COLORS
 from .lexicon.vocabulary import Vocabulary
-from .types import Attribute, Lab, Parsed, Region, SceneObject
+from .types import Attribute, Parsed, PromptObject
 
 _COLORED = {
     "light": "lighting",
@@ -18,10 +19,10 @@ _COLORED = {
 }
 _BLACK = 12.0  # L* of a black thing whose form can be seen
 _MAIN = 0.5  # share of its region above which a thing's color is the region's
-Named = tuple[str, Region, tuple[str, ...]]
+_NamedThing = tuple[str, Region, tuple[str, ...]]
 
 
-def complete(parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[Named]) -> None:
+def complete(parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[_NamedThing]) -> None:
     """Fills in objects, targets, colors and conflicts of a prompt whose attributes are bound."""
     parsed.attributes = _qualified(parsed.attributes, vocabulary)
     parsed.objects = _objects(parsed.attributes, subject, things)
@@ -182,12 +183,12 @@ def _region_colors(parsed: Parsed, attributes: list[Attribute]) -> None:
     assert all(head in ATTRIBUTES for head in parsed.targets)
 
 
-def _objects(attributes: list[Attribute], subject: str, things: list[Named]) -> list[SceneObject]:
+def _objects(attributes: list[Attribute], subject: str, things: list[_NamedThing]) -> list[PromptObject]:
     """The prompt's objects with their attributes, the subject first."""
     main = next((name for name, region, _ in things if region == "subject"), subject) or "subject"
-    objects: dict[tuple[str, Region], SceneObject] = {(main, "subject"): SceneObject(main, "subject")}
+    objects: dict[tuple[str, Region], PromptObject] = {(main, "subject"): PromptObject(main, "subject")}
     for name, region, owners in things:
-        objects.setdefault((name, region), SceneObject(name, region, materials=owners)).materials = owners
+        objects.setdefault((name, region), PromptObject(name, region, materials=owners)).materials = owners
     around: tuple[str, Region] = next(
         (k for k in objects if k[1] == "surroundings"), ("surroundings", "surroundings")
     )
@@ -202,7 +203,7 @@ def _objects(attributes: list[Attribute], subject: str, things: list[Named]) -> 
                 or attribute.kind == "fog"
             )
             key = around if outer else (main, "subject")
-            objects.setdefault(key, SceneObject(*key))
+            objects.setdefault(key, PromptObject(*key))
         slots = objects[key].attributes
         slot, word = attribute.slot, attribute.word
         if slot == "color" and attribute.region == "whole":

@@ -8,9 +8,10 @@ import re
 from ..schema import VibeError
 from .english import ONLY_ENGLISH, other_language
 from .keyed import spoken, without_spared
-from .lexicon.vocabulary import Vocabulary, default_vocabulary
+from .lexicon.user_words import default_vocabulary
+from .lexicon.vocabulary import Vocabulary
 from .meaning import complete
-from .reader import Reader
+from .reader import PromptReader
 from .types import Parsed, SceneWords
 
 LONGEST_PROMPT = 2000
@@ -35,11 +36,11 @@ def parse(prompt: str, scene: SceneWords, vocabulary: Vocabulary | None = None) 
     if foreign == "all":
         raise VibeError(f"The prompt '{text[:60]}' is not in English.", ONLY_ENGLISH)
     vocabulary = vocabulary or default_vocabulary()
-    reader = Reader(vocabulary, scene)
+    reader = PromptReader(vocabulary, scene)
     said, spared = without_spared(spoken(text, vocabulary, reader.lexer.names))
     parsed = reader.read(said)
     if not parsed.attributes and reader.named:  # "castle": if it is nothing else, it is a mood
-        reader = Reader(vocabulary, scene, things=False)
+        reader = PromptReader(vocabulary, scene, things=False)
         parsed = reader.read(said)
     parsed.prompt = text
     parsed.conflicts += [f"'{words}': what no word names stays as it is." for words in spared]

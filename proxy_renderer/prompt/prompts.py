@@ -7,7 +7,8 @@ a caption of its own, negatives are positive descriptions of the mistake, and ne
 
 from __future__ import annotations
 
-from .lexicon.vocabulary import Entry, Vocabulary, default_vocabulary
+from .lexicon.user_words import default_vocabulary
+from .lexicon.vocabulary import Vocabulary, VocabularyEntry
 from .meaning import color_class
 from .types import Attribute, Parsed, Prompts
 
@@ -148,6 +149,6 @@ def _heads(attribute: Attribute, vocabulary: Vocabulary) -> set[tuple[str, str]]
     return {*entry.heads.items()} if entry else set()
 
 
-def _opposite(attribute: Attribute, vocabulary: Vocabulary) -> Entry | None:
+def _opposite(attribute: Attribute, vocabulary: Vocabulary) -> VocabularyEntry | None:
     entry = vocabulary.entries.get(attribute.entry)
     return vocabulary.entries.get(entry.opposite) if entry else None

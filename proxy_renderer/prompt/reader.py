@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from .actions import Actions
-from .binding import Binding, Thing, Word
+from .binding import Binder
 from .clause import ClauseState
 from .lexicon.vocabulary import Vocabulary
 from .roles import (
@@ -19,6 +19,7 @@ from .roles import (
     speaks_of_looks,
     submerged,
 )
+from .things import Thing, Word
 from .tokens import Lexer, Token
 from .types import Parsed, SceneWords
 
@@ -26,7 +27,7 @@ _AGAIN = ("make", "give", "keep", "set", "let")
 """A verb that starts a new wish: "remove the chair and make it warm"."""
 
 
-class Reader:
+class PromptReader:
     """Walks through the clauses of a prompt, token by token.
 
     Args:
@@ -44,7 +45,7 @@ class Reader:
     ) -> None:
         self.vocabulary, self.scene = vocabulary, scene
         self.lexer = Lexer(vocabulary, scene)
-        self.binding = Binding(vocabulary, cause, self._means)
+        self.binding = Binder(vocabulary, cause, self._means)
         self.roles = Roles(vocabulary, self.binding)
         self.act = Actions(vocabulary, self.binding, self.roles, scene.subject)
         self.things, self.named = things and not cause, False
@@ -71,7 +72,7 @@ class Reader:
         )
 
     def _means(self, text: str, cause: str) -> Parsed:
-        return Reader(self.vocabulary, SceneWords(), cause).read(text)
+        return PromptReader(self.vocabulary, SceneWords(), cause).read(text)
 
     def _clause(self, tokens: list[Token], previous: Thing | None) -> Thing | None:
         state = ClauseState(waiting=self.carried)

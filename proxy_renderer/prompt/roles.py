@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from .binding import Binding
+from .binding import Binder
 from .clause import ClauseState
 from .lexicon.nearest import Guess
 from .lexicon.vocabulary import Vocabulary
@@ -34,7 +34,7 @@ KIND_OF_SLOT = {"lighting": "light", "atmosphere": "fog", "grade": "tone", "sett
 class Roles:
     """Judges tokens by their neighbors."""
 
-    def __init__(self, vocabulary: Vocabulary, binding: Binding) -> None:
+    def __init__(self, vocabulary: Vocabulary, binding: Binder) -> None:
         self.vocabulary, self.binding = vocabulary, binding
 
     def may_be_look(self, near: Guess, state: ClauseState, rest: list[Token]) -> bool:

@@ -12,7 +12,7 @@ from ..color.named import shade
 from ..schema import Values
 from .lexicon.nearest import Guess, nearest, table
 from .lexicon.tinges import spelled_out, tending, tinged
-from .lexicon.vocabulary import Entry, Vocabulary, normalize
+from .lexicon.vocabulary import Vocabulary, VocabularyEntry, normalize
 from .names import SceneName, in_parts, scene_names
 from .types import SceneWords
 
@@ -186,7 +186,7 @@ class Lexer:
                 )
         return None
 
-    def _entry(self, text: str) -> Entry | None:
+    def _entry(self, text: str) -> VocabularyEntry | None:
         """What a phrase means on its own, if it is one."""
         return self.vocabulary.entries.get(self.vocabulary.synonyms.get(text, ""))
 

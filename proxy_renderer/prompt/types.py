@@ -4,13 +4,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
 
+from ..color.named import Lab
 from ..schema import Values
-
-Region = Literal["subject", "surroundings", "whole"]
-Lab = tuple[float, float, float]
-"""CIE L*a*b* under D65: L in [0, 100]."""
+from ..schema.spec import Region
 
 
 @dataclass(frozen=True)
@@ -68,7 +65,7 @@ class Attribute:
 
 
 @dataclass
-class SceneObject:
+class PromptObject:
     """Something that the prompt describes, in the foreground or around it.
 
     Attributes:
@@ -102,7 +99,7 @@ class Parsed:
     """
 
     prompt: str
-    objects: list[SceneObject] = field(default_factory=list)
+    objects: list[PromptObject] = field(default_factory=list)
     attributes: list[Attribute] = field(default_factory=list)
     targets: dict[str, str] = field(default_factory=dict)
     colors: dict[Region, Lab] = field(default_factory=dict)

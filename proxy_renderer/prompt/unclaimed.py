@@ -4,14 +4,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from ..color.named import chroma, to_lab
 from .lexicon.vocabulary import Vocabulary
+from .things import Thing, Word
 from .types import Attribute
-
-if TYPE_CHECKING:
-    from .binding import Thing, Word
 
 BOUND_SLOTS = ("finish", "material", "color", "setting")
 """Slots whose words wait for the noun that they describe; the others describe the whole picture."""

@@ -4,7 +4,7 @@
     endpoint    which model, where, and whose key: options, then the environment
     client      asks: retries, time limits, cache, what the server cannot do, what it costs
     transport   one request through the `openai` package, bounded in time and size
-    table       what of a scene may be planned, under names that hold no text of the artist's
+    aliases     what of a scene may be planned, under names that hold no text of the artist's
     request     the question, and the JSON schema of its answer, both made from the parameter table
     reply       the answer, checked field by field
     advisor     the rounds' advice: the model's where it answers, the offline planner's where it does not

@@ -11,14 +11,14 @@ from ..planning.advice import Advice, OfflineAdvisor
 from ..planning.planner import plan as confine
 from ..prompt.parser import parse
 from ..prompt.prompts import compose
-from ..prompt.types import Parsed, Plan, PlanContext, PlanEntry, Prompts, SceneObject, SceneWords
+from ..prompt.types import Parsed, Plan, PlanContext, PlanEntry, PromptObject, Prompts, SceneWords
 from ..schema import Instance, VibeError
+from .aliases import AliasTable
 from .client import Client
 from .errors import ModelError
 from .picture import jpeg_of
 from .reply import Reply, read_reply
 from .request import make_question
-from .table import Table
 
 _PATIENCE = 2  # rounds in a row without an answer, after which the model is not asked any more
 
@@ -83,7 +83,7 @@ class ModelAdvisor:
     def _ask(
         self, display: Any, instances: Mapping[str, Instance], context: PlanContext, draft: Advice | None
     ) -> Reply:
-        table = Table(instances, context)
+        table = AliasTable(instances, context)
         empty = Advice(Parsed(self._prompt), Prompts("", "", ""), Plan())
         base = draft or empty
         question = make_question(
@@ -109,7 +109,7 @@ class ModelAdvisor:
             known,
             objects=reply.objects
             or known.objects
-            or [SceneObject(self._words.subject or "subject", "subject")],
+            or [PromptObject(self._words.subject or "subject", "subject")],
             targets={**known.targets, **reply.targets},
             colors={**known.colors, **reply.colors},
             ignored=reply.ignored if draft is None else known.ignored,
@@ -148,7 +148,7 @@ class ModelAdvisor:
         try:
             return replace(parse(caption, self._words), prompt=self._prompt)
         except VibeError:
-            return Parsed(self._prompt, objects=[SceneObject("subject", "subject")])
+            return Parsed(self._prompt, objects=[PromptObject("subject", "subject")])
 
     def _kept(self, instance: Instance) -> PlanEntry:
         reason = f"locked: {instance.locked}" if instance.locked else "model: keeps the artist's value"

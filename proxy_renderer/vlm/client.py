@@ -13,7 +13,7 @@ from .dialect import Dialect, Question
 from .endpoint import Endpoint
 from .errors import ModelError
 from .extract import find_object, scrub
-from .transport import Answer, Transport
+from .transport import Completion, Transport
 
 _VERSION = 1  # of the questions and what is made of answers; a new one forgets the cache
 _TRIES = 4
@@ -146,7 +146,7 @@ class Client:
                     raise
                 earlier = [{"role": "assistant", "content": text[:4000]}, {"role": "user", "content": _AGAIN}]
 
-    def _speak(self, question: Question, earlier: list[dict[str, Any]], end: float) -> Answer:
+    def _speak(self, question: Question, earlier: list[dict[str, Any]], end: float) -> Completion:
         """One answer, in whatever dialect the server understands."""
         for _ in range(_REFUSALS):
             body = self.dialect.body(self.endpoint.model, question, earlier)
@@ -165,7 +165,7 @@ class Client:
             f"{self.endpoint.place} refuses everything that it is asked.", "Use another model.", lasting=True
         )
 
-    def _send(self, body: dict[str, Any], end: float) -> Answer:
+    def _send(self, body: dict[str, Any], end: float) -> Completion:
         """One request, repeated with growing pauses while that may help and there is time."""
         pause = _PAUSE
         for attempt in range(1, _TRIES + 1):
@@ -191,7 +191,7 @@ class Client:
                 raise ModelError("You stopped it.", "", lasting=True)
             time.sleep(min(left, 0.05))
 
-    def _count(self, answer: Answer) -> None:
+    def _count(self, answer: Completion) -> None:
         use, prices = self.usage, self.endpoint.prices
         use.read, use.written = use.read + answer.read, use.written + answer.written
         cost = answer.cost

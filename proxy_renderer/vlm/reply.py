@@ -11,15 +11,16 @@ import re
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..color.named import from_hex
+from ..color.named import Lab, from_hex
 from ..planning.ranges import clip
 from ..prompt.lexicon.attributes import ATTRIBUTES
 from ..prompt.meaning import display_color
-from ..prompt.types import Lab, PlanEntry, Prompts, Region, SceneObject
+from ..prompt.types import PlanEntry, PromptObject, Prompts
 from ..schema import Instance, Values
+from ..schema.spec import Region
+from .aliases import AliasTable
 from .extract import clean
 from .request import REGIONS, SLOTS
-from .table import Table
 
 _MOST_OBJECTS, _MOST_TEXTS, _MOST_ENTRIES = 12, 8, 200
 _CAPTION, _WORD, _REASON = 160, 60, 160
@@ -48,7 +49,7 @@ class Reply:
         missing: Fields that the schema has and the answer has not.
     """
 
-    objects: list[SceneObject] = field(default_factory=list)
+    objects: list[PromptObject] = field(default_factory=list)
     prompts: Prompts = field(default_factory=lambda: Prompts("", "", ""))
     targets: dict[str, str] = field(default_factory=dict)
     colors: dict[Region, Lab] = field(default_factory=dict)
@@ -66,7 +67,7 @@ class Reply:
         return bool(self.entries or self.targets or self.colors or self.prompts.whole or self.prompts.subject)
 
 
-def read_reply(raw: dict[str, Any], table: Table) -> Reply:
+def read_reply(raw: dict[str, Any], table: AliasTable) -> Reply:
     """Checks an answer.
 
     Args:
@@ -93,9 +94,9 @@ def read_reply(raw: dict[str, Any], table: Table) -> Reply:
     return reply
 
 
-def _objects(raw: Any, table: Table, reply: Reply) -> list[SceneObject]:
+def _objects(raw: Any, table: AliasTable, reply: Reply) -> list[PromptObject]:
     found = []
-    names = {t.id: i.owner for t in table.things for n, i in table.rows.items() if n.startswith(f"{t.id}/")}
+    names = {t.id: i.owner for t in table.aliases for n, i in table.rows.items() if n.startswith(f"{t.id}/")}
     for item in _list(raw, reply)[:_MOST_OBJECTS]:
         region = item.get("region") if isinstance(item, dict) else None
         if region not in REGIONS:
@@ -105,7 +106,7 @@ def _objects(raw: Any, table: Table, reply: Reply) -> list[SceneObject]:
         said = said if isinstance(said, dict) else {}
         worn = item.get("materials")
         found.append(
-            SceneObject(
+            PromptObject(
                 clean(item.get("name"), _WORD) or region,
                 region,
                 {slot: words for slot in SLOTS if (words := clean(said.get(slot), _CAPTION))},
@@ -159,7 +160,7 @@ def _colors(raw: Any, reply: Reply) -> dict[Region, Lab]:
     return found
 
 
-def _add_entry(item: Any, table: Table, reply: Reply) -> None:
+def _add_entry(item: Any, table: AliasTable, reply: Reply) -> None:
     """One entry of the plan, in the parameter's own unit, within its bounds, and with some width."""
     name = item.get("parameter") if isinstance(item, dict) else None
     instance = table.rows.get(name) if isinstance(name, str) else None

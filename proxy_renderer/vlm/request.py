@@ -11,9 +11,9 @@ from ..prompt.lexicon.attributes import ATTRIBUTES
 from ..prompt.types import Parsed, Plan, PlanContext, Prompts
 from ..schema import FAMILIES
 from ..schema.spec import SRGB
+from .aliases import AliasTable
 from .dialect import Question
 from .extract import clean
-from .table import Table
 
 SLOTS = ("color", "material", "lighting", "style", "mood", "shape")
 """Attributes of an object (section 3.5 of the paper)."""
@@ -49,7 +49,11 @@ range that is right needs no entry: leave it out and it stays. Colors are sRGB c
 
 
 def make_question(
-    look: str, table: Table, context: PlanContext, draft: tuple[Parsed, Prompts, Plan], picture: bytes | None
+    look: str,
+    table: AliasTable,
+    context: PlanContext,
+    draft: tuple[Parsed, Prompts, Plan],
+    picture: bytes | None,
 ) -> Question:
     """What the model is asked in a round.
 
@@ -64,10 +68,10 @@ def make_question(
     document = {
         "look": look,
         "scene": [
-            {"id": t.id, "name": clean(t.name, 60), "role": t.role}
-            | ({"part_of_region": round(t.share, 2)} if t.share is not None else {})
-            | ({"type": t.kind} if t.kind else {})
-            for t in table.things
+            {"id": a.id, "name": clean(a.name, 60), "role": a.role}
+            | ({"part_of_region": round(a.share, 2)} if a.share is not None else {})
+            | ({"type": a.kind} if a.kind else {})
+            for a in table.aliases
         ],
         "measured": _measured(context),
         "draft": {
@@ -86,10 +90,10 @@ def make_question(
     return Question(SYSTEM, text, picture, answer_schema(table))
 
 
-def answer_schema(table: Table) -> dict[str, Any]:
+def answer_schema(table: AliasTable) -> dict[str, Any]:
     """The JSON schema of an answer; only what strict modes of all servers have: no bounds, no patterns."""
     names = list(table.rows)
-    materials = [t.id for t in table.things if t.id.startswith("material")]
+    materials = [a.id for a in table.aliases if a.id.startswith("material")]
     region = {"type": "string", "enum": list(REGIONS)}
     text = {"type": "string"}
     texts = {"type": "array", "items": text}
@@ -131,7 +135,7 @@ def _object(**properties: Any) -> dict[str, Any]:
     }
 
 
-def _docs(table: Table) -> dict[str, str]:
+def _docs(table: AliasTable) -> dict[str, str]:
     """Family -> what it does, from the parameter table."""
     docs = {}
     for family in dict.fromkeys(i.parameter.family for i in table.rows.values()):
@@ -146,7 +150,7 @@ def _docs(table: Table) -> dict[str, str]:
     return docs
 
 
-def _row(name: str, table: Table, context: PlanContext, plan: Plan) -> dict[str, Any]:
+def _row(name: str, table: AliasTable, context: PlanContext, plan: Plan) -> dict[str, Any]:
     instance = table.rows[name]
     now = table.shown(instance, context.values.get(instance.key, instance.value))
     low, high = table.bounds(instance)

@@ -25,7 +25,7 @@ _OVERFULL = re.compile(r"context[ _](length|size|window)|too many tokens|n_ctx",
 
 
 @dataclass(frozen=True)
-class Answer:
+class Completion:
     """What a server sent back.
 
     Attributes:
@@ -59,7 +59,7 @@ class Transport:
         self.endpoint, self._stop = endpoint, stop
         self._client: Any = None
 
-    def post(self, body: dict[str, Any], seconds: float) -> Answer:
+    def post(self, body: dict[str, Any], seconds: float) -> Completion:
         """Sends one request and waits for its answer, at most so long.
 
         It runs in a thread of its own: whatever hangs, be it the name look-up or a server that sends
@@ -69,12 +69,12 @@ class Transport:
             ModelError: Whatever happens instead.
         """
         client = self._connect()
-        box: queue.Queue[Answer | ModelError] = queue.Queue()
+        box: queue.Queue[Completion | ModelError] = queue.Queue()
 
         def act() -> None:
             try:
                 made = client.chat.completions.with_raw_response.create(**body, timeout=seconds)
-                box.put(read_answer(made.http_response.content))
+                box.put(read_completion(made.http_response.content))
             except ModelError as error:
                 box.put(error)
             except Exception as error:
@@ -156,7 +156,7 @@ class Transport:
         )
 
 
-def read_answer(raw: bytes) -> Answer:
+def read_completion(raw: bytes) -> Completion:
     """The model's words in a body that should be a chat completion."""
     try:
         body = json.loads(raw)
@@ -169,7 +169,7 @@ def read_answer(raw: bytes) -> Answer:
             raise TypeError
         read, written = (_count(usage.get(n)) for n in ("prompt_tokens", "completion_tokens"))
         cost = usage.get("cost")
-        return Answer(
+        return Completion(
             text=text,
             cut=choice.get("finish_reason") == "length",
             read=read,

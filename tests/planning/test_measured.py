@@ -12,7 +12,7 @@ from proxy_renderer.planning.display import reachable, scene_color
 from proxy_renderer.planning.illumination import cast, warmth
 from proxy_renderer.planning.measured import measured
 from proxy_renderer.planning.planner import plan
-from proxy_renderer.prompt.lexicon.vocabulary import default_vocabulary
+from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.meaning import display_color, forget_parts
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.prompts import compose

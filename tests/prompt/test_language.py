@@ -16,7 +16,8 @@ from proxy_renderer.planning.display import lightness, radiance
 from proxy_renderer.planning.explanation import as_dict, explain
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES, COLORS
-from proxy_renderer.prompt.lexicon.vocabulary import COLOR_MODES, default_vocabulary, load, parse_effect
+from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
+from proxy_renderer.prompt.lexicon.vocabulary import COLOR_MODES, load, parse_effect
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.prompts import compose
 from proxy_renderer.prompt.tokens import Lexer

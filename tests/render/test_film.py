@@ -12,7 +12,7 @@ from tiny_job import blender_config
 from proxy_renderer.color.named import to_lab, to_oklab
 from proxy_renderer.color.view_transform import ViewTransform, apply_ocio
 from proxy_renderer.planning.display import scene_color
-from proxy_renderer.prompt.lexicon.vocabulary import default_vocabulary
+from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.render.film.bloom import bloom
 from proxy_renderer.render.film.film import Film, grade
 from proxy_renderer.scene import FilmSettings

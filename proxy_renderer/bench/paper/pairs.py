@@ -10,7 +10,7 @@ from functools import cache
 from pathlib import Path
 
 from ...color.named import chroma, from_hex, to_lab
-from ...prompt.lexicon.vocabulary import default_vocabulary
+from ...prompt.lexicon.user_words import default_vocabulary
 from ...schema import VibeError
 from .measures import MEASURES
 

@@ -52,7 +52,7 @@ class Guess:
 
 
 @dataclass(frozen=True)
-class Table:
+class WordTable:
     """Words that may speak of a look, and others.
 
     Attributes:
@@ -132,7 +132,7 @@ class Table:
 
 
 @cache
-def table() -> Table:
+def table() -> WordTable:
     """The table that is shipped."""
     import numpy as np
 
@@ -158,7 +158,9 @@ def table() -> Table:
             stems.setdefault(stem(words[i]), int(i))
     index = {word: i for i, word in enumerate(words)}
     sorts = {word: i for i, word in enumerate(things)}
-    return Table(index, stems, directions("vectors"), kinds, frozenset(common), sorts, directions("things"))
+    return WordTable(
+        index, stems, directions("vectors"), kinds, frozenset(common), sorts, directions("things")
+    )
 
 
 def stem(word: str) -> str:

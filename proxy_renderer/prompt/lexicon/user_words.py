@@ -20,16 +20,32 @@ import re
 import sys
 import tomllib
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 from ...color.named import from_hex
 from ...schema import VibeError
-from .vocabulary import Entry, Vocabulary, normalize, read_entry
+from .vocabulary import Vocabulary, VocabularyEntry, normalize, read_entry, shipped_vocabulary
 
 VARIABLE = "VIBE_VOCABULARY"
 _TABLES = {"look": "entries", "colors": "color names"}
 _LARGEST = 2_000_000  # bytes; a vocabulary is text that somebody wrote
+
+
+def default_vocabulary() -> Vocabulary:
+    """The vocabulary that is shipped, with the user's own on top.
+
+    Raises:
+        VibeError: Something in the user's file is wrong.
+    """
+    path = user_file()
+    return _extended(path, path.stat().st_mtime_ns) if path else shipped_vocabulary()
+
+
+@cache
+def _extended(path: Path, changed: int) -> Vocabulary:
+    return extend(shipped_vocabulary(), path)
 
 
 def user_file() -> Path | None:
@@ -103,7 +119,7 @@ def _read(path: Path) -> tuple[str, dict[str, Any]]:
     return text, rows
 
 
-def _entry(path: Path, text: str, name: str, row: Any) -> Entry:
+def _entry(path: Path, text: str, name: str, row: Any) -> VocabularyEntry:
     try:
         if not isinstance(row, dict):
             raise VibeError(f"'{name}' is not a table.", f'Write [look."{name}"] above its rows.')
@@ -114,7 +130,7 @@ def _entry(path: Path, text: str, name: str, row: Any) -> Entry:
                        quoted.group(1) if quoted else "") from error  # fmt: skip
 
 
-def _check_links(path: Path, text: str, entries: dict[str, Entry], name: str) -> None:
+def _check_links(path: Path, text: str, entries: dict[str, VocabularyEntry], name: str) -> None:
     opposite = entries[name].opposite
     if opposite and normalize(opposite) not in entries:
         raise _problem(

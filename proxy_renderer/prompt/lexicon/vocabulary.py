@@ -75,7 +75,7 @@ class Effect:
 
 
 @dataclass(frozen=True)
-class Entry:
+class VocabularyEntry:
     """One look word with its synonyms; see the head of vocabulary.toml."""
 
     name: str
@@ -107,7 +107,7 @@ class Vocabulary:
         absent: Kind of thing -> entry that the lack of it means: "no shadows".
     """
 
-    entries: dict[str, Entry]
+    entries: dict[str, VocabularyEntry]
     synonyms: dict[str, str]
     colors: dict[str, Values]
     shades: dict[str, dict[str, float]]
@@ -162,7 +162,7 @@ def parse_effect(text: str) -> Effect:
     return replace(effect, lower=low, upper=high)
 
 
-def read_entry(name: str, row: dict) -> Entry:
+def read_entry(name: str, row: dict) -> VocabularyEntry:
     """One [look.NAME] table.
 
     Raises:
@@ -170,7 +170,7 @@ def read_entry(name: str, row: dict) -> Entry:
     """
     _check_rows(name, row)
     words = [name, *row.get("words", "").split(",")]
-    entry = Entry(
+    entry = VocabularyEntry(
         name,
         row["slot"],
         tuple(dict.fromkeys(normalize(w) for w in words if w.strip())),
@@ -253,21 +253,6 @@ def load(text: str, colors: str) -> Vocabulary:
         adjectives,
         grammar.get("absent", {}),
     )
-
-
-def default_vocabulary() -> Vocabulary:
-    """The vocabulary that is shipped, with the user's own on top, see `user`."""
-    from .user_words import user_file
-
-    path = user_file()
-    return _extended(path, path.stat().st_mtime_ns) if path else shipped_vocabulary()
-
-
-@cache
-def _extended(path: Path, changed: int) -> Vocabulary:
-    from .user_words import extend
-
-    return extend(shipped_vocabulary(), path)
 
 
 @cache

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cache
 
 from ...color.named import basic
-from ...prompt.lexicon.vocabulary import Entry, shipped_vocabulary
+from ...prompt.lexicon.vocabulary import VocabularyEntry, shipped_vocabulary
 
 Known = dict[str, str]
 """Attribute name → class, for those that a picture shows or a caption mentions."""
@@ -187,6 +187,6 @@ def lessons_by_class() -> dict[str, dict[str, list[tuple[str, Known]]]]:
     return found
 
 
-def _asking() -> list[Entry]:
+def _asking() -> list[VocabularyEntry]:
     """The entries that ask for something which a head reads."""
     return [entry for entry in shipped_vocabulary().entries.values() if entry.heads]

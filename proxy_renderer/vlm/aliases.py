@@ -19,8 +19,8 @@ _LONGEST_NAME = 60
 
 
 @dataclass(frozen=True)
-class Thing:
-    """A light or material.
+class Alias:
+    """A short name for a light or material, which a model may use.
 
     Attributes:
         id: "light1".
@@ -37,8 +37,8 @@ class Thing:
     kind: str = ""
 
 
-class Table:
-    """The parameters that a model may plan.
+class AliasTable:
+    """The parameters that a model may plan, by short names.
 
     Args:
         instances: All of the scene's, by key; locked ones are left out.
@@ -46,7 +46,7 @@ class Table:
 
     Attributes:
         rows: Name in questions and answers -> instance.
-        things: Lights and materials that have a row.
+        aliases: Lights and materials that have a row.
         names: Key -> name in questions, the inverse of `rows`.
     """
 
@@ -60,19 +60,19 @@ class Table:
         share = context.material_share
         materials = sorted(owners["material"], key=lambda o: (o[1] != "subject", -share.get(o[0], 0.0), o))
         lights = sorted(owners["light"], key=lambda o: (o[1] != "key", o))
-        self.things = [
-            Thing(f"material{n}", _name(owner), role, share.get(owner))
+        self.aliases = [
+            Alias(f"material{n}", _name(owner), role, share.get(owner))
             for n, (owner, role) in enumerate(materials[:_MATERIALS], 1)
         ]
-        self.things += [
-            Thing(f"light{n}", _name(owner), role, kind=context.light_types.get(owner, ""))
+        self.aliases += [
+            Alias(f"light{n}", _name(owner), role, kind=context.light_types.get(owner, ""))
             for n, (owner, role) in enumerate(lights[:_LIGHTS], 1)
         ]
         chosen = [*materials[:_MATERIALS], *lights[:_LIGHTS]]
         groups = ["material"] * len(materials[:_MATERIALS]) + ["light"] * len(lights[:_LIGHTS])
         ids = {
-            (group, owner): thing.id
-            for group, (owner, _), thing in zip(groups, chosen, self.things, strict=True)
+            (group, owner): alias.id
+            for group, (owner, _), alias in zip(groups, chosen, self.aliases, strict=True)
         }
         self.rows: dict[str, Instance] = {}
         for instance in free:
