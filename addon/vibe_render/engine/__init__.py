@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The engine's process: found, set up, talked to. No bpy in here."""
+"""The engine's process: find it, set it up, exchange messages with it. No bpy in here."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A vibe's talk with the engine while Blender renders: answers are passed on by a thread. No bpy here."""
+"""Requests to the engine and its answers, received by a thread while Blender renders. No bpy here."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _Answer = TypeVar("_Answer", messages.Result, messages.Finished)
 
 
 class Conversation:
-    """Listens to the engine from the moment it starts, and to Ctrl-C.
+    """Requests and answers, one after the other, with one engine.
 
     Args:
         engine: Started already.
@@ -33,7 +33,11 @@ class Conversation:
         threading.Thread(target=self._listen, daemon=True).start()
 
     def ask(self, request: messages.Vibe | messages.Finish) -> None:
-        """Sends a request. If Ctrl-C has been pressed already, a vibe ends with its first best."""
+        """Sends a request. If `stop` was called before, the vibe ends with its first best look.
+
+        Raises:
+            VibeError: The engine is gone.
+        """
         self._engine.send(request)
         self._asked = True
         if self._interrupted:
@@ -42,11 +46,14 @@ class Conversation:
     def wait(
         self, kind: type[_Answer], serve: Callable[[messages.Anchor], messages.Anchored] | None = None
     ) -> _Answer:
-        """The answer to the last request; raises the VibeError that the engine sent instead.
+        """Waits for the answer to the last request.
 
         Args:
-            kind: Of the answer.
-            serve: Answers what the engine asks for meanwhile.
+            kind: The answer's type.
+            serve: Renders the anchors that the engine asks for meanwhile.
+
+        Raises:
+            VibeError: The engine reports an error, or is gone.
         """
         while True:
             try:
@@ -61,7 +68,7 @@ class Conversation:
                 return answer
 
     def stop(self) -> None:
-        """Asks for the best so far."""
+        """Asks for the best look so far."""
         self._interrupted = True
         if self._asked:
             self._engine.send(messages.Stop())

@@ -18,7 +18,7 @@ BUILT_FROM = _ADDON / "engine.txt"
 """Written when the extension is built: the Python that built it, on this machine."""
 
 CARRIED = _ADDON / "carried"
-"""The engine's code as a built extension carries it: the environment needs to hold its packages only."""
+"""The engine's code in a built extension: its environment then holds only the packages that it needs."""
 
 _CLONE = _ADDON.parents[1]
 _NEEDED = ("torch", "open_clip", "trimesh", "PyOpenColorIO", "proxy_renderer")
@@ -37,7 +37,7 @@ def find_python(chosen: str = "") -> Path:
             environment; "" to search. The environment variable VIBE_ENGINE comes before it.
 
     Raises:
-        VibeError: If there is no engine, or the chosen place has none.
+        VibeError: There is no engine, or none in the chosen place.
     """
     chosen = os.environ.get(ENVIRONMENT_VARIABLE, "") or chosen
     if chosen:
@@ -65,7 +65,7 @@ def engine_environment() -> dict[str, str]:
 
 
 def has_engine(python: Path) -> bool:
-    """Whether this Python runs and could import the engine (which takes a moment; nothing is imported)."""
+    """Whether this Python runs and has the engine's packages; it is started for that, but imports nothing."""
     try:
         done = subprocess.run(
             [python, "-c", _PROBE], env=engine_environment(), capture_output=True, timeout=20
@@ -76,7 +76,7 @@ def has_engine(python: Path) -> bool:
 
 
 def _likely() -> Iterator[Path]:
-    """Places to look in, the most specific first."""
+    """Pythons that may have the engine, the most specific first."""
     places: list[Path] = []
     if BUILT_FROM.is_file():
         places.append(Path(BUILT_FROM.read_text(encoding="utf-8").strip()))
@@ -88,16 +88,18 @@ def _likely() -> Iterator[Path]:
 
 
 def own_group() -> dict:
-    """How to start a process that a Ctrl-C in Blender's terminal does not reach."""
+    """Arguments of `Popen` for a process that Ctrl-C in Blender's terminal does not reach."""
     if sys.platform == "win32":
         return {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP | subprocess.CREATE_NO_WINDOW}
     return {"start_new_session": True}
 
 
 def python_of(place: Path) -> Path | None:
-    """The Python at a place: itself, in an environment's folder, or in its folder of commands.
+    """The Python at a place, or None.
 
-    Links are kept: resolving an environment's Python would leave the environment.
+    Args:
+        place: A Python, an environment's folder, or the folder of commands inside of one. Links are not resolved:
+            that would leave the environment.
     """
     if place.is_file():
         return place

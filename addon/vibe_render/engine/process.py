@@ -20,7 +20,7 @@ from ..core.schema_import import messages as wire
 from ..core.schema_import import schema
 from .find import engine_environment, find_python, own_group
 
-_ABANDON_TIMEOUT = 10.0  # seconds that an engine may take to let go of a vibe that was given up
+_ABANDON_TIMEOUT = 10.0  # seconds that an engine may take to end a vibe that was given up
 
 _ANSWERS = (wire.Result, wire.Finished, wire.Error)
 
@@ -31,9 +31,9 @@ class Engine:
     """A running engine. It stays warm between vibes; it ends when Blender does.
 
     Args:
-        python: Which Python to use, or the folder of its environment; "" to search.
-        log: Where the engine's own output goes; None for a temporary file.
-        cache: Where it keeps what can be made again; None for the user's usual place.
+        python: A Python, or the folder of its environment; "" to search.
+        log: The file for the engine's stderr; None for a temporary one.
+        cache: The folder of its cache; None for the user's usual one.
     """
 
     def __init__(self, python: str = "", log: Path | None = None, cache: Path | None = None) -> None:
@@ -42,10 +42,12 @@ class Engine:
         self.log = log or Path(tempfile.gettempdir()) / f"vibe-engine-{os.getpid()}.log"
         self._process: subprocess.Popen[bytes] | None = None
         self._inbox: queue.Queue[_Item] = queue.Queue()
-        self._abandoned = False  # an answer that nobody waits for any more
+        self._abandoned = False  # an answer is on its way that nobody waits for any more
         self._abandoned_at = 0.0
         self._busy = False  # an answer is on its way
-        self._exit_error: schema.VibeError | None = None  # what to say of it, to every thread that asks
+        self._exit_error: schema.VibeError | None = (
+            None  # why the process has ended, the same for every thread
+        )
         self._exit_lock = threading.Lock()
 
     @property
@@ -54,10 +56,10 @@ class Engine:
         return self._process is not None and self._process.poll() is None
 
     def start(self) -> None:
-        """Starts the process; its first message is "ready". Nothing happens if it runs already.
+        """Starts the process, unless it runs; its first message is `Ready`.
 
         Raises:
-            VibeError: If no engine is found, or it cannot be started.
+            VibeError: No engine is found, or it cannot be started.
         """
         if self.alive:
             return
@@ -85,7 +87,7 @@ class Engine:
         """Sends one message.
 
         Raises:
-            VibeError: If the engine is gone.
+            VibeError: The engine is gone.
         """
         process = self._process
         if process is None or process.stdin is None:
@@ -102,7 +104,7 @@ class Engine:
         """The messages that have arrived since the last call; never waits.
 
         Raises:
-            VibeError: If the engine reports an error, speaks another schema, or is gone.
+            VibeError: The engine reports an error, has another schema, or is gone.
         """
         arrived = []
         while True:
@@ -112,14 +114,14 @@ class Engine:
                 return arrived
 
     def messages(self) -> Iterator[wire.Message]:
-        """Waits for messages, for ever; raises as `poll` does."""
+        """Waits for messages without end; raises as `poll` does."""
         while True:
             # A timeout in the wait lets Ctrl-C through on every platform.
             with contextlib.suppress(queue.Empty):
                 yield self._checked(self._inbox.get(timeout=0.2))
 
     def abandon(self) -> None:
-        """Gives up the vibe that it works on, and keeps it warm, unless it has not let go of the last one yet."""
+        """Gives up the vibe that the engine works on. It stays warm, unless it has not ended the last such vibe yet."""
         if not self._busy:
             return
         if self._abandoned:
@@ -130,9 +132,10 @@ class Engine:
             self._abandoned, self._abandoned_at = True, time.monotonic()
 
     def settle(self) -> bool:
-        """Drops what belongs to an abandoned vibe; True when that is over, and the next may be sent.
+        """Drops the messages of an abandoned vibe; an engine that hangs is ended.
 
-        An engine that hangs is ended instead of waited for.
+        Returns:
+            Whether that is over, and the next request may be sent.
         """
         while self._abandoned:
             try:
@@ -178,7 +181,7 @@ class Engine:
         return item
 
     def _report_exit(self) -> schema.VibeError:
-        """What to say when the process has gone by itself."""
+        """The error to raise when the process has ended by itself."""
         with self._exit_lock:
             self._exit_error = self._exit_error or self._describe_exit()
             return self._exit_error

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Makes an engine: a Python environment with the packages that it needs. No bpy here."""
+"""Sets the engine up: a Python environment with the packages that it needs. No bpy here."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from ..core import background
 from ..core.schema_import import schema
 from .find import CARRIED, has_engine, own_group, python_of
 
-_VERSIONS = ((3, 11), (3, 12), (3, 13))  # of Python, that every package has wheels for
+_VERSIONS = ((3, 11), (3, 12), (3, 13))  # of Python: every package has wheels for them
 _PROGRESS = re.compile(r"Progress (\d+) of (\d+)")
 _AGAIN = "Press Set Up Engine again, or make the environment by hand as the README says."
 
 
 def requirements() -> list[str]:
-    """What pip is to install; the engine's own code comes with the extension.
+    """The engine's requirements for pip; its own code comes with the extension.
 
     Raises:
-        VibeError: In a clone, where the extension has not been built.
+        VibeError: In a clone: only a built extension carries the engine.
     """
     try:
         lines = (CARRIED / "requirements.txt").read_text(encoding="utf-8").splitlines()
@@ -42,16 +42,16 @@ def requirements() -> list[str]:
 
 
 class EngineSetup:
-    """An environment in the making, in a thread; a failure or `cancel` leaves nothing behind.
+    """Makes an environment in a thread; a failure or `cancel` leaves nothing behind.
 
     Args:
-        folder: Where it will be; what is there is replaced.
-        packages: What pip is to install.
+        folder: The environment's; an older one there is replaced.
+        packages: Requirements for pip.
 
     Attributes:
         folder: As given.
-        text: What is going on.
-        fraction: How far the current download is, 0 to 1; None while nothing is downloaded.
+        text: The present step, for the panel.
+        fraction: The part of the present download that has arrived, 0 to 1; None while nothing is downloaded.
     """
 
     def __init__(self, folder: Path, packages: list[str]) -> None:
@@ -74,12 +74,12 @@ class EngineSetup:
         """Waits for the end.
 
         Raises:
-            VibeError: If it could not be made, or `cancel` was called.
+            VibeError: The environment could not be made, or `cancel` was called.
         """
         self._work.result()
 
     def cancel(self) -> None:
-        """Ends it; nothing is left of it soon after."""
+        """Ends the setup; what it has installed is deleted soon after."""
         self._canceled = True
         if self._process and self._process.poll() is None:
             with contextlib.suppress(OSError):
@@ -91,7 +91,7 @@ class EngineSetup:
             self._run("Making a Python environment", _python(), "-m", "venv", self.folder)
             python = python_of(self.folder)
             pip = (python, "-m", "pip", "--disable-pip-version-check", "--no-input", "install")
-            with contextlib.suppress(schema.VibeError):  # an old one only tells less about downloads
+            with contextlib.suppress(schema.VibeError):  # an old pip only reports downloads less well
                 self._run("Updating pip", *pip, "--upgrade", "pip")
             progress = ("--progress-bar", "raw") if _pip_version(self.folder) >= (24, 1) else ()
             # Compiling thousands of modules, of which an engine uses some, would take most of a minute.
@@ -110,7 +110,7 @@ class EngineSetup:
             atexit.unregister(self.cancel)
 
     def _run(self, text: str, *command: object) -> None:
-        """Runs a command to its end and follows what it says."""
+        """Runs a command to its end and follows its output."""
         if self._canceled:
             raise schema.VibeError("Canceled.", _AGAIN)
         self.text, self.fraction = text, None
@@ -141,7 +141,7 @@ class EngineSetup:
 
 
 def _python() -> Path:
-    """The Python to make the environment with: Blender's own, which every Blender brings along."""
+    """The Python to make the environment with: Blender's own, or one on the PATH."""
     names = [sys.executable, *(shutil.which(f"python{major}.{minor}") for major, minor in _VERSIONS)]
     probe = f"import sys, ensurepip, venv; sys.exit(sys.version_info[:2] not in {_VERSIONS})"
     for name in filter(None, names):
@@ -156,19 +156,19 @@ def _python() -> Path:
 
 
 def _pip_version(folder: Path) -> tuple[int, ...]:
-    """Of the pip in an environment, read from the name of its record."""
+    """The version of the pip in an environment, from the name of its record; (0, 0) if unknown."""
     names = [p.name for p in folder.glob("[Ll]ib/**/pip-*.dist-info")]
     match = re.match(r"pip-(\d+)\.(\d+)", max(names, default=""))
     return tuple(map(int, match.groups())) if match else (0, 0)
 
 
 def _environment() -> dict[str, str]:
-    """Blender's variables would lead a Python astray."""
+    """The environment variables without those that point Python or pip to Blender's folders."""
     return {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "PIP_TARGET", "VIRTUAL_ENV"))}
 
 
 def _failure(text: str, lines: collections.deque[str]) -> schema.VibeError:
-    """What a command's last lines mean."""
+    """The error that a command's last lines mean."""
     output = "\n".join(lines)
     if "No space left" in output:
         return schema.VibeError("There is not enough room on the disk.", "Make room for about 6 GB.")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The picture of a scene before its first vibe: kept until Keep or Revert, so that "before" stays the artist's own.
+"""The picture of a scene before its first vibe, stored until Keep or Revert: "before" always shows the artist's scene.
 
-It lies in Blender's temporary folder, one for each camera and frame: another sight of the scene is no comparison.
+There is one for each camera pose and frame, in Blender's temporary folder: only the same framing can be compared.
 """
 
 from __future__ import annotations
@@ -18,7 +18,11 @@ from ..core.schema_import import schema
 
 
 def path_of(scene: bpy.types.Scene) -> Path:
-    """Where the first picture of the scene as its camera sees it now is kept, if there is one."""
+    """Where the before image of the scene's present framing is stored, whether it exists or not.
+
+    Args:
+        scene: Its camera's pose and angle, its frame and its resolution are the framing.
+    """
     camera, size = scene.camera, (scene.render.resolution_x, scene.render.resolution_y)
     pose = [round(x, 4) for row in camera.matrix_world for x in row] if camera else []
     lens = round(camera.data.angle, 4) if camera else 0.0
@@ -27,22 +31,25 @@ def path_of(scene: bpy.types.Scene) -> Path:
 
 
 def store(path: Path, picture: Path, first: bool) -> Path:
-    """The picture to compare with.
+    """Stores a picture if it shows the artist's own scene.
 
     Args:
-        path: The place of what the picture shows, as it was when the scene was exported.
-        picture: Of the scene as it was then.
-        first: Whether nothing had been vibed yet, so that this is the one to keep.
+        path: From `path_of` at export: the camera may have moved since.
+        picture: Of the scene as it was exported.
+        first: Whether no vibe was in the scene then.
+
+    Returns:
+        The picture to compare with: the stored one, or `picture` where there is none.
     """
     if first:
-        # on a full disk there is none to compare with later
+        # On a full disk nothing is stored; a later vibe then compares with its own start.
         with contextlib.suppress(schema.VibeError), whole(path) as part:
             shutil.copyfile(picture, part)
     return path if path.is_file() else picture
 
 
 def forget(scene: bpy.types.Scene) -> None:
-    """What comes next starts from another scene."""
+    """Deletes the before images of a scene, after Keep or Revert."""
     for path in Path(bpy.app.tempdir).glob(f"{_name(scene)}*"):
         path.unlink(missing_ok=True)
 

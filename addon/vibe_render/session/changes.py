@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What lies between an old and a new value: how it reads, and what is part of the way. No bpy here."""
+"""An old and a new value as text, and the values between them. No bpy here."""
 
 from __future__ import annotations
 
@@ -21,7 +21,14 @@ def cause(reason: str) -> str:
 
 
 def blend(key: str, before: schema.Values, after: schema.Values, strength: float) -> schema.Values:
-    """The value `strength` of the way from before (0) to after (1), in even steps to the eye."""
+    """A value between two others, in steps that look even: along the parameter's perceptual scale.
+
+    Args:
+        key: The parameter's key.
+        before: The value at strength 0.
+        after: The value at strength 1.
+        strength: 0 to 1; at both ends the result is exact.
+    """
     scale = labels.parameter(key).scale
     return tuple(_between(scale, a, b, strength) for a, b in zip(before, after, strict=True))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the engine is: looked for, tested and set up beside Blender, whose panels show how it goes."""
+"""Whether and where an engine is: searched, tested and set up in the background, while panels show the progress."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ..engine.setup import EngineSetup, requirements
 from . import preferences
 
 _TICK = 0.25  # seconds between two looks at what goes on
-_PATIENCE = 60.0  # seconds that a test waits for the engine's first word
+_PATIENCE = 60.0  # seconds that a test waits for the engine's "ready"
 
 
 class EngineState:
@@ -28,8 +28,8 @@ class EngineState:
         python: The Python that has it; None while that is not known, or there is none.
         problem: Why there is none.
         setup: An environment in the making, or the last one that was made.
-        outcome: What the last test or setup came to, for the preferences; "" before.
-        succeeded: Whether that was good.
+        outcome: The result of the last test or setup in words, for the preferences; "" before the first.
+        succeeded: Whether the last test or setup succeeded.
     """
 
     def __init__(self) -> None:
@@ -43,7 +43,7 @@ class EngineState:
 
     @property
     def busy(self) -> bool:
-        """Whether something goes on that panels should follow."""
+        """Whether a search, a test or a setup is under way, which panels show."""
         return self.searching or self.testing or self.setting_up
 
     @property
@@ -62,7 +62,12 @@ class EngineState:
         return self.setup is not None and self.setup.running
 
     def search(self, choice: str, again: bool = False) -> None:
-        """Looks for the engine, unless that has been done for the artist's choice of a folder."""
+        """Searches the engine in the background, unless that has been done for this choice.
+
+        Args:
+            choice: The folder from the preferences; "" for the usual places.
+            again: Search even then.
+        """
         if self.searching or (choice == self._choice and not again):
             return
         self._choice, self.python, self.problem = choice, None, None
@@ -70,23 +75,27 @@ class EngineState:
         self._follow()
 
     def test(self, choice: str) -> None:
-        """Starts an engine to see whether it answers."""
+        """Starts an engine in the background to see whether it answers; `outcome` tells.
+
+        Args:
+            choice: As for `search`.
+        """
         if not self.testing:
             self._test_work = background.begin(lambda: version(choice))
             self._follow()
 
     def set_up(self) -> None:
-        """Makes an environment.
+        """Makes an environment for the engine, in the background.
 
         Raises:
-            VibeError: This copy of the add-on cannot.
+            VibeError: This copy of the add-on does not carry the engine's code.
         """
         if not self.setting_up:
             self.setup = EngineSetup(own_folder("engine"), requirements())
             self._follow()
 
     def close(self) -> None:
-        """Ends what goes on."""
+        """Cancels a setup and forgets everything."""
         if self.setup:
             self.setup.cancel()
         if bpy.app.timers.is_registered(self.tick):
@@ -98,7 +107,11 @@ class EngineState:
             bpy.app.timers.register(self.tick, first_interval=_TICK)
 
     def tick(self) -> float | None:
-        """Takes what has been found out; Blender calls it while something goes on."""
+        """Takes the results of background work; a timer of Blender's calls it while there is some.
+
+        Returns:
+            Seconds until the next call; None when nothing is under way.
+        """
         if self._search_work and self._search_work.done():
             search, self._search_work = self._search_work, None
             self.python, self.problem = _answer_of(search)
@@ -125,7 +138,14 @@ class EngineState:
 
 
 def version(choice: str) -> str:
-    """Starts an engine and returns its version; raises VibeError if it does not answer."""
+    """Starts an engine and returns its version.
+
+    Args:
+        choice: The folder from the preferences; "" for the usual places.
+
+    Raises:
+        VibeError: There is no engine, or it does not answer.
+    """
     engine = Engine(choice)
     engine.start()
     try:
@@ -141,7 +161,7 @@ def version(choice: str) -> str:
 
 
 def _answer_of(future: Future) -> tuple:
-    """(what it returned, None) or (None, the VibeError that says why not)."""
+    """(its result, None), or (None, the VibeError to show)."""
     try:
         return future.result(), None
     except schema.VibeError as error:

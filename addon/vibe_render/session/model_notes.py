@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What people are told about the vision-language model's part in a vibe. No bpy here."""
+"""The vision-language model's part in a vibe, in lines for people. No bpy here."""
 
 from __future__ import annotations
 
@@ -8,10 +8,13 @@ from typing import Any
 
 
 def failure_note(report: Mapping[str, Any]) -> str:
-    """In how many rounds the model did not help, and why; "" if it did, or was not asked.
+    """In how many rounds the offline planner replaced the model, and why.
 
     Args:
-        report: The engine's.
+        report: The engine's report of a vibe.
+
+    Returns:
+        One line; "" if the model never failed or was not asked.
     """
     failures = report.get("vlm", {}).get("failures", [])
     if not failures:
@@ -22,7 +25,12 @@ def failure_note(report: Mapping[str, Any]) -> str:
 
 
 def model_lines(report: Mapping[str, Any], judge: Mapping[str, Any]) -> list[str]:
-    """Lines for the end of a run: who planned and what it cost, what failed, and the judge's verdict."""
+    """Lines for the end of a run: calls, tokens and cost, failures, and the judge's verdict.
+
+    Args:
+        report: The engine's report of a vibe.
+        judge: The verdict on before and after; empty if none was asked for.
+    """
     lines = []
     if model := report.get("vlm"):
         tokens = model["tokens"]

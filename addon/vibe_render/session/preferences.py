@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the add-on's preferences say; `ui/preferences.py` holds and draws them."""
+"""Reads the add-on's preferences; `ui/preferences.py` defines and draws them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def engine_choice(context: bpy.types.Context) -> str:
 
 
 def cache_folder(context: bpy.types.Context) -> Path:
-    """Where the engine keeps what can be made again."""
+    """The cache: everything in it can be made again. A chosen folder gets a folder of ours inside."""
     chosen = get(context)
     if chosen and chosen.cache:
         return Path(bpy.path.abspath(chosen.cache)).expanduser() / _FOLDER

@@ -15,7 +15,7 @@ _NAME = "prompts.json"
 
 
 def prompts() -> list[str]:
-    """All that are kept; none where the file cannot be read."""
+    """The stored prompts, the newest first; none where the file cannot be read."""
     try:
         stored = json.loads((own_folder("") / _NAME).read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -24,13 +24,13 @@ def prompts() -> list[str]:
 
 
 def remember(prompt: str) -> None:
-    """Puts a prompt first. A folder that cannot be written keeps none, which is no reason to fail."""
+    """Puts a prompt first, and drops the oldest. Where the folder cannot be written, nothing is stored and nothing fails."""
     kept = [prompt, *(text for text in prompts() if text != prompt)][:_MOST]
     with contextlib.suppress(OSError, schema.VibeError), whole(own_folder("", create=True) / _NAME) as part:
         part.write_text(json.dumps(kept, ensure_ascii=False, indent=1), encoding="utf-8")
 
 
 def clear() -> None:
-    """Forgets all."""
+    """Deletes the history."""
     with contextlib.suppress(OSError):
         (own_folder("") / _NAME).unlink(missing_ok=True)

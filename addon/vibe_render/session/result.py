@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a vibe found, in the scene: written, mixed with the original, kept or reverted."""
+"""A vibe's result in the scene: written, blended with the original, kept or reverted."""
 
 from __future__ import annotations
 
@@ -23,18 +23,19 @@ def apply(
 ) -> None:
     """Writes a result into the scene and lists what it changed; a failure leaves the scene as it was.
 
-    After an earlier vibe the list still leads from the artist's own values, as Revert does.
+    After an earlier vibe that was not kept, the list still shows the artist's own values as the old ones, to which
+    Revert goes back.
 
     Args:
         scene: The scene that was exported.
-        prompt: What it was asked for.
+        prompt: The words that the result is for.
         engine_result: The engine's result.
         subject: The subject at export.
-        pivot: Its centre at export.
-        fresh_list: Whether the list leads from the scene as it is now instead.
+        pivot: The subject's center at export.
+        fresh_list: Whether the list shows the present values as the old ones instead.
 
     Raises:
-        VibeError: If the result does not fit the scene.
+        VibeError: The result does not fit the scene.
     """
     settings = scene.vibe
     earlier = {} if fresh_list else {c.name: (c.values()[0], c.reason) for c in settings.changes}
@@ -43,9 +44,9 @@ def apply(
     records = dict(engine_result.report.get("parameters", {}))
     values: dict[str, Sequence[float]] = {k: v for k, v in engine_result.values.items() if k not in skipped}
     for key, (own, reason) in earlier.items():
-        left = current.get(key, own)  # as the earlier vibe did, which stays
-        if key not in values and not labels.same(key, own, left):
-            values[key], records[key] = left, {"reason": reason}
+        present = current.get(key, own)  # what the earlier vibe wrote stays
+        if key not in values and not labels.same(key, own, present):
+            values[key], records[key] = present, {"reason": reason}
     forget(scene)
     settings.vibed_prompt, settings.pivot = prompt, pivot
     before = {**current, **{key: own for key, (own, _) in earlier.items()}}
@@ -55,7 +56,7 @@ def apply(
 def _in_order(
     values: Mapping[str, Sequence[float]], scene: Mapping[str, schema.Values]
 ) -> dict[str, Sequence[float]]:
-    """The values as the scene has them, thing by thing; lights that were not there last of the lights."""
+    """The values in the scene's order, thing by thing; lights that were added come after the others."""
     place = {key: number for number, key in enumerate(scene)}
 
     def order(key: str) -> tuple[int, int]:
@@ -95,16 +96,16 @@ def choose(
     variants: Sequence[messages.Variant],
     subject: Sequence[bpy.types.Object],
 ) -> None:
-    """Puts another variant of the last vibe in place of the one that is in the scene.
+    """Writes another variant of the last vibe in place of the one that is in the scene.
 
     Args:
         scene: The vibed scene.
-        number: Of the one to put there.
-        variants: All of them: what none of them speaks of stays as an earlier vibe left it.
+        number: Index of the variant to write.
+        variants: All of them: values that none of them has stay as an earlier vibe left them.
         subject: The subject at export.
 
     Raises:
-        VibeError: If the values do not fit the scene.
+        VibeError: The values do not fit the scene.
     """
     settings, theirs = scene.vibe, {key for variant in variants for key in variant.values}
     old = {change.name: change.values()[0] for change in settings.changes}
@@ -121,7 +122,7 @@ def choose(
 
 
 def mix(scene: bpy.types.Scene) -> None:
-    """Writes the values that lie `strength` of the way from the original to the vibe."""
+    """Writes the values between the original (strength 0, or Before) and the vibe (strength 1)."""
     settings = scene.vibe
     strength = 0.0 if settings.show_original else settings.strength
     values = {}
@@ -151,7 +152,14 @@ def keep(scene: bpy.types.Scene) -> None:
 
 
 def revert(scene: bpy.types.Scene) -> list[str]:
-    """Restores the scene as it was before the first vibe; returns what could not be."""
+    """Restores the scene as it was before the first vibe.
+
+    Returns:
+        What could not be restored, one line for each value.
+
+    Raises:
+        VibeError: The scene has no snapshot, or a damaged one, or one of a newer version.
+    """
     lost = snapshot.revert(scene)
     before_image.forget(scene)
     forget(scene)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A vibe on its way, while Blender stays free: every call of `advance` does a little and returns."""
+"""A vibe while Blender stays free: every call of `advance` does one short step and returns."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ from .status import LOOKING, SessionStatus
 READING = "Reading the scene"
 ANCHORING = "Rendering an anchor"
 PAUSING = (READING, ANCHORING)
-"""While these go on, Blender is not free: for long where the scene is large."""
-SILENT = 30.0  # seconds without a word from the engine that are worth a note
-_LOST = 900.0  # and that mean that it hangs
+"""Stages during which Blender is blocked: for long where the scene is large."""
+SILENT = 30.0  # seconds without a message from the engine, after which the panel says so
+_LOST = 900.0  # seconds without one, after which it is taken to hang
 
 T = TypeVar("T")
 
@@ -35,12 +35,17 @@ T = TypeVar("T")
 class Session(SessionStatus):
     """One vibe.
 
-    It remembers the scene's number instead of the scene: an undo meanwhile would leave a dangling reference.
+    It remembers the scene's session uid instead of the scene: an undo meanwhile would leave a dangling reference.
+
+    Args:
+        context: Blender's; the vibe is for its scene, with the scene's settings.
+        engine: Warm from the last vibe, or not started yet.
+        ask: Whether an artist is there to answer questions.
 
     Attributes:
-        scene: The scene's name, as it was.
-        shared: What is done about materials that other things use too: "ASK", "ALL" or "SINGLE".
-        question: Such materials and who else uses them, by name, while we wait for the artist's answer.
+        scene: The scene's name at the start.
+        shared: What to do about materials that other things use too: "ASK", "ALL" or "SINGLE".
+        question: Such materials with their other users, by name, while we wait for the artist's answer.
     """
 
     def __init__(self, context: bpy.types.Context, engine: Engine, ask: bool = False) -> None:
@@ -52,7 +57,7 @@ class Session(SessionStatus):
         self.question: dict[str, list[str]] = {}
         self._subject: list[str] = []
         self._pivot = (0.0, 0.0, 0.0)
-        self._before_path = Path()  # where the picture of before the first vibe is kept
+        self._before_path = Path()  # of the before image
         self._vibed = False  # whether an earlier vibe is in the scene
         self._options = settings.engine_options(context)
         saved = preferences.get(context)
@@ -62,10 +67,13 @@ class Session(SessionStatus):
         self._steps = self._run()
 
     def advance(self) -> bool:
-        """Does the next bit; False when the vibe is in the scene.
+        """Does the next step.
+
+        Returns:
+            False when the vibe is in the scene.
 
         Raises:
-            VibeError: If it fails; the scene is as it was.
+            VibeError: The vibe failed; the scene is as it was.
         """
         try:
             return next(self._steps, None) is not None
@@ -78,12 +86,12 @@ class Session(SessionStatus):
             ) from error
 
     def stop(self) -> None:
-        """Asks for the best so far."""
+        """Asks for the best look so far."""
         self.stage, self._stopping = "Stopping", True
         self._engine.send(messages.Stop())
 
     def cancel(self) -> None:
-        """Gives up, or ends what has failed; the scene is as it was."""
+        """Ends a vibe that is given up or has failed; the scene is as it was."""
         self._steps.close()
         if self.asked and self._result is None:
             if self.silence > SILENT:
@@ -97,7 +105,7 @@ class Session(SessionStatus):
         shutil.rmtree(self._job, ignore_errors=True)
 
     def _run(self) -> Generator[str]:
-        """Yields before every wait, so that the panel can show what comes."""
+        """The vibe's steps. It yields before every wait, so that the panel can show the next stage."""
         yield self.stage
         yield from self._in_background(self._engine.start)
         while not self._engine.settle():
@@ -111,7 +119,7 @@ class Session(SessionStatus):
             yield from self._export()
             yield from self._ask_about_shared()
             yield from self._wait_for_result()
-            # elsewhere one undo would not take the vibe back
+            # In other modes one undo would not take the vibe back.
             yield from self._object_mode("Found. Go back to Object Mode to see it")
             scene, engine_result = self._find_scene(), cast(messages.Result, self._result)
             result.apply(scene, self.prompt, engine_result, self.subject(scene), self._pivot)
@@ -122,7 +130,7 @@ class Session(SessionStatus):
             raise
 
     def _in_background(self, act: Callable[[], T]) -> Generator[str, None, T]:
-        """Waits for what needs no Blender; returns what it returned."""
+        """Runs a function that needs no Blender in a thread; returns its result."""
         work = background.begin(act)
         yield self.stage
         while not work.done():
@@ -135,10 +143,10 @@ class Session(SessionStatus):
             yield self.stage
 
     def _export(self) -> Generator[str]:
-        """Reads the scene; the artist may have changed it whenever this has yielded."""
+        """Reads the scene; starts again if the artist deletes something of it between two steps."""
         job = None
         while job is None:
-            yield from self._object_mode("Go back to Object Mode to go on")  # elsewhere a mesh shows nothing
+            yield from self._object_mode("Go back to Object Mode to go on")  # meshes are empty in Edit Mode
             self.stage = READING
             scene = self._find_scene()
             captured = jobs.begin(scene, self._choice)
@@ -180,7 +188,7 @@ class Session(SessionStatus):
         while self._result is None:
             yield self.stage
             self._check_silence()
-            self._find_scene()  # there is no use in going on without it
+            self._find_scene()  # raises if the artist has deleted it
             for message in self._engine.poll():
                 self.receive(message)
                 if isinstance(message, messages.Stage) and message.picture:
@@ -190,7 +198,7 @@ class Session(SessionStatus):
                     yield from self._anchor(message)
 
     def _anchor(self, request: messages.Anchor) -> Generator[str]:
-        """Renders what the engine asks for: Blender is not free for about a second, which the panel says first."""
+        """Renders an anchor, which blocks Blender for about a second; the panel says so before."""
         if self._stopping:  # the engine does not wait for it any more
             return
         self.stage = ANCHORING
@@ -210,7 +218,7 @@ class Session(SessionStatus):
             )
 
     def subject(self, scene: bpy.types.Scene) -> list[bpy.types.Object]:
-        """What is left of the subject."""
+        """The subject's objects that are still in the scene."""
         return [scene.objects[name] for name in self._subject if name in scene.objects]
 
     def _restore(self, start: int) -> None:
@@ -229,5 +237,5 @@ class Session(SessionStatus):
         return scene
 
     def _scene_if_there(self) -> bpy.types.Scene | None:
-        """It keeps its number when it is renamed or an undo brings it back; scenes of other files have others."""
+        """The session uid outlives renaming and undo; scenes of other files have other ones."""
         return next((s for s in bpy.data.scenes if s.session_uid == self._uid), None)

@@ -14,12 +14,12 @@ from .session import Session
 
 
 class AddonState:
-    """What the add-on holds while Blender runs: a warm engine, and the vibe that runs or ran last.
+    """A warm engine, and the session that runs or ran last.
 
     Attributes:
-        session: The newest vibe; its preview outlives it.
-        running: Whether it is on its way.
-        failure: Why it failed, until that has been dismissed.
+        session: The newest session; its pictures stay until the next one, Keep or Revert.
+        running: Whether it is under way.
+        failure: Why it failed, until the artist dismisses that.
     """
 
     def __init__(self) -> None:
@@ -30,11 +30,11 @@ class AddonState:
         self._engine_choice: tuple[str, Path] | None = None
 
     def begin(self, context: bpy.types.Context, ask: bool = False) -> Session:
-        """Starts a vibe; the engine is the one of the last, unless the preferences have changed since.
+        """Starts a session; the engine of the last one is used again, unless the preferences have changed.
 
         Args:
             context: Blender's.
-            ask: Whether somebody is there to answer questions.
+            ask: Whether an artist is there to answer questions.
         """
         self.forget()
         choice = engine_choice(context)
@@ -45,7 +45,7 @@ class AddonState:
         return self.session
 
     def end(self, failure: schema.VibeError | None = None) -> None:
-        """The vibe is over; of one that failed, nothing is left."""
+        """Ends the session; one that failed leaves the scene as it was."""
         if self.session and failure:
             self.session.cancel()
         self.running, self.failure = False, failure
@@ -58,7 +58,7 @@ class AddonState:
         self.forget()
 
     def forget(self) -> None:
-        """Drops what is left of the last vibe."""
+        """Drops the last session with its pictures, and its failure."""
         if self.session:
             self.session.discard()
         self.session, self.failure = None, None
@@ -70,13 +70,13 @@ class AddonState:
         self._engine = None
 
     def close(self) -> None:
-        """Gives everything back, when the add-on is switched off or Blender ends."""
+        """Ends session and engine, when the add-on is switched off or Blender ends."""
         self.cancel()
         self.close_engine()
 
 
 def engine_choice(context: bpy.types.Context) -> tuple[str, Path]:
-    """What the preferences say about the engine: where it is, and where it keeps things."""
+    """The engine's folder ("" to search) and its cache folder, from the preferences."""
     return preferences.engine_choice(context), preferences.cache_folder(context)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the engine has said of a vibe so far, in words, numbers and pictures for the panel."""
+"""What the engine has reported of a vibe so far, in words, numbers and pictures for the panel."""
 
 from __future__ import annotations
 
@@ -14,14 +14,17 @@ LOOKING = "Looking for the look"
 
 
 class SessionStatus:
-    """The news of one vibe.
+    """What the engine has reported of one vibe.
+
+    Args:
+        job: The job folder, in which the engine writes its pictures.
 
     Attributes:
-        stage: What is going on, in words.
-        progress: The engine's last word on it.
+        stage: The present stage, in words.
+        progress: The newest progress message.
         before: The engine's picture of the scene as it was.
-        preview: The newest picture.
-        variants: The looks that were found if several were asked for, the best first, each with its picture.
+        preview: The newest picture of the look.
+        variants: The variants, the best first, each with its picture; empty unless several were asked for.
     """
 
     def __init__(self, job: Path) -> None:
@@ -32,12 +35,12 @@ class SessionStatus:
         self.variants: list[tuple[messages.Variant, Path]] = []
         self._job = job
         self._result: messages.Result | None = None
-        self._last_word_at = 0.0  # when the engine spoke last; 0 before it is asked
+        self._last_word_at = 0.0  # time of the engine's last message; 0 before it is asked
         self._stopping = False
 
     @property
     def fraction(self) -> float:
-        """How much of the loop is done, 0 to 1."""
+        """The part of the loop that is done, 0 to 1."""
         p = self.progress
         return ((p.round - 1) * p.steps + p.step) / (p.rounds * p.steps) if p else 0.0
 
@@ -48,36 +51,36 @@ class SessionStatus:
 
     @property
     def silence(self) -> float:
-        """Seconds since the engine's last word, while it is to speak."""
+        """Seconds since the engine's last message, while one is expected; otherwise 0."""
         return time.monotonic() - self._last_word_at if self.asked and not self._result else 0.0
 
     @property
     def can_stop(self) -> bool:
-        """Whether there is a best so far that `stop` would take."""
+        """Whether there is a best look so far, which `stop` would take."""
         return self.progress is not None and not self._stopping
 
     @property
     def model_note(self) -> str:
-        """What the artist should know of a vibe that has succeeded; "" if there is nothing."""
+        """How the vision-language model failed in a vibe that has succeeded; "" if it did not."""
         return failure_note(self._result.report) if self._result else ""
 
     @property
     def prediction_error(self) -> float | None:
-        """Mean CIEDE2000 between the last prediction and the picture of Cycles that came next; None without."""
+        """Mean CIEDE2000 between the last prediction and the anchor after it; None without anchors."""
         return self._result.report.get("anchored", {}).get("predicted") if self._result else None
 
     @property
     def anchor_notes(self) -> list[str]:
-        """What went wrong with such pictures, in words for the artist."""
+        """What went wrong with anchors, in words for the artist."""
         return self._result.report.get("anchored", {}).get("notes", []) if self._result else []
 
     @property
     def prompt_notes(self) -> list[str]:
-        """What the artist should know about the words: which were left out, guessed, or in each other's way."""
+        """Words of the prompt that were left out, guessed or contradictory, in words for the artist."""
         return word_notes(self._result.report) if self._result else []
 
     def receive(self, message: messages.Message) -> None:
-        """Takes note of what the engine says."""
+        """Takes a message of the engine's."""
         self._last_word_at = time.monotonic()
         if isinstance(message, messages.Stage):
             self.stage = message.name.capitalize()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What people are told about how their words were taken. No bpy here."""
+"""How the words of a prompt were understood, in lines for people. No bpy here."""
 
 from __future__ import annotations
 
@@ -8,7 +8,11 @@ from typing import Any
 
 
 def word_notes(report: Mapping[str, Any]) -> list[str]:
-    """Words that were left out or guessed, and contradictions, as the engine's report tells them."""
+    """Words that were left out or guessed, and contradictions.
+
+    Args:
+        report: The engine's report of a vibe.
+    """
     understood = report.get("understood", {})
     ignored = ", ".join(dict.fromkeys(understood.get("ignored", [])))
     guesses = [f"“{word}” was taken for “{near}”" for word, near in understood.get("guesses", {}).items()]
