@@ -24,7 +24,7 @@ from window_steps import PROMPT, a_result, open_panel, running
 from window_without import without_engine
 
 WAY, ZIP, OUT = sys.argv[sys.argv.index("--") + 1 :][:3]
-seen: dict[str, Any] = {}
+observed: dict[str, Any] = {}
 
 
 def start(screen):
@@ -33,13 +33,13 @@ def start(screen):
         bpy.ops.extensions.package_install_files(filepath=ZIP, repo="user_default", enable_on_install=True)
         a_scene()
         bpy.ops.ed.undo_push(message="Scene")
-    seen["schema_is_the_copy"] = not any(name.startswith("proxy_renderer") for name in sys.modules)
+    observed["schema_is_the_copy"] = not any(name.startswith("proxy_renderer") for name in sys.modules)
     yield from open_panel(screen)
 
 
 def ways_out(screen):
     """The preferences; a prompt is typed; a vibe is stopped and given up, by button and by Esc."""
-    from bl_ext.user_default.vibe_render import snapshot
+    from bl_ext.user_default.vibe_render.scene import snapshot
     from bl_ext.user_default.vibe_render.session.state import addon_state
 
     yield from preferences(screen)
@@ -51,7 +51,7 @@ def ways_out(screen):
     screen.press("Return")
     yield from screen.wait(lambda: bpy.context.scene.vibe.prompt, 60, "the prompt arrives")
     yield 0.5
-    seen["prompt"] = bpy.context.scene.vibe.prompt
+    observed["prompt"] = bpy.context.scene.vibe.prompt
     screen.shoot("prompt")
 
     def stop():
@@ -75,54 +75,54 @@ def ways_out(screen):
         yield from screen.away()
         screen.shoot(name)
         if name in ("stop", "esc"):
-            seen[f"{name}_takes_the_best"] = snapshot.exists(bpy.context.scene) and not addon_state.failure
+            observed[f"{name}_takes_the_best"] = snapshot.exists(bpy.context.scene) and not addon_state.failure
             yield from screen.undo()
             yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 30, f"undo of {name}")
             yield 0.7
-        seen[f"{name}_restores"] = values() == before and not snapshot.exists(bpy.context.scene)
+        observed[f"{name}_restores"] = values() == before and not snapshot.exists(bpy.context.scene)
 
 
 def choosing(screen):
     """A result: undone, compared, dimmed, another variant, locks, saved as a preset, again, kept or reverted."""
-    from bl_ext.user_default.vibe_render import snapshot
+    from bl_ext.user_default.vibe_render.scene import snapshot
     from bl_ext.user_default.vibe_render.session.state import addon_state
 
     before, scene = values(), bpy.context.scene
     yield from a_result(screen, variants=2)
     screen.shoot("result")
-    seen["failure"] = str(addon_state.failure or "")
+    observed["failure"] = str(addon_state.failure or "")
     after = values()
-    seen["changed"] = [key for key in after if after[key] != before.get(key)]
-    seen["listed"] = [change.name for change in scene.vibe.changes]
+    observed["changed"] = [key for key in after if after[key] != before.get(key)]
+    observed["listed"] = [change.name for change in scene.vibe.changes]
     yield from screen.undo()
     yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "undo")
     yield 0.7
-    seen["undo_restores"] = values() == before
+    observed["undo_restores"] = values() == before
     screen.press("ctrl+shift+z")
     yield from screen.wait(lambda: snapshot.exists(bpy.context.scene), 60, "redo")
     yield 0.7
-    seen["redo_restores"] = values() == after
+    observed["redo_restores"] = values() == after
 
     scene = bpy.context.scene
     yield from screen.click_on("show_original", 771, (0.2,))
     yield from screen.wait(lambda: scene.vibe.show_original, 60, "Before is pressed")
-    seen["before_shows_before"] = same(values(), before, after)
+    observed["before_shows_before"] = same(values(), before, after)
     yield from screen.away()
     screen.shoot("before")
     yield from screen.click_on("show_original", 771, (0.7,))
     yield from screen.wait(lambda: not scene.vibe.show_original, 60, "After is pressed")
-    seen["after_shows_after"] = same(values(), after, after)
+    observed["after_shows_after"] = same(values(), after, after)
     yield from screen.click_on("strength", 803)
     screen.press("ctrl+a")
     screen.type("0.5")
     screen.press("Return")
     yield from screen.wait(lambda: scene.vibe.strength == 0.5, 30, "half the strength")
-    seen["strength_dims"] = not same(values(), after, after) and not same(values(), before, after)
+    observed["strength_dims"] = not same(values(), after, after) and not same(values(), before, after)
     yield from screen.away()
     screen.shoot("strength")
     yield from screen.click_on("vibe.variant(number=1)", 723, (0.67,))
     yield from screen.wait(lambda: scene.vibe.variant == 1, 60, "the second variant")
-    seen["variant_differs"] = not same(values(), after, after)
+    observed["variant_differs"] = not same(values(), after, after)
     yield from screen.away()
     screen.shoot("variant")
     yield from locks(screen)
@@ -131,7 +131,7 @@ def choosing(screen):
     yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "revert")
     yield from screen.away()
     screen.shoot("reverted")
-    seen["revert_restores"] = values() == before
+    observed["revert_restores"] = values() == before
 
 
 def locks(screen):
@@ -144,7 +144,7 @@ def locks(screen):
     yield from screen.away()
     screen.shoot("one_lock")
     # The list of changes is closed: its header, which says nothing of itself, is above the first of its locks.
-    yield from screen.click_at(seen["found"][f'vibe.lock(key="{key}"'][1] - 54, 0.3)
+    yield from screen.click_at(observed["found"][f'vibe.lock(key="{key}"'][1] - 54, 0.3)
     yield from screen.click_on("change_volume", 971, (0.72,))
     yield from screen.wait(lambda: not settings.change_volume, 30, "a lock for the fog")
     yield from screen.away()
@@ -155,10 +155,10 @@ def locks(screen):
     yield from screen.wait(lambda: not addon_state.running, 900, "Again ends")
     yield from screen.away()
     screen.shoot("again")
-    seen["locked_stays"] = values()["Key.energy"] == power
-    seen["again"] = [change.name for change in bpy.context.scene.vibe.changes]
+    observed["locked_stays"] = values()["Key.energy"] == power
+    observed["again"] = [change.name for change in bpy.context.scene.vibe.changes]
     now = locked_values(key)
-    seen["locked_changed"] = [name for name in {**kept, **now} if now.get(name) != kept.get(name)]
+    observed["locked_changed"] = [name for name in {**kept, **now} if now.get(name) != kept.get(name)]
 
 
 def locked_values(key):
@@ -169,7 +169,7 @@ def locked_values(key):
 
 def questions(screen):
     """The question about a shared material, answered both ways."""
-    from bl_ext.user_default.vibe_render import snapshot
+    from bl_ext.user_default.vibe_render.scene import snapshot
     from bl_ext.user_default.vibe_render.session.state import addon_state
 
     floor, monkey = bpy.data.objects["Plane"], bpy.data.objects["Suzanne"]
@@ -184,7 +184,7 @@ def questions(screen):
         )
         yield from screen.away()
         screen.shoot(f"question_{answer.lower()}")
-        seen["asked_about"] = list(addon_state.session.question)
+        observed["asked_about"] = list(addon_state.session.question)
         yield from screen.click_on(f"vibe.answer(shared='{answer}')", 254 if answer == "ALL" else 278)
         yield from screen.wait(lambda: not addon_state.running, 900, "the answered vibe ends")
         yield from screen.away()
@@ -193,7 +193,7 @@ def questions(screen):
             bpy.data.objects["Plane"].data.materials[0]
             == bpy.data.objects["Suzanne"].material_slots[0].material
         )
-        seen[f"answer_{answer.lower()}"] = one == (answer == "ALL") and not addon_state.failure
+        observed[f"answer_{answer.lower()}"] = one == (answer == "ALL") and not addon_state.failure
         yield from screen.undo()
         yield from screen.wait(
             lambda: not snapshot.exists(bpy.context.scene), 60, "undo of the answered vibe"
@@ -212,14 +212,14 @@ def ends(screen):
         bpy.ops.wm.read_homefile(use_factory_startup=True)
     yield 1.0
     yield from open_panel(screen)
-    seen["load_ends_it"] = not addon_state.running and not addon_state.failure
+    observed["load_ends_it"] = not addon_state.running and not addon_state.failure
     yield from screen.away()
     screen.shoot("another_file")
     with screen.over(screen.view):
         a_scene()
     yield 0.5
     yield from running(screen)
-    seen["last_engine"] = addon_state._engine._process.pid
+    observed["last_engine"] = addon_state._engine._process.pid
     screen.shoot("closed_while_it_runs")
 
 
@@ -230,11 +230,11 @@ def second_window(screen, addon_state):
     yield 1.0
     other = next(w for w in bpy.context.window_manager.windows if w != screen.window)
     with bpy.context.temp_override(window=other):
-        seen["second_window_greys_it_out"] = not bpy.ops.vibe.run.poll() and bpy.ops.vibe.stop.poll()
+        observed["second_window_greys_it_out"] = not bpy.ops.vibe.run.poll() and bpy.ops.vibe.stop.poll()
         screen.shoot("second_window")
         bpy.ops.wm.window_close()
     yield 1.0
-    seen["closing_it_changes_nothing"] = addon_state.running and not addon_state.failure
+    observed["closing_it_changes_nothing"] = addon_state.running and not addon_state.failure
 
 
 def preferences(screen):
@@ -251,7 +251,7 @@ def preferences(screen):
     yield from screen.click_on("vibe.test_engine", 395, (0.7, 0.6, 0.8))
     yield from screen.wait(lambda: engine_state.outcome, 600, "the engine answers")
     yield from screen.away()
-    seen["engine"] = engine_state.outcome
+    observed["engine"] = engine_state.outcome
     screen.shoot("preferences")
     screen.area.type = kind
     yield 0.5
@@ -263,7 +263,7 @@ WAYS = {way.__name__: way for way in (ways_out, choosing, presets, questions, en
 def walk():
     """One way, step by step."""
     yield 0.5
-    screen = Screen(Path(OUT), seen)
+    screen = Screen(Path(OUT), observed)
     yield from start(screen)
     yield from WAYS[WAY](screen)
 
@@ -278,11 +278,11 @@ def main():
         try:
             return next(steps)
         except StopIteration:
-            seen["finished"] = True
+            observed["finished"] = True
         except Exception:
-            seen["error"] = traceback.format_exc()
+            observed["error"] = traceback.format_exc()
             subprocess.run(["import", "-window", "root", Path(OUT) / "99_error.png"], check=False)
-        Screen(Path(OUT), seen).note()
+        Screen(Path(OUT), observed).note()
         bpy.ops.wm.quit_blender()
         return None
 

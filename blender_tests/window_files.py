@@ -13,7 +13,7 @@ NAME = "Blue Night"
 
 def files(screen):
     """A preset of ours is put on the scene; then all that can be done with files, in a folder beside the screenshots."""
-    from bl_ext.user_default.vibe_render import library
+    from bl_ext.user_default.vibe_render.looks import library
 
     folder = screen.out / "files"
     for old in (folder, library.folder()):
@@ -30,7 +30,7 @@ def files(screen):
 
 def a_preset_of_ones_own(screen):
     """Saved under a name that ours has, and renamed by typing."""
-    from bl_ext.user_default.vibe_render import library
+    from bl_ext.user_default.vibe_render.looks import library
 
     held = bpy.context.window_manager.vibe_presets
     ours = held.chosen
@@ -38,7 +38,7 @@ def a_preset_of_ones_own(screen):
     yield 0.7
     screen.shoot("save")
     yield from confirm(screen, lambda: held.chosen != ours, "the preset is saved")
-    screen.seen["saved"] = library.at(held.chosen).name
+    screen.observed["saved"] = library.at(held.chosen).name
     saved = held.chosen
     yield from choose(screen, 24)
     yield 0.5
@@ -47,28 +47,28 @@ def a_preset_of_ones_own(screen):
     yield 0.5
     screen.shoot("rename")
     yield from confirm(screen, lambda: held.chosen != saved, "the preset is renamed")
-    screen.seen["renamed"] = library.at(held.chosen).name
+    screen.observed["renamed"] = library.at(held.chosen).name
     yield from screen.away()
     screen.shoot("renamed")
 
 
 def handed_on(screen, folder):
     """Exported, deleted, imported."""
-    from bl_ext.user_default.vibe_render import library
+    from bl_ext.user_default.vibe_render.looks import library
 
     held = bpy.context.window_manager.vibe_presets
     yield from choose(screen, 44)
     yield from file_dialog(screen, folder, "export")
-    screen.seen["exported"] = sorted(p.name for p in folder.iterdir())
+    screen.observed["exported"] = sorted(p.name for p in folder.iterdir())
     yield from choose(screen, 73)
     yield 0.7
     screen.shoot("delete")
     yield from confirm(screen, lambda: not held.chosen, "the preset is deleted")
-    screen.seen["deleted"] = not any(look.name == NAME for look in library.looks())
+    screen.observed["deleted"] = not any(look.name == NAME for look in library.looks())
     yield from presets_menu(screen, 24)
     yield from file_dialog(screen, folder, "import", pick=True)
     yield from screen.wait(lambda: held.chosen, 30, "the preset is imported")
-    screen.seen["imported"] = library.at(held.chosen).name
+    screen.observed["imported"] = library.at(held.chosen).name
     yield from screen.away()
     screen.shoot("imported")
 
@@ -82,7 +82,7 @@ def exports(screen, folder):
         yield 1.0
         screen.shoot(f"{name}_exported")
     with bpy.data.libraries.load(str(folder / "moonlight.blend"), assets_only=True) as (there, _):
-        screen.seen["assets"] = [*there.collections, *there.node_groups, *there.worlds]
+        screen.observed["assets"] = [*there.collections, *there.node_groups, *there.worlds]
 
 
 def dragged_back(screen, folder):
@@ -101,7 +101,7 @@ def dragged_back(screen, folder):
     (rig,) = set(scene.objects) - there
     yield from screen.drag((1635, 450), (500, 300), "drag_world")
     yield from screen.wait(lambda: scene.world.name == "Moonlight World", 30, "the world arrives")
-    screen.seen["rig"] = [light.type for light in rig.instance_collection.objects]
+    screen.observed["rig"] = [light.type for light in rig.instance_collection.objects]
     screen.look()
     yield from screen.away()
     screen.shoot("dragged_back")
@@ -110,7 +110,7 @@ def dragged_back(screen, folder):
 def choose(screen, below):
     """An entry of the chosen preset's menu: so many pixels below its button."""
     yield from screen.find("vibe.preset_apply", 740)
-    row = screen.seen["found"]["vibe.preset_apply"][1] - 72
+    row = screen.observed["found"]["vibe.preset_apply"][1] - 72
     yield from screen.open(row, 0.815)
     yield from screen.click_at(row + below, 0.98)
 
@@ -118,7 +118,7 @@ def choose(screen, below):
 def presets_menu(screen, below):
     """An entry of the menu of all presets: so many pixels below its button."""
     yield from screen.find("vibe.look_for_engine", 430)
-    row = screen.seen["found"]["vibe.look_for_engine"][1] + 39
+    row = screen.observed["found"]["vibe.look_for_engine"][1] + 39
     yield from screen.open(row, 0.79)
     yield from screen.click_at(row + below, 0.98)
 

@@ -8,7 +8,8 @@ from window_steps import a_result, confirm
 
 def presets(screen):
     """A look is saved with its picture, found in the grid, put on another scene; then it is kept."""
-    from bl_ext.user_default.vibe_render import library, snapshot
+    from bl_ext.user_default.vibe_render.looks import library
+    from bl_ext.user_default.vibe_render.scene import snapshot
 
     yield from a_result(screen)
     yield from screen.scroll(5, 8)
@@ -21,12 +22,12 @@ def presets(screen):
     yield from confirm(screen, lambda: held.chosen, "the preset is saved")
     yield from screen.away()
     screen.shoot("saved")
-    screen.seen["saved"] = library.at(held.chosen).name
+    screen.observed["saved"] = library.at(held.chosen).name
     yield from screen.click_on("vibe.keep", 713, (0.2,))
     yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "it is kept")
     yield from screen.away()
     screen.shoot("kept")
-    screen.seen["kept"] = values()["Monkey.Base Color"] != repr([0.75, 0.6, 0.45, 1.0])
+    screen.observed["kept"] = values()["Monkey.Base Color"] != repr([0.75, 0.6, 0.45, 1.0])
 
     with screen.over(screen.view):
         another_scene()
@@ -42,16 +43,16 @@ def presets(screen):
     yield from screen.wait(lambda: snapshot.exists(bpy.context.scene), 120, "the preset is applied")
     yield from screen.away()
     screen.shoot("applied")
-    screen.seen["applied"] = [change.name for change in bpy.context.scene.vibe.changes]
-    screen.seen["rest"] = held.rest.splitlines()
+    screen.observed["applied"] = [change.name for change in bpy.context.scene.vibe.changes]
+    screen.observed["rest"] = held.rest.splitlines()
     yield from screen.click_on("vibe.revert", 687, (0.7,))
     yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "revert")
-    screen.seen["preset_revert_restores"] = values() == before
+    screen.observed["preset_revert_restores"] = values() == before
 
 
 def search(screen, held):
     """Words are typed into the grid's search field, and pictures' buttons are clicked; it is below Browse."""
-    from bl_ext.user_default.vibe_render import library
+    from bl_ext.user_default.vibe_render.looks import library
 
     yield from screen.click_at(348, 0.45)
     screen.type("misty")
@@ -63,5 +64,5 @@ def search(screen, held):
         yield from screen.wait(lambda n=number: (held.chosen == own) == bool(n), 30, "a picture is chosen")
         yield 0.7
         screen.shoot(f"search_{number + 1}")
-    screen.seen["searched"] = held.search
-    screen.seen["chosen"] = library.at(held.chosen).name
+    screen.observed["searched"] = held.search
+    screen.observed["chosen"] = library.at(held.chosen).name

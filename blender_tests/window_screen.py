@@ -21,8 +21,8 @@ ROW = 16
 class Screen:
     """The window, and what has been seen in it."""
 
-    def __init__(self, out, seen) -> None:
-        self.out, self.seen = out, seen
+    def __init__(self, out, observed) -> None:
+        self.out, self.observed = out, observed
         self._number, self._scrolled = 0, False
         self.look()
 
@@ -55,7 +55,7 @@ class Screen:
 
     def note(self):
         """Writes down what has been seen."""
-        (self.out / "steps.json").write_text(json.dumps(self.seen, indent=1))
+        (self.out / "steps.json").write_text(json.dumps(self.observed, indent=1))
 
     def move(self, x, y):
         """Moves the mouse; Blender's coordinates, from the window's lower left."""
@@ -107,7 +107,7 @@ class Screen:
                 yield 0.05  # Blender has been round once more, and knows where the mouse is
                 there = self.under_mouse()
                 if what in there:
-                    self.seen.setdefault("found", {})[what] = [x, self.window.height - y, page]
+                    self.observed.setdefault("found", {})[what] = [x, self.window.height - y, page]
                     return
                 met.add(there)
             yield from self.scroll(5, 12)
@@ -222,7 +222,7 @@ class Screen:
             try:
                 return advance(session)
             finally:
-                ticks = self.seen.setdefault("ticks", {})
+                ticks = self.observed.setdefault("ticks", {})
                 ticks[stage] = round(max(ticks.get(stage, 0.0), time.thread_time() - began), 3)
 
         Session.advance = watched

@@ -17,7 +17,7 @@ def without_engine(screen):
     yield from screen.wait(lambda: engine_state.problem, 60, "no engine is found")
     yield from screen.away()
     screen.shoot("no_engine")
-    screen.seen["vibe_it_waits"] = not bpy.ops.vibe.run.poll()
+    screen.observed["vibe_it_waits"] = not bpy.ops.vibe.run.poll()
     yield from earlier_prompts(screen)
     yield from single_values(screen)
     before = values()
@@ -29,30 +29,30 @@ def without_engine(screen):
 
 def earlier_prompts(screen):
     """One is chosen from the menu, then all are forgotten."""
-    from bl_ext.user_default.vibe_render import history
+    from bl_ext.user_default.vibe_render.session import prompt_history
 
-    history.clear()
+    prompt_history.clear()
     for prompt in reversed(EARLIER):
-        history.remember(prompt)
+        prompt_history.remember(prompt)
     yield from screen.find("vibe.prompt", 153)
-    row = screen.seen["found"]["vibe.prompt"][1]
+    row = screen.observed["found"]["vibe.prompt"][1]
     yield from screen.open(row, 0.83)
     screen.shoot("earlier_prompts")
     yield from screen.click_at(row + 47, 0.97)
     yield from screen.wait(lambda: bpy.context.scene.vibe.prompt, 30, "an earlier prompt")
-    screen.seen["recalled"] = bpy.context.scene.vibe.prompt
+    screen.observed["recalled"] = bpy.context.scene.vibe.prompt
     yield from screen.away()
     screen.shoot("recalled")
     yield from screen.open(row, 0.83)
     yield from screen.click_at(row + 75, 0.97)
-    yield from screen.wait(lambda: not history.prompts(), 30, "they are forgotten")
+    yield from screen.wait(lambda: not prompt_history.prompts(), 30, "they are forgotten")
 
 
 def single_values(screen):
     """The list is opened, a value locked in it, and all set free."""
     locks = bpy.context.scene.vibe.locks
     yield from screen.find("shared", 660)
-    yield from screen.open(screen.seen["found"]["shared"][1] + 32, 0.4)
+    yield from screen.open(screen.observed["found"]["shared"][1] + 32, 0.4)
     yield from screen.wait(lambda: bpy.context.window_manager.vibe_values.rows, 30, "the list")
     yield from screen.away()
     screen.shoot("single_values")
@@ -62,23 +62,24 @@ def single_values(screen):
     screen.shoot("single_lock")
     yield from screen.click_on("vibe.unlock_all", 880)
     yield from screen.wait(lambda: not locks, 30, "no lock")
-    screen.seen["unlocked"] = True
-    yield from screen.click_at(screen.seen["found"]["shared"][1] + 32, 0.4)
+    screen.observed["unlocked"] = True
+    yield from screen.click_at(screen.observed["found"]["shared"][1] + 32, 0.4)
 
 
 def a_preset(screen):
     """One of the pictures is applied with its tick."""
-    from bl_ext.user_default.vibe_render import library, snapshot
+    from bl_ext.user_default.vibe_render.looks import library
+    from bl_ext.user_default.vibe_render.scene import snapshot
 
     shutil.rmtree(library.folder(), ignore_errors=True)  # so that ours are at the same places every time
     yield from screen.find("vibe.look_for_engine", 430)
-    row = screen.seen["found"]["vibe.look_for_engine"][1]
+    row = screen.observed["found"]["vibe.look_for_engine"][1]
     yield from screen.open(row + 70, 0.45)
     yield 0.7
     screen.shoot("grid")
     yield from screen.click_at(row + 70 + 319, 0.4)
     yield from screen.wait(lambda: snapshot.exists(bpy.context.scene), 60, "the preset is applied")
-    screen.seen["preset"] = bpy.context.scene.vibe.vibed_preset
+    screen.observed["preset"] = bpy.context.scene.vibe.vibed_preset
     screen.press("Escape")
     yield 1.0
     yield from screen.away()
@@ -89,17 +90,17 @@ def compared(screen, before, after):
     """Strength is dragged, and the scene follows; Before and After; the viewport is set to Rendered."""
     settings = bpy.context.scene.vibe
     yield from screen.find("strength", 864)
-    place, row, _ = screen.seen["found"]["strength"]
+    place, row, _ = screen.observed["found"]["strength"]
     x, powers = screen.sidebar.x + screen.sidebar.width * place, []
     for wait in screen.drag((x, row), (x - 100, row), "strength_dragged"):
         powers.append(bpy.data.objects["Key"].data.energy)
         yield wait
-    screen.seen["strength"], screen.seen["powers_on_the_way"] = settings.strength, sorted(set(powers))
+    screen.observed["strength"], screen.observed["powers_on_the_way"] = settings.strength, sorted(set(powers))
     dimmed = values()
-    screen.seen["dimmed"] = not same(dimmed, before, after) and not same(dimmed, after, after)
+    screen.observed["dimmed"] = not same(dimmed, before, after) and not same(dimmed, after, after)
     yield from screen.click_on("show_original", row - 20, (0.2,))
     yield from screen.wait(lambda: settings.show_original, 30, "Before")
-    screen.seen["before_shows_before"] = same(values(), before, after)
+    screen.observed["before_shows_before"] = same(values(), before, after)
     yield from screen.click_on("show_original", row - 20, (0.7,))
     yield from screen.wait(lambda: not settings.show_original, 30, "After")
     yield from screen.click_on("type", row + 20)
@@ -109,12 +110,12 @@ def compared(screen, before, after):
     yield 8.0  # EEVEE's first picture
     screen.shoot("rendered")
     shading.type = "SOLID"
-    screen.seen["rendered"] = True
+    screen.observed["rendered"] = True
 
 
 def in_the_properties(screen, before, after):
     """The same panels among the render properties; the look is reverted there."""
-    from bl_ext.user_default.vibe_render import snapshot
+    from bl_ext.user_default.vibe_render.scene import snapshot
 
     screen.look("PROPERTIES")
     screen.area.spaces.active.context = "RENDER"
@@ -127,7 +128,7 @@ def in_the_properties(screen, before, after):
     yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "revert")
     yield 0.5
     screen.shoot("properties_reverted")
-    screen.seen["revert_restores"] = values() == before
+    screen.observed["revert_restores"] = values() == before
     screen.look()
 
 
@@ -143,8 +144,8 @@ def preferences(screen, engine_state):
     yield from screen.wait(lambda: engine_state.outcome, 60, "the test's answer")
     yield 0.7
     screen.shoot("tested")
-    screen.seen["tested"] = engine_state.outcome
+    screen.observed["tested"] = engine_state.outcome
     yield from screen.click_on("vibe.setup_engine", 400, (0.5, 0.45))
     yield 1.0
-    screen.seen["offline_sets_up_nothing"] = not engine_state.setting_up
+    screen.observed["offline_sets_up_nothing"] = not engine_state.setting_up
     screen.shoot("set_up_offline")

@@ -24,7 +24,7 @@ if not __package__:
 from vibe_render.core import files
 from vibe_render.core.schema_import import schema
 from vibe_render.headless.arguments import arguments_of_process, parse
-from vibe_render.headless.report import Reporter
+from vibe_render.headless.reporter import Reporter
 
 
 def main() -> int:

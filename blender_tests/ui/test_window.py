@@ -90,20 +90,20 @@ def _walk(way, out, user):
     (out / "blender.log").write_text(done.stdout + done.stderr)
     report = out / "steps.json"
     assert report.is_file(), done.stdout[-3000:] + done.stderr[-3000:]
-    seen = json.loads(report.read_text())
-    assert "error" not in seen, seen["error"]
-    assert "finished" in seen, (done.stdout + done.stderr)[-3000:]
-    return seen
+    observed = json.loads(report.read_text())
+    assert "error" not in observed, observed["error"]
+    assert "finished" in observed, (done.stdout + done.stderr)[-3000:]
+    return observed
 
 
 def test_stop_cancel_and_esc(walk):
     """What is stopped leaves the best so far and one step to undo; what is given up leaves nothing."""
-    seen = walk("ways_out")
-    assert seen["prompt"].startswith("misty night")
+    observed = walk("ways_out")
+    assert observed["prompt"].startswith("misty night")
     for name in ("stop", "esc"):
-        assert seen[f"{name}_takes_the_best"]
+        assert observed[f"{name}_takes_the_best"]
     for name in ("stop", "cancel", "esc", "esc_twice"):
-        assert seen[f"{name}_restores"], name
+        assert observed[f"{name}_restores"], name
 
 
 def test_preferences_find_and_try_the_engine(walk):
@@ -126,82 +126,82 @@ def test_blender_stays_responsive(walk):
 
 def test_vibe_changes_what_it_lists(walk):
     """The prompt leads to a result that is in the scene and in the list; undo, redo and Revert are exact."""
-    seen = walk("choosing")
-    assert seen["failure"] == ""
-    assert seen["changed"]
-    assert seen["listed"]
+    observed = walk("choosing")
+    assert observed["failure"] == ""
+    assert observed["changed"]
+    assert observed["listed"]
     for way_back in ("undo", "redo", "revert"):
-        assert seen[f"{way_back}_restores"], way_back
+        assert observed[f"{way_back}_restores"], way_back
 
 
 def test_before_after_strength_and_variants(walk):
     """They show in the scene itself."""
-    seen = walk("choosing")
+    observed = walk("choosing")
     for shown in ("before_shows_before", "after_shows_after", "strength_dims", "variant_differs"):
-        assert seen[shown], shown
+        assert observed[shown], shown
 
 
 def test_what_is_locked_stays(walk):
     """A single value and a group, each with a click, and Again."""
-    seen = walk("choosing")
-    assert seen["again"]
-    assert seen["locked_stays"]
-    assert seen["locked_changed"] == []
+    observed = walk("choosing")
+    assert observed["again"]
+    assert observed["locked_stays"]
+    assert observed["locked_changed"] == []
 
 
 def test_a_preset_is_saved_found_and_put_on_another_scene(walk):
     """Keep keeps; the picture grid finds by words; Apply says what it changed, and Revert takes it back."""
-    seen = walk("presets")
-    assert seen["kept"]
-    assert seen["saved"] == seen["chosen"]
-    assert seen["applied"]
-    assert seen["preset_revert_restores"]
+    observed = walk("presets")
+    assert observed["kept"]
+    assert observed["saved"] == observed["chosen"]
+    assert observed["applied"]
+    assert observed["preset_revert_restores"]
 
 
 def test_without_an_engine_the_panel_says_so_and_the_rest_works(walk):
     """Earlier prompts, locks, a preset, compare, strength, the render properties; nothing is downloaded offline."""
-    seen = walk("without_engine")
-    assert seen["vibe_it_waits"]
-    assert seen["recalled"] == "noir, one hard light"
-    assert seen["unlocked"]
-    assert seen["preset"] == "Moonlight"
-    assert 0.3 < seen["strength"] < 0.9
-    assert len(seen["powers_on_the_way"]) > 5, "the light follows while the slider is dragged"
+    observed = walk("without_engine")
+    assert observed["vibe_it_waits"]
+    assert observed["recalled"] == "noir, one hard light"
+    assert observed["unlocked"]
+    assert observed["preset"] == "Moonlight"
+    assert 0.3 < observed["strength"] < 0.9
+    assert len(observed["powers_on_the_way"]) > 5, "the light follows while the slider is dragged"
     for shown in ("dimmed", "before_shows_before", "rendered", "revert_restores"):
-        assert seen[shown], shown
-    assert "no Vibe engine" in seen["tested"]
-    assert seen["offline_sets_up_nothing"]
+        assert observed[shown], shown
+    assert "no Vibe engine" in observed["tested"]
+    assert observed["offline_sets_up_nothing"]
 
 
 def test_presets_and_looks_as_files(walk):
     """A preset is saved beside ours, renamed, exported, deleted and imported; assets come back by drag and drop."""
-    seen = walk("files")
-    assert seen["saved"] == "Moonlight 2"
-    assert seen["renamed"] == seen["imported"] == "Blue Night"
-    assert seen["exported"] == ["blue-night.jpg", "blue-night.json"]
-    assert seen["deleted"]
-    assert set(seen["assets"]) == {"Moonlight Light Rig", "Moonlight Grade", "Moonlight World"}
-    assert seen["rig"] == ["LIGHT", "LIGHT"]
+    observed = walk("files")
+    assert observed["saved"] == "Moonlight 2"
+    assert observed["renamed"] == observed["imported"] == "Blue Night"
+    assert observed["exported"] == ["blue-night.jpg", "blue-night.json"]
+    assert observed["deleted"]
+    assert set(observed["assets"]) == {"Moonlight Light Rig", "Moonlight Grade", "Moonlight World"}
+    assert observed["rig"] == ["LIGHT", "LIGHT"]
 
 
 def test_shared_materials_are_asked_about(walk):
     """Both answers are followed."""
-    seen = walk("questions")
-    assert seen["asked_about"] == ["Monkey"]
-    assert seen["answer_all"]
-    assert seen["answer_single"]
+    observed = walk("questions")
+    assert observed["asked_about"] == ["Monkey"]
+    assert observed["answer_all"]
+    assert observed["answer_single"]
 
 
 def test_windows_files_and_the_end(walk):
     """A second window may come and go; another file, or the end of Blender, ends the vibe, and no engine stays."""
-    seen = walk("ends")
-    assert seen["second_window_greys_it_out"]
-    assert seen["closing_it_changes_nothing"]
-    assert seen["load_ends_it"]
+    observed = walk("ends")
+    assert observed["second_window_greys_it_out"]
+    assert observed["closing_it_changes_nothing"]
+    assert observed["load_ends_it"]
     until = time.monotonic() + 60.0
-    while _lives(seen["last_engine"]) and time.monotonic() < until:
+    while _lives(observed["last_engine"]) and time.monotonic() < until:
         time.sleep(0.5)
-    assert not _lives(seen["last_engine"])
+    assert not _lives(observed["last_engine"])
 
 
 def _lives(pid):

@@ -28,7 +28,7 @@ from vibe_render.core.schema_import import preset, schema
 from vibe_render.engine.conversation import Conversation
 from vibe_render.engine.process import Engine
 from vibe_render.headless import arguments, commands, scenes
-from vibe_render.headless.report import Reporter
+from vibe_render.headless.reporter import Reporter
 from vibe_render.looks import library, take, thumbnail
 from vibe_render.scene.stage import demo, parts
 

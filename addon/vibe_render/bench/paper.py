@@ -21,7 +21,7 @@ from ..engine.conversation import Conversation
 from ..engine.process import Engine
 from ..headless import commands
 from ..headless.arguments import parse
-from ..headless.report import Reporter
+from ..headless.reporter import Reporter
 from ..render import final_render
 from ..scene import snapshot
 from . import side

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Vibe Render without a window: commands, shots, reports."""
+"""Vibe Render without a window: command line, commands, shots, reports. `batch.py` is its entry point."""

@@ -34,7 +34,7 @@ class _Parser(argparse.ArgumentParser):
 def parse(argv: Sequence[str]) -> argparse.Namespace:
     """Reads the arguments that follow "--".
 
-    What to do is said either by words, as the `vibe` command does (`run SCENE...`, `demo`, `export SCENE`,
+    The command is given either by words, as the `vibe` command does (`run SCENE...`, `demo`, `export SCENE`,
     `apply PRESET SCENE`, `revert FILE`), or by options for the file that Blender has open (`--apply PRESET`,
     `--revert`, `--demo`, `--scene FILE`). `serve` takes any number of such command lines from the standard input.
 

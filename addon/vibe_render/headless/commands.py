@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The commands that need a scene: vibe it, put a preset on it, revert it."""
+"""The commands of a headless run: vibe, export, apply a preset, revert, render frames."""
 
 from __future__ import annotations
 
@@ -24,31 +24,39 @@ from ..scene import bindings, snapshot, stored_subject
 from ..session import preferences
 from . import summary
 from .arguments import engine_options
-from .report import Reporter
+from .reporter import Reporter
 from .scenes import check_writable, open_blend, open_scene, save_blend
 from .shots import Framing, RequestedShot, ShotList
 from .summary import Stopwatch, numbered
 
 
 def vibe(args: argparse.Namespace, reporter: Reporter) -> None:
-    """Opens or builds the scene, has the engine look for the look, renders it and saves everything."""
+    """Runs one vibe with an engine of its own, from opening the scene to the saved files."""
     engine = Engine(args.engine)
-    engine.start()  # first of all: it loads while the scene does
+    engine.start()  # first, so that engine and scene load at the same time
     conversation = Conversation(engine, reporter.engine)
     on_interrupt(conversation.stop)
     try:
         carry_out(args, reporter, conversation)
     except BaseException:
-        engine.stop(patience=0.1)  # it may be in the middle of something
+        engine.stop(patience=0.1)  # it may be busy
         raise
     engine.stop()
 
 
 def carry_out(args: argparse.Namespace, reporter: Reporter, conversation: Conversation) -> Survey:
-    """One vibe with an engine that runs already, and goes on running: many can follow one another.
+    """Runs one vibe with an engine that is running, and keeps running: another vibe can follow.
+
+    Args:
+        args: The command line, from `arguments.parse`.
+        reporter: Hears of every stage, and of the result.
+        conversation: With the engine.
 
     Returns:
-        The scene as it was looked at; it has its new values now.
+        What is known about the last shot's scene, which has its new values now.
+
+    Raises:
+        VibeError: A mistake in what was asked for, or the engine's error.
     """
     stopwatch = Stopwatch()
     temporary = tempfile.TemporaryDirectory(prefix="vibe-", ignore_cleanup_errors=True)
@@ -63,13 +71,13 @@ def carry_out(args: argparse.Namespace, reporter: Reporter, conversation: Conver
         result = conversation.wait(messages.Result, lambda request: _anchor(request, shot_list, reporter))
         stopwatch.lap("wait for the engine")
         measured, skipped = _finish(args, shot_list, result, conversation, out, reporter, stopwatch)
-        out.write_json("report.json", summary.report(args, shot_list, result, measured, skipped, stopwatch))
-    reporter.result(summary.summary(shot_list, result, measured, skipped), result.stopped)
+        out.write_json("report.json", summary.report_fields(args, shot_list, result, measured, skipped, stopwatch))
+    reporter.result(summary.closing_lines(shot_list, result, measured, skipped), result.stopped)
     return shot_list.jobs[-1].survey
 
 
 def _request(args: argparse.Namespace, shot_list: ShotList) -> messages.Vibe:
-    """What the engine is asked for."""
+    """The request for the engine."""
     several = len(shot_list) > 1
     shots = [
         messages.Shot(str(job.folder), shot.name, shot.scene)
@@ -83,7 +91,7 @@ def _request(args: argparse.Namespace, shot_list: ShotList) -> messages.Vibe:
 
 
 def _anchor(request: messages.Anchor, shot_list: ShotList, reporter: Reporter) -> messages.Anchored:
-    """Renders what the engine corrects itself by."""
+    """Renders an anchor of one shot."""
     name = shot_list.shots[request.shot].name
     reporter.stage(f"rendering anchor {request.number}{f', {name}' if name else ''}")
     job = shot_list.show(request.shot)
@@ -108,7 +116,7 @@ def _finish(
     """Writes the values into every shot's scene, renders, measures and saves it.
 
     Returns:
-        Each shot's measures, and what could not be written, with the reason.
+        The engine's measurements of each shot; and by key, why a value was not written.
     """
     measured: list[messages.Finished] = []
     skipped: dict[str, str] = {}
@@ -125,7 +133,7 @@ def _finish(
         final_render.render_mask(scene, out.path(numbered("mask.png", number)), args.size, survey.objects)
         stopwatch.lap("render after")
         pictures = [out.path(numbered(name, number)) for name in ("before.png", "after.png")]
-        # Not in `out`, which a failure clears while the engine writes.
+        # Not into `out`: a failure deletes that while the engine may still write.
         compared = Path(job.folder) / "compare.png"
         pictures.append(compared)
         conversation.ask(messages.Finish(*map(str, pictures), shot=number))  # type: ignore[misc, arg-type]
@@ -145,9 +153,9 @@ def _finish(
 def _values(
     args: argparse.Namespace, shot_list: ShotList, result: messages.Result, number: int
 ) -> dict[str, Any]:
-    """What is written into a shot's scene: also what only the other shots of this .blend show.
+    """The values to write into a shot's scene, with those of the other shots of the same .blend.
 
-    With a grade for each, this shot's own, and not what is left of another's.
+    With `--grade-each`, grade and exposure are this shot's own: they replace what an earlier shot has left.
     """
     if not result.shots:
         return result.values
@@ -163,7 +171,7 @@ def _values(
 def _write_variants(
     out: Outputs, args: argparse.Namespace, shot_list: ShotList, result: messages.Result
 ) -> None:
-    """A preset of every variant, and the sheet to choose from."""
+    """Writes a preset of every variant, and their contact sheet."""
     job = shot_list.jobs[0]
     for number, variant in enumerate(result.variants, start=1):
         look = take.extract(args.prompt, job, variant.values, f"{number}: {args.prompt}")
@@ -173,7 +181,7 @@ def _write_variants(
 
 
 def export(args: argparse.Namespace, reporter: Reporter) -> None:
-    """Writes what the engine needs to know of a scene into a folder, and leaves the file alone."""
+    """Writes a job folder of a scene; its file stays as it is."""
     scene, choice, _ = open_scene(args, reporter)
     reporter.stage("reading the scene")
     jobs.open_job(scene, args.out, choice)
@@ -201,7 +209,7 @@ def apply(args: argparse.Namespace, reporter: Reporter) -> None:
     lines = [f"Did not fit: {line}" for line in fitted.rest]
     lines += [f"Did not fit: {labels.title(key)}: {reason}" for key, reason in skipped.items()]
     count = len(fitted.values) - len(skipped)
-    listed = summary.listed(sight.instances, fitted.values)
+    listed = summary.change_lines(sight.instances, fitted.values)
     reporter.result([f"{count} values of the preset fit this scene.", *listed, *lines])
 
 
@@ -223,9 +231,9 @@ def revert(args: argparse.Namespace, reporter: Reporter) -> None:
 
 
 def frames(args: argparse.Namespace, reporter: Reporter) -> None:
-    """Renders frames of a .blend as it stands, with Cycles, to OUT/0001.png and so on; those that are there stay.
+    """Renders frames of a .blend with Cycles to OUT/0001.png and so on; existing pictures are skipped.
 
-    Through the camera that is given, or through the scene's own, as its markers say.
+    The camera is the given one, or the scene's own, as its markers say.
     """
     args.out.mkdir(parents=True, exist_ok=True)
     scene, _, _ = open_scene(args, reporter)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Opening what the command line names, and saving it elsewhere."""
+"""Opens the scene that the command line names, and saves it elsewhere."""
 
 from __future__ import annotations
 
@@ -13,11 +13,18 @@ from ..core import files
 from ..core.schema_import import schema
 from ..scene.stage import demo, stage
 from ..scene.subject import Choice
-from .report import Reporter
+from .reporter import Reporter
 
 
 def open_scene(args: argparse.Namespace, reporter: Reporter) -> tuple[bpy.types.Scene, Choice, bool]:
-    """The scene, how its subject is chosen, and whether it is a bare mesh that we have staged."""
+    """Opens, stages or builds the scene that the command line names.
+
+    Returns:
+        The scene, how its subject is chosen, and whether it is a bare mesh on our stage.
+
+    Raises:
+        VibeError: It cannot be opened.
+    """
     path = Path(args.scene).expanduser().absolute() if args.scene else None
     chosen = tuple(args.subject)
     if args.command == "demo" or args.demo:
@@ -47,7 +54,7 @@ def open_blend(path: Path) -> None:
 
 
 def check_writable(path: Path) -> None:
-    """Refuses a file that its owner has protected; replacing it would not ask for permission."""
+    """Raises a VibeError for a read-only file: replacing it would need no permission of the file's."""
     if not os.access(path, os.W_OK):
         raise schema.VibeError(
             f"{path.name} is read-only.", "Make it writable, or copy it to where it can be changed."

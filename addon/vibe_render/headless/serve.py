@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One Blender for many command lines, with an engine that stays warm: a worker of `vibe batch`.
+"""One Blender with a warm engine for many command lines: a worker of `vibe batch`.
 
-Every line of the standard input is a JSON list: a command line of `batch.py`. Each ends with a "result" or an
-"error" event. The end of the input ends everything, also in the middle of a command.
+Every line of the standard input is a command line of `batch.py`, as a JSON list. Each ends with a "result" or an
+"error" event. The end of the input ends the process, also in the middle of a command.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from ..engine.conversation import Conversation
 from ..engine.process import Engine
 from . import commands
 from .arguments import parse
-from .report import Reporter
+from .reporter import Reporter
 
 _GRACE = 5.0
-"""Seconds between the end of the input and the end of this process, if it is busy."""
+"""Seconds from the end of the input to the end of a busy process."""
 
 
 def serve() -> None:
-    """Carries out what the standard input says, one after the other, until that ends."""
+    """Runs the command lines of the standard input, one after the other, until it ends."""
     lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()
     threading.Thread(target=_listen, args=(lines,), daemon=True).start()
     reporter, engine = Reporter(events=True), Engine()
@@ -55,7 +55,7 @@ def _carry_out(arguments: list[str], reporter: Reporter, conversation: Conversat
 
 
 def _listen(lines: queue.SimpleQueue[str | None]) -> None:
-    """Reads while Blender works, so that nothing is left running when whoever gives the orders is gone."""
+    """Reads in a thread, so that this process ends soon after its parent, also while Blender is busy."""
     for line in sys.stdin:
         lines.put(line)
     lines.put(None)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The shots that a vibe is for: one, or several cameras, frames and .blends that share a look."""
+"""The shots of a vibe: one, or several cameras, frames and .blends that share a look."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from ..export import jobs
 from ..export.job import Job
 from ..scene import fog, scene_context
 from ..scene.subject import Choice
-from .report import Reporter
+from .reporter import Reporter
 from .scenes import open_scene
 
 
 @dataclass(frozen=True)
 class RequestedShot:
-    """One of them.
+    """A shot that the command line asks for.
 
     Attributes:
-        scene: Its file; "" for the one that is open.
-        camera: Its camera's name; "" for the scene's own.
-        frame: None for the scene's own.
-        name: For people: "Close · frame 50"; "" for the only one.
+        scene: Its file; "" for the open one.
+        camera: Its camera's name; "" for the scene's active one.
+        frame: Its frame; None for the scene's present one.
+        name: For people, such as "Close · frame 50"; "" for a single shot.
     """
 
     scene: str
@@ -39,7 +39,7 @@ class RequestedShot:
 
 
 def shots_of(args: argparse.Namespace) -> list[RequestedShot]:
-    """Every scene, through each camera, at each frame."""
+    """The shots that the command line asks for: every scene, through each camera, at each frame."""
     shots = [
         RequestedShot(scene, camera, frame)
         for scene in args.scenes
@@ -58,14 +58,14 @@ def _name(stem: str, shot: RequestedShot) -> str:
 
 
 class Framing:
-    """How a scene was framed when it was opened: camera, frame, and the markers that choose cameras."""
+    """A scene's camera, frame and camera markers when it was opened."""
 
     def __init__(self, scene: bpy.types.Scene) -> None:
         self._scene, self._camera, self._frame = scene, scene.camera, scene.frame_current
         self._markers = [(marker, marker.camera) for marker in scene.timeline_markers]
 
     def show(self, shot: RequestedShot) -> None:
-        """Looks through a shot's camera, at its frame."""
+        """Sets a shot's camera and frame; raises a VibeError if there is no such camera."""
         scene = self._scene
         if shot.camera:
             camera = scene.objects.get(shot.camera)
@@ -75,7 +75,7 @@ class Framing:
                     f"There is no camera {shot.camera!r} in {Path(shot.scene).name}.",
                     f"There are: {cameras}.",
                 )
-            for marker, _ in self._markers:  # or the frame would choose the camera
+            for marker, _ in self._markers:  # markers would choose the camera at this frame
                 marker.camera = None
         if shot.frame is not None:
             scene.frame_set(shot.frame)
@@ -83,28 +83,29 @@ class Framing:
             scene.camera = camera
 
     def restore(self) -> None:
-        """As the artist had it."""
+        """Sets camera, frame and markers as they were."""
         for marker, camera in self._markers:
             marker.camera = camera
         if self._scene.frame_current != self._frame:
             self._scene.frame_set(self._frame)
-        if self._camera is not None:  # else the camera is ours
+        if self._camera is not None:  # else the camera was added by us, and stays
             self._scene.camera = self._camera
 
 
 class ShotList:
-    """The shots in their order; those of one .blend come after one another. One of them is shown at a time.
+    """The shots in their order, those of one .blend together. One of them is shown at a time.
 
     Args:
         args: The command line.
-        folder: For the job folders.
-        reporter: Hears what is opened.
+        folder: The parent of the job folders.
+        reporter: Hears which file is opened.
 
     Attributes:
-        shots: What they are.
-        jobs: What has been exported of each.
-        subjects: The names of each one's subject.
-        bare: Whether the first one is a bare mesh.
+        shots: The requested shots.
+        jobs: The exported job of each shot.
+        subjects: The names of each shot's subject.
+        bare: Whether the first shot is a bare mesh.
+        choice: How the subject of the open scene is chosen.
     """
 
     def __init__(self, args: argparse.Namespace, folder: Path, reporter: Reporter) -> None:
@@ -122,7 +123,7 @@ class ShotList:
         return len(self.shots)
 
     def siblings(self, number: int) -> list[int]:
-        """The numbers of the shots of the same .blend."""
+        """The numbers of the shots of the same .blend, this one among them."""
         return [i for i, shot in enumerate(self.shots) if shot.scene == self.shots[number].scene]
 
     def export(self) -> None:
@@ -139,7 +140,11 @@ class ShotList:
                 self._fog[shot.scene] = planned
 
     def show(self, number: int) -> Job:
-        """Puts a shot before its camera; opens its .blend and prepares it again if another one is open."""
+        """Sets a shot's camera and frame; if another .blend is open, opens and prepares the shot's.
+
+        Returns:
+            The shot's job.
+        """
         shot = self.shots[number]
         is_open = self._open == shot.scene
         scene, choice = self._shown(number)
@@ -154,7 +159,7 @@ class ShotList:
         return self.jobs[number]
 
     def restore(self) -> None:
-        """The open scene is framed as the artist had it."""
+        """Frames the open scene as the artist had it."""
         assert self._framing is not None
         self._framing.restore()
 
@@ -170,7 +175,7 @@ class ShotList:
         return bpy.context.scene, self.choice
 
     def _eyes(self, scene: bpy.types.Scene, number: int) -> Sequence[Vector]:
-        """Where the cameras of a .blend's shots stand, if there are several: fog is to hold them all."""
+        """The positions of the cameras of a .blend's shots, if there are several: the fog box encloses them all."""
         others = self.siblings(number)
         if len(others) < 2 or scene.camera is None:
             return ()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is said of a vibe at its end: report.json, and the lines that the artist reads. No bpy calls but its version."""
+"""The results of a vibe: report.json, and lines for people. No bpy calls but its version."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .shots import ShotList
 _SHOWN = 8
 
 
-def report(
+def report_fields(
     args: argparse.Namespace,
     shot_list: ShotList,
     result: messages.Result,
@@ -28,7 +28,16 @@ def report(
     skipped: dict[str, str],
     stopwatch: Stopwatch,
 ) -> dict[str, Any]:
-    """The fields of report.json: the engine's, and ours. Figures of several shots are their means."""
+    """The content of report.json: the engine's report with ours. Measurements of several shots are averaged.
+
+    Args:
+        args: The command line.
+        shot_list: The shots.
+        result: The engine's.
+        measured: The engine's measurements of each shot.
+        skipped: By key, why a value was not written.
+        stopwatch: The run's.
+    """
     fields = dict(result.report)
     timings = {**stopwatch.seconds, **{f"engine: {k}": v for k, v in fields.pop("timings", {}).items()}}
     versions = {**fields.pop("versions", {}), "blender": bpy.app.version_string}
@@ -54,7 +63,7 @@ def report(
 def _shots(
     args: argparse.Namespace, shot_list: ShotList, measured: Sequence[messages.Finished]
 ) -> list[dict[str, Any]]:
-    """What became of each of several shots, and where its pictures are."""
+    """Measurements and files of each of several shots."""
     return [
         {
             "name": shot.name,
@@ -73,7 +82,7 @@ def _shots(
 
 
 def blend_of(args: argparse.Namespace, shot_list: ShotList, number: int) -> str:
-    """The name of the .blend that a shot is saved in: with a grade for each, its own; else its scene's."""
+    """The name of the .blend that a shot is saved in: its own with `--grade-each`, else its scene's."""
     scenes = list(dict.fromkeys(args.scenes))
     return numbered("vibed.blend", number if args.grade_each else scenes.index(shot_list.shots[number].scene))
 
@@ -89,21 +98,21 @@ def _mean(rows: Sequence[dict[str, float]]) -> dict[str, float]:
 
 
 def _warnings(shot_list: ShotList, result: messages.Result) -> list[str]:
-    """What the prediction lacks, in words for the artist."""
+    """What the prediction leaves out, in words for the artist."""
     ours = [warning for job in shot_list.jobs for warning in job.warnings]
     return list(dict.fromkeys([*ours, *result.report.get("anchored", {}).get("notes", [])]))
 
 
-def summary(
+def closing_lines(
     shot_list: ShotList,
     result: messages.Result,
     measured: Sequence[messages.Finished],
     skipped: dict[str, str],
 ) -> list[str]:
-    """The lines that the artist reads."""
+    """The lines for people at the end of a vibe; see `report_fields` for the arguments."""
     values = {k: v for k, v in result.values.items() if k not in skipped}
     notes = [*word_notes(result.report)[:6], *_warnings(shot_list, result)[:4]]
-    lines = [*(f"Note: {note}" for note in notes), *listed(shot_list.jobs[0].instances, values)]
+    lines = [*(f"Note: {note}" for note in notes), *change_lines(shot_list.jobs[0].instances, values)]
     if result.variants:
         lines.append(
             f"{len(result.variants)} variants on variants.png; `vibe apply preset-2.json` takes the second."
@@ -118,8 +127,13 @@ def summary(
     return lines
 
 
-def listed(instances: dict[str, schema.Instance], values: dict[str, Any]) -> list[str]:
-    """The changes that show, as lines; the largest on the perceptual scale first."""
+def change_lines(instances: dict[str, schema.Instance], values: dict[str, Any]) -> list[str]:
+    """The visible changes as lines, the largest on the perceptual scale first.
+
+    Args:
+        instances: The scene's parameters before, by key.
+        values: The new values, by key.
+    """
     rows = []
     for key, value in values.items():
         instance = instances.get(key)
@@ -136,14 +150,18 @@ def listed(instances: dict[str, schema.Instance], values: dict[str, Any]) -> lis
 
 
 class Stopwatch:
-    """A stopwatch: `seconds` by the name of the lap."""
+    """The seconds of each stage of a run.
+
+    Attributes:
+        seconds: By the stage's name.
+    """
 
     def __init__(self) -> None:
         self.seconds: dict[str, float] = {}
         self._last = time.monotonic()
 
     def lap(self, name: str) -> None:
-        """Adds the seconds since the last lap to those of this name."""
+        """Adds the seconds since the last call to this stage."""
         now = time.monotonic()
         self.seconds[name] = round(self.seconds.get(name, 0.0) + now - self._last, 2)
         self._last = now

@@ -11,9 +11,8 @@ from ..core.files import whole
 from ..core.schema_import import schema
 
 FILE = "blender_assets.cats.txt"
-_SPACE = uuid.UUID(
-    "5b1f2a86-6f0c-4f6e-9a43-2f5d8b0c7e11"
-)  # ours: the same catalog has the same id everywhere
+_SPACE = uuid.UUID("5b1f2a86-6f0c-4f6e-9a43-2f5d8b0c7e11")
+"""Our namespace: a catalog of ours has the same id in every library."""
 _HEAD = """# This is an Asset Catalog Definition file for Blender.
 #
 # Empty lines and lines starting with `#` will be ignored.
@@ -31,10 +30,10 @@ def identifier(path: str) -> str:
 
 
 def root(folder: Path, libraries: Iterable[str]) -> Path:
-    """Where the catalogs of a .blend in a folder are looked for.
+    """The folder whose catalog file counts for the assets of a .blend.
 
     Args:
-        folder: Of the .blend.
+        folder: The .blend's.
         libraries: The folders of the artist's asset libraries.
     """
     folder = folder.resolve()
@@ -46,7 +45,11 @@ def root(folder: Path, libraries: Iterable[str]) -> Path:
 
 
 def add(place: Path, paths: Iterable[str]) -> None:
-    """Adds catalogs to those of a library; what is there stays as it is.
+    """Adds catalogs to those of a library, which stay as they are.
+
+    Args:
+        place: The folder of the catalog file.
+        paths: The new catalogs, such as "Vibe Render/Materials".
 
     Raises:
         VibeError: The file cannot be read or written, or is of a newer version.

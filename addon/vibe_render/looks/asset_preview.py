@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures for the Asset Browser: set by us, because Blender makes its own only while a window is open."""
+"""Previews for the Asset Browser, rendered by us: Blender renders its own only while a window is open."""
 
 from __future__ import annotations
 
@@ -32,7 +32,14 @@ def put(block: ID, pixels: np.ndarray) -> None:
 
 
 def balls(materials: Sequence[Material]) -> list[np.ndarray]:
-    """A small Cycles render of a ball of each material; see `put`. Nothing of it stays in the file."""
+    """Small Cycles renders of a ball of each material. Nothing of them stays in the file.
+
+    Args:
+        materials: What to show.
+
+    Returns:
+        Pictures as for `put`.
+    """
     before = {block for kind in _KINDS for block in getattr(bpy.data, kind)}
     try:
         scene, ball = _stage()
@@ -56,7 +63,7 @@ _KINDS = (
 
 
 def _stage() -> tuple[Scene, bpy.types.Object]:
-    """A ball on a grey floor, lit from the left, with a brighter wall of light behind the camera to reflect."""
+    """A scene of a ball under two area lights and a gray world, on a transparent background."""
     scene = bpy.data.scenes.new("Vibe Preview")
     scene.render.resolution_x = scene.render.resolution_y = thumbnail.SIZE
     scene.render.film_transparent = True

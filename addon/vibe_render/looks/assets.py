@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A look as assets for Blender's Asset Browser: materials, world, light rig and grade, in a .blend of their own.
+"""A look as assets for Blender's Asset Browser: materials, world, light rig, grade and fog, in a .blend of their own.
 
-Copies are written, and removed again: the open file stays as it is.
+Copies of the data-blocks are written and then removed: the open file stays as it is.
 """
 
 from __future__ import annotations
@@ -28,17 +28,17 @@ _TOP = "Vibe Render"
 
 @dataclass
 class _Crate:
-    """What is to be written: copies of data-blocks, of which some are assets, by catalog."""
+    """Copies of data-blocks to write; some of them are assets, each with its catalog."""
 
     name: str
     assets: list[tuple[ID, str]] = field(default_factory=list)
     copies: list[tuple[str, ID]] = field(default_factory=list)
 
     def keep(self, collection: str, block: Any, name: str) -> Any:
-        """Notes a copy, for its removal, under the look's name."""
+        """Names a copy after the look, and notes it for its removal."""
         self.copies.append((collection, block))
         block.name = f"{self.name} {name}"
-        if owned.MARK in block:  # what somebody drags into another file is theirs, and not for us to find
+        if owned.MARK in block:  # an asset that is dragged into another file is the artist's own
             del block[owned.MARK]
         return block
 
@@ -62,12 +62,12 @@ def export(
     """Writes the look that a scene has now.
 
     Args:
-        survey: The scene as it was looked at.
-        name: Of the look.
-        words: What was typed for it: the assets' description.
-        materials: Those that belong to the look.
-        path: Of the .blend; one that is there is replaced.
-        picture: A thumbnail of the look, for what cannot be shown on a ball.
+        survey: What is known about the scene.
+        name: The look's name.
+        words: Its prompt: the assets' description.
+        materials: The materials that belong to the look.
+        path: The .blend to write, or to replace.
+        picture: A thumbnail of the look: the preview of assets that are no materials.
 
     Returns:
         The names of the assets.

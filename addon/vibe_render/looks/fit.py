@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Puts a look on a scene with other lights, materials and lengths: what fits, and what does not and why."""
+"""Fits a look to a scene with other lights, materials and lengths; says what does not fit, and why."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from .take import SceneParameters, camera_azimuth, owners
 
 _TEXTURE_LUMA = 0.5  # of a typical texture: what a color is divided by to become a tint
 _OURS = {"key": "Vibe Key", "fill": "Vibe Fill", "rim": "Vibe Rim"}
-_DIM = 0.01  # radiance of white below which a light that the scene lacks is not missed
-_PROMINENT = 0.5  # of what the subject's first material shows: what shows less has a look of its own
-_ONLY_LAMPS = {"distance"}  # suns have none, and nobody misses it
+_DIM = 0.01  # radiance of white below which a light is too dark to be added
+_PROMINENT = 0.5  # of the visible area of the subject's largest material: smaller materials keep their look
+_ONLY_LAMPS = {"distance"}  # suns have none, which needs no note
 
 
 @dataclass
@@ -25,8 +25,8 @@ class Fit:
     """A preset on a scene.
 
     Attributes:
-        values: What fits, by key.
-        rest: What does not, one line for each thing, in words for the artist.
+        values: What fits, by key, in the schema's units.
+        rest: What does not fit, one line for each thing, in words for the artist.
     """
 
     values: dict[str, list[float]] = field(default_factory=dict)
@@ -34,10 +34,14 @@ class Fit:
 
 
 def fit(look: preset.Preset, target: SceneParameters) -> Fit:
-    """Values for another scene, and what that scene has no place for.
+    """A look's values for a scene, and what has no place in it.
 
-    Where the scene has more materials or lights of a role than the preset, the rest get the last entry;
-    where it has none of a light that the look needs, one is added.
+    Where the scene has more materials or lights of a role than the preset, the rest get the last entry.
+    Where it lacks a light that the look needs, the values are those of a light that will be added.
+
+    Args:
+        look: The preset.
+        target: The scene that it is for.
     """
     result = Fit()
     for role, entries in look.roles.items():
@@ -62,7 +66,7 @@ def fit(look: preset.Preset, target: SceneParameters) -> Fit:
 
 
 def _prominent(owners: list[str], count: int, shares: dict[str, float]) -> tuple[list[str], list[str]]:
-    """Materials that the subject's entries are for, and the rest: tyres do not get the car's paint."""
+    """The subject's materials that get an entry, and those too small for one: tires do not get the car's paint."""
     least = _PROMINENT * shares.get(owners[0], 0.0) if owners else 0.0
     rest = [owner for owner in owners[count:] if shares.get(owner, 0.0) < least]
     return [owner for owner in owners if owner not in rest], rest
@@ -75,7 +79,7 @@ def _words(role: str) -> str:
 
 
 def _missing(result: Fit, target: SceneParameters, role: str, entry: preset.Entry, kinds: list[str]) -> None:
-    """A role that nothing in the scene has: a light of ours takes it, if it would be seen."""
+    """For a role that nothing in the scene has: values of a light of ours, if it would be bright enough to show."""
     ours = _OURS.get(role, "")
     entry = _for_light(entry, kinds[0], "AREA") if ours else entry
     if "power" not in entry or ours in bpy.data.objects:
@@ -95,7 +99,7 @@ def _missing(result: Fit, target: SceneParameters, role: str, entry: preset.Entr
 
 
 def _for_light(entry: preset.Entry, made_on: str, kind: str) -> preset.Entry:
-    """An entry of one type of light for another: as bright, and as soft."""
+    """An entry of one type of light for another, as bright and as soft: power against strength, size against angle."""
     result = dict(entry)
     bright = result.pop("power", None) or result.pop("strength", None)
     if bright:
@@ -109,7 +113,7 @@ def _for_light(entry: preset.Entry, made_on: str, kind: str) -> preset.Entry:
 
 
 def _put(result: Fit, target: SceneParameters, group: str, owner: str, name: str, value: list[float]) -> None:
-    """One value as the scene can take it, within its bounds; otherwise why not."""
+    """Adds one value, clipped to its bounds in this scene, or the reason why it does not fit."""
     key = schema.FAMILIES[f"{group}/{name}"].key(owner)
     instance = target.instances.get(key)
     if instance is None or instance.locked:
@@ -126,7 +130,7 @@ def _put(result: Fit, target: SceneParameters, group: str, owner: str, name: str
 
 
 def _as_tint(target: SceneParameters, group: str, owner: str, color: list[float]) -> dict[str, list[float]]:
-    """A color for something whose own color is a texture."""
+    """The tint that gives a texture this color; nothing if it has no tint, or a locked one."""
     tint = target.instances.get(f"{group}/{owner}/tint" if owner else f"{group}/tint")
     recolor = target.instances.get(f"{group}/{owner}/recolor")
     if tint is None or tint.locked:

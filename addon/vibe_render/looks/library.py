@@ -19,11 +19,11 @@ from ..core.user_folder import own_folder
 from . import take, thumbnail
 
 SHIPPED = Path(__file__).parent / "shipped"
-"""The looks that come with Vibe Render."""
+"""The folder of the looks that come with Vibe Render."""
 
 PICTURE = thumbnail.SUFFIX
 
-_LARGEST_PICTURE = 4_000_000  # bytes; ours have a hundredth of that
+_LARGEST_PICTURE = 4_000_000  # bytes, a hundred times as many as ours have
 _JPEG = b"\xff\xd8\xff"
 
 
@@ -33,8 +33,8 @@ class Look:
 
     Attributes:
         path: Its file.
-        preset: What is in it; None where it cannot be read.
-        problem: Why not.
+        preset: Its content; None where the file cannot be read.
+        problem: Why it cannot be read.
     """
 
     path: Path
@@ -43,37 +43,41 @@ class Look:
 
     @property
     def name(self) -> str:
-        """What it is called in lists."""
+        """Its name in lists."""
         return (self.preset and self.preset.name) or self.path.stem
 
     @property
     def prompt(self) -> str:
-        """What was typed for it."""
+        """The words that it was made for."""
         return self.preset.prompt if self.preset else ""
 
     @property
     def shipped(self) -> bool:
-        """Whether it came with Vibe Render, and so can neither be renamed nor deleted."""
+        """Whether it comes with Vibe Render: it can neither be renamed nor deleted."""
         return self.path.parent == SHIPPED
 
     @property
     def picture(self) -> Path:
-        """Where its picture is, if it has one."""
+        """The path of its picture, which may not exist."""
         return self.path.with_suffix(PICTURE)
 
     def matches(self, words: str) -> bool:
-        """Whether its name and prompt have all of these words in them, or beginnings of words."""
+        """Whether its name and prompt together contain each of these words, or parts of words."""
         text = f"{self.name} {self.prompt}".casefold()
         return all(word in text for word in words.casefold().split())
 
 
 def folder(create: bool = False) -> Path:
-    """The artist's own presets."""
+    """The folder of the artist's own presets."""
     return own_folder("presets", create)
 
 
 def looks(words: str = "") -> list[Look]:
-    """The artist's own presets, then those that come with us, by name; those that match some words."""
+    """The artist's own presets by name, then the shipped ones.
+
+    Args:
+        words: Only those that match; see `Look.matches`.
+    """
     all_looks: list[Look] = []
     for place in (folder(), SHIPPED):
         theirs = [_read(path, *_stamp(path)) for path in place.glob("[!.]*.json")]
@@ -82,7 +86,10 @@ def looks(words: str = "") -> list[Look]:
 
 
 def named(preset_: str) -> preset.Preset:
-    """The preset that somebody means: a file's path, or a name in the library.
+    """The preset that the command line names.
+
+    Args:
+        preset_: The path of a file, or a name in the library.
 
     Raises:
         VibeError: There is none, or it cannot be read.
@@ -94,10 +101,13 @@ def named(preset_: str) -> preset.Preset:
 
 
 def find(name: str) -> Look:
-    """The preset of a name, also of the beginning of one if no other starts so.
+    """The preset of a name.
+
+    Args:
+        name: The name, or its beginning if only one preset starts so. Upper and lower case are the same.
 
     Raises:
-        VibeError: There is none, or not only one.
+        VibeError: There is none, or more than one.
     """
     library, wanted = looks(), name.casefold().strip()
     for same in (
@@ -112,7 +122,7 @@ def find(name: str) -> Look:
 
 
 def at(path: str) -> Look:
-    """The preset at a path of the library; raises VibeError where it is gone."""
+    """The preset at a path of the library; raises a VibeError if it is gone."""
     for look in looks():
         if str(look.path) == path:
             return look
@@ -120,7 +130,7 @@ def at(path: str) -> Look:
 
 
 def path_for(place: Path, name: str) -> Path:
-    """The file of a preset of this name: letters, digits and dashes, which any system takes."""
+    """The file for a preset of this name: letters, digits and dashes, valid on every system."""
     plain = unicodedata.normalize("NFKD", name).casefold()
     words = re.sub(r"[^\w]+", "-", plain).strip("-")[:50]
     return place / f"{words or 'look'}.json"
@@ -136,7 +146,11 @@ def save(look: preset.Preset, picture: Path | None = None) -> Look:
 
 
 def rename(look: Look, name: str) -> Look:
-    """Gives one of the artist's presets another name; raises VibeError if it cannot be."""
+    """Gives one of the artist's presets another name.
+
+    Raises:
+        VibeError: The name is empty, the preset is shipped or broken, or the folder cannot be written.
+    """
     name = preset.title(name)
     if not name:
         raise schema.VibeError("A preset needs a name.", "Type one.")
@@ -150,7 +164,11 @@ def rename(look: Look, name: str) -> Look:
 
 
 def delete(look: Look) -> None:
-    """Deletes one of the artist's presets; raises VibeError if it cannot be."""
+    """Deletes one of the artist's presets and its picture.
+
+    Raises:
+        VibeError: It is a shipped one, or cannot be deleted.
+    """
     _check_own(look)
     try:
         look.path.unlink(missing_ok=True)
@@ -162,13 +180,21 @@ def delete(look: Look) -> None:
 
 
 def bring(path: Path) -> Look:
-    """Copies a preset from anywhere into the artist's own; raises VibeError if it is none."""
+    """Copies a preset file into the artist's own presets.
+
+    Raises:
+        VibeError: The file is no preset, or the folder cannot be written.
+    """
     look = take.load(path)
     return save(replace(look, name=look.name or preset.title(path.stem)), path.with_suffix(PICTURE))
 
 
 def export(look: Look, path: Path) -> None:
-    """Writes a preset, and its picture beside it; raises VibeError if it cannot be."""
+    """Writes a preset, and its picture beside it.
+
+    Raises:
+        VibeError: The preset is broken, or the file cannot be written.
+    """
     path = path.with_suffix(".json")
     if look.preset is None:
         raise schema.VibeError(look.problem, "Delete it, or correct the file.")
@@ -181,7 +207,7 @@ def _check_own(look: Look) -> None:
 
 
 def _stamp(path: Path) -> tuple[int, int]:
-    """Changes when the file does."""
+    """Modification time and size: they change when the file does."""
     try:
         status = path.stat()
     except OSError:
@@ -198,7 +224,7 @@ def _read(path: Path, _time: int, _size: int) -> Look:
 
 
 def _write(place: Path, look: preset.Preset, picture: Path | None, instead: Path | None = None) -> Look:
-    """Writes a preset under its own name, or a numbered one where that is taken, by ours too."""
+    """Writes a preset under its name, numbered where another preset, also a shipped one, has that name."""
     path, number, name = path_for(place, look.name), 1, look.name
     while (path.exists() and path != instead) or (SHIPPED / path.name).exists():
         number += 1
@@ -209,7 +235,7 @@ def _write(place: Path, look: preset.Preset, picture: Path | None, instead: Path
 
 
 def _put(path: Path, look: preset.Preset, picture: Path | None) -> None:
-    """Writes a preset, and its picture first; whole or not at all, for another Blender may be at it too."""
+    """Writes a preset and its picture, whole or not at all: another Blender may use the folder too."""
     beside = path.with_suffix(PICTURE)
     with whole(path, "Check the folder.") as part:
         part.write_text(look.dumps() + "\n", encoding="utf-8")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The grade as a .cube file, for other programs: what Vibe Grade does to every color, whatever is around it.
+"""The grade as a .cube file for other programs: what Vibe Grade does to every color.
 
 Colors go in and come out as displays show them: sRGB, Rec.709 primaries. In between the grade's formula works on
 linear light (see `scene/nodes/grade.py`). Vignette and bloom depend on more than the color and are left out, as is the view
@@ -26,7 +26,7 @@ _MIDDLE = 0.18
 
 
 def identity() -> dict[str, tuple[float, ...]]:
-    """The grade's values, by name, that leave a picture as it is."""
+    """The grade's neutral values, by name."""
     rows = [p for p in schema.PARAMETERS if p.group == "film" and p.blender.startswith("Vibe Grade")]
     return {p.name: (p.default,) * p.components for p in rows}
 
@@ -34,12 +34,15 @@ def identity() -> dict[str, tuple[float, ...]]:
 def graded(
     colors: np.ndarray, values: Mapping[str, Sequence[float]], below_black: bool = False
 ) -> np.ndarray:
-    """What the grade makes of linear colors.
+    """Applies the grade.
 
     Args:
         colors: (N, 3) scene-linear Rec.709, at least 0.
-        values: By name ("contrast", …), in the schema's units; what is missing is neutral.
-        below_black: Leave what saturation takes below black there, unless hue or gamma come after it.
+        values: By name ("contrast", …), in the schema's units; missing ones are neutral.
+        below_black: Whether negative values from saturation stay, unless hue or gamma come after it.
+
+    Returns:
+        (N, 3) scene-linear.
     """
     v = {name: np.array(values.get(name, neutral)) for name, neutral in identity().items()}
     c = colors * 2.0 ** v["grade_exposure"]
@@ -84,12 +87,12 @@ def write(path: Path, name: str, values: Mapping[str, Sequence[float]]) -> None:
     """Writes a .cube file, whole or not at all.
 
     Args:
-        path: Where.
-        name: Its title.
+        path: The file.
+        name: The LUT's title.
         values: As for `graded`.
 
     Raises:
-        VibeError: It cannot be written.
+        VibeError: The file cannot be written.
     """
     title = "".join(c for c in name if c.isprintable() and c != '"')
     head = (

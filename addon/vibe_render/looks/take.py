@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Takes a look from a scene, by role: see `schema.preset`. `preset_fit` puts it on another."""
+"""Takes a look from a scene, by role: see `schema.preset`. `fit` puts it on another scene."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from ..export.analysis import Survey
 
 
 class SceneParameters(Protocol):
-    """What is known about a scene: an exported job, or less."""
+    """What presets need of a scene: an exported job has it, and so has a scene that was only read."""
 
     @property
     def survey(self) -> Survey:
-        """The scene as it was looked at."""
+        """What is known about the scene."""
 
     @property
     def instances(self) -> dict[str, schema.Instance]:
@@ -30,7 +30,7 @@ def load(path: Path) -> preset.Preset:
     """Reads a preset file.
 
     Raises:
-        VibeError: If it cannot be read, or see `preset.loads`.
+        VibeError: It cannot be read, is too large, or is no preset (see `preset.loads`).
     """
     try:
         with path.open("rb") as file:
@@ -51,10 +51,10 @@ def extract(
     """The look that a vibe gave a scene.
 
     Args:
-        prompt: What the artist typed.
-        scene: The scene.
-        values: What the vibe has changed, by key.
-        name: A title; without one, the prompt's first words.
+        prompt: The vibe's words.
+        scene: The vibed scene.
+        values: The values that the vibe has changed, by key.
+        name: The preset's name; without one, the prompt's first words.
     """
     roles: dict[str, list[preset.Entry]] = {}
     kinds: dict[str, list[str]] = {}
@@ -68,7 +68,12 @@ def extract(
 
 
 def owners(scene: SceneParameters, role: str) -> list[str]:
-    """Names in keys of all that has a role, the most visible or the brightest first."""
+    """The owners (names in keys) of a role: materials by visible area, lights by brightness, the largest first.
+
+    Args:
+        scene: The scene.
+        role: One of `preset.ROLES`.
+    """
     group = preset.ROLES[role]
     if group not in ("material", "light"):
         return [""]
@@ -78,13 +83,13 @@ def owners(scene: SceneParameters, role: str) -> list[str]:
 
 
 def camera_azimuth(scene: SceneParameters) -> float:
-    """Where the camera stands, degrees; light directions in presets are counted from there."""
+    """The camera's azimuth in degrees, from which presets count the azimuth of lights."""
     instance = scene.instances.get("camera/azimuth")
     return instance.value[0] if instance else 0.0
 
 
 def shares(survey: Survey) -> dict[str, float]:
-    """Rays that meet each material."""
+    """The number of camera rays that hit each material, by name."""
     numbers, counts = np.unique(survey.seen.material, return_counts=True)
     return {survey.geometry.materials[n]: float(c) for n, c in zip(numbers, counts, strict=True) if n >= 0}
 
@@ -101,7 +106,7 @@ def _brightness(scene: SceneParameters, owner: str) -> float:
 def _entry(
     scene: SceneParameters, group: str, owner: str, values: Mapping[str, Sequence[float]]
 ) -> preset.Entry:
-    """What has been changed of one material, light, …, free of names and lengths."""
+    """The changed values of one owner, as multiples of the scene's lengths and without names."""
     entry = {}
     for name in (p.name for p in schema.PARAMETERS if p.group == group):
         key = schema.FAMILIES[f"{group}/{name}"].key(owner)

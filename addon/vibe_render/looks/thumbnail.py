@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Small square pictures of looks."""
+"""Thumbnails of looks: the square in the middle of a picture, as a small JPEG."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _SAMPLES = 48
 
 
 def render(scene: bpy.types.Scene, out: Path) -> None:
-    """Renders the scene small with Cycles, and writes the middle of the picture as a JPEG.
+    """Renders the scene small with Cycles, and writes the square in the middle as a JPEG.
 
     Raises:
         VibeError: Blender cannot render, or the file cannot be written.
@@ -34,7 +34,7 @@ def render(scene: bpy.types.Scene, out: Path) -> None:
 
 
 def shrink(picture: Path, out: Path) -> None:
-    """Writes the middle of a picture, `SIZE` pixels wide, as a JPEG; whole or not at all.
+    """Writes the square in the middle of a picture, `SIZE` pixels wide, as a JPEG; whole or not at all.
 
     Raises:
         VibeError: The picture cannot be read, or the file cannot be written.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Presets in the open file: put on a scene as a vibe's result is, and taken from one."""
+"""Presets and the open file: apply one to a scene as a vibe's result is, capture one from a scene."""
 
 from __future__ import annotations
 
@@ -19,10 +19,15 @@ _POWER = "/power"
 
 
 def apply(scene: bpy.types.Scene, look: preset.Preset, choice: Choice) -> list[str]:
-    """Puts a look on the scene; strength, Original, Keep and Revert work as after a vibe.
+    """Puts a look on the scene; Strength, Before, Keep and Revert work as after a vibe.
 
-    A look that came from a preset and has not been kept makes way for it, so that one can be tried after the
+    A look from another preset that has not been kept is taken out first, so that presets can be tried one after the
     other. A failure leaves the scene as it was.
+
+    Args:
+        scene: The scene.
+        look: The preset.
+        choice: How the subject is chosen.
 
     Returns:
         What did not fit, in words for the artist.
@@ -54,14 +59,19 @@ def _apply(scene: bpy.types.Scene, look: preset.Preset, sight: jobs.Sight) -> li
             "Nothing in this scene takes what the preset holds.", "See what it is for in its description."
         )
     added = {key: [0.0] for key in fitted.values if key.endswith(_POWER) and key not in sight.instances}
-    bindings.write(scene, added, survey.objects, survey.pivot)  # so that strength dims lights that are new
-    as_result = messages.Result(fitted.values, {}, "")  # no reasons: its name stands above the list
+    bindings.write(scene, added, survey.objects, survey.pivot)  # new lights are dark at strength 0
+    as_result = messages.Result(fitted.values, {}, "")  # no reasons: the preset's name is above the list
     result.apply(scene, look.prompt or look.name, as_result, survey.objects, survey.pivot, fresh_list=True)
     return fitted.rest
 
 
 def capture(scene: bpy.types.Scene, choice: Choice, name: str) -> preset.Preset:
-    """The look that the scene has now, of all that the last vibe or preset changed.
+    """The scene's present look: the values now of all that the last vibe or preset changed.
+
+    Args:
+        scene: The scene; it shows the vibe, not the original, afterwards.
+        choice: How the subject is chosen.
+        name: The preset's name.
 
     Raises:
         VibeError: There is no such look, or the scene cannot be read.
@@ -78,7 +88,7 @@ def capture(scene: bpy.types.Scene, choice: Choice, name: str) -> preset.Preset:
 
 
 def grade_values(scene: bpy.types.Scene) -> dict[str, tuple[float, ...]]:
-    """The values of the scene's grade, by name; none where nothing is graded."""
+    """The values of the scene's grade, by name; empty if it has none."""
     nodes = owned.group_nodes(compat.compositor(scene), grade.NAME)
     if not nodes:
         return {}

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What artists see and press in Blender."""
+"""Panels, operators, properties and preferences in Blender."""

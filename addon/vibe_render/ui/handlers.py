@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the add-on does when Blender turns to another file."""
+"""What the add-on does when Blender opens another file."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def _before_load(*_: object) -> None:
 
 
 def register() -> None:
-    """Asks Blender to call us."""
+    """Adds our handler to Blender's."""
     bpy.app.handlers.load_pre.append(_before_load)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The pictures of the preset grid, as icons that are loaded once and again when their file changes."""
+"""The pictures of the preset grid as icons, loaded once, and again when their file changes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _pictures: bpy.utils.previews.ImagePreviewCollection | None = None
 
 
 def icon(look: Look) -> int:
-    """The icon's number for `layout.template_icon`: the look's picture, or a sign that it has none."""
+    """The icon number of a look's picture for `layout.template_icon`; one of Blender's own icons if it has none."""
     global _pictures
     try:
         key = f"{look.picture}?{look.picture.stat().st_mtime_ns}"
@@ -22,7 +22,7 @@ def icon(look: Look) -> int:
         _pictures = bpy.utils.previews.new()
     if key not in _pictures:
         loaded = _pictures.load(key, str(look.picture), "IMAGE")
-        loaded.image_size[:]  # reads the file now; otherwise the grid would flicker until a job has
+        loaded.image_size[:]  # reads the file now; else a job would read it, and the grid would flicker
     return _pictures[key].icon_id
 
 

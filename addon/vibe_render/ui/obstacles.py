@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is in the way of a vibe, in words that greyed-out buttons show."""
+"""Why a button is grayed out, in words for its tool tip."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..session.state import addon_state
 
 
 def obstacle(context: bpy.types.Context) -> str:
-    """Why there can be no vibe now; "" if there can."""
+    """Why a vibe cannot start now; "" if it can."""
     scene = context.scene
     if addon_state.running:
         return "A vibe is on its way"
@@ -34,7 +34,7 @@ def obstacle(context: bpy.types.Context) -> str:
 
 
 def result_obstacle(context: bpy.types.Context) -> str:
-    """Why nothing can be done with the result now; "" if something can."""
+    """Why the result can be neither kept, reverted nor changed now; "" if it can."""
     if addon_state.running:
         return "A vibe is on its way"
     if not snapshot.exists(context.scene):
@@ -43,9 +43,9 @@ def result_obstacle(context: bpy.types.Context) -> str:
 
 
 def untouchable(context: bpy.types.Context) -> str:
-    """Why nothing in the scene may be changed just now; "" if it may."""
+    """Why the scene must not be changed now; "" if it may be."""
     if not context.scene.is_editable:
         return "This scene is linked from a library"
-    if context.mode != "OBJECT":  # elsewhere undo knows the mode's own steps only
+    if context.mode != "OBJECT":  # in other modes, undo takes back only that mode's own steps
         return "Go to Object Mode first"
     return ""

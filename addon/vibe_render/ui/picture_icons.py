@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures in panels: PNG files as icons, loaded anew whenever a file has changed."""
+"""PNG files as icons for panels, loaded again whenever a file has changed."""
 
 from __future__ import annotations
 
@@ -16,11 +16,14 @@ _slots: dict[tuple[bool, tuple[Path, ...]], tuple[_Version, bpy.utils.previews.I
 
 
 def icon(*pictures: Path | None, square: bool = False) -> int:
-    """An icon's number for `layout.template_icon`; 0 where there is no picture (yet).
+    """The icon number of pictures for `layout.template_icon`.
 
     Args:
-        pictures: Several are shown in one: wide ones one above the other, others side by side.
-        square: Whether the middle of them is shown, as wide as it is high.
+        pictures: Paths. Several become one icon: wide ones one above the other, others side by side.
+        square: Whether only the square in the middle is shown.
+
+    Returns:
+        0 if none of the files exists yet.
     """
     there = tuple(p for p in pictures if p is not None and p.is_file())
     if not there:
@@ -42,12 +45,12 @@ def icon(*pictures: Path | None, square: bool = False) -> int:
 
 def _load(collection: bpy.utils.previews.ImagePreviewCollection, path: Path) -> bpy.types.ImagePreview:
     loaded = collection.load(str(path), str(path), "IMAGE")
-    loaded.image_size[:]  # reads the file now; otherwise the panel would flicker until a job has
+    loaded.image_size[:]  # reads the file now; else a job would read it, and the panel would flicker
     return loaded
 
 
 def _pixels(part: bpy.types.ImagePreview) -> np.ndarray:
-    """(H, W) int32, each a pixel's four bytes; row 0 is the bottom."""
+    """(H, W) int32: the four bytes of each pixel; row 0 is the bottom."""
     width, height = part.image_size
     pixels = np.empty(width * height, np.int32)
     part.image_pixels.foreach_get(pixels)
@@ -68,7 +71,7 @@ def _middle(pixels: np.ndarray) -> np.ndarray:
 
 
 def _composed(parts: list[np.ndarray]) -> np.ndarray:
-    """Pictures of one scene together, as large as the largest; the first at the top or at the left."""
+    """Several pictures as one, each as large as the largest of them; the first is at the top or at the left."""
     height, width = max((part.shape for part in parts), key=math.prod)
     fitting = [resized(part, height, width) for part in parts]
     wide = width >= height
@@ -79,7 +82,7 @@ def _composed(parts: list[np.ndarray]) -> np.ndarray:
 
 
 def resized(pixels: np.ndarray, height: int, width: int) -> np.ndarray:
-    """(H, W) int32, four bytes a pixel, as (height, width): the engine's first pictures are smaller than its last."""
+    """Pixels (H, W) int32 at another size, bilinear: the engine's first pictures are smaller than its last."""
     channels = pixels.view(np.uint8).reshape(*pixels.shape, 4).astype(np.float32)
     for axis, count in enumerate((height, width)):
         place = np.linspace(0.0, channels.shape[axis] - 1.0, count)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # mypy: disable-error-code="valid-type"
-"""The list of every single value that the scene has, to lock; made anew when things come or go."""
+"""The list of all single values of the scene, each with a lock; filled again when things are added or removed."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ class VibeValue(bpy.types.PropertyGroup):
 
 
 class VibeValues(bpy.types.PropertyGroup):
-    """The values of the scene that is looked at; they belong to the window, not to the file."""
+    """The rows of the list; they belong to the window, not to the file."""
 
     rows: CollectionProperty(type=VibeValue)
     active: IntProperty(options={"SKIP_SAVE"})
 
 
 class VIBE_UL_values(bpy.types.UIList):
-    """A value for each line, with its lock."""
+    """One value and its lock on each line."""
 
     def draw_item(
         self,
@@ -65,7 +65,14 @@ class VIBE_UL_values(bpy.types.UIList):
 
 
 def draw_lock(layout: bpy.types.UILayout, settings: Any, key: str, reason: str = "") -> None:
-    """A lock to click; a closed one, with the reason as its tool tip, where the value must stay anyway."""
+    """Draws the lock of a value.
+
+    Args:
+        layout: Where.
+        settings: The scene's `VibeSettings`.
+        key: The value's key.
+        reason: Why the value must stay anyway: the lock is closed then, with the reason as its tool tip.
+    """
     locked = key in settings.locks
     row = layout.row()
     row.enabled = not reason
@@ -123,12 +130,12 @@ class VIBE_OT_unlock_all(bpy.types.Operator):
         return {"FINISHED"}
 
 
-_listed: tuple = ()  # what the list was made of
-_wanted: tuple = ()  # what it is being made of
+_listed: tuple = ()  # fingerprint of the scene that the list shows
+_wanted: tuple = ()  # fingerprint of the scene that a timer is going to list
 
 
 def keep_up(context: bpy.types.Context) -> None:
-    """Has the list made anew, soon, if it is not this scene's as it is now. Panels may not change anything."""
+    """Fills the list by a timer if the scene has changed: a panel that draws must not change anything."""
     global _wanted
     now = _fingerprint(context.scene)
     if now not in (_listed, _wanted):

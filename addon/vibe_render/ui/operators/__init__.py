@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the buttons do."""
+"""The operators behind the buttons."""
 
 from . import engine, exports, presets, result, running, vibe
 

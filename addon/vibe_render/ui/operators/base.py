@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # mypy: disable-error-code="valid-type"
-"""What the preset panel's buttons have in common: when they are greyed out, and how a failure is said."""
+"""Base classes of the preset panel's buttons: when they are grayed out, how failures are reported, dialogs."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ...session.state import addon_state
 
 
 class VibePresets(bpy.types.PropertyGroup):
-    """What the preset panel holds, kept with the window."""
+    """The fields of the preset panel; they belong to the window."""
 
     search: StringProperty(
         name="Search",
@@ -32,13 +32,13 @@ class VibePresets(bpy.types.PropertyGroup):
 
 
 class IdleOperator(bpy.types.Operator):
-    """For what must wait until a vibe is over; a failure is one line, and leaves everything as it was."""
+    """An operator that waits until no vibe runs. A failure is one line, and leaves everything as it was."""
 
-    severity = "INFO"  # of what is said in the end
+    severity = "INFO"  # of the closing message
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Greyed out, with the reason, while there is an obstacle."""
+        """Grayed out, with the reason, while there is an obstacle."""
         reason = "A vibe is on its way" if addon_state.running else cls.obstacle(context)
         if reason:
             cls.poll_message_set(reason)
@@ -46,7 +46,7 @@ class IdleOperator(bpy.types.Operator):
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        """What else is in the way; "" if nothing is."""
+        """Why it cannot run now, apart from a vibe that runs; "" if it can."""
         return ""
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -55,7 +55,7 @@ class IdleOperator(bpy.types.Operator):
             with _waiting(context):
                 message = self.act(context)
         except (schema.VibeError, OSError) as error:
-            if isinstance(error, OSError):  # what we write for a moment only
+            if isinstance(error, OSError):  # from a temporary file
                 error = files.unwritable(Path(tempfile.gettempdir(), "vibe"), error, "Check that folder.")
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -65,13 +65,20 @@ class IdleOperator(bpy.types.Operator):
         return {"FINISHED"}
 
     def act(self, context: bpy.types.Context) -> str:
-        """The work; returns what to say of it."""
+        """Does the work.
+
+        Returns:
+            The closing message.
+
+        Raises:
+            VibeError: It cannot be done; nothing has changed.
+        """
         raise NotImplementedError
 
 
 @contextmanager
 def _waiting(context: bpy.types.Context) -> Iterator[None]:
-    """The mouse pointer says that Blender is busy."""
+    """Shows the mouse pointer of a busy Blender."""
     if context.window is None:
         yield
         return
@@ -83,23 +90,23 @@ def _waiting(context: bpy.types.Context) -> Iterator[None]:
 
 
 class PresetOperator(IdleOperator):
-    """For what is done with the chosen preset."""
+    """An operator on a preset: a given one, or the chosen one."""
 
     path: StringProperty(
         options={"HIDDEN", "SKIP_SAVE"}, description="The preset's file; empty: the chosen one"
     )
 
     def look(self, context: bpy.types.Context) -> library.Look:
-        """The preset; raises VibeError where it is gone."""
+        """The preset; raises a VibeError if it is gone."""
         return library.at(self.path or context.window_manager.vibe_presets.chosen)
 
 
 class OwnPresetOperator(PresetOperator):
-    """For what cannot be done with the presets that come with Vibe Render."""
+    """An operator on one of the artist's own presets, not on a shipped one."""
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        """Says whose preset it is."""
+        """Says that none is chosen, or that it is a shipped one."""
         chosen = context.window_manager.vibe_presets.chosen
         if not chosen:
             return "Choose a preset first"
@@ -107,16 +114,16 @@ class OwnPresetOperator(PresetOperator):
 
 
 class LookOperator(IdleOperator):
-    """For what is done with the look that the scene has now."""
+    """An operator on the look that the scene has now."""
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        """Says that there is none."""
+        """Says that the scene has none."""
         return "" if context.scene.vibe.changes else "Vibe the scene first, or apply a preset"
 
 
 class NameDialog:
-    """A dialog for a name, which can be typed at once."""
+    """A dialog for a name; its field is active at once."""
 
     name: StringProperty(
         name="Name", description="What the preset is called in lists", maxlen=preset.LONGEST_NAME
@@ -130,13 +137,13 @@ class NameDialog:
 
 
 class FileDialog:
-    """A file dialog without the column for options: there are none."""
+    """A file dialog without the column of options."""
 
     hide_props_region: BoolProperty(default=True, options={"HIDDEN", "SKIP_SAVE"})
 
 
 class ExportDialog(FileDialog, ExportHelper):
-    """A file dialog that proposes a name."""
+    """A file dialog for saving, with a proposed name."""
 
     def propose(self, name: str, folder: str = "") -> None:
         """Proposes a file for a look of this name, in the folder of the last one."""

@@ -72,7 +72,7 @@ class VIBE_OT_test_engine(bpy.types.Operator):
     bl_label = "Test Engine"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Tests beside Blender; what comes of it is shown under the button."""
+        """Tests in the background; the result is shown under the button."""
         engine_state.test(engine_choice(context))
         return {"FINISHED"}
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # mypy: disable-error-code="valid-type"
-"""The look that the scene has now, for others: as assets of Blender, and its grade as a LUT."""
+"""The buttons that export the scene's present look: as assets, and its grade as a LUT."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ class VIBE_OT_export_lut(IdleOperator, ExportDialog):
         return ExportHelper.invoke(self, context, event)
 
     def act(self, context: bpy.types.Context) -> str:
-        """Writes it; says what cannot be in it."""
+        """Writes it; the message names what a LUT cannot hold."""
         values = use.grade_values(context.scene)
         lut.write(Path(self.filepath), _name(context), values)
         neutral = lut.identity()

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # mypy: disable-error-code="valid-type"
-"""What the preset panel's buttons do: choose, apply, save, rename, delete, import and export."""
+"""The buttons of the preset panel: choose, apply, save, rename, delete, import and export."""
 
 from __future__ import annotations
 
@@ -62,12 +62,12 @@ class VIBE_OT_preset_apply(PresetOperator):
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        """Says that there is nothing to light."""
+        """Says that the scene has no mesh."""
         there = any(obj.type in GEOMETRY for obj in context.scene.objects)
         return untouchable(context) if there else "The scene has no mesh"
 
     def act(self, context: bpy.types.Context) -> str:
-        """Applies it; what did not fit is listed in the panel."""
+        """Applies it; the panel lists what did not fit."""
         look = self.look(context)
         if look.preset is None:
             raise schema.VibeError(look.problem, "Delete it, or correct the file.")
@@ -139,7 +139,7 @@ class VIBE_OT_preset_delete(OwnPresetOperator):
     bl_label = "Delete Preset"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Asks whether it is meant."""
+        """Asks for confirmation."""
         try:
             name = self.look(context).name
         except schema.VibeError as error:
@@ -170,7 +170,7 @@ class VIBE_OT_preset_import(IdleOperator, FileDialog, ImportHelper):
     files: CollectionProperty(type=bpy.types.OperatorFileListElement, options={"HIDDEN", "SKIP_SAVE"})
 
     def act(self, context: bpy.types.Context) -> str:
-        """Imports all that can be; those that cannot are said in one message."""
+        """Imports every file that can be; one message names the others."""
         paths = [Path(self.directory) / file.name for file in self.files if file.name] or [
             Path(self.filepath)
         ]

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # mypy: disable-error-code="valid-type"
-"""What the artist does with a result: keep it, revert it, choose another variant. Each is one step to undo."""
+"""The buttons below a result: keep it, revert it, choose another variant. Each is one undo step."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from ..obstacles import result_obstacle
 
 
 class _Vibed(bpy.types.Operator):
-    """For buttons that need a vibe in the scene."""
+    """An operator that needs a vibe in the scene."""
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Greyed out, with the reason, unless there is a vibe and nothing runs."""
+        """Grayed out, with the reason, unless there is a result and nothing runs."""
         reason = result_obstacle(context)
         if reason:
             cls.poll_message_set(reason)
@@ -103,7 +103,7 @@ class VIBE_OT_why(bpy.types.Operator):
         return f"{change.reason}.\n{where}" if change.reason else where
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Says it in the status bar too."""
+        """Reports the reason in the status bar too."""
         self.report({"INFO"}, context.scene.vibe.changes[self.key].reason or "The look asked for it")
         return {"CANCELLED"}
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # mypy: disable-error-code="valid-type"
-"""The buttons around a vibe: stopped, given up, asked about; its failure read; earlier prompts."""
+"""The buttons while a vibe runs (stop, cancel, answer), and for its failure and earlier prompts."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ...session.state import addon_state
 
 
 class _Running(bpy.types.Operator):
-    """For buttons that are there while a vibe runs."""
+    """An operator for a vibe that runs."""
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -33,7 +33,7 @@ class VIBE_OT_stop(_Running):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Only while there is a best so far."""
+        """Only while there is a best look so far."""
         cls.poll_message_set("There is no look yet to take")
         return addon_state.running and bool(addon_state.session and addon_state.session.can_stop)
 
@@ -54,7 +54,7 @@ class VIBE_OT_cancel(_Running):
     bl_label = "Cancel"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Gives up."""
+        """Cancels the vibe."""
         addon_state.cancel()
         drawing.redraw()
         return {"FINISHED"}

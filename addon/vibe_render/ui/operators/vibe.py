@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # mypy: disable-error-code="valid-type"
-"""A vibe, from the button to its end. It leaves one step to undo."""
+"""Vibe It: a vibe from the button to its end, in the background. It leaves one undo step."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ...session.session import Session
 from ...session.state import addon_state
 from ..obstacles import obstacle
 
-_TICK = 0.1  # seconds between looks at the engine
+_TICK = 0.1  # seconds between two steps of the session
 
 
 class VIBE_OT_run(bpy.types.Operator):
@@ -41,7 +41,7 @@ class VIBE_OT_run(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Greyed out, with the reason, while there is an obstacle."""
+        """Grayed out, with the reason, while there is an obstacle."""
         reason = obstacle(context)
         if reason:
             cls.poll_message_set(reason)
@@ -58,7 +58,7 @@ class VIBE_OT_run(bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Does it all at once, for scripts without a window."""
+        """Runs the whole vibe at once, for scripts without a window."""
         session = self._begin(context)
         failure = None
         while failure is None and addon_state.running:
@@ -66,9 +66,11 @@ class VIBE_OT_run(bpy.types.Operator):
         return self._done(failure, "ERROR")
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Looks at the engine on every tick; everything else is Blender's, but for Esc."""
+        """Does a step on every tick of the timer; takes Esc; passes everything else through."""
         session = self._session
-        if addon_state.session is not session or not addon_state.running:  # given up elsewhere
+        if (
+            addon_state.session is not session or not addon_state.running
+        ):  # canceled by its button or by another file
             self._clean_up(context)
             return {"CANCELLED"}
         if event.type == "ESC" and event.value == "PRESS" and not bpy.app.is_job_running("RENDER"):
@@ -83,7 +85,7 @@ class VIBE_OT_run(bpy.types.Operator):
         return self._done(failure, "WARNING")  # the panel explains; no need for a pop-up
 
     def cancel(self, context: bpy.types.Context) -> None:
-        """Another file is opened, or the window is closed: nothing has been written yet."""
+        """Blender calls this when the window closes; nothing has been written yet."""
         if addon_state.session is self._session:
             addon_state.cancel()
         self._clean_up(context)
@@ -97,7 +99,7 @@ class VIBE_OT_run(bpy.types.Operator):
         return addon_state.begin(context, ask)
 
     def _escape(self, context: bpy.types.Context) -> set[str]:
-        """The best so far if there is one; nothing, if there is none yet or this is the second Esc."""
+        """The first Esc takes the best look so far, if there is one; otherwise the vibe is canceled."""
         if self._session.can_stop:
             with contextlib.suppress(schema.VibeError):  # the next tick finds out and tells
                 self._session.stop()
@@ -125,7 +127,7 @@ class VIBE_OT_run(bpy.types.Operator):
 
 
 def _advance(session: Session) -> schema.VibeError | None:
-    """Does the next bit of a vibe; returns what went wrong, if something did."""
+    """Does the next step of a vibe; returns the error if it fails."""
     try:
         if not session.advance():
             addon_state.end()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the panels draw."""
+"""The panels."""
 
 from . import main, presets
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panels: prompt, progress, what may change. They are in the 3D viewport's sidebar, tab "Vibe", and, as
-they change what is rendered, in the render properties."""
+"""The panels: prompt, progress, what may change. They are in the 3D viewport's sidebar, tab "Vibe", and in the
+render properties."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _PLACES = {
     "VIBE_PT": {"bl_space_type": "VIEW_3D", "bl_region_type": "UI", "bl_category": "Vibe"},
     "VIBE_RENDER_PT": {"bl_space_type": "PROPERTIES", "bl_region_type": "WINDOW", "bl_context": "render"},
 }
-"""Where every panel is, and the beginning of its name there."""
+"""The prefix of the panels' names in each place, and the place."""
 
 
 class VIBE_MT_history(bpy.types.Menu):
@@ -42,14 +42,14 @@ class VIBE_MT_history(bpy.types.Menu):
 
 
 class _Main:
-    """Prompt and button; progress while a vibe runs; what went wrong."""
+    """Prompt and button; progress while a vibe runs; its failure."""
 
     bl_label = "Vibe Render"
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draws the panel."""
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
-        if addon_state.running and addon_state.session:  # text instead of greyed fields
+        if addon_state.running and addon_state.session:  # text instead of grayed-out fields
             paragraph(layout, context, f"“{addon_state.session.prompt}”")
             progress.draw(layout, context, addon_state.session)
             return
@@ -76,7 +76,7 @@ class _Main:
 
 
 class _Idle:
-    """A panel that makes way while a vibe runs."""
+    """A panel that is hidden while a vibe runs."""
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -155,7 +155,7 @@ _PANELS: tuple[tuple[str, type, str], ...] = (
     ("values", _Values, "scope"),
     ("advanced", _Advanced, ""),
 )
-"""Name, what it draws, and the panel that it is inside of."""
+"""Name, class that draws it, and its parent panel."""
 
 
 def _classes() -> list[type]:

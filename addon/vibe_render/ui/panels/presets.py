@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Presets in the "Vibe" tab: a grid of pictures to choose a look from, and what can be done with it."""
+"""Presets in the "Vibe" tab: a grid of pictures to choose from, and the chosen preset."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from ...looks import library
 from ...session.state import addon_state
 from .. import look_icons
 
-_WIDTH, _COLUMNS = 26, 4  # of the grid; the width in Blender's units, a button's height each
-_LETTERS = 70  # in a line of it
-_SHOWN = 5  # lines of what did not fit
+_WIDTH, _COLUMNS = 26, 4  # of the grid; the width in Blender's units (the height of a button)
+_LETTERS = 70  # in a line of text below the grid
+_SHOWN = 5  # lines about what did not fit
 
 
 class VIBE_MT_preset(bpy.types.Menu):
@@ -50,7 +50,7 @@ class VIBE_MT_presets(bpy.types.Menu):
 
 
 class PresetsPanel:
-    """The chosen preset, and the way to the others."""
+    """The chosen preset, and the button that shows all of them."""
 
     bl_label = "Presets"
 
@@ -118,7 +118,7 @@ def _chosen(context: bpy.types.Context) -> library.Look | None:
 def _draw_chosen(
     layout: bpy.types.UILayout, context: bpy.types.Context, look: library.Look, letters: int = 0
 ) -> None:
-    """Name, prompt and Apply, in a box; in lines of so many letters, or as wide as the region."""
+    """Name, prompt and Apply in a box; lines have so many letters, or the region's width if 0."""
     box = layout.box()
     row = box.row()
     row.label(text=look.name, icon="ERROR" if look.problem else "NONE")

@@ -13,7 +13,7 @@ from .. import picture_icons
 
 
 def draw(layout: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
-    """The picture so far, the bar, and the ways out; or a question."""
+    """The picture so far, the progress bar, Stop and Cancel; or a question."""
     box = layout.box()
     if session.scene != context.scene.name:
         box.label(text=f"In the scene {session.scene}", icon="SCENE_DATA")
@@ -48,7 +48,7 @@ def _stage(session: Session) -> str:
 def _draw_question(
     layout: bpy.types.UILayout, context: bpy.types.Context, question: dict[str, list[str]]
 ) -> None:
-    """Which materials other things use too, and what to do about it."""
+    """The shared materials, and the two answers."""
     paragraph(layout, context, "The subject shares materials with other things:", "QUESTION")
     for name, users in list(question.items())[:4]:
         more = f" and {len(users) - 2} more" if len(users) > 2 else ""

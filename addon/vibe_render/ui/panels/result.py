@@ -21,12 +21,12 @@ from ..obstacles import result_obstacle
 from ..value_list import draw_lock
 
 _AGREEMENTS = ((1.0, "matches", True), (3.0, "is close to", True), (math.inf, "differs from", False))
-"""Mean CIEDE2000 between the preview and a render, up to which it is so, and whether that is good news: 1 is the least
-that people see side by side."""
+"""Upper bound of the mean CIEDE2000 between preview and render, the words for it, and whether that is good news: 1 is
+the least difference that people see side by side."""
 
 
 class ResultPanel:
-    """What the last vibe did, and what to do with it."""
+    """The last vibe's pictures and prompt, and its buttons."""
 
     bl_label = "Result"
 
@@ -40,7 +40,7 @@ class ResultPanel:
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
         if not settings.vibed_prompt:
             paragraph(layout, context, "A vibe has been in this scene; Revert takes away what is left of it.")
-        else:  # whole, which a field cuts
+        else:  # a label shows all of it, a field cuts
             paragraph(layout, context, f"“{settings.vibed_prompt}”", faint=True)
         if addon_state.session and addon_state.session.scene == context.scene.name:
             _draw_session(layout, context, addon_state.session)
@@ -64,7 +64,7 @@ class ResultPanel:
 
 
 def _draw_compare(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """The way between the original and the vibe, in the scene itself."""
+    """Before, After and Strength, which change the scene itself."""
     settings = context.scene.vibe
     column = layout.column(align=True)
     row = column.row(align=True)
@@ -78,7 +78,7 @@ def _draw_compare(layout: bpy.types.UILayout, context: bpy.types.Context) -> Non
 
 
 def _draw_session(layout: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
-    """What is known only as long as Blender runs: pictures, variants, how good the prediction is."""
+    """What lasts only as long as Blender runs: pictures, variants, the prediction's error."""
     current = context.scene.vibe.variant
     picture = session.variants[current][1] if 0 < current < len(session.variants) else session.preview
     if icon := picture_icons.icon(session.before, picture):
@@ -95,7 +95,15 @@ def _draw_session(layout: bpy.types.UILayout, context: bpy.types.Context, sessio
 
 
 def agreement(difference: float, engine: str) -> tuple[str, bool]:
-    """How well the preview tells what a render looks like, and whether that is good news."""
+    """How near the preview is to a render, in words.
+
+    Args:
+        difference: Mean CIEDE2000 between them.
+        engine: The scene's render engine.
+
+    Returns:
+        The words, and whether they are good news.
+    """
     if engine != "CYCLES":
         return "The preview shows Cycles; other engines differ", False
     words, good = next((words, good) for most, words, good in _AGREEMENTS if difference < most)
@@ -104,7 +112,7 @@ def agreement(difference: float, engine: str) -> tuple[str, bool]:
 
 
 def _draw_variants(layout: bpy.types.UILayout, session: Session, current: int) -> None:
-    """The looks to choose from, each a picture with a button. Square, so that the button is close below it."""
+    """The variants, each a picture with a button. Pictures are square, so that the button is close below."""
     across = min(len(session.variants), 4)
     grid = layout.grid_flow(row_major=True, columns=across, even_columns=True, align=True)
     for number, (_, picture) in enumerate(session.variants):
@@ -158,7 +166,7 @@ def _owner(change: Any) -> tuple[str, str]:
 def _draw_changes(
     layout: bpy.types.UILayout, context: bpy.types.Context, same: Sequence[Any], why: str
 ) -> None:
-    """Values that changed for the same reason; below them the word that caused it, with all of it as a tool tip."""
+    """Values that changed for the same reason; below them the word that caused it, whose tool tip is the whole reason."""
     for change in same:
         _draw_change(layout, context.scene.vibe, change)
     if context.scene.vibe.show_reasons and why:

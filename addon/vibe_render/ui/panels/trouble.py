@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the panel says when something is missing or went wrong, and what to do about it."""
+"""What the panel shows when the engine is missing or a vibe failed, with the remedy."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .. import engine_line
 
 
 def draw_failure(layout: bpy.types.UILayout, context: bpy.types.Context, failure: schema.VibeError) -> None:
-    """What went wrong with a vibe, and what helps."""
+    """A vibe's failure, and its remedy."""
     box = layout.box()
     row = box.row()
     row.alert = True

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a run without a window says: lines for people, or events for the `vibe` command. No bpy here."""
+"""What a headless run prints: lines for people, or events for the `vibe` command. No bpy here."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ class Reporter:
         self._round = 0
 
     def stage(self, name: str) -> None:
-        """Something new begins."""
+        """Reports a new stage."""
         self._print({"type": "stage", "name": name}, f"{time.monotonic() - self._start:5.1f} s  {name}")
 
     def engine(self, message: messages.Message) -> None:
-        """A stage or progress message of the engine."""
+        """Reports a stage or progress message of the engine."""
         if isinstance(message, messages.Stage):
             self.stage(message.name)
         elif isinstance(message, messages.Progress):
@@ -40,11 +40,16 @@ class Reporter:
             self._print({"type": "progress", **asdict(message)}, line)
 
     def result(self, lines: list[str], stopped: bool = False) -> None:
-        """What came of it."""
+        """Reports the result.
+
+        Args:
+            lines: For people.
+            stopped: Whether Ctrl-C ended the search early.
+        """
         self._print({"type": "result", "lines": lines, "stopped": stopped}, "\n".join(lines))
 
     def error(self, error: schema.VibeError) -> None:
-        """What went wrong."""
+        """Reports an error."""
         if self._events:
             self._print({"type": "error", "message": error.message, "remedy": error.remedy}, "")
         else:
