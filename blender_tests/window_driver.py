@@ -75,7 +75,9 @@ def ways_out(screen):
         yield from screen.away()
         screen.shoot(name)
         if name in ("stop", "esc"):
-            observed[f"{name}_takes_the_best"] = snapshot.exists(bpy.context.scene) and not addon_state.failure
+            observed[f"{name}_takes_the_best"] = (
+                snapshot.exists(bpy.context.scene) and not addon_state.failure
+            )
             yield from screen.undo()
             yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 30, f"undo of {name}")
             yield 0.7

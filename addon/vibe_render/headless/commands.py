@@ -71,7 +71,9 @@ def carry_out(args: argparse.Namespace, reporter: Reporter, conversation: Conver
         result = conversation.wait(messages.Result, lambda request: _anchor(request, shot_list, reporter))
         stopwatch.lap("wait for the engine")
         measured, skipped = _finish(args, shot_list, result, conversation, out, reporter, stopwatch)
-        out.write_json("report.json", summary.report_fields(args, shot_list, result, measured, skipped, stopwatch))
+        out.write_json(
+            "report.json", summary.report_fields(args, shot_list, result, measured, skipped, stopwatch)
+        )
     reporter.result(summary.closing_lines(shot_list, result, measured, skipped), result.stopped)
     return shot_list.jobs[-1].survey
 
