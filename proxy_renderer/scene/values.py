@@ -11,7 +11,7 @@ from torch import Tensor
 from . import SceneData
 
 
-class Settings:
+class RenderValues:
     """Looks parameters up by key; missing ones take the scene's value.
 
     Args:

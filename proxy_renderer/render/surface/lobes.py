@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from ..lights.area_specular import Highlight
+from ..lights.area_specular import AreaSpecular
 from ..material import albedo
 
 
 @dataclass(frozen=True)
-class Light:
+class IncidentLight:
     """Everything that arrives at N samples of one material.
 
     Attributes:
@@ -29,14 +29,14 @@ class Light:
 
     irradiance: Tensor
     lamps: Tensor
-    highlights: Sequence[Highlight]
+    highlights: Sequence[AreaSpecular]
     view: Tensor
-    reflected: Reflected
+    reflected: ReflectedRadiance
     behind: Tensor | None
 
 
 @dataclass(frozen=True)
-class Reflected:
+class ReflectedRadiance:
     """Radiance around the mirror direction for any roughness.
 
     Attributes:
@@ -85,7 +85,7 @@ def summed(lamps: Tensor, lobes: Sequence[Tensor]) -> Tensor:
 
 def specular(
     lamps: Tensor,
-    highlights: Sequence[Highlight],
+    highlights: Sequence[AreaSpecular],
     lobes: Sequence[Tensor],
     curve: Tensor,
     f0: Tensor,

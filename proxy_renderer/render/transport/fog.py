@@ -13,13 +13,13 @@ import torch
 from torch import Tensor
 
 from ...scene import SceneData
-from ...scene.values import Settings, wanted
+from ...scene.values import RenderValues, wanted
 
 _EVERYWHERE = 1.0e3
 """Diameter of an infinite fog in sizes of the box: farther away it counts no more."""
 
 
-class Fog:
+class FogMedium:
     """The scene's fog with one set of values.
 
     Attributes:
@@ -29,7 +29,7 @@ class Fog:
         extent: Length that crosses all of it, meters.
     """
 
-    def __init__(self, scene: SceneData, settings: Settings) -> None:
+    def __init__(self, scene: SceneData, settings: RenderValues) -> None:
         spec = scene.volume
         self.density = settings.scalar("volume/density")
         self.albedo = settings.color("volume/color", 0.8)
@@ -112,15 +112,15 @@ class Fog:
 
 
 @dataclass(frozen=True)
-class Ways:
-    """Ways of light through one scene's fog, as `Fog.transmittance` takes them; they are measured once if they stay."""
+class LightPaths:
+    """Ways of light through one scene's fog, as `FogMedium.transmittance` takes them; they are measured once if they stay."""
 
     start: Tensor
     toward: Tensor
     distance: Tensor
     _measured: dict[tuple[float, ...], Tensor] = field(default_factory=dict, repr=False, compare=False)
 
-    def transmittance(self, fog: Fog) -> Tensor:
+    def transmittance(self, fog: FogMedium) -> Tensor:
         """Share of light (…) that gets through."""
         shape = fog.shape
         if shape is None or wanted(self.start, self.toward, self.distance):
