@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An OpenAI-compatible server on a local port: real sockets, the protocol's real shapes, any behaviour."""
+"""An OpenAI-compatible server on a local port: real sockets, the protocol's real shapes, any behavior."""
 
 import contextlib
 import json

@@ -1,34 +1,28 @@
 # SPDX-License-Identifier: Apache-2.0
 """Who may import whom, proven in processes of their own; and the proof itself is shown to be able to fail."""
 
-import ast
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from imports import imported
 
 ROOT = Path(__file__).parents[1]
 ENGINE, ADDON = ROOT / "proxy_renderer", ROOT / "addon" / "vibe_render"
 HEAVY = ("torch", "open_clip", "trimesh", "numpy", "PIL", "rich", "openai")
 
 
-def imported(path):
-    """Top-level names that a file imports anywhere in it, also inside functions; "." for relative imports."""
-    found = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            found |= {alias.name.split(".")[0] for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            found.add("." if node.level else node.module.split(".")[0])
-    return found
+def tops(path):
+    """Top-level packages that a file imports anywhere in it, also inside functions; "." for relative imports."""
+    return {target.split(".")[0] or "." for target in imported(path)}
 
 
 def offenders(folder, forbidden):
     """Files in a folder that import something forbidden, with what they import."""
     files = [p for p in folder.rglob("*.py") if "__pycache__" not in p.parts]
     assert files, folder
-    return {str(p.relative_to(ROOT)): bad for p in files if (bad := imported(p) & set(forbidden))}
+    return {str(p.relative_to(ROOT)): bad for p in files if (bad := tops(p) & set(forbidden))}
 
 
 def loaded(code, names):
@@ -52,7 +46,7 @@ def test_the_schema_is_standard_library_and_relative_imports_only():
     allowed = {".", "__future__", *sys.stdlib_module_names}
     files = list((ENGINE / "schema").glob("*.py"))
     assert files
-    assert not {p.name: bad for p in files if (bad := imported(p) - allowed)}
+    assert not {p.name: bad for p in files if (bad := tops(p) - allowed)}
 
 
 @pytest.mark.parametrize(
@@ -77,5 +71,5 @@ def test_the_whole_engine_runs_without_blender():
 def test_the_checks_can_fail(tmp_path):
     culprit = tmp_path / "bad.py"
     culprit.write_text("def later():\n    from bpy.types import Scene\n    import torch.nn as nn\n")
-    assert imported(culprit) == {"bpy", "torch"}
+    assert tops(culprit) == {"bpy", "torch"}
     assert loaded("import numpy", HEAVY) == ["numpy"]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A small real scene as a job folder: a grey ball on a grey floor, a lamp, a sun, a plain world."""
+"""A small real scene as a job folder: a gray ball on a gray floor, a lamp, a sun, a plain world."""
 
 import importlib.util
 import json

@@ -21,7 +21,7 @@ CONFIG = Path(bpy.utils.resource_path("LOCAL")) / "datafiles" / "colormanagement
 
 @pytest.fixture
 def picture():
-    """(H, W, 3), row 0 on top: greys and colors of all saturations, from 2^-9 to 2^4, and black."""
+    """(H, W, 3), row 0 on top: grays and colors of all saturations, from 2^-9 to 2^4, and black."""
     random = np.random.default_rng(3)
     tint = random.uniform(0, 1, (SIZE, SIZE, 3)) ** random.choice([0.1, 0.5, 2.0], (SIZE, SIZE, 1))
     pixels = tint / tint.max(-1, keepdims=True) * 2.0 ** np.linspace(-9.0, 4.0, SIZE)[None, :, None]

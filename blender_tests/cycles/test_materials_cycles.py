@@ -25,7 +25,7 @@ SIZE, SAMPLES = 96, 64
 
 @pytest.fixture
 def stage(scene: bpy.types.Scene) -> bpy.types.Scene:
-    """A floor, an area light, a grey world, and a camera that looks at (0, 0, 1)."""
+    """A floor, an area light, a gray world, and a camera that looks at (0, 0, 1)."""
     scene.render.resolution_x, scene.render.resolution_y = 96, 80
     _paint(_add("plane", size=30), "Floor", Base_Color=(0.5, 0.45, 0.4), Roughness=0.7)
     lamp = bpy.data.lights.new("Lamp", "AREA")

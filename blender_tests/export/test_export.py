@@ -325,6 +325,6 @@ def test_walls_skies_and_things_behind_are_not_the_subject(stage, tmp_path):
     np.testing.assert_allclose(job.survey.pivot, (0, 0, 0), atol=1e-5)
 
 
-def test_pixels_of_grey_images_have_three_channels(scene):
+def test_pixels_of_gray_images_have_three_channels(scene):
     image = bpy.data.images.new("Grey", 2, 2, float_buffer=True)
     assert bake.pixels(image).shape == (2, 2, 3)

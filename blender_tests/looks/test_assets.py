@@ -26,10 +26,10 @@ def exported(scene, tmp_path, monkeypatch):
     look = preset.Preset("Noir", {**NOIR.roles, "volume": [{"density": [0.5]}]}, NOIR.kinds, NOIR.prompt)
     use.apply(scene, look, Choice())
     picture = tmp_path / "look.png"
-    grey = bpy.data.images.new("grey", thumbnail.SIZE, thumbnail.SIZE)
-    grey.generated_color, grey.filepath_raw, grey.file_format = (0.5, 0.5, 0.5, 1.0), str(picture), "PNG"
-    grey.save()
-    bpy.data.images.remove(grey)
+    gray = bpy.data.images.new("grey", thumbnail.SIZE, thumbnail.SIZE)
+    gray.generated_color, gray.filepath_raw, gray.file_format = (0.5, 0.5, 0.5, 1.0), str(picture), "PNG"
+    gray.save()
+    bpy.data.images.remove(gray)
     before = contents()
     sight = jobs.look_at(scene, Choice())
     path = tmp_path / "library" / "noir.blend"

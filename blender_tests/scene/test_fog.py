@@ -12,7 +12,7 @@ from vibe_render.scene.nodes import owned
 SIZE = 24
 PIVOT = (0.0, 0.0, 0.0)
 DISTANCE = 6.0  # from the camera to the wall
-VIEW = 4.0  # height of the picture, metres
+VIEW = 4.0  # height of the picture, meters
 
 
 def write(scene, subject, **values):

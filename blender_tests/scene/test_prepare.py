@@ -41,7 +41,7 @@ def test_the_new_camera_sees_the_whole_subject(scene, size, scale):
     assert all(data.clip_start < p.z < data.clip_end for p in seen)
 
 
-def test_a_new_key_light_exposes_a_grey_subject_well(scene, tmp_path):
+def test_a_new_key_light_exposes_a_gray_subject_well(scene, tmp_path):
     subject = scenes.bare(scene)
     prepare.prepare(scene, subject)
     scene.render.engine, scene.cycles.samples = "CYCLES", 16

@@ -72,10 +72,10 @@ def test_the_picture_is_well_exposed(tmp_path):
     assert tuple(image.size) == (48, 48)
     values = np.empty(48 * 48 * 4, np.float32)
     image.pixels.foreach_get(values)
-    grey = values.reshape(-1, 4)[:, :3].mean(1)
-    assert 0.3 < grey.mean() < 0.7
-    assert grey.max() < 0.98
-    assert np.quantile(grey, 0.95) - np.quantile(grey, 0.05) > 0.15
+    gray = values.reshape(-1, 4)[:, :3].mean(1)
+    assert 0.3 < gray.mean() < 0.7
+    assert gray.max() < 0.98
+    assert np.quantile(gray, 0.95) - np.quantile(gray, 0.05) > 0.15
 
 
 def test_the_mask_shows_the_subject_alone(tmp_path):

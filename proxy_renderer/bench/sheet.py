@@ -22,7 +22,7 @@ _FULL = 15.0
 
 @dataclass(frozen=True)
 class Strip:
-    """One scene of a sheet: a title, a smaller line, and labelled pictures from left to right."""
+    """One scene of a sheet: a title, a smaller line, and labeled pictures from left to right."""
 
     title: str
     note: str
@@ -30,12 +30,12 @@ class Strip:
 
 
 def error_picture(picture: torch.Tensor, reference: torch.Tensor) -> Image.Image:
-    """CIEDE2000 as brightness: red where the picture is lighter than the reference, blue where darker, grey for hue."""
+    """CIEDE2000 as brightness: red where the picture is lighter than the reference, blue where darker, gray for hue."""
     errors, lighter = delta_e_map(picture, reference)
     strength = (errors / _FULL).clamp(0, 1)[..., None].numpy()
     lean = (lighter / errors.clamp_min(1e-3)).clamp(-1, 1)[..., None].numpy()
-    grey, red, blue = (np.array(c) for c in ((0.85, 0.85, 0.85), (1.0, 0.25, 0.1), (0.15, 0.45, 1.0)))
-    tone = grey + np.maximum(lean, 0) * (red - grey) + np.maximum(-lean, 0) * (blue - grey)
+    gray, red, blue = (np.array(c) for c in ((0.85, 0.85, 0.85), (1.0, 0.25, 0.1), (0.15, 0.45, 1.0)))
+    tone = gray + np.maximum(lean, 0) * (red - gray) + np.maximum(-lean, 0) * (blue - gray)
     return Image.fromarray((255 * strength * tone).round().astype(np.uint8))
 
 

@@ -32,7 +32,7 @@ _FROM_CONES = (
     (-1.2684380, 2.6097574, -0.3413194),
     (-0.0041961, -0.7034186, 1.7076147),
 )
-_GREYISH = 20.0  # chroma below which a hue says little
+_GRAYISH = 20.0  # chroma below which a hue says little
 TO_OKLAB = (
     (0.2104543, 0.7936178, -0.0040720),
     (1.9779985, -2.4285922, 0.4505937),
@@ -121,13 +121,13 @@ def shade(
     Args:
         srgb: In [0, 1].
         lightness: 1 keeps the lightness, 0 moves it to `towards`.
-        chroma: Multiplies the distance from grey.
+        chroma: Multiplies the distance from gray.
         towards: L* in [0, 100].
-        warmth: Moves the hue of greyish colors to orange (+) or blue (-); in units of b*.
+        warmth: Moves the hue of grayish colors to orange (+) or blue (-); in units of b*.
     """
     light, a, b = to_oklab(srgb)
     warmth *= max(0.0, 1 - math.hypot(a, b) / 0.15)
-    goal = (towards + 16) / 116  # of a grey of that L*
+    goal = (towards + 16) / 116  # of a gray of that L*
     return _from_oklab(
         (goal + (light - goal) * lightness, a * chroma + warmth / 1200, b * chroma + warmth / 330)
     )
@@ -141,14 +141,14 @@ def mix(first: Values, second: Values, share: float) -> Values:
 
 
 def chroma(lab: Lab) -> float:
-    """Distance from grey."""
+    """Distance from gray."""
     return math.hypot(lab[1], lab[2])
 
 
 def hue_apart(one: Values, other: Values) -> float:
-    """Degrees between the Lab hues of two sRGB colors; 0 where one of them is greyish."""
+    """Degrees between the Lab hues of two sRGB colors; 0 where one of them is grayish."""
     labs = to_lab(one), to_lab(other)
-    if min(map(chroma, labs)) < _GREYISH:
+    if min(map(chroma, labs)) < _GRAYISH:
         return 0.0
     hues = [math.degrees(math.atan2(b, a)) for _, a, b in labs]
     return abs((hues[0] - hues[1] + 180) % 360 - 180)

@@ -111,7 +111,7 @@ def load_picture(path: Path) -> np.ndarray:
 
 
 def compare(rows: Sequence[Sequence[tuple[str, Image.Image]]], prompt: str) -> Image.Image:
-    """Labelled panels side by side, rows of them one below the other, the prompt at the foot.
+    """Labeled panels side by side, rows of them one below the other, the prompt at the foot.
 
     Args:
         rows: (label, picture), from left to right; all in a row of one shape.

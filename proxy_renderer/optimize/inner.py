@@ -83,10 +83,10 @@ def descend(
     settings: Settings,
     on_step: Callable[[int, float, Any], bool],
 ) -> Descent:
-    """Minimises the objective over the chosen components.
+    """Minimizes the objective over the chosen components.
 
     Args:
-        objective: What to minimise.
+        objective: What to minimize.
         u: (N,) start, inside the box.
         chosen: (N,) bool, the components that may move.
         lower: (N,) lower corner of the feasible box.

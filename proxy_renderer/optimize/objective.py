@@ -37,7 +37,7 @@ class Terms(Protocol):
 
 
 class RoundObjective:
-    """What one round minimises, see `inner.Objective`.
+    """What one round minimizes, see `inner.Objective`.
 
     Args:
         seen: Draws and judges the shots, one or several.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the rounds of a vibe share, wherever they start: confiner, guidance, and what a round minimises."""
+"""What the rounds of a vibe share, wherever they start: confiner, guidance, and what a round minimizes."""
 
 from __future__ import annotations
 
@@ -176,7 +176,7 @@ class Search:
     def objective(
         self, now: Confined, u: Tensor, shots: Sequence[Shot] = ()
     ) -> tuple[list[str], RoundObjective]:
-        """S_K, and what is minimised over it, in these shots or in all."""
+        """S_K, and what is minimized over it, in these shots or in all."""
         seen = shots or self.shots
         chosen = select(now.plan, self.vector, seen, u, now.lower, now.upper, self.options)
         weight = pull(now.plan, self.vector, chosen)

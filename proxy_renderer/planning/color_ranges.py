@@ -16,7 +16,7 @@ from .sources import Range, Sources
 _BLACKEST, _WHITEST = 0.006, 0.85  # hardly a real surface reflects less, or more
 _BRIGHTEST = 2.5  # radiance of a backdrop that has a color
 _DARK = 0.02  # radiance below which a backdrop is black
-_SEEN = 0.7  # relative departure from grey that a tint has at least
+_SEEN = 0.7  # relative departure from gray that a tint has at least
 _DEEP = 0.4  # of that scale: the box of a darker color is smaller, as its hues are nearer
 _MOOD = 0.6  # of a tint, where light, air and film share it: things keep some color of their own
 _ALIKE, _OPPOSED = 60.0, 120.0
@@ -25,7 +25,7 @@ _MADE_UP = 0.9  # share of such light's color that a surface then makes up for
 _BOX = 0.06  # half the width of a color's box, in steps that look even
 OWN_COLOR = ("base_color", "tint")
 """Parameters that hold a material's color."""
-_NEUTRAL_BOX = 0.02  # the same for white and grey: a little tint makes them another color
+_NEUTRAL_BOX = 0.02  # the same for white and gray: a little tint makes them another color
 
 
 def color_range(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Range:
@@ -134,7 +134,7 @@ def _cast(linear: Values, amount: float) -> Values:
 
 
 def _shown_strength(srgb: Values, instance: Instance, sources: Sources) -> Range:
-    """Strength at which a world of the "shown" color looks as named; white as white, not grey."""
+    """Strength at which a world of the "shown" color looks as named; white as white, not gray."""
     context = sources.context
     if to_lab(srgb)[0] > 93:
         ends = tuple(radiance(goal, context.view) for goal in (88.0, 93.0))

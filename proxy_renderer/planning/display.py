@@ -13,8 +13,8 @@ from pathlib import Path
 from ..color.named import chroma, luminance, to_lab, to_linear, to_srgb
 from ..schema import Values
 
-# L* on an sRGB display of scene-linear greys, measured on Blender's own OCIO config; the rest as AgX.
-_GREYS = (0.005, 0.01, 0.02, 0.05, 0.1, 0.18, 0.3, 0.5, 0.8, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 10.0)
+# L* on an sRGB display of scene-linear grays, measured on Blender's own OCIO config; the rest as AgX.
+_GRAYS = (0.005, 0.01, 0.02, 0.05, 0.1, 0.18, 0.3, 0.5, 0.8, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 10.0)
 _LIGHTNESS = {
     "AgX": (2.4, 5.7, 12.2, 24.4, 36.9, 49.5, 60.3, 69.5, 76.5, 79.4, 83.9, 86.8, 90.2, 92.3, 95.0, 97.8),
     "Filmic": (4.6, 9.2, 16.4, 29.6, 42.0, 53.4, 63.2, 72.3, 79.6, 82.7, 87.6, 90.4, 93.7, 95.5, 97.5, 99.1),
@@ -63,24 +63,24 @@ _LIGHT = (70.0, 84.0)  # L* above which a color can be pale, and above which it 
 
 
 def radiance(lightness: float, view: str) -> float:
-    """The scene-linear grey that is displayed with L* = `lightness` (clamped to [0.5, 98])."""
+    """The scene-linear gray that is displayed with L* = `lightness` (clamped to [0.5, 98])."""
     curve = _LIGHTNESS.get(view, _LIGHTNESS["AgX"])
     lightness = min(max(lightness, 0.5), 98.0)
     if lightness <= curve[0]:
-        return _GREYS[0] * lightness / curve[0]
+        return _GRAYS[0] * lightness / curve[0]
     if lightness >= curve[-1]:
-        return _GREYS[-1]
+        return _GRAYS[-1]
     i = bisect_left(curve, lightness)
     t = (lightness - curve[i - 1]) / (curve[i] - curve[i - 1])
-    return exp(log(_GREYS[i - 1]) + t * (log(_GREYS[i]) - log(_GREYS[i - 1])))
+    return exp(log(_GRAYS[i - 1]) + t * (log(_GRAYS[i]) - log(_GRAYS[i - 1])))
 
 
-def lightness(grey: float, view: str) -> float:
-    """Inverse of `radiance`: L* of a scene-linear grey."""
+def lightness(gray: float, view: str) -> float:
+    """Inverse of `radiance`: L* of a scene-linear gray."""
     low, high = 0.5, 98.0
     for _ in range(20):
         middle = (low + high) / 2
-        low, high = (middle, high) if radiance(middle, view) < grey else (low, middle)
+        low, high = (middle, high) if radiance(middle, view) < gray else (low, middle)
     return low
 
 

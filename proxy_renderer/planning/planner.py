@@ -80,7 +80,7 @@ class _Planner:
         return entries
 
     def _unmet(self, wishes: list[tuple[Attribute, Effect]]) -> list[str]:
-        """Words whose main wish no part of the scene can fulfil: a rim light where there is only one light."""
+        """Words whose main wish no part of the scene can fulfill: a rim light where there is only one light."""
         missing: dict[str, str] = {}
         for attribute in self.parsed.attributes:
             strong = [e for a, e in wishes if a == attribute and not e.weak]

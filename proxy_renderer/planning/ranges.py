@@ -152,7 +152,7 @@ def _fade(goal: float, light: float) -> float:
 
 
 def _aim(effect: Effect, strength: float, instance: Instance, sources: Sources) -> Range:
-    """Stops that bring a middling grey thing in the subject's place into the range, as a light meter would.
+    """Stops that bring a middling gray thing in the subject's place into the range, as a light meter would.
 
     The subject's own color does not count: a black car in bright light stays black.
     """

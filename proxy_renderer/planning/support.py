@@ -128,7 +128,7 @@ def _exposure(parsed: Parsed, instance: Instance, context: PlanContext) -> PlanE
 
 
 def _contrast(parsed: Parsed, instance: Instance, context: PlanContext) -> PlanEntry | None:
-    """Under a view with a long shoulder a lit white wall is grey: contrast lifts it and leaves the subject where it is."""
+    """Under a view with a long shoulder a lit white wall is gray: contrast lifts it and leaves the subject where it is."""
     backdrop = parsed.colors.get("surroundings")
     if backdrop is None or backdrop[0] < _WHITE or radiance(_WHITE, context.view) < _SHOULDER:
         return None

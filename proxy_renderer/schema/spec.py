@@ -42,7 +42,7 @@ class Scale:
 
 LINEAR = Scale()
 LOG = Scale("log")
-SRGB = Scale("power", 2.2)  # colour components: even steps in u are about even steps on screen
+SRGB = Scale("power", 2.2)  # color components: even steps in u are about even steps on screen
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class Parameter:
 
     @property
     def components(self) -> int:
-        """3 for colours, otherwise 1."""
+        """3 for colors, otherwise 1."""
         return 3 if self.kind == "color" else 1
 
     def key(self, owner: str = "") -> str:

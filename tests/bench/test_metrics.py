@@ -9,7 +9,7 @@ import torch
 from proxy_renderer.bench import cache, metrics, table
 from proxy_renderer.bench.sheet import error_picture
 
-GREY = torch.full((32, 40, 3), 0.5)
+GRAY = torch.full((32, 40, 3), 0.5)
 
 
 def noise(seed):
@@ -32,32 +32,32 @@ def test_black_and_white_are_a_hundred_apart():
 
 
 def test_psnr_of_a_known_error():
-    assert metrics.difference(GREY + 0.1, GREY).psnr == pytest.approx(20, abs=1e-3)
+    assert metrics.difference(GRAY + 0.1, GRAY).psnr == pytest.approx(20, abs=1e-3)
 
 
 def test_the_percentile_is_of_the_pixels():
-    picture = GREY.clone()
+    picture = GRAY.clone()
     picture[:4] = 0.9  # an eighth of the rows
-    found = metrics.difference(picture, GREY)
-    worst = float(metrics.delta_e_map(picture, GREY)[0].max())
+    found = metrics.difference(picture, GRAY)
+    worst = float(metrics.delta_e_map(picture, GRAY)[0].max())
     assert found.p95 == pytest.approx(worst)
     assert found.delta_e == pytest.approx(worst / 8, rel=1e-5)
 
 
 def test_ssim_falls_with_structure_lost_and_not_with_a_little_light():
     assert metrics.ssim(noise(1), noise(2)) < 0.3
-    assert metrics.ssim(GREY + 0.01, GREY) > 0.99
+    assert metrics.ssim(GRAY + 0.01, GRAY) > 0.99
 
 
 def test_error_pictures_are_red_where_too_light_and_blue_where_too_dark():
-    picture = GREY.clone()
+    picture = GRAY.clone()
     picture[:, :20] += 0.2
     picture[:, 20:] -= 0.2
-    error = error_picture(picture, GREY)
+    error = error_picture(picture, GRAY)
     light, dark = error.getpixel((5, 5)), error.getpixel((35, 5))
     assert light[0] > 2 * light[2]
     assert dark[2] > 2 * dark[0]
-    assert error_picture(GREY, GREY).getextrema() == ((0, 0),) * 3
+    assert error_picture(GRAY, GRAY).getextrema() == ((0, 0),) * 3
 
 
 def row(delta_e, *features, **more):

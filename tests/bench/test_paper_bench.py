@@ -26,8 +26,8 @@ NORMAL = np.where(DISC[..., None], np.stack([X / RADIUS, Y / RADIUS, HEIGHT], -1
 WHOLE = Visibility(1.0, 1.0, 1.0)
 
 
-def grey(light):
-    """A grey picture whose linear light is this (H, W)."""
+def gray(light):
+    """A gray picture whose linear light is this (H, W)."""
     light = np.broadcast_to(np.asarray(light, float), (SIDE, SIDE)).clip(0, 1)
     encoded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
     return np.repeat(encoded[..., None], 3, -1)
@@ -43,9 +43,9 @@ def painted(subject, around):
 
 
 def lit(x, y, z, ambient=0.02):
-    """A ball under one distant lamp, before a grey wall."""
+    """A ball under one distant lamp, before a gray wall."""
     toward = np.array([x, y, z]) / np.linalg.norm([x, y, z])
-    return shot(grey(np.where(DISC, ambient + 0.5 * np.clip(NORMAL @ toward, 0, 1), 0.2)))
+    return shot(gray(np.where(DISC, ambient + 0.5 * np.clip(NORMAL @ toward, 0, 1), 0.2)))
 
 
 # ---- measures
@@ -69,14 +69,14 @@ def test_a_highlight_does_not_change_a_color_and_lightness_counts_half():
     display = painted("#c02020", "#808080").display
     display[20:24, 24:28] = 1.0
     assert measures.color_error(shot(display), "subject", to_lab(from_hex("#c02020"))) < 0.1
-    grey_error = measures.color_error(painted("#777777", "#000000"), "subject", (60.0, 0.0, 0.0))
+    gray_error = measures.color_error(painted("#777777", "#000000"), "subject", (60.0, 0.0, 0.0))
     full = measures.ciede2000(
         *(
             measures.torch.tensor(c, dtype=measures.torch.float64)
             for c in (to_lab(from_hex("#777777")), (60.0, 0.0, 0.0))
         )
     )
-    assert grey_error == pytest.approx(0.5 * float(full), rel=0.02)
+    assert gray_error == pytest.approx(0.5 * float(full), rel=0.02)
 
 
 def test_gloss_is_the_contrast_of_small_highlights():
@@ -99,8 +99,8 @@ def test_fog_is_measured_against_the_same_picture_without_it():
 
 def test_a_vignette_darkens_all_corners_and_a_lamp_from_the_side_does_not():
     radius = np.hypot(X, Y)
-    assert measures.vignette(shot(grey(0.4 * np.clip(1.15 - 0.55 * radius**2, 0, 1))), "picture") > 9
-    assert measures.vignette(shot(grey(0.25 + 0.2 * X)), "picture") < 1
+    assert measures.vignette(shot(gray(0.4 * np.clip(1.15 - 0.55 * radius**2, 0, 1))), "picture") > 9
+    assert measures.vignette(shot(gray(0.25 + 0.2 * X)), "picture") < 1
 
 
 @pytest.mark.parametrize(
@@ -113,11 +113,11 @@ def test_the_side_of_the_light_is_read_off_the_shading(lamp, right, up):
 
 
 def test_even_light_has_no_side():
-    assert abs(measures.light_right(shot(grey(0.3)), "subject")) < 0.05
+    assert abs(measures.light_right(shot(gray(0.3)), "subject")) < 0.05
 
 
 def test_hard_shadows_have_steep_edges():
-    steps = [shot(grey(0.1 + 0.4 / (1 + np.exp(-(Y + 0.8) / width)))) for width in (0.01, 0.2)]
+    steps = [shot(gray(0.1 + 0.4 / (1 + np.exp(-(Y + 0.8) / width)))) for width in (0.01, 0.2)]
     hard, soft = (measures.hardness(s, "surroundings") for s in steps)
     assert hard > 3 * soft > 0
 
@@ -125,7 +125,7 @@ def test_hard_shadows_have_steep_edges():
 def test_tone_is_measured():
     warm, cool = painted("#c08040", "#c08040"), painted("#4080c0", "#4080c0")
     assert measures.warmth(warm, "picture") > 30 > -20 > measures.warmth(cool, "picture")
-    assert measures.chroma(warm, "picture") > 40 > 1 > measures.chroma(shot(grey(0.3)), "picture")
+    assert measures.chroma(warm, "picture") > 40 > 1 > measures.chroma(shot(gray(0.3)), "picture")
     assert (
         measures.hue_spread(painted("#70512d", "#b8996f"), "picture")
         < 6

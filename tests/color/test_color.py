@@ -107,7 +107,7 @@ def test_gradients_match_finite_differences():
     assert torch.autograd.gradcheck(torch_color.blackbody, kelvin, eps=1e-2)
 
 
-def test_gradients_are_finite_at_black_grey_and_equal_colors():
+def test_gradients_are_finite_at_black_gray_and_equal_colors():
     rgb = torch.tensor([[0.0, 0, 0], [0.5, 0.5, 0.5], [1, 1, 1], [1, 0, 0]], requires_grad=True)
     lab = torch_color.srgb_to_lab(rgb)
     for other in (lab.detach(), torch.zeros(4, 3)):

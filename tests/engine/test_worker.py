@@ -93,11 +93,11 @@ def test_a_vibe_and_its_measure(worker, job, tmp_path):
     with Image.open(job / result.prediction) as picture:
         assert picture.size == (64, 48)
 
-    grey = tmp_path / "grey.png"
-    Image.fromarray(np.full((48, 64, 3), 128, np.uint8)).save(grey)
+    gray = tmp_path / "grey.png"
+    Image.fromarray(np.full((48, 64, 3), 128, np.uint8)).save(gray)
     worker.send(
         messages.Finish(
-            str(grey), str(job / result.prediction), str(tmp_path / "compare.png"), str(tmp_path / "mask.png")
+            str(gray), str(job / result.prediction), str(tmp_path / "compare.png"), str(tmp_path / "mask.png")
         )
     )
     finished = worker.until(messages.Finished, messages.Error)

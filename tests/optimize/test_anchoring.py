@@ -102,8 +102,8 @@ def test_an_old_correction_is_kept_near_and_dropped_far(scene):
 
 
 def exr(path: Path, size=SIZE) -> None:
-    grey = np.full((size[1], size[0], 3), 0.2, np.float32)
-    layers = {f"ViewLayer.{n}": grey for n in ("Combined", "Noisy Image", "Combined_Vibe 0")}
+    gray = np.full((size[1], size[0], 3), 0.2, np.float32)
+    layers = {f"ViewLayer.{n}": gray for n in ("Combined", "Noisy Image", "Combined_Vibe 0")}
     OpenEXR.File({"type": OpenEXR.scanlineimage}, layers).write(str(path))
 
 

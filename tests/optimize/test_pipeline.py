@@ -63,7 +63,7 @@ def test_every_value_is_within_its_range_and_has_a_reason(teal):
         assert record["reason"], key
 
 
-def test_no_round_optimises_more_than_k(scene, encoder):
+def test_no_round_optimizes_more_than_k(scene, encoder):
     outcome = vibe(scene, encoder, top_k=3, steps=2)
     assert all(len(r["parameters"]) <= 3 for r in outcome.rounds)
 

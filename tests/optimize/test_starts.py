@@ -59,12 +59,12 @@ def test_starts_are_drawn_from_the_ranges_of_what_is_relevant(vector):
 
 
 def test_the_most_diverse_are_the_first_and_what_differs_from_it_and_is_good():
-    grey, near, blue, red, bad = (
+    gray, near, blue, red, bad = (
         torch.tensor(c).expand(20, 24, 3)
         for c in ([0.5] * 3, [0.52] * 3, [0.2, 0.3, 0.9], [0.9, 0.2, 0.1], [0.0, 1.0, 0.0])
     )
-    assert starts.most_diverse([grey, near, blue, red, bad], [0.5, 0.1, 0.2, 0.3, 9.0], 3) == [0, 2, 3]
-    assert len(starts.most_diverse([grey, near], [0.1, 0.2], 4)) == 2
+    assert starts.most_diverse([gray, near, blue, red, bad], [0.5, 0.1, 0.2, 0.3, 9.0], 3) == [0, 2, 3]
+    assert len(starts.most_diverse([gray, near], [0.1, 0.2], 4)) == 2
 
 
 def test_lights_roam_as_one_where_the_words_leave_them_open(vector):

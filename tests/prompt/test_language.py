@@ -400,7 +400,7 @@ def test_a_white_backdrop_is_displayed_white():
     assert min(plan_["material/Floor/base_color"].lower) > 0.7
 
 
-def test_white_is_lifted_by_contrast_only_where_the_view_greys_it():
+def test_white_is_lifted_by_contrast_only_where_the_view_grays_it():
     assert make_plan("glossy teal thing, white background")["film/contrast"].lower[0] > 1.1
     for prompt, view in (
         ("teal thing, white background", "Standard"),
@@ -455,7 +455,7 @@ def test_small_parts_keep_their_color():
     assert plan_["material/Tyre/base_color"].priority is None
 
 
-def test_a_vignette_is_seen_as_much_on_white_as_on_grey():
+def test_a_vignette_is_seen_as_much_on_white_as_on_gray():
     ends = {}
     for ground in (50.0, 88.0):
         entry = make_plan("slight vignette", context=pictured(40.0, (ground, 0.0, 0.0)))["film/vignette"]
@@ -616,7 +616,7 @@ def test_a_dim_lamp_is_not_made_nine_times_brighter():
 
 
 def test_bright_light_does_not_make_dark_things_light():
-    """Exposure is for a grey thing in the subject's place, whatever the subject's own color."""
+    """Exposure is for a gray thing in the subject's place, whatever the subject's own color."""
     stops = [make_plan(f"{color} vase, bright")["film/exposure"].upper[0] for color in ("black", "white")]
     assert abs(stops[0] - stops[1]) < 0.2
 

@@ -27,7 +27,7 @@ def toward(azimuth, elevation):
 
 
 def lamp_picture(azimuth, elevation, radius, radiance=20.0):
-    """(1, 3, H, 2H) a grey sky over black ground, and a disc."""
+    """(1, 3, H, 2H) a gray sky over black ground, and a disc."""
     ways, _ = texels(_HEIGHT, 2 * _HEIGHT, torch.device("cpu"))
     inside = toward(azimuth, elevation) @ ways > math.cos(math.radians(radius))
     return ((ways[2] > 0) * 0.2 + inside * radiance).expand(1, 3, -1).view(1, 3, _HEIGHT, -1)

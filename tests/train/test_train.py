@@ -83,8 +83,8 @@ def test_colors_that_cannot_be_seen_are_not_claimed() -> None:
     red = torch.full((3,), ATTRIBUTES["subject_color"].index("red"))
     names = seen.called(red, lab, torch.zeros(3, dtype=torch.bool))
     assert names.tolist() == [red[0], ATTRIBUTES["subject_color"].index("black"), red[0]]
-    grey_blue = torch.tensor([[50.0, -4.0, -22.0]])
-    assert seen.called(red[:1], grey_blue, torch.zeros(1, dtype=torch.bool)).tolist() == [looks.UNKNOWN]
+    gray_blue = torch.tensor([[50.0, -4.0, -22.0]])
+    assert seen.called(red[:1], gray_blue, torch.zeros(1, dtype=torch.bool)).tolist() == [looks.UNKNOWN]
 
 
 def test_boxes_are_flat_and_balls_are_bent() -> None:
@@ -244,8 +244,8 @@ def test_smaller_pictures_are_not_aliased(bank: dict[str, np.ndarray]) -> None:
         pictures[..., :3, :, :] = (torch.arange(SIZE)[:, None] + torch.arange(SIZE)) % 2
         return pictures
 
-    grey = make_batch(bank, 1, 5, augment=False, shade=glitter, size=SIZE * 3 // 5).pictures[..., 2:-2, 2:-2]
-    assert float((grey - 0.5).abs().max()) < 0.15
+    gray = make_batch(bank, 1, 5, augment=False, shade=glitter, size=SIZE * 3 // 5).pictures[..., 2:-2, 2:-2]
+    assert float((gray - 0.5).abs().max()) < 0.15
 
 
 def test_the_tower_tells_left_from_right() -> None:

@@ -42,7 +42,7 @@ def asking(model, seconds=5.0, **more):
 
 
 def failure(behave, question=QUESTION, seconds=5.0):
-    """The error that this behaviour leads to, and the server's record."""
+    """The error that this behavior leads to, and the server's record."""
     with serving(behave) as model, pytest.raises(ModelError) as caught:
         asking(model, seconds).ask(question)
     error = caught.value

@@ -89,7 +89,7 @@ def measured(
 ) -> np.ndarray:
     """The mean of what an output gives over the visible part of a material: (3,) float32 linear.
 
-    An output inside a node group cannot be measured and counts as middle grey.
+    An output inside a node group cannot be measured and counts as middle gray.
     """
     if source.id_data != material.node_tree or not mask.any():
         return np.full(3, 0.5, np.float32)

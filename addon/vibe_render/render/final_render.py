@@ -75,7 +75,7 @@ def write_layers(scene: bpy.types.Scene, layer: bpy.types.ViewLayer, path: Path,
 
 
 def render_mask(scene: bpy.types.Scene, path: Path, size: int, subject: Iterable[bpy.types.Object]) -> None:
-    """Renders where the subject is in the picture: a grey PNG, white where it covers a pixel all.
+    """Renders where the subject is in the picture: a gray PNG, white where it covers a pixel all.
 
     What stands before the subject hides it; fog and the grade do not. Raises as `render` does.
 
@@ -201,7 +201,7 @@ def _is_fog(thing: bpy.types.Object) -> bool:
 
 
 def _keep_alpha(rendered: Path, path: Path) -> None:
-    """Writes the alpha of one PNG as the grey of another, atomically."""
+    """Writes the alpha of one PNG as the gray of another, atomically."""
     source = bpy.data.images.load(str(rendered))
     source.alpha_mode = "CHANNEL_PACKED"
     source.colorspace_settings.name = "Non-Color"

@@ -116,7 +116,7 @@ def instances(scene: Scene, subject: Sequence[Object], pivot: Sequence[float]) -
     Args:
         scene: The scene; nothing in it is changed.
         subject: The objects that the picture is about.
-        pivot: Centre of their bounding box, world space: what cameras and lights orbit.
+        pivot: Center of their bounding box, world space: what cameras and lights orbit.
     """
     cast = scene_context.Cast(scene, tuple(subject), Vector(pivot))
     lengths = scene_context.references(cast)
@@ -130,7 +130,7 @@ def instances(scene: Scene, subject: Sequence[Object], pivot: Sequence[float]) -
 
 
 def references(scene: Scene, subject: Sequence[Object], pivot: Sequence[float]) -> dict[str, float]:
-    """The scene-wide lengths that bounds are multiples of (names in schema.REFERENCES), metres."""
+    """The scene-wide lengths that bounds are multiples of (names in schema.REFERENCES), meters."""
     return scene_context.references(scene_context.Cast(scene, tuple(subject), Vector(pivot)))
 
 

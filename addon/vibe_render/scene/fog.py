@@ -37,7 +37,7 @@ class Domain:
 
     Attributes:
         center: Of the box, world space.
-        half_size: Half the box's sides, metres.
+        half_size: Half the box's sides, meters.
         base: Height of the subject's base, from which height fog is measured.
     """
 

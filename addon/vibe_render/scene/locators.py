@@ -43,7 +43,7 @@ class Lens:
         return self.camera.sensor_height if self.camera.sensor_fit == "VERTICAL" else self.camera.sensor_width
 
     def get(self) -> float:
-        """Millimetres per millimetre."""
+        """Millimeters per millimeter."""
         return self.camera.lens / self._sensor
 
     def set(self, journal: Journal, raw: float) -> None:
@@ -82,7 +82,7 @@ class AreaSize:
     locked: str
 
     def get(self) -> float:
-        """The first side, metres."""
+        """The first side, meters."""
         return self.light.size
 
     def set(self, journal: Journal, raw: float) -> None:

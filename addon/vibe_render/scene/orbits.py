@@ -23,7 +23,7 @@ class Pose:
         pivot: What it orbits, world space.
         azimuth: Degrees.
         elevation: Degrees.
-        distance: Metres.
+        distance: Meters.
         residual: Its rotation relative to looking straight at the pivot; kept on its way.
     """
 
@@ -74,7 +74,7 @@ class Coordinate:
         return locks.of_pose(self.pose.obj)
 
     def get(self) -> float:
-        """Degrees or metres."""
+        """Degrees or meters."""
         return getattr(self.pose, self.name)
 
     def set(self, journal: Journal, raw: float) -> None:

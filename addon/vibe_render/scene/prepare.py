@@ -118,7 +118,7 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
 
 
 def light_distance(low: Vector, high: Vector) -> float:
-    """How far from the middle of what they light our lights stand, metres."""
+    """How far from the middle of what they light our lights stand, meters."""
     return 1.5 * max((high - low).length, 1e-3)
 
 

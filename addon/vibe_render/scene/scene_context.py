@@ -42,7 +42,7 @@ class Cast:
     Attributes:
         scene: The scene.
         subject: The objects that the picture is about.
-        pivot: The centre of their bounding box, world space, which cameras and lights orbit.
+        pivot: The center of their bounding box, world space, which cameras and lights orbit.
         everything: Whether materials that the camera does not see count too.
         poses: The poses that have been read, by object; the coordinates of one share it.
     """

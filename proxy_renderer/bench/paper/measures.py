@@ -195,13 +195,13 @@ def spread(shot: Shot, region: str) -> float:
 
 
 def chroma(shot: Shot, region: str) -> float:
-    """Mean distance from grey, in Lab."""
+    """Mean distance from gray, in Lab."""
     _, a, b = shot.lab[shot.region(region)].T
     return float(np.hypot(a, b).mean())
 
 
 def hue_spread(shot: Shot, region: str) -> float:
-    """How far colors lie from the one line of brown tints that a sepia print has, in Lab; grey is 5 away."""
+    """How far colors lie from the one line of brown tints that a sepia print has, in Lab; gray is 5 away."""
     _, a, b = shot.lab[shot.region(region)].T
     along = np.array([0.34, 0.94])  # hue of sepia, 70 degrees
     brown = a * along[0] + b * along[1]

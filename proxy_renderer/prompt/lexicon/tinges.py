@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Colors between colors: "greenish", "grey-blue", "reddish brown"."""
+"""Colors between colors: "greenish", "gray-blue", "reddish brown"."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def tinged(words: list[str], colors: dict[str, Values]) -> Values | None:
 
 
 def spelled_out(prompt: str, colors: dict[str, Values]) -> str:
-    """ "Grey-blue" as "greyish blue"; what the color list has stays as it is."""
+    """ "Gray-blue" as "grayish blue"; what the color list has stays as it is."""
 
     def said(pair: re.Match[str]) -> str:
         first, second = pair[1].lower(), pair[2].lower()

@@ -11,7 +11,7 @@ from torch import Tensor
 
 from ...color.torch_color import luma
 
-MIDDLE_GREY = 0.18
+MIDDLE_GRAY = 0.18
 _BLACK = 1e-6  # stands in for 0 under a power, whose gradient there may be infinite
 
 
@@ -28,14 +28,14 @@ def lift_gamma_gain(picture: Tensor, lift: Tensor, midtone: Tensor, gain: Tensor
 
 
 def contrast(picture: Tensor, amount: Tensor) -> Tensor:
-    """A power around middle grey, which stays: 0.18 · (c / 0.18) ** amount."""
-    return MIDDLE_GREY * power(picture / MIDDLE_GREY, amount)
+    """A power around middle gray, which stays: 0.18 · (c / 0.18) ** amount."""
+    return MIDDLE_GRAY * power(picture / MIDDLE_GRAY, amount)
 
 
 def saturation(picture: Tensor, amount: Tensor) -> Tensor:
-    """Between grey of the same luminance (0), the picture (1) and beyond; never negative."""
-    grey = luma(picture)
-    return (grey + (picture - grey) * amount).clamp_min(0)
+    """Between gray of the same luminance (0), the picture (1) and beyond; never negative."""
+    gray = luma(picture)
+    return (gray + (picture - gray) * amount).clamp_min(0)
 
 
 def turn_hue(picture: Tensor, degrees: Tensor) -> Tensor:

@@ -68,8 +68,8 @@ class ShadingInputs:
         if texture is None:
             return self.base[:, None]
         if self.recolor is not None and used(self.recolor):
-            grey = luma(texture.T).T
-            texture = texture + (grey - texture) * self.recolor
+            gray = luma(texture.T).T
+            texture = texture + (gray - texture) * self.recolor
         return texture * self.base[:, None]
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The fog as a medium: how much light gets through it, analytically.
 
-Extinction σ(x) = density · exp(−falloff · max(0, z − base − offset)), grey, inside an axis-aligned box or everywhere.
+Extinction σ(x) = density · exp(−falloff · max(0, z − base − offset)), gray, inside an axis-aligned box or everywhere.
 Vectors are planar, (3, …), as in all shading code.
 """
 

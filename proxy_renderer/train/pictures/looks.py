@@ -73,7 +73,7 @@ def sample_flips(shape: tuple[int, int], generator: torch.Generator) -> Tensor:
 
 
 def sample_classes(count: int, generator: torch.Generator) -> Tensor:
-    """Classes (count, A) of random looks; black, grey and white, and clear days, come up more often than by chance."""
+    """Classes (count, A) of random looks; black, gray and white, and clear days, come up more often than by chance."""
     columns = []
     for name, values in ATTRIBUTES.items():
         odds = torch.tensor(_ODDS.get(name, [1.0] * len(values)), dtype=torch.float32)

@@ -73,7 +73,7 @@ def visible(classes: Tensor, look: dict[str, Tensor], picture: Tensor, mask: Ten
     tinted = asked("light_temperature") != ATTRIBUTES["light_temperature"].index("neutral")
     back = asked("light_side") == ATTRIBUTES["light_side"].index("back")
     dull = asked("subject_finish") == ATTRIBUTES["subject_finish"].index("matte")
-    # Warm light on a green thing looks like neutral light on a yellowish green one: something has to be grey or white.
+    # Warm light on a green thing looks like neutral light on a yellowish green one: something has to be gray or white.
     neutral = torch.stack(
         [
             asked(f"{region}_color") == COLORS.index(name)
@@ -81,7 +81,7 @@ def visible(classes: Tensor, look: dict[str, Tensor], picture: Tensor, mask: Ten
             for name in ("grey", "white")
         ]
     ).any(0)
-    shown = clear & (subject[:, 0] > 9) & _modelled(lab[:, :1], share)
+    shown = clear & (subject[:, 0] > 9) & _modeled(lab[:, :1], share)
     strong = shown & (look["ambient"].mean(-1) < 0.3 * look["key"].mean(-1)) & (look["contrast"] > 0.3)
 
     def measured(name: str, value: Tensor) -> Tensor:
@@ -110,7 +110,7 @@ def visible(classes: Tensor, look: dict[str, Tensor], picture: Tensor, mask: Ten
     return torch.stack(columns, -1)
 
 
-def _modelled(lightness: Tensor, share: Tensor) -> Tensor:
+def _modeled(lightness: Tensor, share: Tensor) -> Tensor:
     """Whether subjects tell of their surface and light (n,): not mostly black or blown out, and with some shading.
 
     Args:

@@ -20,7 +20,7 @@ Shade = Callable[[Buffers, Buffers, bool], Tensor]
 
 
 def shade(view: Buffers, look: dict[str, Tensor], agx: bool) -> Tensor:
-    """Pictures (G, K, 4, H, W) in 0..1: display values, and how bright the gleam is: its share of the light and of a middle grey.
+    """Pictures (G, K, 4, H, W) in 0..1: display values, and how bright the gleam is: its share of the light and of a middle gray.
 
     Args:
         view: kind, depth, occlusion, mirror (G, 1, H, W); normal (G, 1, 3, H, W); camera (G, 1, 3, 3),

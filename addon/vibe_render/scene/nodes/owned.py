@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Vibe Render adds to a scene: marked, named and coloured, so that artists know it and we find it again."""
+"""What Vibe Render adds to a scene: marked, named and colored, so that artists know it and we find it again."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def group_node(journal: Journal, tree: NodeTree, inner: NodeTree, beside: Node) 
 
 
 def dress(journal: Journal, tree: NodeTree, node: Node, beside: Node) -> None:
-    """Colours a node of ours and frames it, to the left of another one."""
+    """Colors a node of ours and frames it, to the left of another one."""
     node.label, node.use_custom_color, node.color = node.name, True, COLOR
     frame = journal.node(tree, "NodeFrame", "Vibe Render")
     frame.label, frame.use_custom_color, frame.color = "Vibe Render", True, COLOR

@@ -59,5 +59,5 @@ def _fill(tree: NodeTree) -> None:
     build = owned.Builder(tree)
     color, tint, recolor = build.inputs("Color", "Tint", "Recolor")
     luma = build.vector("DOT_PRODUCT", color, LUMA)
-    grey = build.vector("SCALE", build.vector("SUBTRACT", luma, color), scale=recolor)
-    build.output(build.vector("MULTIPLY", build.vector("ADD", color, grey), tint))
+    gray = build.vector("SCALE", build.vector("SUBTRACT", luma, color), scale=recolor)
+    build.output(build.vector("MULTIPLY", build.vector("ADD", color, gray), tint))

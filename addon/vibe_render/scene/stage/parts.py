@@ -57,8 +57,8 @@ def area_light(
 
     Args:
         angles: Azimuth and elevation, degrees.
-        distance: From the pivot, metres.
-        size: Edge length, metres.
+        distance: From the pivot, meters.
+        size: Edge length, meters.
         radiance: What a white diffuse surface at the pivot that faces the light sends back.
     """
     lamp = bpy.data.lights.new(name, "AREA")
@@ -131,8 +131,8 @@ def cyclorama(
     floor stays flat.
 
     Args:
-        radius: From the middle to the wall, metres.
-        height: Of the wall, metres.
+        radius: From the middle to the wall, meters.
+        height: Of the wall, meters.
         azimuth: Of the camera, degrees.
     """
     turn = np.linspace(0, math.pi / 2, 17)
