@@ -326,5 +326,5 @@ def test_walls_skies_and_things_behind_are_not_the_subject(stage, tmp_path):
 
 
 def test_pixels_of_gray_images_have_three_channels(scene):
-    image = bpy.data.images.new("Grey", 2, 2, float_buffer=True)
+    image = bpy.data.images.new("Gray", 2, 2, float_buffer=True)
     assert bake.pixels(image).shape == (2, 2, 3)

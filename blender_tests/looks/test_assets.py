@@ -26,7 +26,7 @@ def exported(scene, tmp_path, monkeypatch):
     look = preset.Preset("Noir", {**NOIR.roles, "volume": [{"density": [0.5]}]}, NOIR.kinds, NOIR.prompt)
     use.apply(scene, look, Choice())
     picture = tmp_path / "look.png"
-    gray = bpy.data.images.new("grey", thumbnail.SIZE, thumbnail.SIZE)
+    gray = bpy.data.images.new("gray", thumbnail.SIZE, thumbnail.SIZE)
     gray.generated_color, gray.filepath_raw, gray.file_format = (0.5, 0.5, 0.5, 1.0), str(picture), "PNG"
     gray.save()
     bpy.data.images.remove(gray)

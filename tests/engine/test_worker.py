@@ -93,7 +93,7 @@ def test_a_vibe_and_its_measure(worker, job, tmp_path):
     with Image.open(job / result.prediction) as picture:
         assert picture.size == (64, 48)
 
-    gray = tmp_path / "grey.png"
+    gray = tmp_path / "gray.png"
     Image.fromarray(np.full((48, 64, 3), 128, np.uint8)).save(gray)
     worker.send(
         messages.Finish(

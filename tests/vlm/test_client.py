@@ -152,7 +152,7 @@ def test_failures_that_asking_again_does_not_mend(answer, words, lasting):
         "I think red.",
         "",
         "{" * 5000,
-        '{"colour": "red"}',
+        '{"hue": "red"}',
         "[1, 2]",
         '{"color": NaN}',
         '{"a":' * 3000,

@@ -23,7 +23,7 @@ _ENOUGH, _WRONG = 10.0, 38.0
 """CIEDE2000 (2:1:1) up to which a region has a color's name, and from which it has not at all."""
 
 _NEUTRAL, _TIGHT = 6.0, 0.5
-"""Chroma below which a color is white, grey or black, and by how much nearer those have to be: a tint shows at once."""
+"""Chroma below which a color is white, gray or black, and by how much nearer those have to be: a tint shows at once."""
 
 
 @dataclass(frozen=True)

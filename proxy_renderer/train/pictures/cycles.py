@@ -34,7 +34,7 @@ SAMPLES = 24
 _TWINNED = ("subject_finish", "subject_metal", "light_softness")
 """Attributes that a picture may hide: without a traced view, only a twin that differs shows that it does not."""
 _SOFT, _HARD = 4.0, 0.12
-"""Edges of a softbox and of a lamp, at five metres."""
+"""Edges of a softbox and of a lamp, at five meters."""
 
 
 def build(folder: Path, pairs: int, first_seed: int, size: int, samples: int = SAMPLES) -> None:

@@ -80,7 +80,7 @@ def chair(_: random.Random) -> list[Object]:
 
 
 def house(_: random.Random) -> list[Object]:
-    """A cottage, its roof, a chimney and two firs."""
+    """A cottage, its roof, a chimney and two fir trees."""
     roof = making.mesh(
         "Roof",
         np.array(
