@@ -75,12 +75,12 @@ def twice(names):
     return {name: sorted(homes) for name, homes in names.items() if len(homes) > 1}
 
 
-@pytest.fixture(params=PACKAGES)
+@pytest.fixture(scope="module", params=PACKAGES)
 def package(request):
     return request.param
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def files(package):
     return modules(PACKAGES[package])
 
