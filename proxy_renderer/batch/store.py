@@ -22,8 +22,8 @@ from typing import Any
 
 from filelock import FileLock, Timeout
 
-from ..options import check
 from ..schema import VibeError
+from ..schema.options import checks
 from .plan import Job
 
 Row = dict[str, Any]
@@ -45,7 +45,7 @@ class Store:
     """
 
     def __init__(self, folder: Path) -> None:
-        self.folder = check.folder(folder)
+        self.folder = checks.folder(folder)
         self.jobs = self.folder / "jobs"
         self._lock = FileLock(self.folder / ".lock", timeout=0)
         self.token = ""

@@ -11,17 +11,7 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from ..scene import (
-    Camera,
-    FilmSettings,
-    FogBounds,
-    Light,
-    Material,
-    MeshObject,
-    SceneData,
-    SceneMesh,
-    WorldData,
-)
+from ..scene import Camera, FilmSettings, Light, Material, Mesh, SceneData, SceneObject, Volume, World
 from ..schema import PARAMETERS, Instance, VibeError, orbit
 
 _IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
@@ -49,9 +39,9 @@ def balls(materials: int, lamps: int, subdivisions: int = 4) -> SceneData:
         camera=Camera("Camera", "PERSP", _IDENTITY, 6.0, (0.0, 0.0), "AUTO", (0.01, 1000.0)),
         lights=tuple(_light(i) for i in range(lamps)),
         materials=tuple(Material(n, "subject" if n != "Floor" else "surroundings") for n in names),
-        objects=tuple(MeshObject(n, n != "Floor") for n in (*names[:count], "Floor")),
-        world=WorldData("color"),
-        volume=FogBounds("none", (0.0, 0.0, 3.0), (8.0, 8.0, 4.0), 0.0),
+        objects=tuple(SceneObject(n, n != "Floor") for n in (*names[:count], "Floor")),
+        world=World("color"),
+        volume=Volume("none", (0.0, 0.0, 3.0), (8.0, 8.0, 4.0), 0.0),
         film=FilmSettings(blender_colors(), "sRGB", "AgX", "", False, "Linear Rec.709"),
         mesh=_mesh(count, materials > 1, subdivisions),
         instances={i.key: i for i in _instances(names, lamps)},
@@ -71,8 +61,8 @@ def outdoors(materials: int, lamps: int, density: float = 0.04) -> SceneData:
     changed = (Instance(p, "", (values[p.family],) * p.components) for p in PARAMETERS if p.family in values)
     return replace(
         scene,
-        world=WorldData("environment", sky_picture()),
-        volume=FogBounds("box", (0.0, 0.0, 3.0), (9.0, 9.0, 4.0), 0.0),
+        world=World("environment", sky_picture()),
+        volume=Volume("box", (0.0, 0.0, 3.0), (9.0, 9.0, 4.0), 0.0),
         instances={**kept, **{i.key: i for i in changed}},
     )
 
@@ -115,7 +105,7 @@ def _angles(index: int) -> tuple[float, float]:
     return -40.0 + 95.0 * index, 45.0
 
 
-def _mesh(count: int, own_floor: bool, subdivisions: int) -> SceneMesh:
+def _mesh(count: int, own_floor: bool, subdivisions: int) -> Mesh:
     ball = trimesh.creation.icosphere(subdivisions)
     radius = 1.0 if count == 1 else 2.2 / count
     places = [((2 * i + 1 - count) * radius, 0.0, radius) for i in range(count)]
@@ -129,7 +119,7 @@ def _mesh(count: int, own_floor: bool, subdivisions: int) -> SceneMesh:
     normals.append(np.tile([0.0, 0.0, 1.0], (2, 3, 1)))
     objects = np.repeat(np.arange(count + 1), [len(f) for f in faces])
     total = len(objects)
-    return SceneMesh(
+    return Mesh(
         vertices=np.concatenate(vertices).astype(np.float32),
         faces=np.concatenate(faces).astype(np.int32),
         normals=np.concatenate(normals).astype(np.float32),

@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 
 from ..schema import VibeError
+from ..schema.limits import LONGEST_PROMPT
 from .english import ONLY_ENGLISH, other_language
 from .keyed import spoken, without_spared
 from .lexicon.user_words import default_vocabulary
@@ -14,7 +15,6 @@ from .meaning import complete
 from .reader import PromptReader
 from .types import Parsed, SceneWords
 
-LONGEST_PROMPT = 2000
 _TAG = re.compile(r"</?[a-zA-Z][^<>]{0,200}>|\x1b\[[0-9;]*[A-Za-z]|[\x00-\x08\x0e-\x1f\x7f]")
 _THINGS_STAY = "things are not added, moved or removed, only their look changes."
 

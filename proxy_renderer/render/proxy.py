@@ -10,25 +10,25 @@ import torch
 from torch import Tensor
 
 from ..scene import SceneData
-from ..scene.values import RenderValues
+from ..scene.values import Settings
 from ..schema import FAMILIES, VibeError
 from .cycles.correction import Correction
 from .cycles.pictures import CyclesPicture
 from .film.film import Film
 from .geometry.camera import View, view_of
+from .geometry.visibility import Geometry
 from .lights.emitters import Emitters
 from .lights.environment import Environment, sky_of
 from .lights.lamps import lamps_of
-from .material.shading_inputs import ShadingInputs, shading_inputs_of
-from .material.textures import geometry_of
+from .material.shading_inputs import Paint, paint_of
 from .surface import surfaces
-from .surface.frame import RenderState, glassy, mirroring, sharp
-from .surface.surfaces import direct_lights_of, table_of
+from .surface.frame import Frame, glassy, mirroring, sharp
+from .surface.surfaces import beams_of, table_of
 from .surface.view_cache import ViewCache
-from .transport.fog import FogMedium
-from .transport.indirect import IndirectLight
-from .transport.secondary_hits import RadianceTable
-from .transport.volume import DIRECTIONS, SingleScattering
+from .transport.fog import Fog
+from .transport.indirect import Gathered
+from .transport.secondary_hits import Table
+from .transport.volume import DIRECTIONS, Volume
 
 _FILM_KEYS = tuple(key for key, p in FAMILIES.items() if p.group == "film")
 
@@ -75,10 +75,10 @@ class Proxy:
     ) -> None:
         self.scene, self.size, self.seed, self.fine = scene, size, seed, fine
         self.device = torch.device(device)
-        self.geometry = geometry_of(scene, self.device)
+        self.geometry = Geometry(scene, self.device)
         self.environment = Environment(scene, self.device)
         self.film = Film(scene.film, size, device)
-        self.volume = SingleScattering(self.geometry.clear)
+        self.volume = Volume(self.geometry.clear)
         self.emitters = Emitters(self.geometry, self._near)
         self.correction: Correction | None = None
         self._cache: ViewCache | None = None
@@ -138,32 +138,30 @@ class Proxy:
         camera = {k: v.detach() for k, v in values.items() if k.startswith("camera/")}
         return self._light(self._frame({**lit, **camera}, cache)[0])[:3]
 
-    def _frame(
-        self, values: Mapping[str, Tensor], cache: ViewCache | None = None
-    ) -> tuple[RenderState, RenderValues]:
+    def _frame(self, values: Mapping[str, Tensor], cache: ViewCache | None = None) -> tuple[Frame, Settings]:
         """All that a render at these values is made of; with the samples of another render, if given."""
-        settings = RenderValues(self.scene, values, self.device)
+        settings = Settings(self.scene, values, self.device)
         view = view_of(self.scene, settings, self.size)
-        paints = [shading_inputs_of(m, settings) for m in self.scene.materials]
+        paints = [paint_of(m, settings) for m in self.scene.materials]
         cache = cache or self._cache_of(view, paints)
         sky = sky_of(self.environment, settings)
         lamps = [*lamps_of(self.scene, settings), *sky.lamps, *self.emitters.lamps(paints)]
-        frame = RenderState(
+        frame = Frame(
             view=view,
             cache=cache,
             sight=cache.sight(view),
             lamps=lamps,
             sky=sky,
             paints=paints,
-            fog=FogMedium(self.scene, settings),
+            fog=Fog(self.scene, settings),
         )
         return frame, settings
 
-    def _cache_of(self, view: View, paints: list[ShadingInputs]) -> ViewCache:
+    def _cache_of(self, view: View, paints: list[Paint]) -> ViewCache:
         """What is traced for a view; anew if it, a mirror or a glass has changed, or something begun to glow."""
         metals = torch.stack([mirroring(p) for p in paints])
         if self.geometry.let_through(torch.stack([glassy(p) for p in paints])):
-            self._cache, self.volume = None, SingleScattering(self.geometry.clear)
+            self._cache, self.volume = None, Volume(self.geometry.clear)
             self.emitters = Emitters(self.geometry, self._near)
         if self.emitters.notice(paints):
             self._cache = None
@@ -175,13 +173,13 @@ class Proxy:
             kept = self._cache = ViewCache(self.scene, self.geometry, view, *shape, self.seed)
         return kept
 
-    def _picture(self, frame: RenderState) -> Tensor:
+    def _picture(self, frame: Frame) -> Tensor:
         """The proxy's own linear picture (3, P)."""
         return _resolve(frame, self._light(frame))[0][:3]
 
-    def _light(self, frame: RenderState) -> Tensor:
+    def _light(self, frame: Frame) -> Tensor:
         """Radiance of all samples as the camera gets it: (3 or, with a transparent film, 4, N)."""
-        beams, table = direct_lights_of(frame), table_of(frame)
+        beams, table = beams_of(frame), table_of(frame)
         gathered = self._gather(frame, table)
         radiance = surfaces.radiance(frame, beams, table, gathered, self.scene.film.transparent)
         return self._through_fog(frame, frame.view, radiance) if frame.fog.active else radiance
@@ -191,14 +189,14 @@ class Proxy:
         """A typical distance of what is seen, meters."""
         return float(self.scene.references.get("view_distance", self.geometry.size))
 
-    def _gather(self, frame: RenderState, table: RadianceTable) -> IndirectLight:
+    def _gather(self, frame: Frame, table: Table) -> Gathered:
         """Indirect light."""
         if not frame.fog.active:
             return frame.cache.indirect.gather(table)
         murk = frame.cache.murk(self._near).gather(frame.fog, frame.lamps, frame.sky)
         return frame.cache.indirect.gather_through(table, frame.fog, murk)
 
-    def _through_fog(self, frame: RenderState, view: View, radiance: Tensor) -> Tensor:
+    def _through_fog(self, frame: Frame, view: View, radiance: Tensor) -> Tensor:
         """Adds the light that fog scatters to the eye, takes what it extinguishes."""
         sky, samples = frame.sky, frame.cache.samples
         world = sky.color[:, None] * sky.soft(DIRECTIONS.to(self.device))
@@ -208,7 +206,7 @@ class Proxy:
         return lit if len(radiance) == 3 else torch.cat((lit, 1 - passing * (1 - radiance[3:])))
 
 
-def _resolve(frame: RenderState, radiance: Tensor) -> tuple[Tensor, Tensor]:
+def _resolve(frame: Frame, radiance: Tensor) -> tuple[Tensor, Tensor]:
     """Linear picture (3 or, with alpha, 4, P) and mask (H, W) from the radiance of all samples."""
     view, cache = frame.view, frame.cache
     picture, mask = cache.samples.resolve(radiance), cache.mask

@@ -1,30 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """The exported scene as the engine sees it."""
 
-from .data import (
-    Camera,
-    FilmSettings,
-    FogBounds,
-    Light,
-    Material,
-    MeshObject,
-    SceneData,
-    SceneMesh,
-    Texture,
-    WorldData,
-)
+from .data import Camera, FilmSettings, Light, Material, Mesh, SceneData, SceneObject, Texture, Volume, World
 from .load import load_scene
 
 __all__ = [
     "Camera",
     "FilmSettings",
-    "FogBounds",
     "Light",
     "Material",
-    "MeshObject",
+    "Mesh",
     "SceneData",
-    "SceneMesh",
+    "SceneObject",
     "Texture",
-    "WorldData",
+    "Volume",
+    "World",
     "load_scene",
 ]

@@ -118,7 +118,7 @@ class Material:
 
 
 @dataclass(frozen=True)
-class MeshObject:
+class SceneObject:
     """An object, and whether it belongs to the subject."""
 
     name: str
@@ -126,7 +126,7 @@ class MeshObject:
 
 
 @dataclass(frozen=True)
-class WorldData:
+class World:
     """kind "color" or "environment"; image (H, W, 3) is equirectangular, without tint and strength."""
 
     kind: str
@@ -134,7 +134,7 @@ class WorldData:
 
 
 @dataclass(frozen=True)
-class FogBounds:
+class Volume:
     """kind "none", "box" or "world"; the box that fog fills, and the height of the subject's base."""
 
     kind: str
@@ -156,7 +156,7 @@ class FilmSettings:
 
 
 @dataclass(frozen=True)
-class SceneMesh:
+class Mesh:
     """All triangles of the scene in world space.
 
     Attributes:
@@ -195,11 +195,11 @@ class SceneData:
     camera: Camera
     lights: tuple[Light, ...]
     materials: tuple[Material, ...]
-    objects: tuple[MeshObject, ...]
-    world: WorldData
-    volume: FogBounds
+    objects: tuple[SceneObject, ...]
+    world: World
+    volume: Volume
     film: FilmSettings
-    mesh: SceneMesh
+    mesh: Mesh
     instances: Mapping[str, Instance]
 
     def value(self, key: str, default: float | Values = 0.0) -> Values:

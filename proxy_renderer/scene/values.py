@@ -11,7 +11,7 @@ from torch import Tensor
 from . import SceneData
 
 
-class RenderValues:
+class Settings:
     """Looks parameters up by key; missing ones take the scene's value.
 
     Args:

@@ -5,7 +5,7 @@ building the extension copies this folder into it."""
 from . import budgets, labels, orbit, radiometry
 from .budgets import BUDGETS, Budget
 from .errors import VibeError
-from .frames import frame_numbers
+from .options.frames import frame_numbers
 from .parameters import FAMILIES, GROUPS, PARAMETERS, REFERENCES, VERSION, schema_hash
 from .spec import Instance, Parameter, Scale, Values, matches, split_key
 

@@ -14,7 +14,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any, BinaryIO, ClassVar, get_args
 
 from .errors import VibeError
-from .options import Options as Options
+from .options.table import Options as Options
 from .parameters import schema_hash
 
 

@@ -15,6 +15,8 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from .errors import VibeError
+from .limits import LONGEST_NAME as LONGEST_NAME
+from .limits import LONGEST_PROMPT
 from .parameters import FAMILIES, PARAMETERS, VERSION
 
 FORMAT = "vibe-preset"
@@ -39,8 +41,6 @@ LIGHT_TYPES: tuple[str, ...] = tuple(
 )
 """Blender's types of light."""
 
-LONGEST_NAME = 60  # characters
-LONGEST_PROMPT = 2000
 LARGEST = 1_000_000  # bytes of a file; one with a hundred materials has a tenth of that
 _FIELDS = {"format", "version", "name", "prompt", "roles", "kinds"}
 _OURS = "Use a preset that Vibe Render has written."

@@ -10,8 +10,9 @@ from pathlib import Path
 import pytest
 
 from proxy_renderer.cli.main import parser
-from proxy_renderer.options import check
+from proxy_renderer.inputs import check
 from proxy_renderer.schema import BUDGETS, VibeError
+from proxy_renderer.schema.options import checks
 
 ROOT = Path(__file__).parents[2]
 MESH = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n"
@@ -97,7 +98,7 @@ def test_a_budget_decides_what_no_option_does():
     parsed = parser().parse_args(
         ["run", "a.blend", "--prompt", "p", "--out", "o", "--steps", "7", "--budget", "quick"]
     )
-    check.numbers(parsed)
+    checks.numbers(parsed)
     quick = BUDGETS["quick"]
     assert (parsed.rounds, parsed.steps, parsed.size) == (quick.rounds, 7, quick.size)
 

@@ -6,15 +6,15 @@ import torch
 from tiny_job import write_job
 
 from proxy_renderer.render.geometry.camera import view_of
+from proxy_renderer.render.geometry.visibility import Geometry
 from proxy_renderer.render.lights.environment import Environment, sky_of
 from proxy_renderer.render.lights.lamps import lamps_of
-from proxy_renderer.render.material.textures import geometry_of
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.render.surface.view_cache import ViewCache
 from proxy_renderer.render.transport import indirect_fog
-from proxy_renderer.render.transport.fog import FogMedium
+from proxy_renderer.render.transport.fog import Fog
 from proxy_renderer.scene import load_scene
-from proxy_renderer.scene.values import RenderValues
+from proxy_renderer.scene.values import Settings
 
 SIZE = (64, 48)
 
@@ -30,7 +30,7 @@ def cache(scene):
 
 
 def view_cache(scene):
-    geometry = geometry_of(scene, torch.device("cpu"))
+    geometry = Geometry(scene, torch.device("cpu"))
     metals = torch.zeros(len(scene.materials))
     view = view_of(scene, settings(scene), SIZE)
     return ViewCache(scene, geometry, view, metals, metals > 0, len(scene.lights), (), 0)
@@ -38,13 +38,13 @@ def view_cache(scene):
 
 def settings(scene, **volume):
     values = {f"volume/{k}": torch.as_tensor(v, dtype=torch.float32).reshape(-1) for k, v in volume.items()}
-    return RenderValues(scene, values, "cpu")
+    return Settings(scene, values, "cpu")
 
 
 def found(scene, rays, lamps=True, **volume):
     s = settings(scene, **volume)
     sky = sky_of(Environment(scene, torch.device("cpu")), s)
-    return rays.gather(FogMedium(scene, s), lamps_of(scene, s) if lamps else [], sky), sky
+    return rays.gather(Fog(scene, s), lamps_of(scene, s) if lamps else [], sky), sky
 
 
 def test_black_fog_takes_light_and_gives_none(scene, cache):

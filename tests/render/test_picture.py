@@ -15,13 +15,13 @@ from proxy_renderer.render.geometry.camera import frame, view_of
 from proxy_renderer.render.lights.irradiance import arrival
 from proxy_renderer.render.lights.lamps import lamps_of
 from proxy_renderer.render.proxy import Proxy
-from proxy_renderer.scene import SceneData, WorldData
-from proxy_renderer.scene.values import RenderValues
+from proxy_renderer.scene import SceneData, World
+from proxy_renderer.scene.values import Settings
 from proxy_renderer.schema import orbit
 
 
-def _settings(scene: SceneData, **values: float) -> RenderValues:
-    return RenderValues(scene, {k.replace("__", "/"): torch.tensor([v]) for k, v in values.items()}, "cpu")
+def _settings(scene: SceneData, **values: float) -> Settings:
+    return Settings(scene, {k.replace("__", "/"): torch.tensor([v]) for k, v in values.items()}, "cpu")
 
 
 def test_torch_frame_is_the_schemas() -> None:
@@ -119,7 +119,7 @@ def test_a_turned_environment_moves_the_light() -> None:
     """Blender: at rotation 0 the picture's middle lies towards +X; a positive angle brings +Y's light there."""
     image = np.full((16, 32, 3), 0.02, np.float32)
     image[6:10, 15:17] = 20.0
-    scene = dataclasses.replace(balls(1, 0, 3), world=WorldData("environment", image))
+    scene = dataclasses.replace(balls(1, 0, 3), world=World("environment", image))
     proxy = Proxy(scene, (32, 32))
     right = proxy.render({}).linear[8:20].mean((0, 2))
     left = proxy.render({"world/rotation": torch.tensor([180.0])}).linear[8:20].mean((0, 2))

@@ -13,7 +13,7 @@ from typing import Any
 import bpy
 
 from ..core.outputs import Outputs
-from ..core.schema_import import labels, messages, schema
+from ..core.schema_import import command_line, labels, messages, schema
 from ..engine.conversation import Conversation, on_interrupt
 from ..engine.process import Engine
 from ..export import jobs
@@ -23,7 +23,6 @@ from ..render import anchors, final_render
 from ..scene import bindings, snapshot, stored_subject
 from ..session import preferences
 from . import summary
-from .arguments import engine_options
 from .reporter import Reporter
 from .scenes import check_writable, open_blend, open_scene, save_blend
 from .shots import Framing, RequestedShot, ShotList
@@ -86,7 +85,7 @@ def _request(args: argparse.Namespace, shot_list: ShotList) -> messages.Vibe:
         for job, shot in zip(shot_list.jobs, shot_list.shots, strict=True)
     ]
     free_camera = shot_list.bare and not several
-    options = engine_options(args, free_camera=free_camera, online=preferences.online())
+    options = command_line.engine_options(args, camera=free_camera, online=preferences.online())
     return messages.Vibe(
         schema.schema_hash(), shots[0].job, args.prompt, asdict(options), shots=shots if several else []
     )

@@ -10,12 +10,12 @@ from bpy.props import StringProperty
 from ..core import ADDON, drawing
 from ..session import preferences
 from ..session.engine_state import engine_state
-from . import cache_size, engine_line
+from . import cache_size, engine_line, option_properties
 
-_DEVICES = ("Auto", "CPU", "CUDA", "MPS")
+_Options = option_properties.declare("VibeEngineOptions", preferences=True)
 
 
-class VibePreferences(bpy.types.AddonPreferences):
+class VibePreferences(_Options, bpy.types.AddonPreferences):  # type: ignore[misc]
     """The add-on's preferences, kept with Blender's own."""
 
     bl_idname = ADDON
@@ -25,28 +25,6 @@ class VibePreferences(bpy.types.AddonPreferences):
         description="Folder of the Python environment that the engine runs in. Empty: look for it",
         subtype="DIR_PATH",
         update=lambda self, _context: engine_state.search(self.engine),
-    )
-    device: StringProperty(
-        name="Device",
-        description="What the engine computes on: Auto (a graphics card if there is one), CPU, CUDA, CUDA:1, MPS",
-        default="Auto",
-        search=lambda _self, _context, _text: _DEVICES,
-        search_options={"SUGGESTION"},
-    )
-    encoder: StringProperty(
-        name="Encoder",
-        description="An open_clip model's tag or a checkpoint that guides the look. Empty: the one that comes with it",
-    )
-    vlm_model: StringProperty(
-        name="Model",
-        description="A vision-language model that reads the prompt and the picture, and plans. Empty: none "
-        "(or the one that the environment variable VIBE_VLM_MODEL names)",
-        maxlen=200,
-    )
-    vlm_url: StringProperty(
-        name="Endpoint",
-        description="Base URL of the model's OpenAI-compatible server. Empty: OPENAI_BASE_URL, or OpenAI's",
-        maxlen=500,
     )
     vlm_key: StringProperty(
         name="Key",

@@ -2,6 +2,8 @@
 # mypy: disable-error-code="valid-type"
 """What the panel holds, kept in the scene at `scene.vibe`. The groups come from the schema."""
 
+from typing import Any
+
 import bpy
 from bpy.props import (
     BoolProperty,
@@ -14,12 +16,11 @@ from bpy.props import (
     StringProperty,
 )
 
-from ..core.schema_import import labels, messages, schema
+from ..core.schema_import import labels, messages, options, schema
 from ..scene import stored_subject
 from ..scene.subject import Choice
 from ..session import preferences
-
-MAX_PROMPT = 2000  # characters that the field takes
+from . import option_properties
 
 _LEFT_ALONE = ("camera",)  # unless asked: the artist framed the shot
 
@@ -76,15 +77,13 @@ def _choose_anew(settings: "VibeSettings", context: bpy.types.Context) -> None:
     stored_subject.forget(settings.id_data)
 
 
-class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
+_Options = option_properties.declare("VibeOptions", preferences=False)
+_EFFORT = options.named("budget").panel
+
+
+class VibeSettings(_Toggles, _Options, bpy.types.PropertyGroup):  # type: ignore[misc]
     """The panel's fields, and what the last vibe changed."""
 
-    prompt: StringProperty(
-        name="Prompt",
-        description="The mood in your own words, for example: misty tree silhouette, cool blue fog, vignette",
-        maxlen=MAX_PROMPT,
-        options={"TEXTEDIT_UPDATE"},
-    )
     subject: EnumProperty(
         name="Subject",
         description="What the picture is about; everything else is its surroundings",
@@ -103,8 +102,8 @@ class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
         type=bpy.types.Collection, name="Collection", description="What the picture is about"
     )
     budget: EnumProperty(
-        name="Effort",
-        description="How long to look for the look",
+        name=_EFFORT.title,
+        description=_EFFORT.description,
         items=(
             *(
                 (name.upper(), name.capitalize(), f"{b.rounds} rounds of {b.steps} steps: {b.summary}")
@@ -112,39 +111,7 @@ class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
             ),
             ("CUSTOM", "Custom", "Your own numbers"),
         ),
-        default="STANDARD",
-    )
-    rounds: IntProperty(
-        name="Rounds", description="How often the plan is made anew", default=6, min=1, max=100
-    )
-    steps: IntProperty(name="Steps", description="Refinements in each round", default=40, min=1, max=1000)
-    size: IntProperty(
-        name="Preview Size",
-        description="Longer side of the preview, in pixels",
-        default=512,
-        min=64,
-        max=2048,
-    )
-    top_k: IntProperty(
-        name="Values at Once", description="How many values a round may refine", default=8, min=1, max=64
-    )
-    variants: IntProperty(
-        name="Variants",
-        description="Different looks for the same words, as pictures to choose from",
-        default=1,
-        min=1,
-        max=8,
-    )
-    seed: IntProperty(name="Seed", description="Another seed finds another look", min=0)
-    anchor: BoolProperty(
-        name="Anchor to Cycles",
-        description="Between rounds, render a small picture with Cycles that corrects the prediction: closer to the "
-        "final render, but Blender pauses for about a second each time",
-        default=True,
-    )
-    lock: StringProperty(
-        name="Lock by Name",
-        description="Values that must stay, separated by commas: light/Key, material/*/metallic, film/exposure",
+        default=_EFFORT.default,
     )
     locks: CollectionProperty(type=VibeLock, description="Single values that must stay")
     shared: EnumProperty(
@@ -194,20 +161,16 @@ class VibeSettings(_Toggles, bpy.types.PropertyGroup):  # type: ignore[misc]
         saved = preferences.get(context)
         own = schema.Budget(self.rounds, self.steps, self.size, 1, "")
         budget = schema.BUDGETS.get(self.budget.lower(), own)
-        return messages.Options(
-            **{name: getattr(budget, name) for name in schema.budgets.NUMBERS},
-            top_k=self.top_k,
-            seed=self.seed,
-            anchor=self.anchor,
-            groups=self.groups(),
-            variants=self.variants,
-            lock=(*filter(None, (pattern.strip() for pattern in self.lock.split(","))), *self.locks.keys()),
-            encoder=saved.encoder if saved else "",
-            device=(saved.device.strip().lower() if saved else "") or "auto",
-            vlm_model=saved.vlm_model if saved else "",
-            vlm_url=saved.vlm_url if saved else "",
-            online=preferences.online(),
-        )
+        chosen: dict[str, Any] = {}
+        for row in options.rows(messages.Options):
+            owner = saved if row.panel and row.panel.preferences else self
+            if row.panel and owner:
+                chosen[row.name] = getattr(owner, row.name)
+        chosen |= {name: getattr(budget, name) for name in schema.budgets.NUMBERS}
+        chosen["device"] = chosen.get("device", "").strip().lower() or "auto"
+        patterns = filter(None, (pattern.strip() for pattern in self.lock.split(",")))
+        chosen |= {"groups": self.groups(), "lock": [*patterns, *self.locks.keys()]}
+        return messages.Options.from_dict(chosen | {"online": preferences.online()})
 
 
 CLASSES = (VibeChange, VibeLock, VibeSettings)

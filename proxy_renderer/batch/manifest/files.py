@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from ...options import check
+from ...inputs import check
 from ...prompt.lexicon.user_words import user_file
 from ...schema import VibeError
 from .options import texts

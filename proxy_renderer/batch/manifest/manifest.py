@@ -35,10 +35,11 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from ...options import check
+from ...inputs import check
 from ...schema import VibeError
+from ...schema.limits import LARGEST_SEED
 from .files import Files, digest
-from .options import OF_SCENE, OF_SHOTS, OptionReader, texts
+from .options import OptionReader, texts
 from .toml_source import Source
 
 _KNOWN = ("scenes", "prompts", "seeds", "files", "options", "limits", "scene", "shots")
@@ -135,7 +136,7 @@ class _Reader:
             own: dict[str, Any] = {}
             for pattern, table in named.items():
                 if fnmatch.fnmatch(name, pattern):
-                    own |= self._own(table, common, OF_SCENE, "scene", pattern)
+                    own |= self._own(table, common, "scene", pattern)
             yield self._shot(name, [place], common, own, everything)
 
     def _together(self, common: dict[str, Any], everything: str) -> Iterator[Shot]:
@@ -151,7 +152,7 @@ class _Reader:
             names.add(name)
             scenes = [place for _, place in self._files.scenes(table.get("scenes"), *keys, "scenes")]
             rest = {k: v for k, v in table.items() if k not in ("name", "scenes")}
-            own = self._own(rest, common, OF_SHOTS, *keys)
+            own = self._own(rest, common, *keys)
             try:
                 yield self._shot(name, scenes, common, own, everything)
             except VibeError as error:
@@ -203,19 +204,23 @@ class _Reader:
         return tuple(found)
 
     def _seeds(self, given: Any, *keys: str) -> tuple[int, ...]:
-        whole = isinstance(given, list) and given and all(type(s) is int and 0 <= s < 2**31 for s in given)
+        whole = (
+            isinstance(given, list)
+            and given
+            and all(type(s) is int and 0 <= s <= LARGEST_SEED for s in given)
+        )
         if not whole:
             raise self._problem("These are not seeds.", "Write numbers from 0: seeds = [0, 1].", *keys)
         return tuple(dict.fromkeys(given))
 
-    def _own(self, table: Any, options: dict[str, Any], more: dict[str, Any], *keys: str) -> dict[str, Any]:
-        """What a table says for some scenes, which may have `more` than the options of a vibe."""
+    def _own(self, table: Any, options: dict[str, Any], *keys: str) -> dict[str, Any]:
+        """What a table for some scenes, "scene" or "shots", says."""
         if not isinstance(table, dict):
             raise self._problem("This is not a table.", f'Write [scene."{keys[-1]}"].', *keys)
         rest = {k: v for k, v in table.items() if k not in ("prompts", "seeds")}
         if "vocabulary" in rest:
             raise self._problem("A scene has no vocabulary of its own.", "Put it under [options].", *keys)
-        own = self._options.read(rest, keys, more)
+        own = self._options.read(rest, keys, keys[0])
         if "prompts" in table:
             own["prompts"] = self._prompts(table["prompts"], options | own, *keys, "prompts")
         if "seeds" in table:

@@ -4,19 +4,16 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from ...options import check
-from ...options.arguments import add_vibe_options, shot_arguments, vibe_arguments
-from ...schema import VibeError, budgets, frame_numbers
+from ...inputs import check
+from ...schema import VibeError, frame_numbers
+from ...schema.options import checks, command_line
+from ...schema.options.option import Option
+from ...schema.options.table import TABLE
 from .toml_source import Source
-
-OF_SCENE: dict[str, Any] = {"subject": [], "stage": ""}
-"""What a scene may have besides the options of a vibe."""
-
-OF_SHOTS: dict[str, Any] = {"subject": [], "cameras": [], "frames": "", "grade_each": False}
-"""What shots that share a look may have besides them."""
 
 _ELSEWHERE = {"seed": "Write seeds = [0, 1] at the top."}
 
@@ -27,49 +24,58 @@ class OptionReader:
     Args:
         source: The manifest.
         base: Its folder.
+        options: The rows that there are.
     """
 
-    def __init__(self, source: Source, base: Path) -> None:
+    def __init__(self, source: Source, base: Path, options: Iterable[Option] = TABLE) -> None:
         self._problem, self._base = source.problem, base
-        parser = argparse.ArgumentParser(add_help=False)
-        add_vibe_options(parser)
-        self._defaults = vars(parser.parse_args([]))
-        self._choices = {a.dest: tuple(a.choices or ()) for a in parser._actions} | {"stage": check.STAGES}
+        self._rows = {row.name: row for row in options}
+        self._defaults = {row.name: row.command_default for row in self._rows.values() if row.name != "stage"}
 
-    def read(
-        self, table: dict[str, Any], keys: tuple[str, ...], more: dict[str, Any] | None = None
-    ) -> dict[str, Any]:
-        """Options of a vibe, and `more`, each of the type of its default, and good."""
-        defaults = {k: v for k, v in self._defaults.items() if k not in _ELSEWHERE} | (more or {})
-        found: dict[str, Any] = {}
+    def read(self, table: dict[str, Any], keys: tuple[str, ...], where: str = "") -> dict[str, Any]:
+        """The options in a table of the manifest, each of its type, and good.
+
+        Args:
+            table: What the manifest says there.
+            keys: Where the table is.
+            where: "scene" or "shots" if more may stand there than the options of every vibe.
+
+        Raises:
+            VibeError: One is not; names the line.
+        """
+        rows = {n: row for n, row in self._rows.items() if {"options", where} & set(row.manifest)}
+        options: dict[str, Any] = {}
         for key, value in table.items():
             name = key.replace("-", "_")
-            if name not in defaults:
-                remedy = _ELSEWHERE.get(name, f"Use {', '.join(sorted(defaults))}.")
+            if name not in rows:
+                remedy = _ELSEWHERE.get(name, f"Use {', '.join(sorted(rows))}.")
                 raise self._problem(f"Unknown option {key!r}.", remedy, *keys, key)
-            default, choices = defaults[name], self._choices.get(name)
-            if isinstance(default, list) and isinstance(value, str):
-                value = [value]
-            if name == "frames" and isinstance(value, list):
-                value = ",".join(map(str, value))
-            kind = int if default is None else type(default)
-            if type(value) is not kind or (isinstance(value, list) and not texts(value)):
-                remedy = f"Write it as in {name} = {_example(name, default)}."
-                raise self._problem(f"{key} cannot be {value!r}.", remedy, *keys, key)
-            if choices and value not in choices:
-                raise self._problem(f"{key} cannot be {value!r}.", f"Use {', '.join(choices)}.", *keys, key)
-            try:
-                self._check_options(self._defaults | {name: value})
-            except VibeError as error:
-                raise self._problem(error.message, error.remedy, *keys, key) from error
-            found[name] = value
-        return found
+            options[name] = self._value(rows[name], key, value, keys)
+        return options
+
+    def _value(self, row: Option, key: str, value: Any, keys: tuple[str, ...]) -> Any:
+        """A value as a command line would hold it."""
+        several = isinstance(row.default, tuple)
+        if several and isinstance(value, str):
+            value = [value]
+        if row.name == "frames" and isinstance(value, list):
+            value = ",".join(map(str, value))
+        if type(value) is not (list if several else type(row.default)) or (several and not texts(value)):
+            remedy = f"Write it as in {row.name} = {_example(row)}."
+            raise self._problem(f"{key} cannot be {value!r}.", remedy, *keys, key)
+        if row.choices and value not in row.choices:
+            raise self._problem(f"{key} cannot be {value!r}.", f"Use {', '.join(row.choices)}.", *keys, key)
+        try:
+            self._check_options(self._defaults | {row.name: value})
+        except VibeError as error:
+            raise self._problem(error.message, error.remedy, *keys, key) from error
+        return value
 
     def _check_options(self, options: dict[str, Any]) -> None:
         given = argparse.Namespace(**options)
-        check.numbers(given)
-        check.groups(given.groups)
-        check.locks(given.lock)
+        checks.numbers(given, self._rows.values())
+        checks.groups(given.groups)
+        checks.locks(given.lock)
         check.device(given.device)
         frame_numbers(getattr(given, "frames", ""))
         if given.vocabulary:
@@ -77,7 +83,7 @@ class OptionReader:
 
     def prompt(self, prompt: str, options: dict[str, Any]) -> None:
         """Raises VibeError unless this is a prompt that can be worked with."""
-        check.prompt(prompt)
+        checks.prompt(prompt)
         if not check.model(argparse.Namespace(**self._defaults | options)):
             check.words(prompt)
 
@@ -87,14 +93,14 @@ class OptionReader:
         Raises:
             VibeError: They do not go together.
         """
-        given = argparse.Namespace(**self._defaults | OF_SHOTS | options)
-        check.numbers(given)
+        given = argparse.Namespace(**self._defaults | options)
+        checks.numbers(given, self._rows.values())
+        given.groups = checks.groups(given.groups)
         check.shots(scenes, given)
-        arguments = [*vibe_arguments(given, check.groups(given.groups)), *shot_arguments(given)]
-        more = [f"--subject={name}" for name in given.subject]
-        stage = options.get("stage") if scenes[0].suffix.lower() != ".blend" else ""
-        more += [f"--stage={stage}"] if stage else []
-        return tuple(a for a in [*arguments, *more] if not a.startswith("--seed="))
+        if scenes[0].suffix.lower() == ".blend":
+            given.stage = ""
+        rows = [row for row in self._rows.values() if row.name not in ("prompt", "seed")]
+        return tuple(command_line.to_arguments(given, rows))
 
 
 def texts(given: Any) -> bool:
@@ -102,9 +108,7 @@ def texts(given: Any) -> bool:
     return isinstance(given, list) and bool(given) and all(isinstance(text, str) for text in given)
 
 
-def _example(name: str, default: Any) -> str:
-    if name == "frames":
+def _example(row: Option) -> str:
+    if row.name == "frames":
         return "[1, 50, 100]"
-    if default is None:
-        return str(getattr(budgets.STANDARD, name))
-    return {bool: "false", list: '["a", "b"]', str: '"text"'}.get(type(default), str(default))
+    return {bool: "false", tuple: '["a", "b"]', str: '"text"'}.get(type(row.default), str(row.default))

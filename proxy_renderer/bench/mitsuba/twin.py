@@ -16,7 +16,7 @@ from torch import Tensor
 from ...render.geometry.camera import view_of
 from ...render.lights.lamps import Lamp, half_axes, lamps_of
 from ...scene import SceneData
-from ...scene.values import RenderValues
+from ...scene.values import Settings
 from ...schema import VibeError
 
 LEARNED = ("base_color", "roughness", "metallic")
@@ -36,7 +36,7 @@ def twin(mi: Any, scene: SceneData, size: tuple[int, int]) -> Any:
         VibeError: Something in the scene has no equivalent.
     """
     _refuse(scene)
-    settings = RenderValues(scene, {}, "cpu")
+    settings = Settings(scene, {}, "cpu")
     parts: dict[str, Any] = {
         "type": "scene",
         "integrator": {"type": "prb", "max_depth": DEPTH},
@@ -82,7 +82,7 @@ def _refuse(scene: SceneData) -> None:
         raise VibeError(f"Mitsuba's twin of this scene would differ: {odd[0]}.", "Choose a plainer scene.")
 
 
-def _sensor(mi: Any, scene: SceneData, settings: RenderValues, size: tuple[int, int]) -> dict[str, Any]:
+def _sensor(mi: Any, scene: SceneData, settings: Settings, size: tuple[int, int]) -> dict[str, Any]:
     view = view_of(scene, settings, size)
     right, up, back = view.rotation.T
     pose = np.eye(4)
@@ -124,7 +124,7 @@ def _lamp(mi: Any, lamp: Lamp) -> dict[str, Any]:
     return {"type": "rectangle", "to_world": mi.ScalarTransform4f(pose), "emitter": glow}
 
 
-def _surface(name: str, settings: RenderValues) -> dict[str, Any]:
+def _surface(name: str, settings: Settings) -> dict[str, Any]:
     def value(entry: str) -> float:
         return float(settings.scalar(f"material/{name}/{entry}"))
 

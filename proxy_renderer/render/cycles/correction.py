@@ -20,9 +20,9 @@ from torch import Tensor
 
 from ..geometry.camera import View
 from ..geometry.samples import Samples
-from ..geometry.visibility import Hits, RayGeometry
+from ..geometry.visibility import Geometry, Hits
 from ..surface.view_cache import ViewCache
-from .joint_bilateral import GuideImage, blur, look_up
+from .joint_bilateral import Guide, blur, look_up
 from .pictures import CyclesPicture
 
 REST = "rest"
@@ -53,7 +53,7 @@ class Correction:
     """
 
     view: View
-    guide: GuideImage
+    guide: Guide
     colors: Mapping[str, Tensor]
     values: Mapping[str, Tensor]
     dark: float
@@ -83,7 +83,7 @@ class Correction:
             view: The camera.
             cache: What it sees.
         """
-        guide = GuideImage(_names(cache.samples.center_hits, cache.geometry).view(cache.depth.shape))
+        guide = Guide(_names(cache.samples.center_hits, cache.geometry).view(cache.depth.shape))
         known = [owner for owner in picture.parts if owner in parts]
         seen = _flat(picture.whole).to(whole)
         if not picture.denoised:
@@ -152,7 +152,7 @@ class Correction:
         return growth.clamp_max(_BRIGHTER)[:, None]
 
     def _look_up(
-        self, samples: Samples, geometry: RayGeometry, view: View, before: Callable[[], Tensor]
+        self, samples: Samples, geometry: Geometry, view: View, before: Callable[[], Tensor]
     ) -> Tensor:
         """The fields where the anchor saw what samples meet; neutral ones where it did not."""
         neutral = torch.zeros(len(self.fields), device=self.fields.device)
@@ -168,7 +168,7 @@ def _stops(linear: Tensor, dark: float) -> Tensor:
     return torch.log2(linear.clamp_min(0.0).mean(0) + dark)
 
 
-def _names(hits: Hits, geometry: RayGeometry) -> Tensor:
+def _names(hits: Hits, geometry: Geometry) -> Tensor:
     """(N,) what rays meet: a number for object and material, -1 for nothing."""
     index = hits.triangle.clamp_min(0)
     return torch.where(hits.hit, geometry.object[index] * 4096 + geometry.material[index], -1)
@@ -179,25 +179,25 @@ def _flat(picture: Tensor) -> Tensor:
     return picture.flatten(-3, -2).transpose(-1, -2)
 
 
-def _ratio(seen: Tensor, whole: Tensor, guide: GuideImage) -> Tensor:
+def _ratio(seen: Tensor, whole: Tensor, guide: Guide) -> Tensor:
     """c (3, P)."""
     above, below, faint = _compared(seen, whole, guide)
     return ((above + faint) / (below + faint)).clamp(1 / _RATIO, _RATIO)
 
 
-def _calmed(seen: Tensor, whole: Tensor, guide: GuideImage) -> Tensor:
+def _calmed(seen: Tensor, whole: Tensor, guide: Guide) -> Tensor:
     """A noisy picture (3, P) with the proxy's detail instead of its noise."""
     above, below, faint = _compared(seen, whole, guide)
     return (whole.clamp_min(0.0) + faint) * above / (below + faint)
 
 
-def _compared(seen: Tensor, whole: Tensor, guide: GuideImage) -> tuple[Tensor, Tensor, Tensor]:
+def _compared(seen: Tensor, whole: Tensor, guide: Guide) -> tuple[Tensor, Tensor, Tensor]:
     """Both pictures (3, P), smoothed, and a faint radiance () below which ratios say nothing."""
     above, below = blur(torch.cat((seen, whole)), guide, _RADIUS, _SIGMA).split(3)
     return above, below.clamp_min(0.0), 1e-6 + _FAINT * seen.mean()
 
 
-def _shares(picture: CyclesPicture, known: list[str], proxy: Tensor, guide: GuideImage) -> Tensor:
+def _shares(picture: CyclesPicture, known: list[str], proxy: Tensor, guide: Guide) -> Tensor:
     """Shares (G, 3, P) that the known owners and the rest have in the picture; they add up to 1.
 
     The noisy parts are smoothed relative to the proxy's, whose shadows have sharp edges.

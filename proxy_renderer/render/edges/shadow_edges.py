@@ -19,7 +19,7 @@ from torch.nn.functional import max_pool2d
 from ..geometry.camera import View
 from ..geometry.samples import Samples
 from ..geometry.vectors import dot
-from ..geometry.visibility import RayGeometry, Surface
+from ..geometry.visibility import Geometry, Surface
 from ..lights.irradiance import arrival
 from ..lights.lamps import Lamp, outline
 
@@ -49,7 +49,7 @@ class ShadowEdges:
     blocker: Tensor
 
     @staticmethod
-    def of(geometry: RayGeometry, samples: Samples, view: View, lamp: Lamp, visible: Tensor) -> ShadowEdges:
+    def of(geometry: Geometry, samples: Samples, view: View, lamp: Lamp, visible: Tensor) -> ShadowEdges:
         """Traces shadows of a lamp, detached, where a view, detached, shows its penumbra.
 
         Args:
@@ -125,7 +125,7 @@ def _penumbra(samples: Samples, visible: Tensor) -> Tensor:
     return (near[0] > _LEAST_SHARE) & (near[1] > _LEAST_SHARE - 1)
 
 
-def _centers(geometry: RayGeometry, samples: Samples, view: View, seen: Tensor) -> Surface:
+def _centers(geometry: Geometry, samples: Samples, view: View, seen: Tensor) -> Surface:
     """The surface at the centers of the pixels (N,) that see one."""
     width = samples.size[0]
     _, toward = view.rays(torch.stack((seen % width, seen // width)).to(torch.float32) + 0.5)
@@ -155,7 +155,7 @@ def _split(neighbors: Tensor, clear: Tensor) -> tuple[Tensor, Tensor]:
     return dark, bright
 
 
-def _contour(geometry: RayGeometry, origin: Tensor, toward: Tensor, distance: Tensor) -> Tensor:
+def _contour(geometry: Geometry, origin: Tensor, toward: Tensor, distance: Tensor) -> Tensor:
     """Points (3, E) in the middle of what blocks rays (3, E): between its first hits from either end."""
     far = distance.clamp_max(2 * geometry.size)
     first = geometry.first_hits(origin, toward).distance.minimum(far)

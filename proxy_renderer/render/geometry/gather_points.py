@@ -18,7 +18,7 @@ from .visibility import Surface
 _ANCHORS_ACROSS = 96
 
 
-class SparseWeights:
+class Spread:
     """A fixed sparse matrix (N, A), applied to (A, C).
 
     Args:
@@ -66,7 +66,7 @@ class _SparseProduct(torch.autograd.Function):
         return ctx.spread.backward @ gradient.contiguous(), None
 
 
-class GatherPoints:
+class Anchors:
     """Samples on a coarse grid, one for each material seen in each cell.
 
     Args:
@@ -105,7 +105,7 @@ class GatherPoints:
 
     def spread_to(
         self, surface: Surface, place: Tensor, distance: Tensor, chosen: Tensor | None = None
-    ) -> SparseWeights:
+    ) -> Spread:
         """Carries from anchors to other points: what the picture shows of them, or of things near by.
 
         Args:
@@ -152,7 +152,7 @@ def _spread(
     nearest: int,
     width: float,
     chosen: Tensor | None = None,
-) -> SparseWeights:
+) -> Spread:
     """Weights to points from the anchors around them that fit their normal, plane and place best.
 
     Args:
@@ -183,7 +183,7 @@ def _spread(
             found = [lists[:, :, i].flatten().index_select(0, cells).view(len(near), -1) for i in range(n)]
             index, fit = _best(anchors, points.pick(group), torch.cat(found), nearest, width)
             best[group], weight[group] = index, fit
-    return SparseWeights(rows, best, weight / weight.sum(1, keepdim=True).clamp_min(1e-20), shape)
+    return Spread(rows, best, weight / weight.sum(1, keepdim=True).clamp_min(1e-20), shape)
 
 
 def _window(place: Tensor, window: Sequence[int], rows: int, columns: int) -> Tensor:

@@ -9,7 +9,7 @@ import torch
 from torch import Tensor
 
 from .camera import View
-from .visibility import Hits, RayGeometry
+from .visibility import Geometry, Hits
 
 _FAINT = 0.004
 """Share of a ray below which it is not followed, and a hit does not count."""
@@ -17,7 +17,7 @@ _MOST_LAYERS = 8
 
 
 @dataclass(frozen=True)
-class HitLayers:
+class Layers:
     """What rays pass through and end on, nearest first.
 
     Attributes:
@@ -42,7 +42,7 @@ class HitLayers:
         return self.hits.pick(last_of(self.ray, index, count))
 
 
-def follow(geometry: RayGeometry, view: View, origin: Tensor, toward: Tensor) -> HitLayers:
+def follow(geometry: Geometry, view: View, origin: Tensor, toward: Tensor) -> Layers:
     """Follows the camera's rays (3, N) from its near to its far plane, through transparent surfaces."""
     index = torch.arange(origin.shape[1], device=geometry.device)
     left = torch.ones(len(index), device=geometry.device)
@@ -50,7 +50,7 @@ def follow(geometry: RayGeometry, view: View, origin: Tensor, toward: Tensor) ->
     hits = geometry.nearest(origin + toward * near, toward)
     hits = _before(far, Hits(hits.triangle, hits.u, hits.v, hits.distance + near))
     if geometry.opacity is None:
-        return HitLayers(index, torch.zeros_like(index), hits, left)
+        return Layers(index, torch.zeros_like(index), hits, left)
     found: list[tuple[Tensor, Hits, Tensor]] = []
     for number in range(_MOST_LAYERS):
         alpha = geometry.opacity.at(geometry.surface(hits, toward[:, index]), seen=number == 0)
@@ -71,7 +71,7 @@ def follow(geometry: RayGeometry, view: View, origin: Tensor, toward: Tensor) ->
     numbers = [torch.full_like(rays, i) for i, (rays, _, _) in enumerate(found)]
     rays, met, shares = zip(*found, strict=True)
     merged = Hits(*(torch.cat(p) for p in zip(*(h.parts for h in met), strict=True)))
-    return HitLayers(torch.cat(rays), torch.cat(numbers), merged, torch.cat(shares))
+    return Layers(torch.cat(rays), torch.cat(numbers), merged, torch.cat(shares))
 
 
 def _before(far: Tensor, hits: Hits) -> Hits:

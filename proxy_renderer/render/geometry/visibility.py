@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 import torch
@@ -12,7 +11,8 @@ from embreex import rtcore_scene
 from embreex.mesh_construction import TriangleMesh
 from torch import Tensor
 
-from ...scene import SceneMesh
+from ...scene import Mesh, SceneData
+from ..material.textures import Opacity
 from .vectors import cross, damped, dot, unit
 
 _GRAZING = 0.3
@@ -51,26 +51,8 @@ class Hits:
         return Hits(*(part[index] for part in self.parts))
 
 
-class Opacity(Protocol):
-    """Alpha of the scene's materials, as rays ask for it; `material.textures.MaterialOpacity` is the real one."""
-
-    @property
-    def clear(self) -> Tensor:
-        """(M,) bool: materials that are not opaque everywhere."""
-        ...
-
-    def at(self, surface: Surface, seen: bool = False) -> Tensor:
-        """Alpha (N,) of surface points; `seen` where the exported camera sees them directly."""
-        ...
-
-
-class RayGeometry:
+class Geometry:
     """The scene's triangles, ready for rays and for look-ups.
-
-    Args:
-        mesh: The triangles, world space, meters.
-        opacity: Alpha of their materials.
-        device: Where to compute; rays are traced on the CPU.
 
     Attributes:
         corners: (3, F, 3) positions: corner, triangle, component.
@@ -82,7 +64,8 @@ class RayGeometry:
         size: Diagonal of the bounding box; offsets and tolerances are relative to it.
     """
 
-    def __init__(self, mesh: SceneMesh, opacity: Opacity, device: torch.device) -> None:
+    def __init__(self, scene: SceneData, device: torch.device) -> None:
+        mesh: Mesh = scene.mesh
         triangles = mesh.vertices[mesh.faces]
         self._embree = _embree(triangles)
         self.device = device
@@ -93,9 +76,10 @@ class RayGeometry:
         self.object = torch.from_numpy(mesh.object).to(device, torch.int64)
         flat = triangles.reshape(-1, 3)
         self.size = float(np.linalg.norm(flat.max(0) - flat.min(0)))
+        opacity = Opacity(scene, device)
         self.opacity = opacity if bool(opacity.clear[self.material].any()) else None
         self._triangles = triangles
-        self.glass = torch.zeros(len(opacity.clear), device=device)
+        self.glass = torch.zeros(len(scene.materials), device=device)
         self._part()
 
     def let_through(self, glass: Tensor) -> bool:

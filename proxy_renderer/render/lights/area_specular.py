@@ -18,7 +18,7 @@ from torch import Tensor
 from ...scene.values import wanted
 from ..geometry.vectors import dot, tangents, unit
 from ..material.albedo import basis
-from .irradiance import DirectIrradiance
+from .irradiance import Arrival
 from .lamps import Lamp, half_axes
 
 _LEAST_ALPHA = 2e-3
@@ -28,7 +28,7 @@ _LEAST_UP = 0.08
 
 
 @dataclass(frozen=True)
-class AreaSpecular:
+class Highlight:
     """What a lamp's highlight at N points depends on, but for the material.
 
     Attributes:
@@ -46,7 +46,7 @@ class AreaSpecular:
     outline: Tensor
     _lobes: dict[float, Tensor] = field(default_factory=dict, repr=False, compare=False)
 
-    def pick(self, index: slice) -> AreaSpecular:
+    def pick(self, index: slice) -> Highlight:
         """The points at an index."""
         parts = self.strength, self.curve, self.slope_in, self.slope_out, self.outline
         strength, curve, slope_in, slope_out, outline = (p[..., index] for p in parts)
@@ -60,7 +60,7 @@ class AreaSpecular:
             _lobes={},
         )
 
-    def times(self, visible: Tensor) -> AreaSpecular:
+    def times(self, visible: Tensor) -> Highlight:
         """The same, shadowed by visible shares (N,)."""
         return replace(self, strength=self.strength * visible, _lobes={})
 
@@ -85,9 +85,7 @@ class AreaSpecular:
         return self.strength * covered * (2 / masked)
 
 
-def area_specular(
-    lamp: Lamp, arriving: DirectIrradiance, points: Tensor, normal: Tensor, view: Tensor
-) -> AreaSpecular:
+def highlight(lamp: Lamp, arriving: Arrival, points: Tensor, normal: Tensor, view: Tensor) -> Highlight:
     """The highlight of a lamp, unshadowed, at points (3, N) seen along `view` (3, N), towards the eye.
 
     Half-vector terms are taken where the lamp's outline comes nearest to the mirror direction.
@@ -102,11 +100,11 @@ def area_specular(
     radiance = torch.where(front, arriving.frontal / arriving.solid_angle, 0.0)
     tan_in, tan_out = (1 / (c * c) - 1 for c in (into, out))
     strength = radiance * at_half / (out * up)
-    return AreaSpecular(strength, basis(at_half), tan_in, tan_out, outline)
+    return Highlight(strength, basis(at_half), tan_in, tan_out, outline)
 
 
 def _round_place(
-    _lamp: Lamp, arriving: DirectIrradiance, _points: Tensor, normal: Tensor, view: Tensor, out: Tensor
+    _lamp: Lamp, arriving: Arrival, _points: Tensor, normal: Tensor, view: Tensor, out: Tensor
 ) -> tuple[Tensor, Tensor, Tensor]:
     """A round lamp in slope space: outline; squared slope of its nearest point, and h.v there over h.n.
 
@@ -145,7 +143,7 @@ def _round_place(
 
 
 def _box_place(
-    lamp: Lamp, _arriving: DirectIrradiance, points: Tensor, normal: Tensor, view: Tensor, out: Tensor
+    lamp: Lamp, _arriving: Arrival, points: Tensor, normal: Tensor, view: Tensor, out: Tensor
 ) -> tuple[Tensor, Tensor, Tensor]:
     """The same for a rectangular lamp: an upright box through the middles of its sides."""
     across, up = tangents(normal)

@@ -21,8 +21,8 @@ from ...color.torch_color import luma
 from ...scene import Light
 from ..geometry.directions import cosine_directions
 from ..geometry.vectors import cross, unit
-from ..geometry.visibility import RayGeometry, sphere_points
-from ..material.shading_inputs import ShadingInputs
+from ..geometry.visibility import Geometry, sphere_points
+from ..material.shading_inputs import Paint
 from .lamps import Glow, Lamp
 
 _LEAST = 0.25
@@ -36,7 +36,7 @@ _ROUNDS = 12
 
 
 @dataclass(frozen=True)
-class EmitterCluster:
+class Cluster:
     """A part of a glowing surface: as a lamp of color 1, and the power of one of radiance 1."""
 
     lamp: Lamp
@@ -54,16 +54,16 @@ class Emitters:
         materials: Indices of those that are lamps.
     """
 
-    def __init__(self, geometry: RayGeometry, near: float) -> None:
+    def __init__(self, geometry: Geometry, near: float) -> None:
         self._geometry, self._near = geometry, near
-        self._clusters: dict[int, list[EmitterCluster]] = {}
+        self._clusters: dict[int, list[Cluster]] = {}
 
     @property
     def materials(self) -> tuple[int, ...]:
         """Indices of the materials whose light comes from lamps."""
         return tuple(m for m, clusters in self._clusters.items() if clusters)
 
-    def notice(self, paints: Sequence[ShadingInputs]) -> bool:
+    def notice(self, paints: Sequence[Paint]) -> bool:
         """Takes up what has begun to glow; whether there are new lamps."""
         before = self.materials
         for material, paint in enumerate(paints):
@@ -72,7 +72,7 @@ class Emitters:
                     self._clusters[material] = clusters_of(self._geometry, material, self._near)
         return self.materials != before
 
-    def lamps(self, paints: Sequence[ShadingInputs]) -> list[Lamp]:
+    def lamps(self, paints: Sequence[Paint]) -> list[Lamp]:
         """All clusters as lamps, differentiable in emission."""
         return [
             replace(cluster.lamp, color=paints[material].emission * cluster.power)
@@ -81,7 +81,7 @@ class Emitters:
         ]
 
 
-def clusters_of(geometry: RayGeometry, material: int, near: float) -> list[EmitterCluster]:
+def clusters_of(geometry: Geometry, material: int, near: float) -> list[Cluster]:
     """Cuts a material's surface into clusters; none where it is too large for that.
 
     Args:
@@ -113,7 +113,7 @@ def clusters_of(geometry: RayGeometry, material: int, near: float) -> list[Emitt
     return [cluster for cluster in found if cluster.power > 0]
 
 
-def _points(geometry: RayGeometry, triangles: Tensor) -> tuple[Tensor, Tensor, float]:
+def _points(geometry: Geometry, triangles: Tensor) -> tuple[Tensor, Tensor, float]:
     """Evenly spread points (3, P), the normals (3, P) of their triangles (F,), and the whole area."""
     a, b, c = (geometry.corners[k, triangles].T for k in range(3))
     double = cross(b - a, c - a)
@@ -128,7 +128,7 @@ def _points(geometry: RayGeometry, triangles: Tensor) -> tuple[Tensor, Tensor, f
     return place, unit(double, 1e-15)[:, chosen], float(areas.sum())
 
 
-def _open(geometry: RayGeometry, material: int, place: Tensor, side: Tensor) -> Tensor:
+def _open(geometry: Geometry, material: int, place: Tensor, side: Tensor) -> Tensor:
     """Where (P,) light that leaves to a side does not meet the same material, as 0 or 1."""
     uv = torch.rand((2, place.shape[1]), generator=torch.Generator().manual_seed(4)).to(place.device)
     toward = cosine_directions(side, uv)
@@ -170,9 +170,9 @@ def _cluster(
     outside: Tensor,
     inside: Tensor,
     share: float,
-    blockers: RayGeometry,
+    blockers: Geometry,
     name: str,
-) -> EmitterCluster:
+) -> Cluster:
     """From points (3, n) with normals, seen from outside and inside (n,), that stand for an area each."""
     even, odd = (outside + inside) / 2 * share, (outside - inside) / 2 * share
     area = float(even.sum())
@@ -186,7 +186,7 @@ def _cluster(
     light = replace(light, soft_falloff=False)
     ones, middle = torch.ones(3, device=place.device), place.mean(1)
     lamp = Lamp(light, ones, middle, axes, _radius(place), glow=Glow(form, lean, blockers))
-    return EmitterCluster(lamp, 2 * math.pi * area)
+    return Cluster(lamp, 2 * math.pi * area)
 
 
 def _sphere(count: int = 2048) -> Tensor:
@@ -197,7 +197,7 @@ def _sphere(count: int = 2048) -> Tensor:
     return torch.stack((radius * angle.cos(), radius * angle.sin(), z))
 
 
-def _without(geometry: RayGeometry, triangles: Tensor) -> RayGeometry:
+def _without(geometry: Geometry, triangles: Tensor) -> Geometry:
     """The scene as what blocks light, without some triangles."""
     rest = copy.copy(geometry)
     rest.hide(triangles)

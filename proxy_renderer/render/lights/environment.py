@@ -11,11 +11,11 @@ from torch import Tensor
 from torch.nn.functional import grid_sample, interpolate
 
 from ...scene import SceneData
-from ...scene.values import RenderValues
+from ...scene.values import Settings
 from ..geometry.directions import texels
 from ..geometry.vectors import dot, unit
 from . import prefilter
-from .environment_suns import EnvironmentSun, split
+from .environment_suns import Sun, split
 from .lamps import Lamp
 
 _ROUGH_HEIGHT = 48
@@ -37,7 +37,7 @@ class Environment:
     """
 
     def __init__(self, scene: SceneData, device: torch.device) -> None:
-        self.suns: list[EnvironmentSun] = []
+        self.suns: list[Sun] = []
         self.whole: Tensor | None = None
         self.sharp = self.blurred = self.soft = torch.zeros(0, device=device)
         image = scene.world.image
@@ -157,7 +157,7 @@ class Sky:
         return torch.stack((even + odd, even - odd)).clamp_min(0.0)
 
 
-def sky_of(environment: Environment, settings: RenderValues) -> Sky:
+def sky_of(environment: Environment, settings: Settings) -> Sky:
     """The world at a render's values."""
     strength = settings.scalar("world/strength", 1.0)
     if environment.whole is not None:

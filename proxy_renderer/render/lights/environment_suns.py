@@ -36,7 +36,7 @@ _LUMINANCE = (0.2126, 0.7152, 0.0722)
 
 
 @dataclass(frozen=True)
-class EnvironmentSun:
+class Sun:
     """A bright part of a picture.
 
     Attributes:
@@ -68,7 +68,7 @@ class EnvironmentSun:
 
 
 @dataclass(frozen=True)
-class SunSplit:
+class Split:
     """A picture of the world, equirectangular and bottom row first, in parts.
 
     Attributes:
@@ -79,10 +79,10 @@ class SunSplit:
 
     shown: Tensor
     rest: Tensor
-    suns: list[EnvironmentSun]
+    suns: list[Sun]
 
 
-def split(picture: Tensor) -> SunSplit:
+def split(picture: Tensor) -> Split:
     """Takes the suns out of a picture (1, 3, H, W)."""
     height = min(_SEARCH_HEIGHT, picture.shape[2])
     small = interpolate(picture, (height, 2 * height), mode="area")[0].flatten(1)
@@ -91,7 +91,7 @@ def split(picture: Tensor) -> SunSplit:
     weights = picture.new_tensor(_LUMINANCE)
     mean = float(weights @ small @ solid) / (4 * math.pi)
     flat = picture[0].flatten(1)
-    found: list[tuple[EnvironmentSun, Tensor]] = []
+    found: list[tuple[Sun, Tensor]] = []
     for _ in range(_TRIED):
         peak = _middle(weights @ small, toward, solid)
         radius, level = _extent(small, toward, solid, peak, weights)
@@ -106,12 +106,10 @@ def split(picture: Tensor) -> SunSplit:
     nothing = torch.zeros_like(picture)
     rest = sum((part.view_as(picture) for _, part in kept), nothing)
     discs = sum((part.view_as(picture) for sun, part in kept if not sun.wide), nothing)
-    return SunSplit(
-        picture - discs, picture - rest, sorted((sun for sun, _ in kept), key=lambda sun: sun.wide)
-    )
+    return Split(picture - discs, picture - rest, sorted((sun for sun, _ in kept), key=lambda sun: sun.wide))
 
 
-def _counts(sun: EnvironmentSun, light: float, mean: float) -> bool:
+def _counts(sun: Sun, light: float, mean: float) -> bool:
     """Whether a sun's irradiance is worth a lamp in a world of this mean radiance."""
     radiance = light / (math.pi * max(sun.angle / 2, 1e-4) ** 2)
     return light > _LEAST_SHARE * math.pi * mean and radiance > _LEAST_CONTRAST * mean
@@ -158,10 +156,10 @@ def _excess(picture: Tensor, toward: Tensor, peak: Tensor, radius: float, level:
     return (picture - level[:, None]).clamp_min(0.0) * near
 
 
-def _sun(color: Tensor, light: Tensor, toward: Tensor) -> EnvironmentSun:
+def _sun(color: Tensor, light: Tensor, toward: Tensor) -> Sun:
     """From the luminous irradiance (T,) of texels: its centroid, and the disc of the same second moment."""
     center = toward @ light
     center = center / center.norm()
     cosine = (center @ toward).clamp(-1.0, 1.0)
     moment = float((torch.arccos(cosine) ** 2) @ light / light.sum())
-    return EnvironmentSun(center, color, 2 * math.sqrt(2 * moment))
+    return Sun(center, color, 2 * math.sqrt(2 * moment))

@@ -22,7 +22,7 @@ _POINT_RADIUS = 1e-3
 
 
 @dataclass(frozen=True)
-class DirectIrradiance:
+class Arrival:
     """What reaches N points from one lamp, unshadowed, per unit of its color.
 
     Attributes:
@@ -40,7 +40,7 @@ class DirectIrradiance:
     solid_angle: Tensor
 
 
-def arrival(lamp: Lamp, points: Tensor, normals: Tensor) -> DirectIrradiance:
+def arrival(lamp: Lamp, points: Tensor, normals: Tensor) -> Arrival:
     """Unshadowed light at points (3, N) with unit normals (3, N)."""
     if lamp.light.type == "SUN":
         return _sun(lamp, normals)
@@ -53,19 +53,17 @@ def arrival(lamp: Lamp, points: Tensor, normals: Tensor) -> DirectIrradiance:
     return _point(lamp, normals, toward, distance, squared)
 
 
-def _sun(lamp: Lamp, normals: Tensor) -> DirectIrradiance:
+def _sun(lamp: Lamp, normals: Tensor) -> Arrival:
     """A sun's strength is the irradiance of a surface that faces it."""
     z = lamp.axes[:, 2:3]
     cosine = dot(normals, z).clamp_min(0.0)
     half = within(lamp.size / 2, _POINT_RADIUS, math.pi / 2)
     one = torch.ones_like(cosine)
     solid = 2 * math.pi * (1 - half.cos())
-    return DirectIrradiance(z.expand_as(normals), one * math.inf, cosine, one, one * solid)
+    return Arrival(z.expand_as(normals), one * math.inf, cosine, one, one * solid)
 
 
-def _point(
-    lamp: Lamp, normals: Tensor, toward: Tensor, distance: Tensor, squared: Tensor
-) -> DirectIrradiance:
+def _point(lamp: Lamp, normals: Tensor, toward: Tensor, distance: Tensor, squared: Tensor) -> Arrival:
     """Point and spot: power / 4 pi d^2, which Blender's soft falloff (its default) lowers near large lamps.
 
     With it Cycles takes the lamp for a disc that faces the point, whose view factor is r^2 / (d^2 + r^2);
@@ -86,12 +84,12 @@ def _point(
         cosine = _clipped_sphere(cosine, (radius2 / squared).clamp_max(1.0))
     cosine = cosine.clamp_min(0.0)
     solid = (math.pi * radius2 / squared).clamp(math.pi * _POINT_RADIUS**2, 2 * math.pi)
-    return DirectIrradiance(toward, distance, frontal * cosine, frontal, solid)
+    return Arrival(toward, distance, frontal * cosine, frontal, solid)
 
 
 def _area(
     lamp: Lamp, points: Tensor, normals: Tensor, toward: Tensor, distance: Tensor, squared: Tensor
-) -> DirectIrradiance:
+) -> Arrival:
     """Area light: radiance power / (pi area) on the side that it shines to."""
     facing = dot(toward, lamp.axes[:, 2:3]).clamp_min(0.0)
     radiance = 1.0 / (math.pi * (lamp.area if lamp.light.normalize else 1.0))
@@ -99,10 +97,10 @@ def _area(
     front = (facing > 0).to(facing.dtype)
     if not lamp.focused:
         irradiance = radiance * front * _polygon(lamp, points, normals)
-        return DirectIrradiance(toward, distance, irradiance, radiance * front * solid, solid)
+        return Arrival(toward, distance, irradiance, radiance * front * solid, solid)
     spread = mean_spread(lamp, points)
     irradiance = radiance * front * _polygon(lamp, points, normals) * spread
-    return DirectIrradiance(toward, distance, irradiance, radiance * front * solid * spread, solid)
+    return Arrival(toward, distance, irradiance, radiance * front * solid * spread, solid)
 
 
 def _polygon(lamp: Lamp, points: Tensor, normals: Tensor) -> Tensor:

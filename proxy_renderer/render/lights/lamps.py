@@ -11,10 +11,10 @@ from torch import Tensor
 
 from ...color import torch_color
 from ...scene import Light, SceneData
-from ...scene.values import RenderValues, wanted
+from ...scene.values import Settings, wanted
 from ..geometry.camera import direction, frame
 from ..geometry.vectors import dot, length, tangents, within
-from ..geometry.visibility import RayGeometry
+from ..geometry.visibility import Geometry
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Glow:
 
     form: Tensor
     lean: Tensor
-    blockers: RayGeometry
+    blockers: Geometry
 
     def toward(self, way: Tensor) -> Tensor:
         """Intensity (N,) to unit vectors (3, N), 1 on average."""
@@ -110,12 +110,12 @@ class Lamp:
         )
 
 
-def lamps_of(scene: SceneData, settings: RenderValues) -> list[Lamp]:
+def lamps_of(scene: SceneData, settings: Settings) -> list[Lamp]:
     """All lights of the scene at the render's values."""
     return [_lamp(light, scene, settings) for light in scene.lights]
 
 
-def _lamp(light: Light, scene: SceneData, settings: RenderValues) -> Lamp:
+def _lamp(light: Light, scene: SceneData, settings: Settings) -> Lamp:
     key = f"light/{light.name}/"
     sun = light.type == "SUN"
     azimuth, elevation = settings.scalar(key + "azimuth"), settings.scalar(key + "elevation")

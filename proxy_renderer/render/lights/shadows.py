@@ -10,8 +10,8 @@ from torch import Tensor
 
 from ..geometry.samples import Samples
 from ..geometry.vectors import dot
-from ..geometry.visibility import RayGeometry, Surface, sphere_points
-from .irradiance import DirectIrradiance
+from ..geometry.visibility import Geometry, Surface, sphere_points
+from .irradiance import Arrival
 from .lamps import Lamp, outline
 
 _MOST_RAYS = 4
@@ -20,12 +20,7 @@ _SHARP = 1e-3
 
 
 def shadow(
-    geometry: RayGeometry,
-    smoothing: ShadowFilter,
-    surface: Surface,
-    lamp: Lamp,
-    arriving: DirectIrradiance,
-    moving: bool,
+    geometry: Geometry, smoothing: Smoothing, surface: Surface, lamp: Lamp, arriving: Arrival, moving: bool
 ) -> Tensor:
     """Share (N,) of a lamp that every surface sample sees.
 
@@ -58,7 +53,7 @@ def shadow(
     return smoothing(seen, radius=1 if rays == 1 else 2)
 
 
-class ShadowFilter:
+class Smoothing:
     """A cross-bilateral box filter over the picture: neighbors on the same smooth surface share rays.
 
     Which they are depends on the view only, and is kept for every shadow that is traced in it.

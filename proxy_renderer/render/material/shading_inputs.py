@@ -12,7 +12,7 @@ from torch import Tensor
 
 from ...color.torch_color import luma
 from ...scene import Material
-from ...scene.values import RenderValues, wanted
+from ...scene.values import Settings, wanted
 from ..geometry.vectors import within
 
 _MOST = {"metallic": 1.0, "roughness": 1.0, "coat": 1.0, "transmission": 1.0, "emission": math.inf}
@@ -20,7 +20,7 @@ _MOST = {"metallic": 1.0, "roughness": 1.0, "coat": 1.0, "transmission": 1.0, "e
 
 
 @dataclass(frozen=True)
-class ShadingInputs:
+class Paint:
     """A material's values in one render: scalars () and colors (3,).
 
     Where nodes compute them, `metallic`, `roughness`, `coat` and `transmission` are (N,), `emission` (3, N).
@@ -50,7 +50,7 @@ class ShadingInputs:
         color, strength = self.emission_color, self.strength
         return color[:, None] * strength if color.dim() == strength.dim() == 1 else color * strength
 
-    def varied(self, inputs: Mapping[str, Tensor]) -> ShadingInputs:
+    def varied(self, inputs: Mapping[str, Tensor]) -> Paint:
         """The same with inputs (1 or 3, N) that vary over its samples."""
         if not inputs:
             return self
@@ -73,7 +73,7 @@ class ShadingInputs:
         return texture * self.base[:, None]
 
 
-def shading_inputs_of(material: Material, settings: RenderValues) -> ShadingInputs:
+def paint_of(material: Material, settings: Settings) -> Paint:
     """The values of one material."""
     key = f"material/{material.name}/"
     constants = material.constants
@@ -83,7 +83,7 @@ def shading_inputs_of(material: Material, settings: RenderValues) -> ShadingInpu
     def unit(name: str, default: float) -> Tensor:
         return within(settings.scalar(key + name, default), 0.0, 1.0)
 
-    return ShadingInputs(
+    return Paint(
         base=within(base, 0.0, math.inf),
         metallic=unit("metallic", 0.0),
         roughness=unit("roughness", 0.5),

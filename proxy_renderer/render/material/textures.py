@@ -3,21 +3,25 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import torch
 from torch import Tensor
 from torch.nn.functional import grid_sample, interpolate
 
 from ...scene import SceneData, Texture
-from ...scene.values import RenderValues
+from ...scene.values import Settings
 from ..geometry.camera import view_of
 from ..geometry.vectors import dot, length
-from ..geometry.visibility import RayGeometry, Surface
+
+if TYPE_CHECKING:
+    from ..geometry.visibility import Geometry, Surface
 
 _LEVELS = 7
 """Versions of a pattern, each half as fine as the one before."""
 
 
-class MaterialTextures:
+class Maps:
     """All pictures of a scene's materials.
 
     Args:
@@ -29,7 +33,7 @@ class MaterialTextures:
     def __init__(self, scene: SceneData, device: torch.device, size: tuple[int, int] | None = None) -> None:
         self._scene = scene
         with torch.no_grad():
-            self._view = view_of(scene, RenderValues(scene, {}, device), scene.resolution).detached()
+            self._view = view_of(scene, Settings(scene, {}, device), scene.resolution).detached()
             self._images = {
                 (number, name): _image(texture, device, size)
                 for number, material in enumerate(scene.materials)
@@ -62,7 +66,7 @@ class MaterialTextures:
             return rows[:, :3] @ surface.position + rows[:, 3:]
         return surface.uv
 
-    def relief(self, surface: Surface, geometry: RayGeometry) -> Tensor | None:
+    def relief(self, surface: Surface, geometry: Geometry) -> Tensor | None:
         """Base colors (3, N) at points over the means of their textures; None where no material has one.
 
         What only the exported camera saw is its mean wherever that did not see it.
@@ -85,7 +89,7 @@ class MaterialTextures:
         return result
 
     def _seen(
-        self, window: tuple[float, float, float, float], surface: Surface, geometry: RayGeometry
+        self, window: tuple[float, float, float, float], surface: Surface, geometry: Geometry
     ) -> Tensor:
         """(N,) bool: points in a window of the exported camera's picture that nothing hides from it."""
         place = self._through(window, surface.position)
@@ -145,7 +149,7 @@ def _image(texture: Texture, device: torch.device, size: tuple[int, int] | None)
     return interpolate(image, smaller, mode="area")
 
 
-class MaterialOpacity:
+class Opacity:
     """Alpha of surfaces.
 
     Args:
@@ -157,7 +161,7 @@ class MaterialOpacity:
     """
 
     def __init__(self, scene: SceneData, device: torch.device) -> None:
-        self._maps = MaterialTextures(scene, device)
+        self._maps = Maps(scene, device)
         self._alpha = torch.tensor([m.alpha for m in scene.materials], device=device).clamp(0, 1)
         self._mapped = [i for i, m in enumerate(scene.materials) if "alpha" in m.maps]
         self._seen_only = {
@@ -175,8 +179,3 @@ class MaterialOpacity:
                 found = self._maps.at(material, "alpha", surface.pick(index))
                 alpha = alpha.index_copy(0, index, found.mean(0).clamp(0, 1))
         return alpha
-
-
-def geometry_of(scene: SceneData, device: torch.device) -> RayGeometry:
-    """The scene's triangles, with the opacity of their materials."""
-    return RayGeometry(scene.mesh, MaterialOpacity(scene, device), device)

@@ -9,11 +9,11 @@ import torch
 from torch import Tensor
 
 from ..material import albedo
-from ..material.shading_inputs import ShadingInputs
-from .lobes import IncidentLight, multiple_scattering, single_scattering, specular
+from ..material.shading_inputs import Paint
+from .lobes import Light, multiple_scattering, single_scattering, specular
 
 
-def coat(paint: ShadingInputs, light: IncidentLight) -> tuple[Tensor, Tensor]:
+def coat(paint: Paint, light: Light) -> tuple[Tensor, Tensor]:
     """Reflection (3, N) of the lacquer, and the share that reaches what is below."""
     e, mean = single_scattering(paint.coat_roughness, light.view)
     ior = torch.tensor(paint.coat_ior, device=e.device).clamp_min(1.0001)
@@ -32,7 +32,7 @@ def coat(paint: ShadingInputs, light: IncidentLight) -> tuple[Tensor, Tensor]:
     return (around + direct) * boost, left
 
 
-def _coat_tint(paint: ShadingInputs, light: IncidentLight) -> Tensor:
+def _coat_tint(paint: Paint, light: Light) -> Tensor:
     """Beer's law along the refracted ray through a colored lacquer (3, N)."""
     tint = light.view.new_tensor(paint.coat_tint).clamp_min(1e-4)[:, None]
     cosine = 1 - light.view[1]
@@ -54,7 +54,7 @@ _SHEEN = (
 """Albedo of Cycles' microfiber sheen: rows of rising roughness, columns of rising cosine, 0 to 1."""
 
 
-def sheen(paint: ShadingInputs, light: IncidentLight) -> tuple[Tensor, Tensor]:
+def sheen(paint: Paint, light: Light) -> tuple[Tensor, Tensor]:
     """Microfiber sheen (3, N), lit as if diffuse, and the share (N,) left to the layers below."""
     table = light.view.new_tensor(_SHEEN)
     place = paint.sheen_roughness * 8

@@ -14,10 +14,10 @@ from ..geometry.camera import View
 from ..lights.environment import Sky
 from ..lights.lamps import Lamp
 from ..material import albedo
-from ..material.shading_inputs import ShadingInputs
-from ..transport.fog import FogMedium
+from ..material.shading_inputs import Paint
+from ..transport.fog import Fog
 from .view_cache import ViewCache
-from .view_samples import ViewSamples
+from .view_samples import Sight
 
 _SMOOTH = 0.25
 """Roughness below which reflections are sharp."""
@@ -27,16 +27,16 @@ _GLASS_STEPS = 8
 
 
 @dataclass(frozen=True)
-class RenderState:
+class Frame:
     """All that one render is made of."""
 
     view: View
     cache: ViewCache
-    sight: ViewSamples
+    sight: Sight
     lamps: list[Lamp]
     sky: Sky
-    paints: list[ShadingInputs]
-    fog: FogMedium
+    paints: list[Paint]
+    fog: Fog
 
     @functools.cached_property
     def colors(self) -> Tensor:
@@ -52,7 +52,7 @@ class RenderState:
         """Owner, "light/NAME" or "world", to the color (3,) of its light."""
         return {**{lamp.owner: lamp.color for lamp in self.lamps if not lamp.glow}, "world": self.sky.color}
 
-    def only(self, owner: str) -> RenderState:
+    def only(self, owner: str) -> Frame:
         """The same with the light of one owner, "" for none, besides what surfaces emit."""
         dark = torch.zeros_like(self.sky.color)
         return replace(
@@ -62,20 +62,20 @@ class RenderState:
         )
 
 
-def mirroring(paint: ShadingInputs) -> Tensor:
+def mirroring(paint: Paint) -> Tensor:
     """How much like a mirror () a material is where other surfaces show it, in coarse steps; 0 if it is no metal."""
     smooth = (1 - paint.roughness.detach()) * (paint.metallic.detach() > 0.5)
     return (smooth * 4).ceil() / 4
 
 
-def sharp(paint: ShadingInputs) -> Tensor:
+def sharp(paint: Paint) -> Tensor:
     """Whether () a material shows reflections sharp enough for several samples in every pixel."""
     shines = (paint.metallic > 0) | (paint.specular > 0) | (paint.transmission > 0)
     coated = (paint.coat > _LEAST_COAT) & (paint.coat_roughness < _SMOOTH)
     return (coated | (shines & (paint.roughness < _SMOOTH))).reshape(())
 
 
-def glassy(paint: ShadingInputs) -> Tensor:
+def glassy(paint: Paint) -> Tensor:
     """Share () of light that passes a surface of a material's glass, in coarse steps and grey.
 
     Cycles finds such light by chance, as caustics. Here it goes straight on, which is right on average. A

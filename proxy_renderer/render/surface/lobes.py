@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from ..lights.area_specular import AreaSpecular
+from ..lights.area_specular import Highlight
 from ..material import albedo
 
 
 @dataclass(frozen=True)
-class IncidentLight:
+class Light:
     """Everything that arrives at N samples of one material.
 
     Attributes:
@@ -29,14 +29,14 @@ class IncidentLight:
 
     irradiance: Tensor
     lamps: Tensor
-    highlights: Sequence[AreaSpecular]
+    highlights: Sequence[Highlight]
     view: Tensor
-    reflected: ReflectedRadiance
+    reflected: Reflected
     behind: Tensor | None
 
 
 @dataclass(frozen=True)
-class ReflectedRadiance:
+class Reflected:
     """Radiance around the mirror direction for any roughness.
 
     Attributes:
@@ -85,7 +85,7 @@ def summed(lamps: Tensor, lobes: Sequence[Tensor]) -> Tensor:
 
 def specular(
     lamps: Tensor,
-    highlights: Sequence[AreaSpecular],
+    highlights: Sequence[Highlight],
     lobes: Sequence[Tensor],
     curve: Tensor,
     f0: Tensor,

@@ -16,15 +16,15 @@ from torch import Tensor
 from ...scene.values import wanted
 from ..geometry.vectors import within
 from ..material import albedo
-from ..material.shading_inputs import ShadingInputs, used
+from ..material.shading_inputs import Paint, used
 from .coat_sheen import coat, sheen
-from .lobes import IncidentLight, multiple_scattering, single_scattering, specular, summed
+from .lobes import Light, multiple_scattering, single_scattering, specular, summed
 
 _FAINT = 1e-4
 """Reflectance seen head on below which the dielectric layer fades out."""
 
 
-def shade(paint: ShadingInputs, light: IncidentLight, texture: Tensor | None) -> Tensor:
+def shade(paint: Paint, light: Light, texture: Tensor | None) -> Tensor:
     """Outgoing radiance (3, N) towards the viewer."""
     base = paint.colored(texture)
     clamped = within(base, 0.0, 1.0)
@@ -55,8 +55,8 @@ def shade(paint: ShadingInputs, light: IncidentLight, texture: Tensor | None) ->
 
 
 def _metal(
-    paint: ShadingInputs,
-    light: IncidentLight,
+    paint: Paint,
+    light: Light,
     base: Tensor,
     lobes: Sequence[Tensor],
     reflections: Tensor,
@@ -84,11 +84,7 @@ def _metal(
 
 
 def _dielectric(
-    paint: ShadingInputs,
-    light: IncidentLight,
-    lobes: Sequence[Tensor],
-    reflections: Tensor,
-    missing: tuple[Tensor, Tensor],
+    paint: Paint, light: Light, lobes: Sequence[Tensor], reflections: Tensor, missing: tuple[Tensor, Tensor]
 ) -> tuple[Tensor, Tensor]:
     """Reflection (3, N) of the dielectric layer, and the share (N,) that it leaves to the diffuse base."""
     e, mean = missing
@@ -113,8 +109,8 @@ def _dielectric(
 
 
 def _glass(
-    paint: ShadingInputs,
-    light: IncidentLight,
+    paint: Paint,
+    light: Light,
     base: Tensor,
     lobes: Sequence[Tensor],
     reflections: Tensor,

@@ -13,37 +13,31 @@ from ...scene.values import wanted
 from ..geometry.vectors import within
 from ..lights.prefilter import GLOSSY, SATIN
 from ..material.shading_inputs import used
-from ..transport.indirect import IndirectLight
-from ..transport.secondary_hits import RadianceTable
-from .frame import RenderState
-from .lobes import IncidentLight, ReflectedRadiance
+from ..transport.indirect import Gathered
+from ..transport.secondary_hits import Table
+from .frame import Frame
+from .lobes import Light, Reflected
 from .principled import shade
-from .view_samples import DirectLight
+from .view_samples import Beam
 
 _BENT = 0.02
 """Difference of IOR over which refracted pictures are compared."""
 
 
-def direct_lights_of(frame: RenderState) -> list[DirectLight]:
+def beams_of(frame: Frame) -> list[Beam]:
     """What reaches the samples straight from each lamp; a lamp that has moved lights what bounces it anew."""
     beams = [frame.cache.beam(i, lamp, frame.sight, frame.view) for i, lamp in enumerate(frame.lamps)]
     return [beam.through(frame.fog) for beam in beams] if frame.fog.active else beams
 
 
-def radiance(
-    frame: RenderState,
-    beams: list[DirectLight],
-    table: RadianceTable,
-    gathered: IndirectLight,
-    transparent: bool,
-) -> Tensor:
+def radiance(frame: Frame, beams: list[Beam], table: Table, gathered: Gathered, transparent: bool) -> Tensor:
     """Radiance (3, N + B) of all samples: surfaces in the order of their materials, then background.
 
     A transparent film has a fourth row: how much of what is behind it a sample covers.
 
     Args:
         frame: What is rendered.
-        beams: From `direct_lights_of`.
+        beams: From `beams_of`.
         table: Radiances of what secondary rays meet, from `table_of`.
         gathered: The indirect light, gathered after the beams were traced.
         transparent: Whether the film is.
@@ -67,12 +61,12 @@ def radiance(
     pieces = []
     for (material, start, stop), (lit, *seen) in zip(cache.samples.slices, shares, strict=True):
         part, paint = slice(start, stop), frame.paints[material]
-        incoming = IncidentLight(
+        incoming = Light(
             irradiance=lit,
             lamps=frame.colors[:bare],
             highlights=[beam.part(part) for beam in beams],
             view=sight.basis[:, part],
-            reflected=ReflectedRadiance(knots, seen),
+            reflected=Reflected(knots, seen),
             behind=_behind(frame, table, gathered, material, part) if used(paint.transmission) else None,
         )
         varying = dict(cache.inputs(material, part, sight))
@@ -84,12 +78,12 @@ def radiance(
     return torch.cat((shown, cache.covered))
 
 
-def _irradiances(beams: list[DirectLight]) -> Tensor:
+def _irradiances(beams: list[Beam]) -> Tensor:
     return torch.stack([beam.irradiance for beam in beams])
 
 
 def _images(
-    gathered: IndirectLight, worlds: Sequence[Tensor], around: Tensor
+    gathered: Gathered, worlds: Sequence[Tensor], around: Tensor
 ) -> tuple[tuple[float, ...], list[Tensor]]:
     """What surfaces of increasing roughness reflect: the roughnesses, and for each the radiance (3, N).
 
@@ -109,21 +103,17 @@ def _images(
     return (0.0, SATIN, GLOSSY, 1.0), [first, between, last, around]
 
 
-def table_of(frame: RenderState) -> RadianceTable:
+def table_of(frame: Frame) -> Table:
     """Radiances of what secondary rays meet."""
     rows = zip(frame.paints, frame.cache.mean_texture, strict=True)
     albedos = torch.stack([p.base * mean * (1 - p.transmission) for p, mean in rows])
     glow = torch.stack([p.emission for p in frame.paints])
     sky = frame.sky
     metallic = torch.stack([p.metallic for p in frame.paints])
-    return RadianceTable.of(
-        within(albedos, 0.0, 1.0), metallic, glow, frame.colors, sky.halves, sky.coefficients()
-    )
+    return Table.of(within(albedos, 0.0, 1.0), metallic, glow, frame.colors, sky.halves, sky.coefficients())
 
 
-def _behind(
-    frame: RenderState, table: RadianceTable, gathered: IndirectLight, material: int, part: slice
-) -> Tensor:
+def _behind(frame: Frame, table: Table, gathered: Gathered, material: int, part: slice) -> Tensor:
     """Radiance (3, n) seen through a transparent material.
 
     Another IOR bends rays to other places, over edges too: its gradient is a secant between two traced pictures.

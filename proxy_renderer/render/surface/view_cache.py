@@ -14,21 +14,21 @@ from ...scene.values import wanted
 from ..edges.shadow_edges import ShadowEdges
 from ..edges.silhouette import Silhouettes
 from ..geometry.camera import View
-from ..geometry.gather_points import SparseWeights
+from ..geometry.gather_points import Spread
 from ..geometry.samples import take
 from ..geometry.vectors import dot, unit
-from ..geometry.visibility import RayGeometry, Surface, facing
+from ..geometry.visibility import Geometry, Surface, facing
 from ..lights.environment import Sky
-from ..lights.irradiance import DirectIrradiance, arrival
+from ..lights.irradiance import Arrival, arrival
 from ..lights.lamps import Lamp
 from ..lights.prefilter import GLOSSY, SATIN
-from ..lights.shadows import ShadowFilter, shadow
-from ..material.textures import MaterialTextures
-from ..transport.indirect import FinalGather
-from ..transport.indirect_fog import IndirectFogRays
+from ..lights.shadows import Smoothing, shadow
+from ..material.textures import Maps
+from ..transport.indirect import Indirect
+from ..transport.indirect_fog import MurkRays
 from ..transport.refraction import through
-from ..transport.secondary_hits import SecondaryHits
-from .view_samples import DirectLight, ViewSamples
+from ..transport.secondary_hits import Far
+from .view_samples import Beam, Sight
 
 _SMALL_STEP = 0.02
 """Part of a lamp's distance by which a gradient loop may move it before bounced light is traced again."""
@@ -44,17 +44,17 @@ class _Shadowed:
 
     signature: tuple[float, ...]
     visible: Tensor
-    beam: DirectLight | None = None
+    beam: Beam | None = None
     edges: ShadowEdges | None = None
 
 
 @dataclass(frozen=True)
-class RefractedHits:
+class Behind:
     """What rays (N,) through a transparent material meet: far hits, final directions (3, N), irradiance there."""
 
-    far: SecondaryHits
+    far: Far
     toward: Tensor
-    ambient: SparseWeights
+    ambient: Spread
 
 
 class ViewCache:
@@ -74,7 +74,7 @@ class ViewCache:
     def __init__(
         self,
         scene: SceneData,
-        geometry: RayGeometry,
+        geometry: Geometry,
         view: View,
         metals: Tensor,
         smooth: Tensor,
@@ -88,13 +88,13 @@ class ViewCache:
             self.samples = samples = take(geometry, view.detached(), smooth)
             self._hits = samples.hits.pick(slice(0, samples.surfaces))
             toward = samples.toward
-            self._maps = MaterialTextures(scene, geometry.device, view.size)
+            self._maps = Maps(scene, geometry.device, view.size)
             surface = geometry.surface(self._hits, toward[:, : samples.surfaces])
-            self._sight = ViewSamples.of(self._bumped(surface, toward), toward)
-            self._smoothing = ShadowFilter(samples, self._sight.surface)
+            self._sight = Sight.of(self._bumped(surface, toward), toward)
+            self._smoothing = Smoothing(samples, self._sight.surface)
             generator = torch.Generator().manual_seed(seed)
             shape = metals, lamps, glowing, self._maps, generator
-            self.indirect = FinalGather(geometry, samples, self._sight.surface, view.detached(), *shape)
+            self.indirect = Indirect(geometry, samples, self._sight.surface, view.detached(), *shape)
             self.mean_texture = [_mean(m, geometry.device) for m in scene.materials]
             self.inside, self.depth = self._inside(), self._depth()
             owner = geometry.object[self._hits.triangle]
@@ -105,19 +105,19 @@ class ViewCache:
         self._varying: dict[int, dict[str, Tensor]] = {}
         self._bounced: dict[int, Tensor] = {}
         self._outlines: Silhouettes | None = None
-        self._murk: IndirectFogRays | None = None
+        self._murk: MurkRays | None = None
         self._view = view.detached()
-        self._through: dict[tuple[int, int], tuple[float, object, RefractedHits]] = {}
+        self._through: dict[tuple[int, int], tuple[float, object, Behind]] = {}
         self._worlds: tuple[object, tuple[Tensor, ...]] | None = None
 
-    def sight(self, view: View) -> ViewSamples:
+    def sight(self, view: View) -> Sight:
         """The samples as the view sees them; re-evaluated with gradients when it asks for them."""
         if not view.moving:
             return self._sight
         origin, toward = view.rays(self.samples.place)
         n = self.samples.surfaces
         surface = self.geometry.follow(self._hits, origin[:, :n], toward[:, :n])
-        return ViewSamples.of(self._bumped(surface, toward), toward)
+        return Sight.of(self._bumped(surface, toward), toward)
 
     def _bumped(self, surface: Surface, toward: Tensor) -> Surface:
         """The surface with the normals of its materials' maps, turned to the rays (3, N) as its own are."""
@@ -135,7 +135,7 @@ class ViewCache:
                 normals[-1] = facing(torch.where(sound, mapped, part.normal), toward[:, start:stop])
         return replace(surface, normal=torch.cat(normals, 1))
 
-    def inputs(self, material: int, part: slice, sight: ViewSamples) -> dict[str, Tensor]:
+    def inputs(self, material: int, part: slice, sight: Sight) -> dict[str, Tensor]:
         """What varies of a material's inputs (C, n) at its samples: "base_color", and parameters by name."""
         if sight.moving:
             return self._inputs(material, sight.surface.pick(part))
@@ -150,7 +150,7 @@ class ViewCache:
             name: self._maps.at(material, name, surface) for name in names if self._maps.has(material, name)
         }
 
-    def beam(self, index: int, lamp: Lamp, sight: ViewSamples, view: View) -> DirectLight:
+    def beam(self, index: int, lamp: Lamp, sight: Sight, view: View) -> Beam:
         """A lamp's beam; its shadows are traced again when it has moved."""
         signature = lamp.signature()
         kept = self._beams.get(index)
@@ -163,12 +163,12 @@ class ViewCache:
                 kept = self._beams[index] = self._trace(lamp, signature, None if sight.moving else met)
             self._bounce(index, lamp)
         if moving:
-            return DirectLight.of(lamp, sight, met, kept.visible + self._moving_shadow(kept, lamp, view))
+            return Beam.of(lamp, sight, met, kept.visible + self._moving_shadow(kept, lamp, view))
         with torch.no_grad():
-            kept.beam = DirectLight.of(lamp, self._sight, met, kept.visible)
+            kept.beam = Beam.of(lamp, self._sight, met, kept.visible)
         return kept.beam
 
-    def _trace(self, lamp: Lamp, signature: tuple[float, ...], met: DirectIrradiance | None) -> _Shadowed:
+    def _trace(self, lamp: Lamp, signature: tuple[float, ...], met: Arrival | None) -> _Shadowed:
         """Traces a lamp's shadows; what arrives at the samples is computed if it is not known."""
         surface = self._sight.surface
         still = lamp.detached()
@@ -198,7 +198,7 @@ class ViewCache:
         with torch.no_grad():
             self.indirect.light(index, lamp.detached())
 
-    def behind(self, material: int, side: int, part: slice, ior: float, lamps: list[Lamp]) -> RefractedHits:
+    def behind(self, material: int, side: int, part: slice, ior: float, lamps: list[Lamp]) -> Behind:
         """What is seen through a material's samples; traced anew for a new IOR.
 
         Args:
@@ -215,7 +215,7 @@ class ViewCache:
                 toward = self.samples.toward[:, part]
                 shape = ior, self.metals, self._lamps, self._maps
                 far, onward = through(self.geometry, self._sight.surface.pick(part), toward, *shape)
-            kept = ior, None, RefractedHits(far, onward, self.indirect.spread_to(far))
+            kept = ior, None, Behind(far, onward, self.indirect.spread_to(far))
         if kept[1] != place:
             with torch.no_grad():
                 for i, lamp in enumerate(lamps):
@@ -224,11 +224,11 @@ class ViewCache:
         self._through[material, side] = kept
         return kept[2]
 
-    def murk(self, near: float) -> IndirectFogRays:
+    def murk(self, near: float) -> MurkRays:
         """The rays along which fog acts between surfaces; `near` is a typical distance of what is seen, meters."""
         if self._murk is None:
             with torch.no_grad():
-                self._murk = IndirectFogRays(
+                self._murk = MurkRays(
                     self.geometry, self.samples, self._sight.surface, self._view, self.indirect.anchors, near
                 )
         return self._murk
@@ -240,7 +240,7 @@ class ViewCache:
                 self._outlines = Silhouettes.of(self.samples, self._sight.surface)
         return self._outlines
 
-    def worlds(self, sky: Sky, sight: ViewSamples) -> tuple[Tensor, ...]:
+    def worlds(self, sky: Sky, sight: Sight) -> tuple[Tensor, ...]:
         """Uncolored world in the mirror directions, sharp to blurred (3, N), and behind all (3, B).
 
         A picture has a third level between the two.
@@ -264,7 +264,7 @@ class ViewCache:
         return self.samples.center_hits.distance.view(height, width)
 
 
-def _worlds(sky: Sky, sight: ViewSamples) -> tuple[Tensor, ...]:
+def _worlds(sky: Sky, sight: Sight) -> tuple[Tensor, ...]:
     rough = (GLOSSY,) if sky.plain else (SATIN, GLOSSY)
     lobes = [sky.reflected(sight.mirrored, sight.surface.normal, sight.basis, r) for r in rough]
     return sky.mirror(sight.mirrored), *lobes, sky.seen(sight.beyond)

@@ -11,15 +11,15 @@ from ...scene.values import wanted
 from ..geometry.directions import above, reflect
 from ..geometry.vectors import dot
 from ..geometry.visibility import Surface
-from ..lights.area_specular import AreaSpecular, area_specular
-from ..lights.irradiance import DirectIrradiance
+from ..lights.area_specular import Highlight, highlight
+from ..lights.irradiance import Arrival
 from ..lights.lamps import Lamp
 from ..material import albedo
-from ..transport.fog import FogMedium, LightPaths
+from ..transport.fog import Fog, Ways
 
 
 @dataclass(frozen=True)
-class ViewSamples:
+class Sight:
     """The samples as one eye sees them; differentiable when the camera is.
 
     Attributes:
@@ -37,14 +37,12 @@ class ViewSamples:
     beyond: Tensor
 
     @staticmethod
-    def of(surface: Surface, toward: Tensor) -> ViewSamples:
+    def of(surface: Surface, toward: Tensor) -> Sight:
         """From the surface at the first N of the rays (3, N + B)."""
         n = surface.position.shape[1]
         cosine = -dot(surface.normal, toward[:, :n])
         mirrored = above(reflect(toward[:, :n], surface.normal), surface.facet)
-        return ViewSamples(
-            surface, -toward[:, :n], albedo.basis(cosine.clamp(1e-3, 1.0)), mirrored, toward[:, n:]
-        )
+        return Sight(surface, -toward[:, :n], albedo.basis(cosine.clamp(1e-3, 1.0)), mirrored, toward[:, n:])
 
     @property
     def moving(self) -> bool:
@@ -54,36 +52,36 @@ class ViewSamples:
 
 
 @dataclass(frozen=True)
-class DirectLight:
+class Beam:
     """A lamp's shadowed irradiance (N,) and highlight at all samples, per unit of its color, and its ways to them.
 
     Glowing surfaces and wide suns have no highlight: reflections show them.
     """
 
     irradiance: Tensor
-    area_specular: AreaSpecular | None
-    ways: LightPaths
-    _parts: dict[int, AreaSpecular] = field(default_factory=dict, repr=False, compare=False)
+    highlight: Highlight | None
+    ways: Ways
+    _parts: dict[int, Highlight] = field(default_factory=dict, repr=False, compare=False)
 
-    def part(self, samples: slice) -> AreaSpecular:
+    def part(self, samples: slice) -> Highlight:
         """The highlight at the samples of one material; the same object every time, for what it keeps."""
-        assert self.area_specular
+        assert self.highlight
         if samples.start not in self._parts:
-            self._parts[samples.start] = self.area_specular.pick(samples)
+            self._parts[samples.start] = self.highlight.pick(samples)
         return self._parts[samples.start]
 
-    def through(self, fog: FogMedium) -> DirectLight:
+    def through(self, fog: Fog) -> Beam:
         """The beam after the fog between lamp and samples."""
         passing = self.ways.transmittance(fog)
-        shine = self.area_specular and self.area_specular.times(passing)
-        return DirectLight(self.irradiance * passing, shine, self.ways)
+        shine = self.highlight and self.highlight.times(passing)
+        return Beam(self.irradiance * passing, shine, self.ways)
 
     @staticmethod
-    def of(lamp: Lamp, sight: ViewSamples, met: DirectIrradiance, visible: Tensor) -> DirectLight:
+    def of(lamp: Lamp, sight: Sight, met: Arrival, visible: Tensor) -> Beam:
         """From what arrives unshadowed, and the share (N,) of the lamp that is seen."""
         point, normal = sight.surface.position, sight.surface.normal
         shine = None
         if not lamp.pictured:
-            shine = area_specular(lamp, met, point, normal, sight.toward_eye).times(visible)
-        ways = LightPaths(point, met.toward, met.distance)
-        return DirectLight(met.irradiance * visible, shine, ways)
+            shine = highlight(lamp, met, point, normal, sight.toward_eye).times(visible)
+        ways = Ways(point, met.toward, met.distance)
+        return Beam(met.irradiance * visible, shine, ways)

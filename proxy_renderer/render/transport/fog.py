@@ -13,13 +13,13 @@ import torch
 from torch import Tensor
 
 from ...scene import SceneData
-from ...scene.values import RenderValues, wanted
+from ...scene.values import Settings, wanted
 
 _EVERYWHERE = 1.0e3
 """Diameter of an infinite fog in sizes of the box: farther away it counts no more."""
 
 
-class FogMedium:
+class Fog:
     """The scene's fog with one set of values.
 
     Attributes:
@@ -29,7 +29,7 @@ class FogMedium:
         extent: Length that crosses all of it, meters.
     """
 
-    def __init__(self, scene: SceneData, settings: RenderValues) -> None:
+    def __init__(self, scene: SceneData, settings: Settings) -> None:
         spec = scene.volume
         self.density = settings.scalar("volume/density")
         self.albedo = settings.color("volume/color", 0.8)
@@ -112,15 +112,15 @@ class FogMedium:
 
 
 @dataclass(frozen=True)
-class LightPaths:
-    """Ways of light through one scene's fog, as `FogMedium.transmittance` takes them; they are measured once if they stay."""
+class Ways:
+    """Ways of light through one scene's fog, as `Fog.transmittance` takes them; they are measured once if they stay."""
 
     start: Tensor
     toward: Tensor
     distance: Tensor
     _measured: dict[tuple[float, ...], Tensor] = field(default_factory=dict, repr=False, compare=False)
 
-    def transmittance(self, fog: FogMedium) -> Tensor:
+    def transmittance(self, fog: Fog) -> Tensor:
         """Share of light (…) that gets through."""
         shape = fog.shape
         if shape is None or wanted(self.start, self.toward, self.distance):

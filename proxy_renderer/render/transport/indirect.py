@@ -16,17 +16,17 @@ from torch import Tensor
 
 from ..geometry.camera import View
 from ..geometry.directions import above, cosine_directions, reflect
-from ..geometry.gather_points import GatherPoints, SparseWeights
+from ..geometry.gather_points import Anchors, Spread
 from ..geometry.samples import Samples
 from ..geometry.vectors import cross, dot, length, tangents, unit
-from ..geometry.visibility import RayGeometry, Surface, sphere_points
+from ..geometry.visibility import Geometry, Surface, sphere_points
 from ..lights.lamps import Lamp
 from ..lights.prefilter import GLOSSY
 from ..material.microfacets import visible_normals
-from ..material.textures import MaterialTextures
-from .fog import FogMedium, LightPaths
-from .indirect_fog import IndirectFog
-from .secondary_hits import RadianceTable, SecondaryHits
+from ..material.textures import Maps
+from .fog import Fog, Ways
+from .indirect_fog import Murk
+from .secondary_hits import Far, Table
 
 _DIFFUSE_RAYS = 16
 _GLOSSY_RAYS = 8
@@ -34,7 +34,7 @@ _LEAST_COSINE = 0.02
 
 
 @dataclass(frozen=True)
-class IndirectLight:
+class Gathered:
     """Light that comes over other surfaces and from the world.
 
     Attributes:
@@ -52,7 +52,7 @@ class IndirectLight:
     anchors: Tensor
 
 
-class FinalGather:
+class Indirect:
     """Bounced light and reflections for the samples of one view.
 
     `anchors` are the indices (A,) of the samples at which diffuse light is gathered.
@@ -60,18 +60,18 @@ class FinalGather:
 
     def __init__(
         self,
-        geometry: RayGeometry,
+        geometry: Geometry,
         samples: Samples,
         surface: Surface,
         view: View,
         metals: Tensor,
         lamps: int,
         glowing: Sequence[int],
-        maps: MaterialTextures,
+        maps: Maps,
         generator: torch.Generator,
     ) -> None:
         self._view = view
-        self._anchors = anchors = GatherPoints(samples, surface)
+        self._anchors = anchors = Anchors(samples, surface)
         self.anchors = anchors.index
         points = surface.pick(anchors.index)
         origin = geometry.lifted(points)
@@ -82,9 +82,9 @@ class FinalGather:
         self.diffuse = _far(*matte, origin, _diffuse_rays(points, generator), _DIFFUSE_RAYS)
         self.glossy = _far(*shape, origin, glossy, _GLOSSY_RAYS)
         mirrored = above(reflect(samples.toward[:, : samples.surfaces], surface.normal), surface.facet)
-        self.mirror = SecondaryHits(geometry, geometry.lifted(surface), mirrored, 1, metals, lamps, maps)
+        self.mirror = Far(geometry, geometry.lifted(surface), mirrored, 1, metals, lamps, maps)
         self._mirror_ambient = self.spread_to(self.mirror)
-        self._ways = LightPaths(surface.position, mirrored, self.mirror.distance)
+        self._ways = Ways(surface.position, mirrored, self.mirror.distance)
         self._open_glossy = anchors.spread(self.glossy.open[:, None])[:, 0]
         self._weights: tuple[Tensor, Tensor] | None = None
         self._shape = len(metals), 2 * (lamps + 2)
@@ -97,7 +97,7 @@ class FinalGather:
             far.light(index, lamp)
         self._weights = None
 
-    def spread_to(self, far: SecondaryHits) -> SparseWeights:
+    def spread_to(self, far: Far) -> Spread:
         """Carries irradiance from the anchors to what rays meet, if the picture shows it, or nearly."""
         surface = far.surface
         distance = length(surface.position - self._view.position[:, None])
@@ -105,15 +105,15 @@ class FinalGather:
             surface, self._view.project(surface.position), distance, far.hit.bool()
         )
 
-    def gather(self, table: RadianceTable) -> IndirectLight:
+    def gather(self, table: Table) -> Gathered:
         """Weighs all rays."""
         wide, narrow = self._weighed()
         low = (wide @ table.radiances).clamp_min(0.0)
         full = self._anchors.spread(torch.cat((low, narrow @ table.radiances[: self._skies]), 1)).T
         mirror = self.mirror.image(table, self._mirror_ambient(low).T)
-        return IndirectLight(full[:3], full[3:], mirror, self._open_glossy, self.mirror.open, low)
+        return Gathered(full[:3], full[3:], mirror, self._open_glossy, self.mirror.open, low)
 
-    def gather_through(self, table: RadianceTable, fog: FogMedium, murk: IndirectFog) -> IndirectLight:
+    def gather_through(self, table: Table, fog: Fog, murk: Murk) -> Gathered:
         """Weighs all rays, dimmed by fog, and adds what the fog scatters."""
         wide, narrow = self._weighed()
         sky = wide[:, self._skies :] @ table.radiances[self._skies :]
@@ -127,11 +127,9 @@ class FinalGather:
         passing = self._ways.transmittance(fog)
         image = self.mirror.image(table.dimmed(murk.legs.mean(0)), self._mirror_ambient(low).T)
         mirror = image * passing + full[6:9] * (1 - passing)
-        return IndirectLight(full[:3], full[3:6], mirror, full[9], self.mirror.open * passing, low)
+        return Gathered(full[:3], full[3:6], mirror, full[9], self.mirror.open * passing, low)
 
-    def following(
-        self, gathered: IndirectLight, table: RadianceTable, lamps: Sequence[Lamp]
-    ) -> IndirectLight:
+    def following(self, gathered: Gathered, table: Table, lamps: Sequence[Lamp]) -> Gathered:
         """The same light, with gradients by where the lamps that are being learned stand.
 
         Fog between surfaces is left out here: only the gradients miss what it dims.
@@ -162,7 +160,7 @@ class FinalGather:
             self._weights = low, glossy[:, : self._skies]
         return self._weights
 
-    def _dimmed(self, weights: Tensor, table: RadianceTable, shares: Tensor, glow: Tensor) -> Tensor:
+    def _dimmed(self, weights: Tensor, table: Table, shares: Tensor, glow: Tensor) -> Tensor:
         """What anchors get from surfaces (A, 3), with shares (A, S) of the sources, and of the glow (A,)."""
         materials, sources = self._shape
         split = materials * sources
@@ -172,11 +170,9 @@ class FinalGather:
         return torch.einsum("sac,as->ac", scattered, shares) + emitted * glow[:, None]
 
 
-def _far(
-    geometry: RayGeometry, metals: Tensor, lamps: int, origin: Tensor, toward: Tensor, count: int
-) -> SecondaryHits:
+def _far(geometry: Geometry, metals: Tensor, lamps: int, origin: Tensor, toward: Tensor, count: int) -> Far:
     origins = origin.repeat_interleave(count, 1)
-    return SecondaryHits(geometry, origins, toward, count, metals, lamps, deep=True)
+    return Far(geometry, origins, toward, count, metals, lamps, deep=True)
 
 
 def _diffuse_rays(points: Surface, generator: torch.Generator) -> Tensor:

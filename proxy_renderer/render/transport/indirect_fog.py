@@ -16,15 +16,15 @@ from torch import Tensor
 
 from ..geometry.camera import View
 from ..geometry.directions import above, cosine_directions, reflect
-from ..geometry.gather_points import GatherPoints
+from ..geometry.gather_points import Anchors
 from ..geometry.samples import Samples
 from ..geometry.vectors import dot
-from ..geometry.visibility import RayGeometry, Surface, sphere_points
+from ..geometry.visibility import Geometry, Surface, sphere_points
 from ..lights.environment import Sky
 from ..lights.lamps import Lamp
-from .fog import FogMedium
+from .fog import Fog
 from .secondary_hits import lit
-from .volume import DIRECTIONS, WEIGHTS, RaySegments, SingleScattering, phase
+from .volume import DIRECTIONS, WEIGHTS, Rays, Volume, phase
 
 _ACROSS = 24
 _DIFFUSE_RAYS = 6
@@ -34,7 +34,7 @@ _NEAR = 0.1
 
 
 @dataclass(frozen=True)
-class IndirectFog:
+class Murk:
     """What fog does to indirect light at A anchors. S sources: the lamps, the world's halves, both once more.
 
     Attributes:
@@ -56,7 +56,7 @@ class IndirectFog:
     mirrored: Tensor
 
 
-class IndirectFogRays:
+class MurkRays:
     """The rays of one view, and what stands in their way.
 
     Args:
@@ -69,7 +69,7 @@ class IndirectFogRays:
 
     def __init__(
         self,
-        geometry: RayGeometry,
+        geometry: Geometry,
         samples: Samples,
         surface: Surface,
         view: View,
@@ -77,8 +77,8 @@ class IndirectFogRays:
         near: float,
     ) -> None:
         self._geometry, self._near, self._signature = geometry, near, view.signature()
-        self._volume = SingleScattering(geometry.clear)
-        coarse = GatherPoints(samples, surface, _ACROSS)
+        self._volume = Volume(geometry.clear)
+        coarse = Anchors(samples, surface, _ACROSS)
         self._points = points = surface.pick(coarse.index)
         self._smooth = coarse.smooth
         distance = samples.hits.distance[anchors]
@@ -99,7 +99,7 @@ class IndirectFogRays:
         self._open = clear.view(far.shape)  # (14, P)
         self._lit: dict[int, tuple[object, Tensor]] = {}
 
-    def gather(self, fog: FogMedium, lamps: Sequence[Lamp], sky: Sky) -> IndirectFog:
+    def gather(self, fog: Fog, lamps: Sequence[Lamp], sky: Sky) -> Murk:
         """Sums the fog's effects at the values of one render."""
         passing = fog.transmittance(self._start, self._toward, self._distance)  # (P, rays)
         diffuse, mirrored = passing[:, :-1], passing[:, -1]
@@ -119,7 +119,7 @@ class IndirectFogRays:
         count = factors.shape[1]
         single, factors, legs, scattered, haze, mirrored = found.split((2, count, count, 3, 3, 1), 1)
         again = torch.cat((factors, factors * single[:, 1:2]), 1)
-        return IndirectFog(
+        return Murk(
             ambient=single[:, 0],
             passing=single[:, 1],
             factors=again,
@@ -129,7 +129,7 @@ class IndirectFogRays:
             mirrored=mirrored[:, 0],
         )
 
-    def _ambient(self, fog: FogMedium) -> Tensor:
+    def _ambient(self, fog: Fog) -> Tensor:
         """Share (P,) of the world's light that comes through, weighted by what a surface would get of it."""
         ways = DIRECTIONS.to(self._start)
         facing = (ways.T @ self._points.normal).clamp_min(0) * WEIGHTS.to(ways)[:, None]
@@ -138,7 +138,7 @@ class IndirectFogRays:
         facing = facing * (self._open + 1e-3)
         return (reaching * facing).sum(0) / facing.sum(0)
 
-    def _legs(self, fog: FogMedium, lamps: Sequence[Lamp], passing: Tensor) -> tuple[Tensor, Tensor]:
+    def _legs(self, fog: Fog, lamps: Sequence[Lamp], passing: Tensor) -> tuple[Tensor, Tensor]:
         """(P, L) shares of lamps' light that reach what the diffuse rays (P, rays) hit, and come back from there."""
         legs, factors = [], []
         for i, lamp in enumerate(lamps):
@@ -169,7 +169,7 @@ class IndirectFogRays:
             kept = self._lit[index] = (lamp.signature(), found + 1e-3 * found.mean() + 1e-12)
         return kept[1]
 
-    def _light(self, fog: FogMedium, lamps: Sequence[Lamp], sky: Sky, passing: Tensor) -> Tensor:
+    def _light(self, fog: Fog, lamps: Sequence[Lamp], sky: Sky, passing: Tensor) -> Tensor:
         """Radiance (3, P, rays) that the fog sends back along the rays."""
         start, toward, points, count = self._start, self._toward, *self._hit.shape
         reach = fog.reach(start.detach().mean((1, 2)))
@@ -177,7 +177,7 @@ class IndirectFogRays:
         growth = (1 + reach / near) ** (1 / _SEGMENTS)
         cuts = near * (growth ** torch.arange(_SEGMENTS + 1, device=start.device) - 1)
         cuts = torch.minimum(cuts[:, None, None].expand(-1, points, count), self._distance)
-        rays = RaySegments(start, toward, cuts, (self._signature, reach))
+        rays = Rays(start, toward, cuts, (self._signature, reach))
         depth = torch.exp(-fog.density * fog.thickness(start[:, None], toward[:, None], cuts))
         light = torch.zeros((3, _SEGMENTS, points, count), device=start.device)
         for lamp in lamps:
@@ -186,7 +186,7 @@ class IndirectFogRays:
         light = light + self._world(fog, sky, passing) * (1 - passing)
         return light * fog.albedo[:, None, None]
 
-    def _world(self, fog: FogMedium, sky: Sky, passing: Tensor) -> Tensor:
+    def _world(self, fog: Fog, sky: Sky, passing: Tensor) -> Tensor:
         """The world's light (3, P, rays) scattered back, were the fog endless: from where it scatters on average."""
         ways = DIRECTIONS.to(self._start)
         way = fog.thickness(self._start, self._toward, self._distance.clamp_max(1e6)).detach()

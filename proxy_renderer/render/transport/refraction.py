@@ -8,9 +8,9 @@ from torch import Tensor
 
 from ..geometry.directions import above, reflect
 from ..geometry.vectors import dot, unit
-from ..geometry.visibility import RayGeometry, Surface
-from ..material.textures import MaterialTextures
-from .secondary_hits import SecondaryHits
+from ..geometry.visibility import Geometry, Surface
+from ..material.textures import Maps
+from .secondary_hits import Far
 
 
 def refract(toward: Tensor, normal: Tensor, ratio: float) -> tuple[Tensor, Tensor]:
@@ -36,14 +36,14 @@ _MOST_WALLS = 8
 
 
 def through(
-    geometry: RayGeometry,
+    geometry: Geometry,
     surface: Surface,
     toward: Tensor,
     ior: float,
     metals: Tensor,
     lamps: int,
-    maps: MaterialTextures,
-) -> tuple[SecondaryHits, Tensor]:
+    maps: Maps,
+) -> tuple[Far, Tensor]:
     """Follows rays (3, N) that enter a surface: the far hits, and their final directions (3, N).
 
     Each surface of the same glass on the way, met from inside or outside, bends them or reflects them wholly.
@@ -69,9 +69,9 @@ def through(
         index, bent, goes_on = index[met], bent[:, met], goes_on[:, met]
         direction = direction.index_copy(1, index, bent)
         origin = origin.index_copy(1, index, goes_on)
-    return SecondaryHits(geometry, origin, direction, 1, metals, lamps, maps), direction
+    return Far(geometry, origin, direction, 1, metals, lamps, maps), direction
 
 
-def _across(geometry: RayGeometry, surface: Surface) -> Tensor:
+def _across(geometry: Geometry, surface: Surface) -> Tensor:
     """Origins (3, N) just behind a surface."""
     return 2 * surface.position - geometry.lifted(surface)

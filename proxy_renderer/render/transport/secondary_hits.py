@@ -16,18 +16,18 @@ from torch import Tensor
 
 from ..geometry.directions import above, cosine_directions, reflect
 from ..geometry.vectors import dot, unit
-from ..geometry.visibility import RayGeometry, Surface
+from ..geometry.visibility import Geometry, Surface
 from ..lights.environment import harmonics
-from ..lights.irradiance import DirectIrradiance, arrival
+from ..lights.irradiance import Arrival, arrival
 from ..lights.lamps import Lamp
-from ..material.textures import MaterialTextures
+from ..material.textures import Maps
 
 _WORLD_AT_SECOND = 0.3
 """Most of the world that surfaces of second bounces are taken to see; in rooms, which rays rarely leave, less."""
 
 
 @dataclass(frozen=True)
-class RadianceTable:
+class Table:
     """What far hits and the world radiate in one render; the rows of `radiances` are:
 
     for every material, the light that it scatters of each lamp and of the world's upper and lower half, then
@@ -44,7 +44,7 @@ class RadianceTable:
     @staticmethod
     def of(
         albedo: Tensor, metallic: Tensor, glow: Tensor, lamp_colors: Tensor, halves: Tensor, sky: Tensor
-    ) -> RadianceTable:
+    ) -> Table:
         """Builds the table.
 
         Args:
@@ -62,16 +62,16 @@ class RadianceTable:
         common = (albedo * plain).sum(0) / plain.sum(0)
         again = torch.lerp(again, albedo * common / (1 - common / 2), metallic[:, None])
         scattered = torch.cat((albedo[:, None] * sources, again[:, None] * sources), 1).flatten(0, 1)
-        return RadianceTable(torch.cat((scattered, glow, sky)), albedo)
+        return Table(torch.cat((scattered, glow, sky)), albedo)
 
-    def dimmed(self, shares: Tensor) -> RadianceTable:
+    def dimmed(self, shares: Tensor) -> Table:
         """With less of each source: shares (S,) of the lamps and the world's halves, and of both scattered twice."""
         split = len(self.albedo) * len(shares)
         scattered = self.radiances[:split].view(len(self.albedo), -1, 3) * shares[:, None]
-        return RadianceTable(torch.cat((scattered.flatten(0, 1), self.radiances[split:])), self.albedo)
+        return Table(torch.cat((scattered.flatten(0, 1), self.radiances[split:])), self.albedo)
 
 
-class SecondaryHits:
+class Far:
     """Rays from A points, R each, and what they meet.
 
     Args:
@@ -91,13 +91,13 @@ class SecondaryHits:
 
     def __init__(
         self,
-        geometry: RayGeometry,
+        geometry: Geometry,
         origin: Tensor,
         toward: Tensor,
         count: int,
         metals: Tensor,
         lamps: int,
-        maps: MaterialTextures | None = None,
+        maps: Maps | None = None,
         deep: bool = False,
     ) -> None:
         self.geometry, self.count = geometry, count
@@ -175,7 +175,7 @@ class SecondaryHits:
             bounces.append((self.lamps + 2 + index, rays, surface, self._share[rays]))
         return bounces
 
-    def moved(self, index: int, lamp: Lamp, table: RadianceTable) -> Tensor:
+    def moved(self, index: int, lamp: Lamp, table: Table) -> Tensor:
         """Zeros (A, 3) with the gradient of what the points see by where a lamp stands.
 
         That it lights the hits more or less counts; that its shadows move there does not.
@@ -192,7 +192,7 @@ class SecondaryHits:
             total = total.index_add(0, rays // self.count, rows[self.owner[rays], row] * light[:, None])
         return total / self.count
 
-    def image(self, table: RadianceTable, ambient: Tensor) -> Tensor:
+    def image(self, table: Table, ambient: Tensor) -> Tensor:
         """Radiance (3, A) of the hits of single rays; 0 where they leave the scene.
 
         Args:
@@ -202,12 +202,12 @@ class SecondaryHits:
         if not self._members:
             self._members = [(self.owner == m).nonzero()[:, 0] for m in range(self.materials)]
         ambient = ambient * (1 - self.mirroring)
-        return _HitRadiance.apply(
+        return _Image.apply(
             table.radiances, table.albedo / math.pi, ambient, self.arriving, self._members, self._relief
         )
 
     def weights(self) -> Tensor:
-        """(A, K) average over each point's rays: weights over the rows of `RadianceTable.radiances`."""
+        """(A, K) average over each point's rays: weights over the rows of `Table.radiances`."""
         rays = -1, self.count
         slots = torch.cat((self.arriving, torch.ones_like(self.hit)[None]))
         slots = slots.view(len(slots), *rays).permute(1, 2, 0)
@@ -218,13 +218,13 @@ class SecondaryHits:
         return torch.cat((scattered, glow, self.harmonics.T), 1)
 
 
-def lit(geometry: RayGeometry, lamp: Lamp, surface: Surface) -> Tensor:
+def lit(geometry: Geometry, lamp: Lamp, surface: Surface) -> Tensor:
     """Irradiance (N,) of a lamp on a surface, shadowed by one ray to its middle."""
     met = arrival(lamp, surface.position, surface.normal)
     return met.irradiance * _clear(geometry, lamp, met, surface)
 
 
-def _clear(geometry: RayGeometry, lamp: Lamp, met: DirectIrradiance, surface: Surface) -> Tensor:
+def _clear(geometry: Geometry, lamp: Lamp, met: Arrival, surface: Surface) -> Tensor:
     """(N,) 1.0 where a ray from a surface to the lamp's middle passes, else 0.0."""
     if not lamp.light.shadow:
         return torch.ones_like(met.irradiance)
@@ -233,8 +233,8 @@ def _clear(geometry: RayGeometry, lamp: Lamp, met: DirectIrradiance, surface: Su
     return blockers.clear(geometry.lifted(surface), met.toward, met.distance * 0.999) * facing
 
 
-class _HitRadiance(torch.autograd.Function):
-    """Radiance (3, N) of single hits: like `SecondaryHits.weights() @ radiances`, without the mostly empty matrix."""
+class _Image(torch.autograd.Function):
+    """Radiance (3, N) of single hits: like `Far.weights() @ radiances`, without the mostly empty matrix."""
 
     @staticmethod
     def forward(ctx, radiances, albedo, ambient, sources, members, relief):

@@ -23,7 +23,7 @@ from ..geometry.camera import View
 from ..geometry.vectors import length
 from ..lights.cones import spot_cone, spread
 from ..lights.lamps import Lamp
-from .fog import FogMedium
+from .fog import Fog
 
 SEGMENTS = 16
 COARSE = 8  # pixels of the picture per ray of the coarse one
@@ -48,12 +48,12 @@ DIRECTIONS = _lebedev()
 """(3, 14) unit vectors over which the world's light is summed; the rule is exact to the fifth degree."""
 WEIGHTS = torch.tensor([1 / 15] * 6 + [3 / 40] * 8)
 
-VisibilityTest = Callable[[Tensor, Tensor, Tensor], Tensor]
+Clear = Callable[[Tensor, Tensor, Tensor], Tensor]
 """(origins (3, N), unit directions (3, N), distances (N,)) to (N,): 1 where nothing is in the way (`Geometry.clear`)."""
 
 
 @dataclass(frozen=True)
-class FroxelGrid:
+class Haze:
     """The fog in front of a camera: running sums along coarse rays, looked up by picture position and distance."""
 
     _sums: Tensor  # (1, 4, SEGMENTS + 1, rows, columns): scattered light, and optical depth
@@ -90,20 +90,18 @@ class FroxelGrid:
         return found[:3], torch.exp(-found[3])
 
 
-class SingleScattering:
+class Volume:
     """Scatters light in the fog of one scene; keeps the shadows in it until something has moved.
 
     Args:
         clear: Answers whether nothing stands between points; None for fog without shadows.
     """
 
-    def __init__(self, clear: VisibilityTest | None = None) -> None:
+    def __init__(self, clear: Clear | None = None) -> None:
         self._clear = clear
         self._kept: dict[str, tuple[Hashable, Tensor]] = {}
 
-    def scatter(
-        self, fog: FogMedium, view: View, near: float, lamps: Sequence[Lamp], world: Tensor
-    ) -> FroxelGrid:
+    def scatter(self, fog: Fog, view: View, near: float, lamps: Sequence[Lamp], world: Tensor) -> Haze:
         """The haze in front of a camera.
 
         Args:
@@ -120,19 +118,19 @@ class SingleScattering:
         growth = (1 + bulk / near) ** (1 / (SEGMENTS - 1))
         cuts = near * (growth ** torch.arange(SEGMENTS + 1, device=eye.device) - 1).view(-1, 1, 1)
         cuts[-1] = end
-        rays = RaySegments.of(view, COARSE, cuts)
+        rays = Rays.of(view, COARSE, cuts)
         depth = fog.density * fog.thickness(rays.start[:, None], rays.toward[:, None], cuts)
         passing = torch.exp(-depth)  # (SEGMENTS + 1, rows, columns)
-        light = self._world_light(fog, RaySegments.of(view, COARSE * _WORLD_COARSE, cuts), world)
+        light = self._world_light(fog, Rays.of(view, COARSE * _WORLD_COARSE, cuts), world)
         light = functional.interpolate(light, size=passing.shape[1:], mode="bilinear")
         for lamp in lamps:
             parts = _SPOT_PARTS if lamp.light.type == "SPOT" else 1
             light = light + self.lamp_light(fog, rays, lamp, parts)
         scattered = (light * fog.albedo.view(3, 1, 1, 1) * (passing[:-1] - passing[1:])).cumsum(1)
         sums = torch.cat((functional.pad(scattered, (0, 0, 0, 0, 1, 0)), depth[None]))[None]
-        return FroxelGrid(sums, view.size, near, growth, bulk, end)
+        return Haze(sums, view.size, near, growth, bulk, end)
 
-    def lamp_light(self, fog: FogMedium, rays: RaySegments, lamp: Lamp, parts: int) -> Tensor:
+    def lamp_light(self, fog: Fog, rays: Rays, lamp: Lamp, parts: int) -> Tensor:
         """Light (3, S, rows, columns) of a lamp that the S segments would send back along the rays with albedo 1.
 
         Each segment is looked at in so many parts, suns aside.
@@ -156,7 +154,7 @@ class SingleScattering:
         strength = strength * phase((to_lamp * rays.toward[:, None]).sum(0), fog.anisotropy)
         return strength.unflatten(0, (len(rays.cuts) - 1, -1)).mean(1) * lamp.color.view(3, 1, 1, 1)
 
-    def _world_light(self, fog: FogMedium, rays: RaySegments, world: Tensor) -> Tensor:
+    def _world_light(self, fog: Fog, rays: Rays, world: Tensor) -> Tensor:
         """The same for the world."""
         points = rays.middles[:, None]
         directions = DIRECTIONS.to(points).view(3, -1, 1, 1, 1)  # (3, 14, SEGMENTS, rows, columns)
@@ -178,7 +176,7 @@ class SingleScattering:
         points: Tensor,
         toward: Tensor,
         distance: Tensor,
-        clear: VisibilityTest | None,
+        clear: Clear | None,
     ) -> Tensor:
         """1 where the way is clear, 0 where it is not, shaped like `distance`; traced when the signature changes."""
         if clear is None:
@@ -191,7 +189,7 @@ class SingleScattering:
 
 
 @dataclass(frozen=True)
-class RaySegments:
+class Rays:
     """Coarse rays, cut into segments: start and toward (3, rows, columns), cuts (S + 1, …) in meters,
     which may differ from ray to ray."""
 
@@ -201,13 +199,13 @@ class RaySegments:
     signature: Hashable
 
     @staticmethod
-    def of(view: View, coarse: int, cuts: Tensor) -> RaySegments:
+    def of(view: View, coarse: int, cuts: Tensor) -> Rays:
         """Rays through the centers of blocks of pixels."""
         columns, rows = (max(1, round(n / coarse)) for n in view.size)
         y, x = torch.meshgrid(torch.arange(rows) + 0.5, torch.arange(columns) + 0.5, indexing="ij")
         pixel = torch.stack((x * (view.size[0] / columns), y * (view.size[1] / rows))).flatten(1)
         start, toward = (part.view(3, rows, columns) for part in view.rays(pixel.to(view.position)))
-        return RaySegments(start, toward, cuts, (view.signature(), float(cuts[-1])))
+        return Rays(start, toward, cuts, (view.signature(), float(cuts[-1])))
 
     @property
     def middles(self) -> Tensor:
@@ -215,7 +213,7 @@ class RaySegments:
         return self.start[:, None] + self.toward[:, None] * ((self.cuts[1:] + self.cuts[:-1]) / 2)
 
 
-def _toward_lamp(rays: RaySegments, lamp: Lamp, parts: int) -> tuple[Tensor, Tensor]:
+def _toward_lamp(rays: Rays, lamp: Lamp, parts: int) -> tuple[Tensor, Tensor]:
     """Where segments get the middle of their light (3, S · parts, rows, columns), and their mean of 1 / distance².
 
     Both are analytic along a straight ray (equiangular sampling: Kulla and Fajardo 2012); parts of a segment
@@ -234,7 +232,7 @@ def _toward_lamp(rays: RaySegments, lamp: Lamp, parts: int) -> tuple[Tensor, Ten
     return rays.start[:, None] + rays.toward[:, None] * middle.flatten(0, 1), mean.flatten(0, 1)
 
 
-def _lit(rays: RaySegments, lamp: Lamp) -> Tensor:
+def _lit(rays: Rays, lamp: Lamp) -> Tensor:
     """The cuts (S + 1, …), those behind an area light moved to its plane: it shines to one side only."""
     if lamp.light.type != "AREA":
         return rays.cuts

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import re
 
-from .errors import VibeError
+from ..errors import VibeError
 
 
 def frame_numbers(text: str) -> list[int]:

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`vibe run`: a scene, or several, and the look that they are to have."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from ...inputs import check
+from ...schema import VibeError
+from ...schema.options import checks, command_line
+from ...schema.options.table import named
+from ..parser import add_scene
+
+SUMMARY = "Give a scene the look that the words describe."
+_HOW = ("budget", "reach", "engine", "render")
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Scenes, the look, and everything that a vibe can be told."""
+    add_scene(parser)
+    parser.add_argument(
+        "more", nargs="*", metavar="SCENE", help="more .blends that are to have the same look"
+    )
+    command_line.add_option(parser, named("prompt"), required=True)
+    parser.add_argument(
+        "--out", required=True, type=Path, metavar="DIR", help="folder for pictures, .blend and report"
+    )
+    command_line.add_option(parser, named("stage"), default="")
+    command_line.add_options(parser, ("shots", *_HOW))
+
+
+def add_how(parser: argparse.ArgumentParser) -> None:
+    """How a vibe is carried out, whatever the scene."""
+    command_line.add_options(parser, _HOW)
+
+
+def act(a: argparse.Namespace) -> int:
+    """Carries out the command."""
+    scene = check.scene(a.scene)
+    if a.stage and scene.suffix.lower() == ".blend":
+        raise VibeError("--stage is for bare meshes; a .blend brings its own.", "Leave --stage out.")
+    scenes = check.shots([scene, *map(check.scene, a.more)], a)
+    return carry_out(a, ["run", *map(str, scenes)])
+
+
+def carry_out(a: argparse.Namespace, words: list[str]) -> int:
+    """Checks everything that can be checked without Blender, then starts it.
+
+    Args:
+        a: The command line.
+        words: What Blender's side is to do, and with which scenes.
+    """
+    checks.prompt(a.prompt)
+    check.vocabulary(a.vocabulary)
+    if not check.model(a):
+        check.words(a.prompt)
+    checks.numbers(a)
+    a.groups = checks.groups(a.groups)
+    checks.locks(a.lock)
+    check.device(a.device)
+    out = checks.folder(a.out)
+    from ...blender.launch import launch
+
+    return launch([*words, f"--out={out}", *command_line.to_arguments(a)], out)

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What can be wrong with the options of a vibe, whichever side reads them."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import tempfile
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from .. import budgets
+from ..errors import VibeError
+from ..limits import LONGEST_PROMPT
+from ..parameters import GROUPS
+from .option import Option
+from .table import TABLE
+
+
+def prompt(text: str) -> str:
+    """A prompt with something in it, of a length that a person types.
+
+    Raises:
+        VibeError: It is empty, or too long.
+    """
+    if not text.strip():
+        raise VibeError(
+            "The prompt is empty.", 'Describe the look: --prompt "misty, cool blue fog, vignette".'
+        )
+    if len(text) > LONGEST_PROMPT:
+        raise VibeError(
+            f"The prompt has {len(text)} characters, more than {LONGEST_PROMPT}.",
+            "A sentence or two is best.",
+        )
+    return text
+
+
+def numbers(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> None:
+    """Every number that a command line has is within its bounds; those that the budget decides are filled in.
+
+    Raises:
+        VibeError: One is not.
+    """
+    if hasattr(given, "budget"):
+        budgets.fill(given)
+    for option in table:
+        value = getattr(given, option.name, None)
+        if option.bounds and value is not None and not option.bounds[0] <= value <= option.bounds[1]:
+            low, high = option.bounds
+            raise VibeError(f"{option.flag} {value} is out of range.", f"Use {low} to {high}.")
+
+
+def groups(given: Sequence[str]) -> list[str]:
+    """Group names from "a,b" lists, each once.
+
+    Raises:
+        VibeError: There is no group of that name.
+    """
+    names = [name for part in given for name in re.split(r"[,\s]+", part) if name]
+    if given and not names:
+        raise VibeError("--groups names no group.", f"Use some of: {', '.join(GROUPS)}.")
+    for name in names:
+        if name not in GROUPS:
+            raise VibeError(f"Unknown group {name!r}.", f"Use some of: {', '.join(GROUPS)}.")
+    return list(dict.fromkeys(names))
+
+
+def locks(patterns: Sequence[str]) -> None:
+    """Patterns that could match something in a scene; whether they do, the scene will tell.
+
+    Raises:
+        VibeError: One cannot.
+    """
+    for pattern in patterns:
+        head = pattern.partition("/")[0]
+        if head not in GROUPS and not any(c in head for c in "*?["):
+            raise VibeError(
+                f"The lock {pattern!r} can match nothing.",
+                f"Start it with a group ({', '.join(GROUPS)}) or a *, as in light/Key or */roughness.",
+            )
+
+
+def folder(path: Path) -> Path:
+    """An output folder that exists now and can be written.
+
+    Returns:
+        Its absolute path.
+
+    Raises:
+        VibeError: It cannot be made, or not be written to.
+    """
+    path = path.expanduser()
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=path):
+            pass
+    except OSError as error:
+        reason = error.strerror or type(error).__name__
+        raise VibeError(
+            f"The folder {path} cannot be written ({reason}).", "Choose another with --out."
+        ) from error
+    return path.resolve()

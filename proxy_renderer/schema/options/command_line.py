@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Options on a command line, and back: the same for `vibe` and for Blender's side, so that the two cannot drift."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterable
+from typing import Any
+
+from .option import HEADINGS, Option
+from .table import TABLE, Options, rows
+
+
+def add_option(container: argparse._ActionsContainer, option: Option, **changes: Any) -> None:
+    """Adds one option.
+
+    Args:
+        container: A parser, or a group of its options.
+        option: Its row.
+        **changes: What this command has otherwise: `default`, `required`, `help`.
+    """
+    default = changes.get("default", option.command_default)
+    known: dict[str, Any] = {"dest": option.name, "default": default, "help": option.text(default)}
+    if isinstance(option.default, bool):
+        known["action"] = "store_false" if option.default else "store_true"
+    elif isinstance(option.default, tuple):
+        known |= {"action": "append", "metavar": option.unit}
+    elif isinstance(option.default, int):
+        known |= {"type": int, "metavar": option.unit}
+    else:
+        known |= {"choices": option.choices} if option.choices else {"metavar": option.unit}
+    container.add_argument(option.flag, **(known | changes))
+
+
+def add_options(
+    parser: argparse.ArgumentParser, headings: Iterable[str], table: Iterable[Option] = TABLE
+) -> None:
+    """Adds all options under some of the `HEADINGS`, each heading with its title.
+
+    Args:
+        parser: Where to.
+        headings: Keys of `HEADINGS`.
+        table: The options.
+    """
+    table = tuple(table)
+    for heading in headings:
+        title = HEADINGS[heading]
+        container = parser.add_argument_group(title) if title else parser
+        for option in table:
+            if option.heading == heading:
+                add_option(container, option)
+
+
+def to_arguments(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> list[str]:
+    """The same options again, for the command line of Blender's side.
+
+    Args:
+        given: A command line, or a part of one; what the budget decides is filled in, and the budget said thereby.
+        table: The options.
+    """
+    found: list[str] = []
+    for option in table:
+        value = getattr(given, option.name, None)
+        if not option.blender or option.name == "budget" or value is None:
+            continue
+        if isinstance(option.default, bool):
+            found += [option.flag] if value is not option.default else []
+        elif isinstance(option.default, tuple):
+            found += [f"{option.flag}={one}" for one in value]
+        elif value != "":
+            found.append(f"{option.flag}={value}")
+    return found
+
+
+def engine_options(given: argparse.Namespace, camera: bool, online: bool) -> Options:
+    """What the engine is told of a command line.
+
+    Args:
+        given: The command line; what the budget decides is filled in.
+        camera: Whether the camera may be optimized though no group names it.
+        online: Whether other computers may be reached.
+    """
+    chosen = {row.name: getattr(given, row.name) for row in rows(Options)}
+    return Options.from_dict({**chosen, "camera": camera, "online": online})

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a row of the table of options holds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
+
+from ..budgets import NUMBERS
+
+T = TypeVar("T")
+
+HEADINGS = {
+    "task": "",
+    "shots": "shots that share a look: each scene, through each camera, at each frame, and one set of values for all",
+    "budget": "budget",
+    "reach": "reach",
+    "engine": "engine",
+    "render": "render",
+}
+"""Groups of options, in the order of the help, and their titles."""
+
+
+@dataclass(frozen=True)
+class Panel:
+    """An option as a property in Blender.
+
+    Attributes:
+        title: Its label.
+        description: Its tooltip.
+        bounds: Least and greatest number there, if not those of the option.
+        length: Most characters of a text; 0 for any number.
+        default: Of a text.
+        live: Whether a text counts with every letter that is typed.
+        suggestions: Texts to choose from; others can be typed.
+        preferences: Whether it stands in the add-on's preferences, and not in the scene.
+    """
+
+    title: str
+    description: str
+    bounds: tuple[int, int] | None = None
+    length: int = 0
+    default: str = ""
+    live: bool = False
+    suggestions: tuple[str, ...] = ()
+    preferences: bool = False
+
+
+@dataclass(frozen=True)
+class Option:
+    """A row of the table.
+
+    Attributes:
+        name: In Python and in a manifest; on a command line with hyphens.
+        default: Its type is the option's. A bool that is True is turned off by --no-NAME; a tuple can be given
+            several times.
+        help: For the command line and the documents; the default of a number is added to it.
+        heading: Its group, a key of `HEADINGS`.
+        unit: What a value is called in the help: N, NAME, DIR.
+        bounds: Least and greatest number.
+        choices: All texts that there are; empty for any.
+        manifest: Tables of a manifest where it may stand: "options", "scene", "shots".
+        blender: Whether Blender's side takes it on its command line.
+        panel: How it looks in Blender; None if it is not there.
+    """
+
+    name: str
+    default: int | str | bool | tuple[str, ...]
+    help: str
+    heading: str
+    unit: str = "N"
+    bounds: tuple[int, int] | None = None
+    choices: tuple[str, ...] = ()
+    manifest: tuple[str, ...] = ("options",)
+    blender: bool = True
+    panel: Panel | None = None
+
+    @property
+    def flag(self) -> str:
+        """Its name on a command line."""
+        return f"--{'no-' if self.default is True else ''}{self.name.replace('_', '-')}"
+
+    @property
+    def command_default(self) -> Any:
+        """Its value where a command line does not name it: None for a number that the budget decides."""
+        if self.name in NUMBERS:
+            return None
+        return list(self.default) if isinstance(self.default, tuple) else self.default
+
+    def text(self, default: Any) -> str:
+        """Its help, with the default of a number; None for the budget's."""
+        if type(self.default) is not int:
+            return self.help
+        shown = "the budget's" if default is None else default
+        return f"{self.help} (default: {shown})"
+
+
+def option(default: T, help: str, heading: str, **facts: Any) -> T:
+    """A field of `Options` that is a row of the table.
+
+    Args:
+        default: As in `Option`.
+        help: As in `Option`.
+        heading: As in `Option`.
+        **facts: The other attributes of `Option`.
+    """
+    return field(default=default, metadata={"option": Option("", default, help, heading, **facts)})  # type: ignore[arg-type]

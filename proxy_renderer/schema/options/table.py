@@ -1,0 +1,272 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The options of a vibe: the only table.
+
+From it come the command lines of `vibe` and of Blender's side (`command_line`), what is wrong on them (`checks`), the
+message to the engine (`Options`), Blender's properties, the options in a manifest of `vibe batch`, and the table in the
+documents (`document`). A new option is one row: a field of `Options` if the engine has to know it, else a row of
+`TASK` or `SUPPORT`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+from ..budgets import BUDGETS, STANDARD
+from ..errors import VibeError
+from ..limits import LARGEST_SEED, LONGEST_PROMPT
+from ..parameters import GROUPS
+from .option import HEADINGS as HEADINGS
+from .option import Option as Option
+from .option import Panel, option
+
+STAGES = ("none", "floor", "cyclorama")
+"""What a bare mesh can be put on."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """How a vibe is carried out: what the engine is told.
+
+    Attributes:
+        camera: Whether the camera may be optimized though `groups` does not name it.
+        online: Whether other computers may be reached; a model on this one always may.
+    """
+
+    rounds: int = option(
+        STANDARD.rounds,
+        "times that the plan is made",
+        "budget",
+        bounds=(1, 1000),
+        panel=Panel("Rounds", "How often the plan is made anew", (1, 100)),
+    )
+    steps: int = option(
+        STANDARD.steps,
+        "gradient steps in each round",
+        "budget",
+        bounds=(1, 10000),
+        panel=Panel("Steps", "Refinements in each round", (1, 1000)),
+    )
+    starts: int = option(STANDARD.starts, "points that a coarse first pass tries", "budget", bounds=(1, 1000))
+    variants: int = option(
+        1,
+        "different looks to find for the same words, as pictures to choose from",
+        "budget",
+        bounds=(1, 12),
+        panel=Panel("Variants", "Different looks for the same words, as pictures to choose from", (1, 8)),
+    )
+    top_k: int = option(
+        8,
+        "parameters that a round may optimize",
+        "budget",
+        bounds=(1, 10000),
+        panel=Panel("Values at Once", "How many values a round may refine", (1, 64)),
+    )
+    seed: int = option(
+        0,
+        "the same seed gives the same look",
+        "budget",
+        bounds=(0, LARGEST_SEED),
+        manifest=(),
+        panel=Panel("Seed", "Another seed finds another look"),
+    )
+    grade_each: bool = option(
+        False,
+        "each shot gets an exposure and a grade of its own, and a .blend of its own",
+        "shots",
+        manifest=("shots",),
+    )
+    groups: tuple[str, ...] = option(
+        (),
+        f"only these may change: {', '.join(GROUPS)} (default: all but the camera, which a bare mesh leaves free)",
+        "reach",
+        unit="A,B",
+    )
+    lock: tuple[str, ...] = option(
+        (),
+        "leave this alone: a group, light/Key, or */roughness; can be given several times",
+        "reach",
+        unit="PATTERN",
+        panel=Panel(
+            "Lock by Name",
+            "Values that must stay, separated by commas: light/Key, material/*/metallic, film/exposure",
+        ),
+    )
+    encoder: str = option(
+        "",
+        "an open_clip model such as ViT-B-32-256/datacomp_s34b_b86k, or a local checkpoint "
+        "(default: the embedded one)",
+        "engine",
+        unit="TAG|PATH",
+        panel=Panel(
+            "Encoder",
+            "An open_clip model's tag or a checkpoint that guides the look. Empty: the one that comes with it",
+            preferences=True,
+        ),
+    )
+    device: str = option(
+        "auto",
+        "auto, cpu, cuda, cuda:1 (default: auto)",
+        "engine",
+        unit="NAME",
+        panel=Panel(
+            "Device",
+            "What the engine computes on: Auto (a graphics card if there is one), CPU, CUDA, CUDA:1, MPS",
+            default="Auto",
+            suggestions=("Auto", "CPU", "CUDA", "MPS"),
+            preferences=True,
+        ),
+    )
+    vlm_model: str = option(
+        "",
+        "a vision-language model that plans and judges, such as qwen2.5vl:7b or gpt-5-mini; off for none "
+        "(default: VIBE_VLM_MODEL, else none)",
+        "engine",
+        unit="NAME",
+        panel=Panel(
+            "Model",
+            "A vision-language model that reads the prompt and the picture, and plans. Empty: none "
+            "(or the one that the environment variable VIBE_VLM_MODEL names)",
+            length=200,
+            preferences=True,
+        ),
+    )
+    vlm_url: str = option(
+        "",
+        "base URL of its OpenAI-compatible endpoint, such as http://localhost:11434/v1 for Ollama (default: "
+        "VIBE_VLM_URL, else OPENAI_BASE_URL, else OpenAI's); its key is read from VIBE_VLM_KEY or OPENAI_API_KEY "
+        "only",
+        "engine",
+        unit="URL",
+        panel=Panel(
+            "Endpoint",
+            "Base URL of the model's OpenAI-compatible server. Empty: OPENAI_BASE_URL, or OpenAI's",
+            length=500,
+            preferences=True,
+        ),
+    )
+    anchor: bool = option(
+        True,
+        "do not let small Cycles pictures correct the prediction meanwhile: quicker, and less exact",
+        "engine",
+        panel=Panel(
+            "Anchor to Cycles",
+            "Between rounds, render a small picture with Cycles that corrects the prediction: closer to the "
+            "final render, but Blender pauses for about a second each time",
+        ),
+    )
+    baseline: str = option(
+        "",
+        "the paper's baseline instead: one similarity, all parameters",
+        "engine",
+        choices=("clip-only",),
+    )
+    size: int = option(
+        STANDARD.size,
+        "longer side of the pictures in pixels; the loop itself works with smaller ones",
+        "render",
+        bounds=(32, 8192),
+        panel=Panel("Preview Size", "Longer side of the preview, in pixels", (64, 2048)),
+    )
+    camera: bool = False
+    online: bool = True
+
+    @classmethod
+    def from_dict(cls, raw: dict[str, Any]) -> Options:
+        """Options from their JSON form; raises VibeError for a name that is not one."""
+        defaults = {f.name: f.default for f in fields(cls)}
+        if strange := sorted(set(raw) - set(defaults)):
+            raise VibeError(f"Unknown option {strange[0]!r}.", f"Use one of: {', '.join(sorted(defaults))}.")
+        typed: dict[str, Any] = {k: tuple(v) if isinstance(defaults[k], tuple) else v for k, v in raw.items()}
+        return cls(**typed)
+
+
+def rows(options: type[Options]) -> tuple[Option, ...]:
+    """The rows of the table that are fields of the message."""
+    return tuple(
+        replace(f.metadata["option"], name=f.name) for f in fields(options) if "option" in f.metadata
+    )
+
+
+_EFFORT = "; ".join(
+    f"{name}: {b.rounds} rounds of {b.steps} steps, {b.summary}" for name, b in BUDGETS.items()
+)
+
+TASK = (
+    Option(
+        "subject",
+        (),
+        "object or collection that the picture is about; can be given several times (default: found by itself)",
+        "task",
+        unit="NAME",
+        manifest=("scene", "shots"),
+    ),
+    Option(
+        "prompt",
+        "",
+        'the look: "misty, cool blue fog, vignette"',
+        "task",
+        unit="TEXT",
+        manifest=(),
+        panel=Panel(
+            "Prompt",
+            "The mood in your own words, for example: misty tree silhouette, cool blue fog, vignette",
+            length=LONGEST_PROMPT,
+            live=True,
+        ),
+    ),
+    Option(
+        "stage",
+        "cyclorama",
+        "what a bare mesh is put on (default: cyclorama)",
+        "task",
+        choices=STAGES,
+        manifest=("scene",),
+    ),
+    Option(
+        "cameras",
+        (),
+        "names of cameras (default: the scene's own)",
+        "shots",
+        unit="A,B",
+        manifest=("shots",),
+    ),
+    Option(
+        "frames",
+        "",
+        "frames, as in 1,50,100-102 (default: the one that the scene was saved at); what is animated stays so",
+        "shots",
+        unit="1,50,100",
+        manifest=("shots",),
+    ),
+    Option(
+        "budget",
+        "standard",
+        f"{_EFFORT} (default: standard)",
+        "budget",
+        choices=tuple(BUDGETS),
+        panel=Panel("Effort", "How long to look for the look", default="STANDARD"),
+    ),
+)
+"""What is asked for, which Blender's side turns into a job for the engine."""
+
+SUPPORT = (
+    Option(
+        "vocabulary",
+        "",
+        "a .toml with words of your own (default: vocabulary.toml in your configuration folder, if there is one)",
+        "reach",
+        unit="FILE",
+        blender=False,  # processes find it in their environment
+    ),
+    Option("samples", 128, "Cycles samples of the pictures", "render", bounds=(1, 65536)),
+)
+"""What the processes around the engine need to know."""
+
+TABLE = (*TASK, *rows(Options), *SUPPORT)
+
+
+def named(name: str, table: Iterable[Option] = TABLE) -> Option:
+    """The row of an option."""
+    return next(row for row in table if row.name == name)
