@@ -15,7 +15,8 @@ from vibe_render.export import jobs
 from vibe_render.render import final_render
 from vibe_render.scene.subject import Choice
 
-from proxy_renderer.color import torch_color
+from proxy_renderer.color.differences import ciede2000
+from proxy_renderer.color.tensors import lab_from_srgb
 from proxy_renderer.engine.report import load_picture
 from proxy_renderer.render.proxy import Proxy, Render
 from proxy_renderer.scene import load_scene
@@ -76,8 +77,8 @@ def _compare(scene: bpy.types.Scene, folder: Path) -> tuple[torch.Tensor, Render
     cycles = torch.from_numpy(load_picture(folder / "cycles.png"))
     with torch.no_grad():
         render = Proxy(load_scene(folder / "job"), (cycles.shape[1], cycles.shape[0])).render({})
-    lab = torch_color.srgb_to_lab(cycles), torch_color.srgb_to_lab(render.display)
-    return torch_color.ciede2000(*lab), render, job.warnings
+    lab = lab_from_srgb(cycles), lab_from_srgb(render.display)
+    return ciede2000(*lab), render, job.warnings
 
 
 def test_transparent_film_shows_black_and_covers_what_is_hit(stage, tmp_path):

@@ -11,7 +11,7 @@ from vibe_render.export import jobs
 from vibe_render.render import final_render
 from vibe_render.scene.subject import Choice
 
-from proxy_renderer.color import torch_color
+from proxy_renderer.color.differences import mean_difference
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import SceneData, load_scene
 from proxy_renderer.schema import VibeError
@@ -53,7 +53,7 @@ def test_fault(scene, tmp_path, name):
         with Image.open(tmp_path / "cycles.png") as image:
             cycles = torch.from_numpy(np.array(image.convert("RGB"), dtype=np.float32) / 255)
         assert cycles.shape == picture.shape
-        apart = torch_color.mean_difference(cycles, picture).item()
+        apart = mean_difference(cycles, picture).item()
         assert apart < fault.near
 
 

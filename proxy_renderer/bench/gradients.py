@@ -22,7 +22,7 @@ from rich.table import Table
 from torch import Tensor
 from torch.nn.functional import adaptive_avg_pool2d
 
-from ..color.torch_color import linear_from_srgb, luma, srgb_to_lab
+from ..color.tensors import lab_from_srgb, linear_from_srgb, luminance
 from ..engine.report import load_picture
 from ..guidance import augment
 from ..guidance.encoder import Encoder, load_encoder
@@ -120,8 +120,8 @@ def functionals(display: Tensor, mask: Tensor, encoder: Encoder, caption: Tensor
         encoder: See `measure`.
         caption: (1, D) features.
     """
-    light = 100 * luma(linear_from_srgb(display))
-    colors = torch.cat((light, srgb_to_lab(display)), -1)
+    light = 100 * luminance(linear_from_srgb(display))
+    colors = torch.cat((light, lab_from_srgb(display)), -1)
     seen = encoder.encode_images(augment.whole(display.permute(2, 0, 1)[None], encoder.size))
     cells = adaptive_avg_pool2d(light.permute(2, 0, 1), _CELLS).flatten()
     return torch.cat((mean(colors, mask), mean(colors, 1 - mask), 1 - (seen @ caption.T).flatten(), cells))

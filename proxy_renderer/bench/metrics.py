@@ -10,7 +10,8 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
-from ..color import torch_color
+from ..color.differences import ciede2000
+from ..color.tensors import lab_from_srgb, luminance
 
 _WINDOW, _SIGMA = 11, 1.5
 _C1, _C2 = 0.01**2, 0.03**2
@@ -50,17 +51,17 @@ def difference(picture: Tensor, reference: Tensor) -> Difference:
 
 def delta_e_map(picture: Tensor, reference: Tensor) -> tuple[Tensor, Tensor]:
     """CIEDE2000 (H, W), and by how much the picture's L* is above the reference's (H, W)."""
-    lab, target = torch_color.srgb_to_lab(picture), torch_color.srgb_to_lab(reference)
-    return torch_color.ciede2000(lab, target), lab[..., 0] - target[..., 0]
+    lab, target = lab_from_srgb(picture), lab_from_srgb(reference)
+    return ciede2000(lab, target), lab[..., 0] - target[..., 0]
 
 
 def ssim(picture: Tensor, reference: Tensor) -> float:
-    """Mean structural similarity of the encoded luma.
+    """Mean structural similarity of the luma, which is the luminance of encoded values.
 
     Source: Wang et al., "Image quality assessment: from error visibility to structural similarity", 2004:
     Gaussian window of 11 pixels, sigma 1.5, K1 = 0.01, K2 = 0.03; borders without a whole window are left out.
     """
-    x, y = (torch_color.luma(p)[None, ..., 0][None].double() for p in (picture, reference))
+    x, y = (luminance(p)[None, ..., 0][None].double() for p in (picture, reference))
     side = min(_WINDOW, *x.shape[2:])
     line = torch.arange(side, dtype=torch.float64) - (side - 1) / 2
     bell = torch.exp(-line.square() / (2 * _SIGMA**2))

@@ -16,7 +16,7 @@ import torch
 
 from ..render.proxy import Proxy
 from ..scene import SceneData
-from .mitsuba import versus
+from . import mitsuba_comparison
 from .scenes import balls, outdoors
 
 try:
@@ -43,7 +43,7 @@ def run(out: Path, mitsuba: bool = False) -> dict[str, Any]:
 
     Args:
         out: The folder.
-        mitsuba: Whether to measure Mitsuba 3 on the same scenes, see `versus`.
+        mitsuba: Whether to measure Mitsuba 3 on the same scenes, see `mitsuba_comparison`.
 
     Returns:
         Milliseconds, and `memory_mb` by the side of the picture. `step_ms_512` is a step with eight parameters learned, as many as a round of a vibe
@@ -53,7 +53,7 @@ def run(out: Path, mitsuba: bool = False) -> dict[str, Any]:
         with a light or the camera moving before each, and steps for few and for many triangles.
     """
     if mitsuba:
-        versus.require()
+        mitsuba_comparison.require()
     one, many, foggy = balls(1, 1), balls(8, 4), outdoors(8, 4)
     still = [key for key in one.instances if _still(key)]
     results: dict[str, Any] = {
@@ -74,7 +74,7 @@ def run(out: Path, mitsuba: bool = False) -> dict[str, Any]:
     for name, value in results.items():
         print(f"{name}: {value}")
     if mitsuba:
-        results["mitsuba"] = versus.compare(
+        results["mitsuba"] = mitsuba_comparison.compare(
             out, _SIZE, lambda scene, keys, size: _step(scene, keys, size=size)
         )
     out.mkdir(parents=True, exist_ok=True)

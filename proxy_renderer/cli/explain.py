@@ -50,7 +50,7 @@ def _read(scene: Path, subject: Sequence[str]) -> tuple[SceneWords, dict[str, In
     with tempfile.TemporaryDirectory(prefix="vibe-explain-") as folder:
         launch(["export", str(scene), f"--out={folder}", *subject], scene, View(sys.stderr))
         from ..optimize import context
-        from ..optimize.objective import draw
+        from ..optimize.drawing import draw
         from ..optimize.plan import lock
         from ..optimize.vector import ParameterVector
         from ..render.proxy import Proxy

@@ -1,2 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Color mathematics and the view transform."""
+"""Color: spaces, differences, blackbody light and the view transform.
+
+`constants` has every number once; `floats`, `arrays` and `tensors` are the same conversions for plain floats, numpy and torch.
+"""

@@ -10,14 +10,13 @@ from pathlib import Path
 import numpy as np
 import torch
 from torch import Tensor
-from torch.nn import functional
 
 from ..schema import VibeError
+from .lookup_table import trilinear
 
 SIZE = 65
 BRIGHTEST = 2.0**6
 _TOE = 2.0**-8  # below this, samples are about evenly spaced in linear light; above it, in stops
-_PARTS = 16
 _STOPS = math.log2(1 + BRIGHTEST / _TOE)
 
 
@@ -47,19 +46,8 @@ class ViewTransform:
         """Display values (..., 3), unclamped, of linear light (..., 3); differentiable in `linear`."""
         stops = torch.log2(linear.clamp(0, BRIGHTEST) * (1 / _TOE) + 1)
         position = (stops * (2 / _STOPS) - 1).reshape(-1, 3)
-        found = look_up(self._lut, position)
-        return found.T.reshape(linear.shape)
-
-
-def look_up(table: Tensor, place: Tensor) -> Tensor:
-    """Trilinear values (C, N) of a table (1, C, D, H, W) at places (N, 3) in [-1, 1], the last axis first.
-
-    As a batch: torch's CPU kernel uses a core for each of its members.
-    """
-    parts = functional.pad(place, (0, 0, 0, -len(place) % _PARTS)).view(_PARTS, -1, 1, 1, 3)
-    tables = table.expand(_PARTS, -1, -1, -1, -1)
-    found = functional.grid_sample(tables, parts, padding_mode="border", align_corners=True)
-    return found.transpose(0, 1).reshape(table.shape[1], -1)[:, : len(place)]
+        values = trilinear(self._lut, position)
+        return values.T.reshape(linear.shape)
 
 
 @functools.lru_cache(maxsize=8)

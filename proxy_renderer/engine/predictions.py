@@ -8,7 +8,7 @@ from pathlib import Path
 import torch
 from PIL import Image
 
-from ..optimize.objective import draw
+from ..optimize.drawing import draw
 from ..optimize.pipeline import Outcome
 from ..render.proxy import Proxy, Render
 from . import report

@@ -13,7 +13,7 @@ import numpy as np
 import torch
 from PIL import Image
 
-from ..color.torch_color import mean_difference
+from ..color.differences import mean_difference
 from ..guidance import augment
 from ..guidance.encoder import Encoder, load_encoder
 from ..optimize import context, pipeline

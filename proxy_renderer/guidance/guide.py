@@ -5,13 +5,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import torch
 from torch import Tensor
 
-from ..color.named import Lab
-from ..color.torch_color import srgb_to_lab
+from ..color.constants import Lab
+from ..color.tensors import lab_from_srgb
 from ..prompt.types import Prompts
 from ..schema.spec import Region
 from . import regions
@@ -71,7 +71,23 @@ class Weights:
     leash: float = 2.0
 
 
-class Guide:
+class Guidance(Protocol):
+    """What judges a picture: `PromptGuidance`, or the baseline's.
+
+    Attributes:
+        views: How many crops of each region it looks at.
+    """
+
+    views: regions.Views
+
+    def __call__(self, display: Tensor, mask: Tensor, generator: torch.Generator) -> dict[str, Tensor]:
+        """The weighted loss terms of a picture (H, W, 3) with its mask (H, W)."""
+
+    def measure(self, display: Tensor, mask: Tensor) -> dict[str, float]:
+        """Probabilities of the attributes that the words ask for."""
+
+
+class PromptGuidance:
     """The objective for one prompt.
 
     Args:
@@ -142,7 +158,7 @@ class Guide:
         if self.wanted:
             seen = self._of_heads(self.wanted, display, mask, features, generator)
             terms["attributes"] = w.attributes * self.wanted.loss(*seen)
-        lab = srgb_to_lab(display)
+        lab = lab_from_srgb(display)
         for region, target in self.colors.items():
             terms[f"{region} color"] = w.color * color_loss(
                 lab, mask if region == "subject" else 1.0 - mask, target

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 import torch
 from torch import Tensor
 
-from ..color.torch_color import mean_difference
+from ..color.differences import mean_difference
 from ..render.cycles.pictures import CyclesPicture
 from ..scene import SceneData
 from ..schema import VibeError, messages
-from .objective import chosen_values, draw
+from .drawing import chosen_values, draw
 from .vector import ParameterVector
 
 if TYPE_CHECKING:

@@ -21,7 +21,7 @@ def plan_everything(instances: Mapping[str, Instance]) -> Plan:
     return Plan({k: PlanEntry(i.lower, i.upper, 0, reason, prior=0.0) for k, i in instances.items()})
 
 
-class GlobalGuide:
+class GlobalGuidance:
     """L_pos(I, t) alone (equation 3), on as many views as the product's whole-picture term has.
 
     Args:

@@ -11,8 +11,9 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
-from ..color.named import Lab
-from ..color.torch_color import LUMA, srgb_to_lab
+from ..color import arrays
+from ..color.constants import Lab
+from ..color.tensors import lab_from_srgb
 from ..guidance import regions
 from ..prompt.types import PictureStats, PlanContext, SceneWords
 from ..render.geometry.camera import view_of
@@ -65,9 +66,7 @@ def plan_context(proxy: Proxy, values: dict[str, Values], picture: Render) -> Pl
         world_share=world,
         material_share=materials,
         environment_luminance=_environment_luminance(scene),
-        texture_luminance={
-            name: float((image @ np.asarray(LUMA, np.float32)).mean()) for name, image in textures.items()
-        },
+        texture_luminance={name: float(arrays.luminance(image).mean()) for name, image in textures.items()},
         values=values,
         picture=replace(picture_stats(picture), materials=_material_colors(scene, seen[0], picture)),
     )
@@ -79,12 +78,12 @@ def _environment_luminance(scene: SceneData) -> float:
     if image is None:
         return 0.5
     heights = (np.arange(len(image)) + 0.5) / len(image) * np.pi - np.pi / 2
-    return float(np.average((image @ np.asarray(LUMA, np.float32)).mean(1), weights=np.cos(heights)))
+    return float(np.average(arrays.luminance(image).mean(1), weights=np.cos(heights)))
 
 
 def picture_stats(picture: Render) -> PictureStats:
     """Mean colors of the regions, and how the lightness of the whole picture is spread."""
-    lab = srgb_to_lab(picture.display.detach()).cpu()
+    lab = lab_from_srgb(picture.display.detach()).cpu()
     mask = picture.mask.detach().cpu()
     means: dict[Region, Tensor] = {
         "subject": regions.mean(lab, mask),
@@ -133,7 +132,7 @@ def _material_colors(scene: SceneData, material: Tensor, picture: Render) -> dic
     """Mean display color of what rays as in `_look` see of each material."""
     display = picture.display.detach().cpu().permute(2, 0, 1)[None]
     small = F.interpolate(display, (_GRID, _GRID), mode="area")[0].permute(1, 2, 0)
-    lab = srgb_to_lab(small).reshape(-1, 3)
+    lab = lab_from_srgb(small).reshape(-1, 3)
     found: dict[str, Lab] = {}
     for index, m in enumerate(scene.materials):
         here = material == index

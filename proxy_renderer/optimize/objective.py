@@ -4,36 +4,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import torch
 from torch import Tensor
 
 from ..guidance.guide import Weights
 from ..guidance.losses import leash_loss, prior_loss
-from ..guidance.regions import Views
 from .inner import fixed_views
+from .shots import Shot
 from .vector import ParameterVector
 
 if TYPE_CHECKING:
-    from ..render.proxy import Proxy, Render
-    from .shots import Shot
-
-
-class Terms(Protocol):
-    """The guidance: `guide.Guide`, or the baseline's.
-
-    Attributes:
-        views: How many crops of each region it looks at.
-    """
-
-    views: Views
-
-    def __call__(self, display: Tensor, mask: Tensor, generator: torch.Generator) -> dict[str, Tensor]:
-        """The weighted loss terms of a picture (H, W, 3) with its mask (H, W)."""
-
-    def measure(self, display: Tensor, mask: Tensor) -> dict[str, float]:
-        """Probabilities of the attributes that the words ask for."""
+    from ..render.proxy import Render
 
 
 class RoundObjective:
@@ -96,39 +79,15 @@ class RoundObjective:
             with torch.no_grad():
                 picture = shot.draw(u)
                 terms.append({k: float(v) for k, v in self._terms(picture, fixed_views(), number).items()})
-            assert shot.terms is not None
-            seen.append(shot.terms.measure(picture.display, picture.mask))
+            assert shot.guidance is not None
+            seen.append(shot.guidance.measure(picture.display, picture.mask))
         return {"terms": _means(terms, 4), "seen": _means(seen, 3)}
 
     def _terms(self, picture: Render, generator: torch.Generator, shot: int) -> dict[str, Tensor]:
-        terms = self.seen[shot].terms
-        assert terms is not None
-        return terms(picture.display, picture.mask, generator)
+        guidance = self.seen[shot].guidance
+        assert guidance is not None
+        return guidance(picture.display, picture.mask, generator)
 
 
 def _means(rows: Sequence[dict[str, float]], digits: int) -> dict[str, float]:
     return {key: round(sum(row[key] for row in rows) / len(rows), digits) for key in rows[0]}
-
-
-def draw(
-    proxy: Proxy, vector: ParameterVector, u: Tensor, free: set[str] | frozenset[str] = frozenset()
-) -> Render:
-    """Renders u (N,): values that are the artist's own are left to the scene, exactly as they are."""
-    return proxy.render(chosen_values(vector, u, proxy.device, free))
-
-
-def chosen_values(
-    vector: ParameterVector,
-    u: Tensor,
-    device: torch.device,
-    free: set[str] | frozenset[str] = frozenset(),
-) -> dict[str, Tensor]:
-    """The values of u (N,) that are free, with gradients, or no longer the artist's."""
-    moved = (u.detach() - vector.encode({})).abs() > 1e-9
-    values = {}
-    for key, value in vector.decode(u).items():
-        if key in free:
-            values[key] = value.to(device)
-        elif key in vector.taken or moved[vector.slices[key]].any():
-            values[key] = value.detach().to(device)
-    return values

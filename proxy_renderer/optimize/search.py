@@ -12,7 +12,7 @@ import torch
 from torch import Tensor
 
 from ..guidance.encoder import Encoder
-from ..guidance.guide import Guide, Weights
+from ..guidance.guide import Guidance, PromptGuidance, Weights
 from ..guidance.regions import Views
 from ..planning.advice import Advice, Advisor, OfflineAdvisor
 from ..prompt.types import Plan, PlanEntry
@@ -21,9 +21,9 @@ from ..scene import SceneData
 from ..schema import Values, VibeError
 from ..schema.messages import Options
 from . import context, starts
-from .baseline import GlobalGuide, plan_everything
+from .baseline import GlobalGuidance, plan_everything
 from .inner import Settings, descend, fixed_views, promise
-from .objective import RoundObjective, Terms
+from .objective import RoundObjective
 from .plan import carry, feasible_ranges, lock, top_k
 from .progress import Clock, Watch
 from .shots import Shot, View, enter, share
@@ -91,7 +91,7 @@ class Search:
         self.rounds = -(-options.rounds // 2) if self.several else options.rounds
         self.clock = Clock(self.rounds * (options.variants if self.several else 1), options.steps, watch)
         self.weights = None if options.baseline else Weights()
-        self._guidance = partial(guidance, encoder, heads, prompt, options)
+        self._guidance = partial(make_guidance, encoder, heads, prompt, options)
         self.number = 0
 
     def find_starts(self) -> list[Start]:
@@ -149,11 +149,11 @@ class Search:
         lower, upper = self.vector.bounds(ranges)
         if start and start.drawn is not None:
             lower, upper = starts.corral(start.u, lower, upper, start.drawn)
-        if self.shots[0].terms is None:  # the loop begins, at the artist's own values
+        if self.shots[0].guidance is None:  # the loop begins, at the artist's own values
             pictures = [shot.draw(u) for shot in self.shots]
             self.watch.begin(pictures[0].display.detach())
             for shot, picture in zip(self.shots, pictures, strict=True):
-                shot.terms = self._guidance(advice, picture)
+                shot.guidance = self._guidance(advice, picture)
         for shot in self.shots[1:]:
             shot.take(plan)
         return Confined(advice, plan, ranges, lower, upper, project(u, lower, upper))
@@ -187,27 +187,28 @@ class Search:
 
 def _hasty(shot: Shot) -> Shot:
     """The same shot, judged on few views."""
-    terms = copy(shot.terms)
-    assert terms is not None
-    terms.views = Views(1, 1, 1)
-    return replace(shot, terms=terms)
+    guidance = copy(shot.guidance)
+    assert guidance is not None
+    guidance.views = Views(1, 1, 1)
+    return replace(shot, guidance=guidance)
 
 
 def _worth(shot: Shot, picture: Render) -> float:
-    assert shot.terms is not None
-    return float(torch.stack([*shot.terms(picture.display, picture.mask, fixed_views()).values()]).sum())
+    assert shot.guidance is not None
+    terms = shot.guidance(picture.display, picture.mask, fixed_views())
+    return float(torch.stack([*terms.values()]).sum())
 
 
-def guidance(
+def make_guidance(
     encoder: Encoder, heads: Encoder | None, prompt: str, options: Options, advice: Advice, start: Render
-) -> Terms:
+) -> Guidance:
     """The objective's terms, calibrated on the artist's picture."""
     parsed = advice.parsed
     if options.baseline:
-        return GlobalGuide(encoder, prompt, Views())
+        return GlobalGuidance(encoder, prompt, Views())
     silhouette = any(a.entry == "silhouette" and not a.negated for a in parsed.attributes)
     first = (start.display, start.mask)
-    return Guide(encoder, heads, advice.prompts, parsed.targets, parsed.colors, first, silhouette)
+    return PromptGuidance(encoder, heads, advice.prompts, parsed.targets, parsed.colors, first, silhouette)
 
 
 def select(

@@ -14,12 +14,12 @@ from ..prompt.types import Plan
 from ..scene import SceneData
 from ..schema import Instance
 from .anchoring import Anchoring, Source
-from .objective import draw
+from .drawing import draw
 from .vector import ParameterVector
 
 if TYPE_CHECKING:
+    from ..guidance.guide import Guidance
     from ..render.proxy import Proxy, Render
-    from .objective import Terms
 
 MOVES = "it changes from shot to shot in your scene"
 
@@ -49,7 +49,7 @@ class Shot:
         vector: The shared vector under its keys.
         proxy: Renders the loop's pictures.
         anchoring: The proxy's corrections.
-        terms: The guidance, calibrated on the artist's picture: the same in all rounds and for all starts.
+        guidance: Judges the pictures; calibrated on the artist's picture: the same in all rounds and for all starts.
     """
 
     scene: SceneData
@@ -57,7 +57,7 @@ class Shot:
     vector: ParameterVector
     proxy: Proxy
     anchoring: Anchoring
-    terms: Terms | None = None
+    guidance: Guidance | None = None
 
     def draw(self, u: Tensor, free: set[str] | frozenset[str] = frozenset()) -> Render:
         """The proxy's picture of u (N,), differentiable in the free keys, which are the shared vector's."""

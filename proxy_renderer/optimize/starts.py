@@ -11,7 +11,7 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
-from ..color.torch_color import srgb_to_lab
+from ..color.tensors import lab_from_srgb
 from ..prompt.types import Plan, PlanEntry
 from ..schema import Instance
 from .vector import ParameterVector
@@ -133,4 +133,4 @@ def most_diverse(pictures: list[Tensor], losses: list[float], number: int) -> li
 
 def _cells(display: Tensor) -> Tensor:
     """(3, 16, 16) mean Lab colors of a picture (H, W, 3)."""
-    return F.adaptive_avg_pool2d(srgb_to_lab(display.detach()).permute(2, 0, 1), _CELLS)
+    return F.adaptive_avg_pool2d(lab_from_srgb(display.detach()).permute(2, 0, 1), _CELLS)

@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from ..color.named import chroma, from_hex, hue_apart, luminance, shade, to_lab, to_linear, to_srgb
+from ..color.floats import chroma, lab_from_srgb, linear_from_srgb, luminance, srgb_from_hex, srgb_from_linear
+from ..color.shades import hue_apart, shade
 from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.lexicon.vocabulary import Effect
 from ..prompt.meaning import fog_color
@@ -35,10 +36,12 @@ def color_range(effect: Effect, attribute: Attribute, instance: Instance, source
         return _shown_strength(srgb, instance, sources)
     if effect.mode == "cast":
         amount = _MOOD * 0.2 if attribute.kind in ("ambience", "fog") else 0.2
-        cast = _cast(to_linear(srgb), 0.06 if instance.parameter.name == "lift" else amount)
+        cast = _cast(linear_from_srgb(srgb), 0.06 if instance.parameter.name == "lift" else amount)
         return tuple(v - 0.02 for v in cast), tuple(v + 0.02 for v in cast)
     if effect.mode == "gel":
-        linear = _gel(to_linear(srgb), 0.9 * (_MOOD * _purity(srgb) if attribute.kind == "ambience" else 1.0))
+        linear = _gel(
+            linear_from_srgb(srgb), 0.9 * (_MOOD * _purity(srgb) if attribute.kind == "ambience" else 1.0)
+        )
     elif effect.mode == "albedo":
         linear = _fog_albedo(srgb)
     elif effect.mode == "shown":
@@ -59,8 +62,12 @@ def color_range(effect: Effect, attribute: Attribute, instance: Instance, source
 
 def _surface(srgb: Values, view: str, illumination: float, veil: float, tint: Values) -> Values:
     """The albedo that is displayed as a color under the light, of some tint, that is going to fall on it."""
-    if to_lab(srgb)[0] > 93:
-        return (_WHITEST,) * 3 if chroma(to_lab(srgb)) < 4 else tuple(_WHITEST * v for v in to_linear(srgb))
+    if lab_from_srgb(srgb)[0] > 93:
+        return (
+            (_WHITEST,) * 3
+            if chroma(lab_from_srgb(srgb)) < 4
+            else tuple(_WHITEST * v for v in linear_from_srgb(srgb))
+        )
     light = min(max(illumination, 0.6), 5.0)
     wanted = reachable(srgb, view, _WHITEST * light)
     albedo = tuple(max(v - veil, 0.7 * v) / (light * t) for v, t in zip(wanted, tint, strict=True))
@@ -72,7 +79,7 @@ def _tint(srgb: Values, sources: Sources) -> Values:
 
     Eyes are used to warm and cool lamps, but not so far that they see blue where candles leave violet.
     """
-    against = hue_apart(srgb, to_srgb(tuple(v / max(sources.warmth) for v in sources.warmth)))
+    against = hue_apart(srgb, srgb_from_linear(tuple(v / max(sources.warmth) for v in sources.warmth)))
     share = _MADE_UP * min(max((against - _ALIKE) / (_OPPOSED - _ALIKE), 0.0), 1.0)
     return tuple(
         gel**sources.constancy * warm**share for gel, warm in zip(sources.cast, sources.warmth, strict=True)
@@ -85,7 +92,9 @@ def _named(effect: Effect, attribute: Attribute, sources: Sources) -> Values:
     if effect.color == "own":
         return sources.own_color
     named = (
-        from_hex(effect.color) if effect.color.startswith("#") else default_vocabulary().colors[effect.color]
+        srgb_from_hex(effect.color)
+        if effect.color.startswith("#")
+        else default_vocabulary().colors[effect.color]
     )
     return shaded(named, attribute) if effect.name in OWN_COLOR else named
 
@@ -118,8 +127,8 @@ def _purity(srgb: Values) -> float:
 
 def _fog_albedo(srgb: Values) -> Values:
     """Fog scatters many times: it is paler and much brighter than the color it is named for."""
-    pale = to_linear(fog_color(srgb))
-    darkness = min(luminance(to_linear(srgb)) * 12 + 0.25, 0.95)  # black fog is smoke
+    pale = linear_from_srgb(fog_color(srgb))
+    darkness = min(luminance(linear_from_srgb(srgb)) * 12 + 0.25, 0.95)  # black fog is smoke
     return tuple(v * darkness / max(pale) for v in pale)
 
 
@@ -136,7 +145,7 @@ def _cast(linear: Values, amount: float) -> Values:
 def _shown_strength(srgb: Values, instance: Instance, sources: Sources) -> Range:
     """Strength at which a world of the "shown" color looks as named; white as white, not gray."""
     context = sources.context
-    if to_lab(srgb)[0] > 93:
+    if lab_from_srgb(srgb)[0] > 93:
         ends = tuple(radiance(goal, context.view) for goal in (88.0, 93.0))
     else:
         bright = max(reachable(srgb, context.view, _BRIGHTEST))

@@ -10,7 +10,7 @@ from itertools import product
 from math import exp, log, sqrt
 from pathlib import Path
 
-from ..color.named import chroma, luminance, to_lab, to_linear, to_srgb
+from ..color.floats import chroma, lab_from_srgb, linear_from_srgb, luminance, srgb_from_linear
 from ..schema import Values
 
 # L* on an sRGB display of scene-linear grays, measured on Blender's own OCIO config; the rest as AgX.
@@ -122,7 +122,7 @@ def dimming(srgb: Values, least: float) -> Iterator[Values]:
     yield srgb
     while light > least:
         light *= _DIMMED
-        yield to_srgb(tuple(light * v for v in to_linear(srgb)))
+        yield srgb_from_linear(tuple(light * v for v in linear_from_srgb(srgb)))
 
 
 def first_within(colors: Iterable[Values], limit: float) -> Values:
@@ -138,7 +138,7 @@ def _paleness(srgb: Sequence[float], view: str) -> float:
     """0 for a dark or a saturated color, 1 for a pale one, where the view bleaches such."""
     if view not in _tables():
         return 0.0
-    lab = to_lab(srgb)
+    lab = lab_from_srgb(srgb)
     faint = (_PALE[1] - chroma(lab)) / (_PALE[1] - _PALE[0])
     light = (lab[0] - _LIGHT[0]) / (_LIGHT[1] - _LIGHT[0])
     return max(min(faint, light, 1.0), 0.0)
@@ -149,8 +149,8 @@ def _blended(srgb: Sequence[float], view: str, pale: float) -> Values:
     exact = _inverse(srgb, view)
     if not pale:
         return exact
-    linear = tuple(v**_BLEACHED for v in to_linear(srgb))
-    level = radiance(to_lab(srgb)[0], view) / max(luminance(linear), 1e-6)
+    linear = tuple(v**_BLEACHED for v in linear_from_srgb(srgb))
+    level = radiance(lab_from_srgb(srgb)[0], view) / max(luminance(linear), 1e-6)
     return tuple(
         exp(pale * log(max(level * v, 1e-5)) + (1 - pale) * log(max(e, 1e-5)))
         for v, e in zip(linear, exact, strict=True)
@@ -159,12 +159,12 @@ def _blended(srgb: Sequence[float], view: str, pale: float) -> Values:
 
 def _inverse(srgb: Sequence[float], view: str) -> Values:
     """The nearest color by the view's table; between its rows square roots are closer to straight lines than logarithms."""
-    lab = to_lab(srgb)
+    lab = lab_from_srgb(srgb)
     if chroma(lab) < 4:
         return (radiance(lab[0], view),) * 3
     table = _tables().get(view)
     if table is None:
-        return to_linear(srgb)
+        return linear_from_srgb(srgb)
     steps = round(len(table) ** (1 / 3))
     places = [min(max(v, 0.0), 1.0) * (steps - 1) for v in srgb]
     corners = [min(int(p), steps - 2) for p in places]

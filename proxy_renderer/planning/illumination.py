@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Iterator
 
-from ..color.named import luminance
+from ..color.floats import luminance
 from ..prompt.types import PlanContext
 from ..schema import Instance, Values, radiometry
 from ..schema.spec import Region

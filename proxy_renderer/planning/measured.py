@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 
-from ..color.named import chroma, from_lab, to_lab
+from ..color.floats import chroma, lab_from_srgb, srgb_from_lab
 from ..prompt.meaning import display_color
 from ..prompt.types import PlanContext
 from ..schema import Instance, Values
@@ -40,13 +40,15 @@ def measured(
     """
     now = context.values.get(instance.key)
     shown = context.picture.materials.get(instance.owner) if context.picture else None
-    named = to_lab(srgb)
+    named = lab_from_srgb(srgb)
     if not (now and shown) or not _near(now, formula):
         return formula
     if named[0] < _DARK:
-        return _recast(formula, scene_color(srgb, context.view), scene_color(from_lab(shown), context.view))
+        return _recast(
+            formula, scene_color(srgb, context.view), scene_color(srgb_from_lab(shown), context.view)
+        )
     region: Region = "subject" if instance.role == "subject" else "surroundings"
-    wanted, seen = from_lab(display_color(srgb, region)), scene_color(from_lab(shown), context.view)
+    wanted, seen = srgb_from_lab(display_color(srgb, region)), scene_color(srgb_from_lab(shown), context.view)
     if named[0] > 93 and chroma(named) < 4:  # a cast is taken out of white, not light
         found = _mended(now, wanted, seen, context.view, share)
         return tuple(_WHITEST * max((v / max(found)) ** _WHITENED, _LEAST) for v in found)

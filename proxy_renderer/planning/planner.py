@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..color.named import to_srgb
+from ..color.floats import srgb_from_linear
 from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.lexicon.vocabulary import Effect, Vocabulary
 from ..prompt.meaning import is_vague
@@ -179,7 +179,7 @@ class _Planner:
         if named and named[0].color:
             return named[0].color
         found = (self.instances.get(f"material/{owner}/{name}") for name in ("base_color", "tint"))
-        return next((to_srgb(self._planned(i)) for i in found if i), (1.0, 1.0, 1.0))
+        return next((srgb_from_linear(self._planned(i)) for i in found if i), (1.0, 1.0, 1.0))
 
     def _glows(self, owner: str) -> bool:
         key = f"material/{owner}/emission"

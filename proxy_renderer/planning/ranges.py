@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 
-from ..color.named import from_lab, luminance, to_lab, to_linear, to_srgb
+from ..color.floats import lab_from_srgb, linear_from_srgb, luminance, srgb_from_lab, srgb_from_linear
 from ..prompt.lexicon.vocabulary import Effect
 from ..prompt.types import Attribute
 from ..schema import Instance, Values
@@ -24,7 +24,8 @@ def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sourc
     """The range that an effect asks for, clipped to the instance's hard bounds (never empty)."""
     if attribute.shades and effect.name in OWN_COLOR and not (effect.color or effect.mode):
         ends = (
-            to_linear(shaded(to_srgb(_spread(v, instance)), attribute)) for v in (effect.lower, effect.upper)
+            linear_from_srgb(shaded(srgb_from_linear(_spread(v, instance)), attribute))
+            for v in (effect.lower, effect.upper)
         )
         low, high = ends
     elif effect.color:
@@ -113,9 +114,9 @@ def _plus(effect: Effect, strength: float, instance: Instance, _: Sources) -> Ra
 def _lightness(effect: Effect, strength: float, instance: Instance, sources: Sources) -> Range:
     low, high = scaled(effect.lower[0], effect.upper[0], _MIDDLE, strength, (0.5, 97.0))
     if instance.parameter.kind == "color":
-        light, a, b = to_lab(to_srgb(instance.value))
+        light, a, b = lab_from_srgb(srgb_from_linear(instance.value))
         shades = [
-            to_linear(from_lab((goal, a * _fade(goal, light), b * _fade(goal, light))))
+            linear_from_srgb(srgb_from_lab((goal, a * _fade(goal, light), b * _fade(goal, light))))
             for goal in (low, high)
         ]
         return tuple(map(min, *shades)), tuple(map(max, *shades))

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import math
 
-from ..color.named import Lab, luminance, to_lab, to_srgb
+from ..color.constants import Lab
+from ..color.floats import lab_from_srgb, luminance, srgb_from_linear
 from ..prompt.types import Parsed, PlanContext, PlanEntry
 from ..schema import Instance
 from ..schema.spec import Region
@@ -81,7 +82,7 @@ def _shaded_subject(
     if "subject" in parsed.colors:
         return {}
     colors = [k for n in owners.materials("subject") if (k := f"material/{n}/base_color") in free]
-    albedos = {key: to_lab(to_srgb(free[key].value))[0] for key in colors}
+    albedos = {key: lab_from_srgb(srgb_from_linear(free[key].value))[0] for key in colors}
     gap = 22.0 if around[0] > 50 or min(albedos.values(), default=0.0) > _LIGHT else -22.0
     factor = ((max(around[0] - gap, 1.0) + 16) / (subject[0] + 16)) ** 3
     found = {}
@@ -113,7 +114,7 @@ def _unlit(instances: dict[str, Instance], sources: Sources, owners: Owners) -> 
     names = owners.materials("surroundings")
     albedos = [i.value for n in names if (i := instances.get(f"material/{n}/base_color"))]
     if albedos:
-        return 0.85 * sum(to_lab(to_srgb(v))[0] for v in albedos) / len(albedos)
+        return 0.85 * sum(lab_from_srgb(srgb_from_linear(v))[0] for v in albedos) / len(albedos)
     strength = instances["world/strength"].value[0] if "world/strength" in instances else 1.0
     return lightness(luminance(sources.world_color) * strength * 2**sources.exposure, sources.context.view)
 
@@ -128,7 +129,7 @@ def _shifted_albedo(instance: Instance, low: float, high: float) -> PlanEntry:
 
 def _shaded_albedo(instance: Instance, low: float, high: float) -> PlanEntry:
     """From the artist's color to a shade of it nearer to that L*: only as far as the picture asks for."""
-    now = to_lab(to_srgb(instance.value))[0]
+    now = lab_from_srgb(srgb_from_linear(instance.value))[0]
     goal = min(max(now, low), high)
     factor = _factor(instance, min(max(goal, now - _SHADE), now + _SHADE))
     ends = [tuple(min(v * f, 0.9) for v in instance.value) for f in sorted((1.0, factor))]
@@ -138,5 +139,5 @@ def _shaded_albedo(instance: Instance, low: float, high: float) -> PlanEntry:
 
 def _factor(instance: Instance, goal: float) -> float:
     """What the artist's color is multiplied by to have an L*."""
-    now = max(to_lab(to_srgb(instance.value))[0], 1.0)
+    now = max(lab_from_srgb(srgb_from_linear(instance.value))[0], 1.0)
     return ((goal + 16) / (now + 16)) ** 3

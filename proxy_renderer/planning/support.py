@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from ..color.named import chroma
+from ..color.floats import chroma
 from ..prompt.types import Parsed, PlanContext, PlanEntry
 from ..schema import Instance
 from ..schema.spec import Region

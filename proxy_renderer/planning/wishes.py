@@ -5,7 +5,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..color.named import hue_apart, to_lab
+from ..color.floats import lab_from_srgb
+from ..color.shades import hue_apart
 from ..prompt.lexicon.vocabulary import OWNERS, Effect, Vocabulary
 from ..prompt.types import Attribute, Parsed
 from ..schema import FAMILIES
@@ -96,7 +97,7 @@ class Wishes:
         if attribute.color:
             kind = attribute.kind
             if kind == "surroundings" and self._owners.world_is_hidden():
-                light = to_lab(attribute.color)[0]
+                light = lab_from_srgb(attribute.color)[0]
                 kind = "hidden_white" if light > _WHITE else "hidden_pale" if light > _PALE else "hidden"
             return [] if attribute.negated else list(self._vocabulary.painted.get(kind, ()))
         entry = self._vocabulary.entries[attribute.entry]

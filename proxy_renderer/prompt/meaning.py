@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
-from ..color.named import Lab, basic, chroma, shade, to_lab
+from ..color.constants import Lab
+from ..color.floats import chroma, lab_from_srgb
+from ..color.shades import basic, shade
 from ..schema import Values
 from ..schema.spec import Region
 from .lexicon.attributes import ATTRIBUTES, COLORS
@@ -91,7 +93,7 @@ def display_color(color: tuple[float, ...], region: Region) -> Lab:
     Shading and the view transform's shoulder keep saturated colors from the gamut's corners, and
     nothing lit is as black as its name.
     """
-    light, a, b = to_lab(color)
+    light, a, b = lab_from_srgb(color)
     if chroma((light, a, b)) > 20:
         return min(max(light, 22.0), 74.0), 0.8 * a, 0.8 * b
     ceiling = 95.0 if region == "surroundings" else 86.0

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from functools import cached_property
 
-from ..color.named import shade
+from ..color.shades import shade
 from ..schema import Values
 from .lexicon.nearest import Guess, nearest, table
 from .lexicon.tinges import spelled_out, tending, tinged

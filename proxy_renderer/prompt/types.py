@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from ..color.named import Lab
+from ..color.constants import Lab
 from ..schema import Values
 from ..schema.spec import Region
 

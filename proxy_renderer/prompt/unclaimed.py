@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..color.named import chroma, to_lab
+from ..color.floats import chroma, lab_from_srgb
 from .lexicon.vocabulary import Vocabulary
 from .things import Thing, Word
 from .types import Attribute
@@ -42,7 +42,7 @@ class Unclaimed:
         self._opening += [] if first else colors
         self._clauses.append(range(first, len(self._attributes)))
         self._loose += self._clauses[-1]
-        vivid = [w for w in colors if w.token.color and chroma(to_lab(w.token.color)) > _VIVID]
+        vivid = [w for w in colors if w.token.color and chroma(lab_from_srgb(w.token.color)) > _VIVID]
         if len(vivid) == len(words) == 2 and words[0].barred:
             self._pair = list(range(first, len(self._attributes)))
 
@@ -145,7 +145,7 @@ class Unclaimed:
     def _tells_of_light(self, attribute: Attribute, before: Attribute) -> bool:
         """Whether a color goes on about the light or the air: "a cottage at dusk, cold blue"."""
         color, shaded = attribute.color, not set(attribute.word.split()[:-1]).isdisjoint(_LIT)
-        lit = color is not None and chroma(to_lab(color)) > _VIVID and shaded
+        lit = color is not None and chroma(lab_from_srgb(color)) > _VIVID and shaded
         return lit and before.kind in ("light", "fog", "sky") and not before.color
 
     def _fills_the_air(self, attribute: Attribute) -> bool:

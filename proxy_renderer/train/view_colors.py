@@ -11,7 +11,7 @@ import sys
 
 import numpy as np
 
-from ..color.named import TO_CONES, TO_OKLAB
+from ..color.arrays import oklab_from_srgb
 from ..planning.display import VIEW_COLORS
 
 VIEWS = ("AgX", "Filmic")
@@ -28,8 +28,7 @@ def _show(linear: np.ndarray, processor) -> np.ndarray:
 
 def _oklab(srgb: np.ndarray) -> np.ndarray:
     """OKLab (Ottosson 2020), scaled to CIELAB's numbers, whose blues would be matched by violet."""
-    linear = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
-    return np.cbrt(linear @ np.array(TO_CONES).T) @ np.array(TO_OKLAB).T * (100.0, 300.0, 300.0)
+    return oklab_from_srgb(srgb) * (100.0, 300.0, 300.0)
 
 
 def _error(lab: np.ndarray, target: np.ndarray) -> np.ndarray:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from ..color.floats import decode, encode
 from ..prompt.types import PlanContext
 from ..schema import Instance, Values
 from ..schema.spec import SRGB
@@ -85,7 +86,7 @@ class AliasTable:
     def shown(self, instance: Instance, values: Values) -> Values:
         """Values as a model sees them: colors as sRGB, light directions relative to the camera."""
         if instance.parameter.kind == "color" and instance.parameter.scale == SRGB:
-            return tuple(_encode(v) for v in values)
+            return tuple(encode(max(v, 0.0)) for v in values)
         if _is_direction(instance):
             return ((values[0] - self._camera + 180.0) % 360.0 - 180.0,)
         return values
@@ -106,7 +107,7 @@ class AliasTable:
     def meant(self, instance: Instance, lower: Values, upper: Values) -> tuple[Values, Values]:
         """Inverse of `shown` for a range; a direction is turned to where the artist's value is nearest."""
         if instance.parameter.kind == "color" and instance.parameter.scale == SRGB:
-            return tuple(map(_decode, lower)), tuple(map(_decode, upper))
+            return _linear(lower), _linear(upper)
         if _is_direction(instance):
             middle = (lower[0] + upper[0]) / 2 + self._camera
             turn = 360.0 * round((instance.value[0] - middle) / 360.0) + self._camera
@@ -118,14 +119,9 @@ def _is_direction(instance: Instance) -> bool:
     return instance.parameter.family == "light/azimuth"
 
 
+def _linear(srgb: Values) -> Values:
+    return tuple(decode(max(v, 0.0)) for v in srgb)
+
+
 def _name(text: str) -> str:
     return text[:_LONGEST_NAME]
-
-
-def _encode(v: float) -> float:
-    """sRGB of a linear component, beyond 1 too."""
-    return 12.92 * max(v, 0.0) if v <= 0.0031308 else 1.055 * v ** (1 / 2.4) - 0.055
-
-
-def _decode(v: float) -> float:
-    return max(v, 0.0) / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4

@@ -11,7 +11,8 @@ import re
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..color.named import Lab, from_hex
+from ..color.constants import Lab
+from ..color.floats import srgb_from_hex
 from ..planning.ranges import clip
 from ..prompt.lexicon.attributes import ATTRIBUTES
 from ..prompt.meaning import display_color
@@ -154,7 +155,7 @@ def _colors(raw: Any, reply: Reply) -> dict[Region, Lab]:
     found: dict[Region, Lab] = {}
     for region, value in (raw if isinstance(raw, dict) else {}).items():
         if region in REGIONS and isinstance(value, str) and _HEX.fullmatch(value.strip()):
-            found[region] = display_color(from_hex(value.strip()), region)
+            found[region] = display_color(srgb_from_hex(value.strip()), region)
         elif value not in ("", None):
             reply.dropped += 1
     return found

@@ -12,7 +12,7 @@ from proxy_renderer.bench.paper import experiment, measures, page, pairs, runs, 
 from proxy_renderer.bench.paper.runs import Budget
 from proxy_renderer.bench.paper.shot import Shot
 from proxy_renderer.bench.paper.visible import Visibility, visibility
-from proxy_renderer.color.named import from_hex, to_lab
+from proxy_renderer.color.floats import lab_from_srgb, srgb_from_hex
 from proxy_renderer.schema import VibeError
 from proxy_renderer.vlm import judge
 
@@ -39,7 +39,7 @@ def shot(display, **more):
 
 
 def painted(subject, around):
-    return shot(np.where(DISC[..., None], from_hex(subject), from_hex(around)))
+    return shot(np.where(DISC[..., None], srgb_from_hex(subject), srgb_from_hex(around)))
 
 
 def lit(x, y, z, ambient=0.02):
@@ -53,7 +53,7 @@ def lit(x, y, z, ambient=0.02):
 
 def test_a_color_is_measured_where_it_is_asked_for():
     picture = painted("#008080", "#ffffff")
-    teal, white = to_lab(from_hex("#008080")), to_lab((1, 1, 1))
+    teal, white = lab_from_srgb(srgb_from_hex("#008080")), lab_from_srgb((1, 1, 1))
     assert measures.color_error(picture, "subject", teal) == pytest.approx(0, abs=0.01)
     assert measures.color_error(picture, "Wall", white) == pytest.approx(0, abs=0.01)
     assert (
@@ -68,12 +68,12 @@ def test_a_color_is_measured_where_it_is_asked_for():
 def test_a_highlight_does_not_change_a_color_and_lightness_counts_half():
     display = painted("#c02020", "#808080").display
     display[20:24, 24:28] = 1.0
-    assert measures.color_error(shot(display), "subject", to_lab(from_hex("#c02020"))) < 0.1
+    assert measures.color_error(shot(display), "subject", lab_from_srgb(srgb_from_hex("#c02020"))) < 0.1
     gray_error = measures.color_error(painted("#777777", "#000000"), "subject", (60.0, 0.0, 0.0))
     full = measures.ciede2000(
         *(
             measures.torch.tensor(c, dtype=measures.torch.float64)
-            for c in (to_lab(from_hex("#777777")), (60.0, 0.0, 0.0))
+            for c in (lab_from_srgb(srgb_from_hex("#777777")), (60.0, 0.0, 0.0))
         )
     )
     assert gray_error == pytest.approx(0.5 * float(full), rel=0.02)

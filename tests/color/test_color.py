@@ -4,7 +4,9 @@
 import pytest
 import torch
 
-from proxy_renderer.color import torch_color
+from proxy_renderer.color.blackbody import blackbody
+from proxy_renderer.color.differences import ciede2000
+from proxy_renderer.color.tensors import lab_from_linear, lab_from_srgb, linear_from_srgb, srgb_from_linear
 
 # Sharma, Wu, Dalal 2005, table 1: L1 a1 b1, L2 a2 b2, CIEDE2000.
 SHARMA = """
@@ -49,7 +51,7 @@ def test_ciede2000_reproduces_the_published_pairs():
     rows = torch.tensor(
         [[float(x) for x in line.split()] for line in SHARMA.split("\n") if line], dtype=torch.float64
     )
-    difference = torch_color.ciede2000(rows[:, :3], rows[:, 3:6])
+    difference = ciede2000(rows[:, :3], rows[:, 3:6])
     torch.testing.assert_close(difference, rows[:, 6], atol=5e-5, rtol=0)
 
 
@@ -64,7 +66,7 @@ def test_ciede2000_reproduces_the_published_pairs():
 )
 def test_lab_of_the_primaries(rgb, lab):
     torch.testing.assert_close(
-        torch_color.srgb_to_lab(torch.tensor(rgb, dtype=torch.float64)),
+        lab_from_srgb(torch.tensor(rgb, dtype=torch.float64)),
         torch.tensor(lab, dtype=torch.float64),
         atol=0.01,
         rtol=0,
@@ -73,10 +75,8 @@ def test_lab_of_the_primaries(rgb, lab):
 
 def test_srgb_round_trip():
     x = torch.linspace(0, 4, 1001, dtype=torch.float64)
-    torch.testing.assert_close(
-        torch_color.linear_from_srgb(torch_color.srgb_from_linear(x)), x, atol=1e-6, rtol=1e-6
-    )
-    assert torch_color.srgb_from_linear(torch.tensor(0.5)).item() == pytest.approx(0.735357, abs=1e-5)
+    torch.testing.assert_close(linear_from_srgb(srgb_from_linear(x)), x, atol=1e-6, rtol=1e-6)
+    assert srgb_from_linear(torch.tensor(0.5)).item() == pytest.approx(0.735357, abs=1e-5)
 
 
 # bpy 5.2.3: light.temperature_color
@@ -94,7 +94,7 @@ BLENDER = {
 @pytest.mark.parametrize("kelvin", BLENDER)
 def test_blackbody_is_blenders(kelvin):
     # Blender jumps by 0.07 % where its fit ends at 12000 K; the engine stays continuous.
-    got = torch_color.blackbody(torch.tensor(float(kelvin), dtype=torch.float64))
+    got = blackbody(torch.tensor(float(kelvin), dtype=torch.float64))
     torch.testing.assert_close(got, torch.tensor(BLENDER[kelvin], dtype=torch.float64), atol=1e-4, rtol=1e-3)
 
 
@@ -102,18 +102,16 @@ def test_gradients_match_finite_differences():
     torch.manual_seed(0)
     rgb = torch.rand(20, 3, dtype=torch.float64, requires_grad=True)
     lab = torch.tensor([[60.0, 20.0, -30.0]], dtype=torch.float64)
-    assert torch.autograd.gradcheck(lambda x: torch_color.ciede2000(torch_color.srgb_to_lab(x), lab), rgb)
+    assert torch.autograd.gradcheck(lambda x: ciede2000(lab_from_srgb(x), lab), rgb)
     kelvin = torch.tensor([1300.0, 2700.0, 5000.0, 9000.0], dtype=torch.float64, requires_grad=True)
-    assert torch.autograd.gradcheck(torch_color.blackbody, kelvin, eps=1e-2)
+    assert torch.autograd.gradcheck(blackbody, kelvin, eps=1e-2)
 
 
 def test_gradients_are_finite_at_black_gray_and_equal_colors():
     rgb = torch.tensor([[0.0, 0, 0], [0.5, 0.5, 0.5], [1, 1, 1], [1, 0, 0]], requires_grad=True)
-    lab = torch_color.srgb_to_lab(rgb)
+    lab = lab_from_srgb(rgb)
     for other in (lab.detach(), torch.zeros(4, 3)):
-        (grad,) = torch.autograd.grad(torch_color.ciede2000(lab, other).sum(), rgb, retain_graph=True)
+        (grad,) = torch.autograd.grad(ciede2000(lab, other).sum(), rgb, retain_graph=True)
         assert torch.isfinite(grad).all()
-    (grad,) = torch.autograd.grad(
-        torch_color.linear_to_lab(rgb).sum() + torch_color.srgb_from_linear(rgb).sum(), rgb
-    )
+    (grad,) = torch.autograd.grad(lab_from_linear(rgb).sum() + srgb_from_linear(rgb).sum(), rgb)
     assert torch.isfinite(grad).all()

@@ -6,11 +6,11 @@ import torch
 from loop_parts import PROMPT, Silent
 from tiny_job import write_job
 
-from proxy_renderer.color.torch_color import srgb_to_lab
+from proxy_renderer.color.tensors import lab_from_srgb
 from proxy_renderer.engine.report import changed_values, parameter_records
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import context, pipeline
-from proxy_renderer.optimize.objective import draw
+from proxy_renderer.optimize.drawing import draw
 from proxy_renderer.optimize.shots import View
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
@@ -47,7 +47,7 @@ def subject_lab(scene, outcome, u):
 def test_the_loss_falls_and_the_words_show(scene, teal):
     start, end = teal.rounds[0]["loss"]
     assert end < start
-    wanted = srgb_to_lab(torch.tensor([0.0, 0.5, 0.5]))
+    wanted = lab_from_srgb(torch.tensor([0.0, 0.5, 0.5]))
     before, after = (subject_lab(scene, teal, u) for u in (teal.vector.encode({}), teal.u))
     assert (after - wanted)[1:].norm() < 0.8 * (before - wanted)[1:].norm()
 

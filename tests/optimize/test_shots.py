@@ -48,7 +48,7 @@ def test_a_look_holds_in_all_shots_and_each_is_judged(views):
     assert red < min(green, blue)
     start, end = outcome.rounds[0]["loss"]
     assert end < start
-    assert len({shot.terms.start.sum().item() for shot in outcome.shots}) == 3
+    assert len({shot.guidance.start.sum().item() for shot in outcome.shots}) == 3
     again = vibe(views)
     assert changed(again) == [first, second, other]
 

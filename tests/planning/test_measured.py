@@ -6,8 +6,8 @@ import math
 import pytest
 import torch
 
-from proxy_renderer.color.named import from_lab, luminance
-from proxy_renderer.color.torch_color import blackbody
+from proxy_renderer.color.blackbody import blackbody
+from proxy_renderer.color.floats import luminance, srgb_from_lab
 from proxy_renderer.planning.display import reachable, scene_color
 from proxy_renderer.planning.illumination import cast, warmth
 from proxy_renderer.planning.measured import measured
@@ -39,7 +39,7 @@ def displayed(albedo, light):
             for j in range(-4, 5)
             for k in range(-4, 5)
         ]
-        best = min(near, key=lambda lab: math.dist(scene_color(from_lab(lab), "AgX"), goal))
+        best = min(near, key=lambda lab: math.dist(scene_color(srgb_from_lab(lab), "AgX"), goal))
     return best
 
 

@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 from plan_parts import CONTEXT, LIGHTS, REFERENCES, make_instances, make_plan, pictured
 
-from proxy_renderer.color.named import basic, from_hex, from_lab, luminance, to_lab
+from proxy_renderer.color.floats import lab_from_srgb, luminance, srgb_from_hex, srgb_from_lab
+from proxy_renderer.color.shades import basic
 from proxy_renderer.planning.display import lightness, radiance
 from proxy_renderer.planning.explanation import as_dict, explain
 from proxy_renderer.planning.planner import plan
@@ -554,9 +555,9 @@ def test_explanations_name_everything():
 
 def test_color_conversions_invert_each_other():
     for code in ("#000000", "#ffffff", "#008080", "#c04e01", "#123456"):
-        srgb = from_hex(code)
-        assert from_lab(to_lab(srgb)) == pytest.approx(srgb, abs=2e-3)
-    assert to_lab(from_hex("#ff0000")) == pytest.approx((53.24, 80.09, 67.20), abs=0.05)
+        srgb = srgb_from_hex(code)
+        assert srgb_from_lab(lab_from_srgb(srgb)) == pytest.approx(srgb, abs=2e-3)
+    assert lab_from_srgb(srgb_from_hex("#ff0000")) == pytest.approx((53.24, 80.09, 67.20), abs=0.05)
 
 
 def test_view_curves_invert_each_other():

@@ -9,7 +9,7 @@ import pytest
 import torch
 from tiny_job import blender_config
 
-from proxy_renderer.color.named import to_lab, to_oklab
+from proxy_renderer.color.floats import lab_from_srgb, oklab_from_srgb
 from proxy_renderer.color.view_transform import ViewTransform, apply_ocio
 from proxy_renderer.planning.display import scene_color
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
@@ -60,7 +60,9 @@ def test_the_language_knows_what_a_view_shows(view):
     shown = apply_ocio(colors.astype(np.float32), SPEC.ocio, "sRGB", view, "").clip(0, 1)
     found = np.array([scene_color(tuple(map(float, c)), view) for c in shown], np.float32)
     again = apply_ocio(found, SPEC.ocio, "sRGB", view, "").clip(0, 1)
-    off = [math.dist(to_lab(tuple(a)), to_lab(tuple(b))) for a, b in zip(shown, again, strict=True)]
+    off = [
+        math.dist(lab_from_srgb(tuple(a)), lab_from_srgb(tuple(b))) for a, b in zip(shown, again, strict=True)
+    ]
     assert np.median(off) < 1.2
     assert np.quantile(off, 0.9) < 4
 
@@ -72,7 +74,7 @@ def test_a_vivid_color_out_of_reach_keeps_its_hue(name, view):
     wanted = default_vocabulary().colors[name]
     nearest = np.array([scene_color(wanted, view)], np.float32)
     shown = apply_ocio(nearest, SPEC.ocio, "sRGB", view, "").clip(0, 1)[0]
-    hues = [math.degrees(math.atan2(b, a)) for _, a, b in map(to_oklab, (wanted, shown.tolist()))]
+    hues = [math.degrees(math.atan2(b, a)) for _, a, b in map(oklab_from_srgb, (wanted, shown.tolist()))]
     assert abs((hues[0] - hues[1] + 180) % 360 - 180) < 4
 
 

@@ -8,7 +8,7 @@ import torch
 from torch.nn import functional
 
 from proxy_renderer.bench.scenes import outdoors
-from proxy_renderer.color.view_transform import look_up
+from proxy_renderer.color.lookup_table import trilinear
 from proxy_renderer.render.geometry.gather_points import Spread
 from proxy_renderer.render.geometry.vectors import cross, dot
 from proxy_renderer.render.proxy import Proxy
@@ -41,7 +41,7 @@ def test_gradients_of_products(count):
 def test_look_ups_in_parts_are_those_of_the_whole(count):
     table, place = torch.rand(1, 2, 3, 4, 5), torch.rand(count, 3) * 2 - 1
     whole = functional.grid_sample(table, place.view(1, -1, 1, 1, 3), align_corners=True).view(2, -1)
-    assert torch.allclose(look_up(table, place), whole)
+    assert torch.allclose(trilinear(table, place), whole)
 
 
 def test_fog_that_changes_its_shape_is_measured_anew():

@@ -14,7 +14,7 @@ import numpy as np
 import torch
 from scipy import ndimage
 
-from ...color.torch_color import ciede2000
+from ...color.differences import ciede2000
 from .shot import Array, Shot, luminance
 
 _FLOOR = 0.004

@@ -10,7 +10,7 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from ...color.named import from_lab
+from ...color.floats import srgb_from_lab
 from . import figures
 from .measures import MEASURES
 from .pairs import COMPARED, Ask, Pair
@@ -130,7 +130,7 @@ def _chip(ask: Ask) -> str:
     """A spot of the color that is asked for."""
     if ask.lab is None:
         return ""
-    red, green, blue = (round(255 * v) for v in from_lab(ask.lab))
+    red, green, blue = (round(255 * v) for v in srgb_from_lab(ask.lab))
     return f'<i class="chip" style="background:rgb({red} {green} {blue})"></i>'
 
 

@@ -9,7 +9,7 @@ from fnmatch import fnmatchcase
 from functools import cache
 from pathlib import Path
 
-from ...color.named import chroma, from_hex, to_lab
+from ...color.floats import chroma, lab_from_srgb, srgb_from_hex
 from ...prompt.lexicon.user_words import default_vocabulary
 from ...schema import VibeError
 from .measures import MEASURES
@@ -122,8 +122,8 @@ def read_ask(text: str) -> Ask:
     colors = default_vocabulary().colors
     if word not in colors and not word.startswith("#"):
         raise VibeError(f"{word!r} in {text!r} is neither a trait nor a color.", "See traits.toml.")
-    srgb = from_hex(word) if word.startswith("#") else colors[word]
-    lab = to_lab(srgb)
+    srgb = srgb_from_hex(word) if word.startswith("#") else colors[word]
+    lab = lab_from_srgb(srgb)
     width = _TIGHT if chroma(lab) < _NEUTRAL else 1.0
     return Ask(region, word, Trait("color", _WRONG * width, _ENOUGH * width), lab)
 

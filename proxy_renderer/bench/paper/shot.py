@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from PIL import Image
 from scipy import ndimage
 
-from ...color.torch_color import linear_from_srgb, srgb_to_lab
+from ...color import arrays
+from ...color.tensors import lab_from_srgb
 from ...engine.report import load_picture
 
 Array = NDArray[np.float64]
-_LUMA = np.array([0.2126, 0.7152, 0.0722])
 _BORDER = 1  # pixels on either side of an outline that belong to neither
 
 
@@ -43,7 +43,7 @@ class Shot:
     @property
     def lab(self) -> Array:
         """(H, W, 3) CIE Lab."""
-        return srgb_to_lab(torch.from_numpy(self.display)).numpy()
+        return lab_from_srgb(torch.from_numpy(self.display)).numpy()
 
     @property
     def luminance(self) -> Array:
@@ -72,7 +72,7 @@ class Shot:
 
 def luminance(display: Array) -> Array:
     """Linear luminance (H, W) of an sRGB-encoded picture (H, W, 3)."""
-    return linear_from_srgb(torch.from_numpy(display)).numpy() @ _LUMA
+    return arrays.luminance(arrays.linear_from_srgb(display))
 
 
 def load(folder: Path, which: str) -> Shot:

@@ -9,7 +9,7 @@ import numpy as np
 import torch
 from scipy import ndimage
 
-from ...color.torch_color import ciede2000
+from ...color.differences import ciede2000
 from .shot import Shot
 
 _LEAST, _PLAIN = 3.0, 12.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import re
 
-from ...color.named import mix, shade
+from ...color.shades import mix, shade
 from ...schema import Values
 from .attributes import COLORS
 

@@ -24,7 +24,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from ...color.named import from_hex
+from ...color.floats import srgb_from_hex
 from ...schema import VibeError
 from .vocabulary import Vocabulary, VocabularyEntry, normalize, read_entry, shipped_vocabulary
 
@@ -94,7 +94,7 @@ def extend(base: Vocabulary, path: Path) -> Vocabulary:
     for name, code in rows.get("colors", {}).items():
         if not isinstance(code, str) or not re.fullmatch(r"#[0-9a-fA-F]{6}", code):
             raise _problem(path, text, name, f"'{code}' is not a color", 'Write it as "#rrggbb".')
-        colors[normalize(name)] = from_hex(code)
+        colors[normalize(name)] = srgb_from_hex(code)
     return replace(base, entries=entries, synonyms=synonyms, colors=colors)
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 
-from ...color.named import from_hex
+from ...color.floats import srgb_from_hex
 from ...schema import FAMILIES, Values, VibeError
 from .attributes import ATTRIBUTES
 
@@ -207,7 +207,7 @@ def _check_rows(name: str, row: dict) -> None:
 
 def _read_colors(text: str) -> dict[str, Values]:
     rows = (line.rsplit(" ", 1) for line in text.splitlines() if line and not line.startswith("#"))
-    return {normalize(name): from_hex(code) for name, code in rows}
+    return {normalize(name): srgb_from_hex(code) for name, code in rows}
 
 
 def load(text: str, colors: str) -> Vocabulary:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import torch
 from torch import Tensor
 
-from ...color.torch_color import luma
+from ...color.tensors import luminance
 
 MIDDLE_GRAY = 0.18
 _BLACK = 1e-6  # stands in for 0 under a power, whose gradient there may be infinite
@@ -34,7 +34,7 @@ def contrast(picture: Tensor, amount: Tensor) -> Tensor:
 
 def saturation(picture: Tensor, amount: Tensor) -> Tensor:
     """Between gray of the same luminance (0), the picture (1) and beyond; never negative."""
-    gray = luma(picture)
+    gray = luminance(picture)
     return (gray + (picture - gray) * amount).clamp_min(0)
 
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 import torch
 from torch import Tensor
 
-from ...color.torch_color import luma
+from ...color.tensors import luminance
 from ...scene import Light
 from ..geometry.directions import cosine_directions
 from ..geometry.vectors import cross, unit
@@ -67,7 +67,7 @@ class Emitters:
         """Takes up what has begun to glow; whether there are new lamps."""
         before = self.materials
         for material, paint in enumerate(paints):
-            if material not in self._clusters and float(luma(paint.emission.detach())) > _LEAST:
+            if material not in self._clusters and float(luminance(paint.emission.detach())) > _LEAST:
                 with torch.no_grad():
                     self._clusters[material] = clusters_of(self._geometry, material, self._near)
         return self.materials != before

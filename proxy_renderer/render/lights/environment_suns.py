@@ -14,6 +14,7 @@ import torch
 from torch import Tensor
 from torch.nn.functional import interpolate, max_pool2d, pad
 
+from ...color.constants import LUMINANCE_WEIGHTS
 from ...scene import Light
 from ..geometry.directions import texels
 from ..geometry.vectors import tangents
@@ -32,7 +33,6 @@ _RADII = (3.0, 6.0, 12.0, 20.0)
 """Degrees around a peak within which a sun may lie."""
 _MOST_OF = 0.8
 _SEARCH_HEIGHT = 128
-_LUMINANCE = (0.2126, 0.7152, 0.0722)
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ def split(picture: Tensor) -> Split:
     small = interpolate(picture, (height, 2 * height), mode="area")[0].flatten(1)
     toward, solid = texels(height, 2 * height, picture.device)
     fine, _ = texels(picture.shape[2], picture.shape[3], picture.device)
-    weights = picture.new_tensor(_LUMINANCE)
+    weights = picture.new_tensor(LUMINANCE_WEIGHTS)
     mean = float(weights @ small @ solid) / (4 * math.pi)
     flat = picture[0].flatten(1)
     found: list[tuple[Sun, Tensor]] = []

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import torch
 from torch import Tensor
 
-from ...color import torch_color
+from ...color.blackbody import blackbody
 from ...scene import Light, SceneData
 from ...scene.values import Settings, wanted
 from ..geometry.camera import direction, frame
@@ -123,7 +123,7 @@ def _lamp(light: Light, scene: SceneData, settings: Settings) -> Lamp:
     tint = settings.color(key + "color", 1.0) * (power * 2.0**light.exposure)
     temperature = settings.scalar(key + "temperature", 6500.0)
     if light.use_temperature or wanted(temperature) or float(temperature.detach()) != 6500.0:
-        tint = tint * torch_color.blackbody(temperature)
+        tint = tint * blackbody(temperature)
     if light.tint != (1.0, 1.0, 1.0):
         tint = tint * torch.tensor(light.tint, device=settings.device)
     pivot = torch.tensor(scene.pivot, device=settings.device)

@@ -16,7 +16,7 @@ import torch
 from torch import Tensor
 from torch.nn.functional import interpolate
 
-from ...color import view_transform
+from ...color.lookup_table import trilinear
 from ..material import albedo
 from ..material.microfacets import mirrored, unshadowed, visible_normals
 
@@ -69,9 +69,9 @@ def look_up(stack_: Tensor, place: Tensor, roughness: Tensor) -> Tensor:
     height, width = stack_.shape[3], stack_.shape[4] - 2
     level = (roughness - _FIRST) / (_STEP * (_LEVELS - 1) / 2) - 1
     x, y = place.unbind(1)
-    # `view.look_up` counts from the middles of the outermost texels.
+    # `trilinear` counts from the middles of the outermost texels.
     where = torch.stack((x * (width / (width + 1)), y * (height / max(height - 1, 1)), level), 1)
-    return view_transform.look_up(stack_, where)
+    return trilinear(stack_, where)
 
 
 @functools.cache

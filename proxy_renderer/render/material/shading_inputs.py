@@ -10,7 +10,7 @@ from typing import Any
 
 from torch import Tensor
 
-from ...color.torch_color import luma
+from ...color.tensors import luminance
 from ...scene import Material
 from ...scene.values import Settings, wanted
 from ..geometry.vectors import within
@@ -68,7 +68,7 @@ class Paint:
         if texture is None:
             return self.base[:, None]
         if self.recolor is not None and used(self.recolor):
-            gray = luma(texture.T).T
+            gray = luminance(texture.T).T
             texture = texture + (gray - texture) * self.recolor
         return texture * self.base[:, None]
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import torch
 from torch import Tensor
 
-from ...color.torch_color import luma
+from ...color.tensors import luminance
 from ..geometry.camera import View
 from ..lights.environment import Sky
 from ..lights.lamps import Lamp
@@ -82,5 +82,5 @@ def glassy(paint: Paint) -> Tensor:
     Principled BSDF tints it with the root of its base color at each surface (kernel/svm/closure.h).
     """
     solid = paint.transmission * (1 - paint.metallic)
-    through = solid * (1 - albedo.f0_of(paint.ior)) * luma(paint.base.clamp(0, 1)).sqrt()
+    through = solid * (1 - albedo.f0_of(paint.ior)) * luminance(paint.base.clamp(0, 1)).sqrt()
     return (through.detach() * _GLASS_STEPS).round().reshape(()) / _GLASS_STEPS

@@ -18,7 +18,7 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
-from ...color.view_transform import look_up
+from ...color.lookup_table import trilinear
 from ..geometry.camera import View
 from ..geometry.vectors import length
 from ..lights.cones import spot_cone, spread
@@ -86,7 +86,7 @@ class Haze:
             for i, n in enumerate((columns, rows))
         ]
         at = torch.stack((*cells, cut * (2 / segments) - 1), -1)
-        found = look_up(self._sums, at)
+        found = trilinear(self._sums, at)
         return found[:3], torch.exp(-found[3])
 
 

@@ -8,6 +8,7 @@ same picture with that one attribute changed, which is what makes hard negatives
 import torch
 from torch import Tensor
 
+from ...color.floats import linear_from_srgb, srgb_from_hex
 from ...prompt.lexicon.attributes import ATTRIBUTES, COLORS
 
 NAMES = tuple(ATTRIBUTES)
@@ -33,8 +34,7 @@ _ANCHORS = {
 
 
 def _linear(codes: str) -> list[list[float]]:
-    rgb = [[int(code[i : i + 2], 16) / 255 for i in (0, 2, 4)] for code in codes.split()]
-    return [[c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in color] for color in rgb]
+    return [list(linear_from_srgb(srgb_from_hex(f"#{code}"))) for code in codes.split()]
 
 
 ANCHORS = torch.tensor([_linear(_ANCHORS[name]) for name in COLORS])

@@ -5,6 +5,7 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
+from ...color.tensors import lab_from_srgb
 from ...prompt.lexicon.attributes import ATTRIBUTES, COLORS
 from .bank import SUBJECT
 from .looks import INDEX, NAMES, UNKNOWN
@@ -60,7 +61,7 @@ def visible(classes: Tensor, look: dict[str, Tensor], picture: Tensor, mask: Ten
     small, share = (
         F.interpolate(field, (32, 32), mode="area").cpu() for field in (picture, mask[:, None].float())
     )
-    lab = display_to_lab(small)
+    lab = lab_from_srgb(small.clamp(0, 1).movedim(1, -1)).movedim(-1, 1)
     subject = (lab * share).sum((2, 3)) / share.sum((2, 3)).clamp_min(1e-3)
     surroundings = (lab * (1 - share)).sum((2, 3)) / (1 - share).sum((2, 3)).clamp_min(1e-3)
     lightness, chroma = lab[:, 0].mean((1, 2)), lab[:, 1:].norm(dim=1)
@@ -155,16 +156,6 @@ def shows_color(color: Tensor, lab: Tensor, tinted: Tensor) -> Tensor:
         (chroma > 8) & (away.abs() < torch.where(tinted, 38.0, 30.0)),
     )
     return right & (lab[:, 0] >= bounds[:, 0]) & (lab[:, 0] <= bounds[:, 1])
-
-
-def display_to_lab(picture: Tensor) -> Tensor:
-    """CIE Lab (D65) of sRGB-encoded pictures (n, 3, H, W) in 0..1."""
-    c = picture.clamp(0, 1)
-    c = torch.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
-    to_xyz = torch.tensor([[0.4339, 0.3762, 0.1899], [0.2126, 0.7152, 0.0722], [0.0177, 0.1095, 0.8729]])
-    xyz = torch.einsum("ij,njhw->nihw", to_xyz, c)  # rows divided by the white point
-    f = torch.where(xyz > 0.008856, xyz.clamp_min(1e-6) ** (1 / 3), 7.787 * xyz + 16 / 116)
-    return torch.stack([116 * f[:, 1] - 16, 500 * (f[:, 0] - f[:, 1]), 200 * (f[:, 1] - f[:, 2])], 1)
 
 
 def shown(view: dict[str, Tensor], classes: Tensor, gleam: Tensor) -> dict[str, Tensor]:

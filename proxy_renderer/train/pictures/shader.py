@@ -11,6 +11,8 @@ from collections.abc import Callable
 import torch
 from torch import Tensor
 
+from ...color.constants import LUMINANCE_WEIGHTS
+from ...color.tensors import srgb_from_linear
 from .bank import FAR, STAGE, SUBJECT
 
 Buffers = dict[str, Tensor]
@@ -39,7 +41,7 @@ def shade(view: Buffers, look: dict[str, Tensor], agx: bool) -> Tensor:
     color = color + _vector(look["world"]) * (1 + _scalar(look["gradient"]) * up) * (1 - subject - stage)
     clear = torch.exp(-_scalar(look["fog"]) * depth)
     color = color * clear + _vector(look["fog_color"]) * (1 - clear)
-    share = _luma(gleam) / (_luma(body + gleam) + 0.18 / _scalar(look["exposure"]))
+    share = _luminance(gleam) / (_luminance(body + gleam) + 0.18 / _scalar(look["exposure"]))
     return torch.cat([view_transform(_grade(color, look), agx), share], 2)
 
 
@@ -135,7 +137,7 @@ def _grade(color: Tensor, look: dict[str, Tensor]) -> Tensor:
     color = (color * _scalar(look["exposure"])).clamp(1e-5, 60)
     contrast = _scalar(look["contrast"])
     color = torch.exp2(torch.log2(color / 0.18) * contrast) * 0.18
-    color = torch.lerp(_luma(color), color, _scalar(look["saturation"])).clamp_min(0)
+    color = torch.lerp(_luminance(color), color, _scalar(look["saturation"])).clamp_min(0)
     axis = _axis(color.shape[-1], color.device)
     radius = torch.sqrt((axis[:, None] ** 2 + axis[None, :] ** 2) / 2)
     t = ((radius - 0.3) / 0.7).clamp(0, 1)
@@ -161,8 +163,7 @@ _AGX_OUT = torch.tensor(
 def view_transform(color: Tensor, agx: bool) -> Tensor:
     """Linear Rec.709 (..., 3, H, W) to display: sRGB, or AgX by Benjamin Wrensch's polynomial fit."""
     if not agx:
-        c = color.clamp(1e-6, 1)
-        return torch.where(c < 0.0031308, 12.92 * c, 1.055 * torch.exp2(torch.log2(c) / 2.4) - 0.055)
+        return srgb_from_linear(color.clamp(0, 1))
     low, high = -12.47393, 4.026069
     x = torch.einsum("ij,...jhw->...ihw", _AGX_IN.to(color), color)
     x = ((torch.log2(x.clamp_min(1e-10)) - low) / (high - low)).clamp(0, 1)
@@ -172,8 +173,9 @@ def view_transform(color: Tensor, agx: bool) -> Tensor:
     return torch.einsum("ij,...jhw->...ihw", _AGX_OUT.to(x), x).clamp(0, 1)
 
 
-def _luma(color: Tensor) -> Tensor:
-    return 0.2126 * color[:, :, 0:1] + 0.7152 * color[:, :, 1:2] + 0.0722 * color[:, :, 2:3]
+def _luminance(color: Tensor) -> Tensor:
+    red, green, blue = LUMINANCE_WEIGHTS
+    return red * color[:, :, 0:1] + green * color[:, :, 1:2] + blue * color[:, :, 2:3]
 
 
 def _scalar(value: Tensor) -> Tensor:

@@ -5,7 +5,7 @@ import zlib
 from dataclasses import dataclass
 from functools import cache
 
-from ...color.named import basic
+from ...color.shades import basic
 from ...prompt.lexicon.vocabulary import VocabularyEntry, shipped_vocabulary
 
 Known = dict[str, str]

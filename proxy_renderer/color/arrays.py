@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Color spaces of numpy arrays (..., 3): `floats` for many colors at once, without torch."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from . import constants as c
+
+
+def linear_from_srgb(encoded: np.ndarray) -> np.ndarray:
+    """Linear light, of any shape, of sRGB-encoded values in [0, 1]."""
+    curved = ((encoded + c.SRGB_OFFSET) / c.SRGB_SCALE) ** c.SRGB_EXPONENT
+    return np.where(encoded <= c.SRGB_ENCODED_END, encoded / c.SRGB_SLOPE, curved)
+
+
+def luminance(linear: np.ndarray) -> np.ndarray:
+    """Luminance (...) of linear Rec.709 (..., 3), in its own precision."""
+    return linear @ np.asarray(c.LUMINANCE_WEIGHTS, linear.dtype)
+
+
+def oklab_from_srgb(encoded: np.ndarray) -> np.ndarray:
+    """OKLab (..., 3) of sRGB (..., 3) in [0, 1]."""
+    cones = linear_from_srgb(encoded) @ np.array(c.CONES_FROM_REC709).T
+    return np.cbrt(cones) @ np.array(c.OKLAB_FROM_CONES).T

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Color spaces of single colors, as plain floats: sRGB, linear Rec.709, CIE Lab and OKLab. Needs neither torch nor numpy.
+
+`arrays` has the same functions for numpy arrays, `tensors` for torch tensors.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from ..schema import Values
+from . import constants as c
+from .constants import Lab
+
+
+def srgb_from_hex(text: str) -> Values:
+    """sRGB in [0, 1] of "#rrggbb"."""
+    return tuple(int(text[i : i + 2], 16) / 255 for i in (1, 3, 5))
+
+
+def decode(encoded: float) -> float:
+    """Linear light of one sRGB-encoded component (IEC 61966-2-1)."""
+    if encoded <= c.SRGB_ENCODED_END:
+        return encoded / c.SRGB_SLOPE
+    return ((encoded + c.SRGB_OFFSET) / c.SRGB_SCALE) ** c.SRGB_EXPONENT
+
+
+def encode(linear: float) -> float:
+    """Inverse of `decode`, above 1 too."""
+    if linear <= c.SRGB_LINEAR_END:
+        return c.SRGB_SLOPE * linear
+    return c.SRGB_SCALE * linear ** (1 / c.SRGB_EXPONENT) - c.SRGB_OFFSET
+
+
+def linear_from_srgb(srgb: Sequence[float]) -> Values:
+    """Linear Rec.709 of sRGB in [0, 1]."""
+    return tuple(map(decode, srgb))
+
+
+def srgb_from_linear(linear: Sequence[float]) -> Values:
+    """sRGB of linear Rec.709, clamped to [0, 1]."""
+    return tuple(encode(min(max(v, 0.0), 1.0)) for v in linear)
+
+
+def luminance(linear: Sequence[float]) -> float:
+    """Luminance of linear Rec.709."""
+    return sum(w * v for w, v in zip(c.LUMINANCE_WEIGHTS, linear, strict=True))
+
+
+def lab_from_srgb(srgb: Sequence[float]) -> Lab:
+    """CIE Lab of sRGB in [0, 1]."""
+    xyz = _apply(c.XYZ_FROM_REC709, linear_from_srgb(srgb))
+    x, y, z = (_lab_curve(v / white) for v, white in zip(xyz, c.WHITE, strict=True))
+    return 116 * y - 16, 500 * (x - y), 200 * (y - z)
+
+
+def srgb_from_lab(lab: Lab) -> Values:
+    """sRGB of CIE Lab, clamped to the gamut."""
+    y = (lab[0] + 16) / 116
+    curved = (y + lab[1] / 500, y, y - lab[2] / 200)
+    xyz = [white * _lab_curve_inverse(v) for v, white in zip(curved, c.WHITE, strict=True)]
+    return srgb_from_linear(_apply(c.REC709_FROM_XYZ, xyz))
+
+
+def oklab_from_srgb(srgb: Sequence[float]) -> Lab:
+    """OKLab (Ottosson 2020): its hues stay put when a blue is lightened, where CIE Lab turns it purple."""
+    cones = _apply(c.CONES_FROM_REC709, linear_from_srgb(srgb))
+    return _apply(c.OKLAB_FROM_CONES, [v ** (1 / 3) for v in cones])
+
+
+def srgb_from_oklab(lab: Lab) -> Values:
+    """Inverse of `oklab_from_srgb`, clamped to the gamut."""
+    cones = [v**3 for v in _apply(c.CONES_FROM_OKLAB, lab)]
+    return srgb_from_linear(_apply(c.REC709_FROM_CONES, cones))
+
+
+def chroma(lab: Lab) -> float:
+    """Distance from gray."""
+    return math.hypot(lab[1], lab[2])
+
+
+def _lab_curve(ratio: float) -> float:
+    return ratio ** (1 / 3) if ratio > c.LAB_DELTA**3 else ratio * c.LAB_RISE / c.LAB_RUN + c.LAB_OFFSET
+
+
+def _lab_curve_inverse(curved: float) -> float:
+    return curved**3 if curved > c.LAB_DELTA else (curved - c.LAB_OFFSET) * c.LAB_RUN / c.LAB_RISE
+
+
+def _apply(matrix: c.Matrix, vector: Sequence[float]) -> Lab:
+    x, y, z = (sum(m * v for m, v in zip(row, vector, strict=True)) for row in matrix)
+    return x, y, z

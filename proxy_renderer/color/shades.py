@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Colors as people speak of them: shades and mixtures of a color, and the basic color that it belongs to."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from ..schema import Values
+from .floats import chroma, lab_from_srgb, oklab_from_srgb, srgb_from_hex, srgb_from_oklab
+
+_GRAYISH = 20.0  # chroma below which a hue says little
+
+# Several typical shades for each basic color: the nearest one decides.
+_SHADES = {
+    "black": ("#000000", "#1a1a1a", "#0c1014"),
+    "grey": ("#808080", "#555555", "#aaaaaa", "#708090"),
+    "white": ("#ffffff", "#f2efe6"),
+    "brown": ("#6f4420", "#8b4513", "#a0703c", "#4a2508"),
+    "red": ("#e00000", "#a00010", "#ff3b2f", "#650012"),
+    "orange": ("#ff7c0a", "#ffa040", "#d2601a"),
+    "yellow": ("#ffdd00", "#ffff60", "#d4b300", "#fff2a0"),
+    "green": ("#15a020", "#0a4a0c", "#7fd858", "#6e750e", "#80f9ad", "#b0ff20"),
+    "teal": ("#008080", "#30b8b0", "#00d8e8", "#06c2ac", "#055458"),
+    "blue": ("#0a3ee0", "#01153e", "#3f80d0", "#90c0f8", "#1030a0"),
+    "purple": ("#7e1e9c", "#9a0eea", "#c8a0f0", "#40085a", "#580f41"),
+    "pink": ("#ff7eb6", "#e6007e", "#ffc0d0", "#fc8eac"),
+}
+
+
+def shade(
+    srgb: Values, lightness: float = 1.0, chroma: float = 1.0, towards: float = 60.0, warmth: float = 0.0
+) -> Values:
+    """A shade of a color.
+
+    Args:
+        srgb: In [0, 1].
+        lightness: 1 keeps the lightness, 0 moves it to `towards`.
+        chroma: Multiplies the distance from gray.
+        towards: L* in [0, 100].
+        warmth: Moves the hue of grayish colors to orange (+) or blue (-); in units of b*.
+    """
+    light, a, b = oklab_from_srgb(srgb)
+    warmth *= max(0.0, 1 - math.hypot(a, b) / 0.15)
+    goal = (towards + 16) / 116  # of a gray of that L*
+    return srgb_from_oklab(
+        (goal + (light - goal) * lightness, a * chroma + warmth / 1200, b * chroma + warmth / 330)
+    )
+
+
+def mix(first: Values, second: Values, share: float) -> Values:
+    """A color between two, in sRGB, with that share of the second."""
+    pairs = zip(oklab_from_srgb(first), oklab_from_srgb(second), strict=True)
+    light, a, b = ((1 - share) * p + share * q for p, q in pairs)
+    return srgb_from_oklab((light, a, b))
+
+
+def hue_apart(one: Values, other: Values) -> float:
+    """Degrees between the Lab hues of two sRGB colors; 0 where one of them is grayish."""
+    labs = lab_from_srgb(one), lab_from_srgb(other)
+    if min(map(chroma, labs)) < _GRAYISH:
+        return 0.0
+    hues = [math.degrees(math.atan2(b, a)) for _, a, b in labs]
+    return abs((hues[0] - hues[1] + 180) % 360 - 180)
+
+
+def basic(srgb: Sequence[float]) -> str:
+    """The basic color (see `attributes.COLORS`) that a person would call this one."""
+    lab = lab_from_srgb(srgb)
+    if chroma(lab) < 8:
+        return "black" if lab[0] < 18 else "white" if lab[0] > 85 else "grey"
+    # Hue decides more than lightness does.
+    distances = {
+        name: min(
+            0.5 * abs(lab[0] - s[0]) + math.dist(lab[1:], s[1:])
+            for s in map(lab_from_srgb, map(srgb_from_hex, shades))
+        )
+        for name, shades in _SHADES.items()
+    }
+    return min(distances, key=distances.__getitem__)
