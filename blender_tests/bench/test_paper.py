@@ -6,15 +6,15 @@ import json
 import bpy
 import numpy as np
 import pytest
+from vibe_render.bench.camera_hits import save_camera_hits
 from vibe_render.bench.paper import build_set
 from vibe_render.bench.scenes import making
 from vibe_render.bench.scenes.sets import SETS
-from vibe_render.bench.sight import save_sight
-from vibe_render.export import jobs
+from vibe_render.export import reading
 from vibe_render.render import final_render
 from vibe_render.scene import bindings
 from vibe_render.scene.stage import parts
-from vibe_render.scene.subject import Choice
+from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.bench import blender
 from proxy_renderer.bench.paper import measures, shot
@@ -43,21 +43,23 @@ class Studio:
         parts.camera(self.scene, corners, (0.0, 12.0), fov=38.0, fill=0.6, pivot=pivot)
         parts.area_light(self.scene, "Key", (-50.0, 40.0), 5.0, 0.6, 0.7, pivot)
         parts.world(self.scene, (0.4, 0.4, 0.4), strength=0.4)
-        self.job = jobs.open_job(self.scene, folder / "job", Choice(("Ball",)))
+        self.job = reading.export_scene(self.scene, folder / "job", SubjectChoice(("Ball",)))
         self.start = {key: tuple(i.value) for key, i in self.job.instances.items()}
 
     def shoot(self, clear=False, **values):
         """The picture at these values; names have "__" for the slash."""
         wanted = {key.replace("__", "/"): (v if isinstance(v, tuple) else (v,)) for key, v in values.items()}
-        left = bindings.write(self.scene, self.start | wanted, self.job.survey.objects, self.job.survey.pivot)
+        left = bindings.write(
+            self.scene, self.start | wanted, self.job.analysis.objects, self.job.analysis.pivot
+        )
         assert not [key for key in left if key in wanted], left
         for old in self.folder.glob("*.png"):
             old.unlink()
         final_render.render(self.scene, self.folder / "after.png", SIZE, SAMPLES)
         if clear:
             final_render.render_clear(self.scene, self.folder / "clear.png", SIZE, SAMPLES)
-        final_render.render_mask(self.scene, self.folder / "mask.png", SIZE, self.job.survey.objects)
-        save_sight(self.job.survey, self.folder / "after.npz", SIZE)
+        final_render.render_mask(self.scene, self.folder / "mask.png", SIZE, self.job.analysis.objects)
+        save_camera_hits(self.job.analysis, self.folder / "after.npz", SIZE)
         return shot.load(self.folder, "after")
 
 

@@ -9,9 +9,9 @@ import bpy
 import numpy as np
 import pytest
 import torch
-from vibe_render.export.analysis import survey
-from vibe_render.export.job import export
-from vibe_render.scene.subject import Choice
+from vibe_render.export.analysis import analyze
+from vibe_render.export.job_folder import write_job
+from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
@@ -32,7 +32,7 @@ LAMPS = {
 @pytest.mark.parametrize("name", [*LAMPS, "WORLD"])
 def test_white_plane(scene: bpy.types.Scene, tmp_path: Path, name: str) -> None:
     _fill(scene, name)
-    export(survey(scene, Choice()), tmp_path / "job")
+    write_job(analyze(scene, SubjectChoice()), tmp_path / "job")
     cycles = _cycles(scene, tmp_path / "cycles.exr")
     proxy = Proxy(load_scene(tmp_path / "job"), (SIZE, SIZE)).render({}).linear.numpy()
     # Patches of 6 x 6 pixels leave less than 1 % of noise; a spot's cone ends within the outermost.
@@ -49,7 +49,7 @@ def test_temperature_and_exposure(scene: bpy.types.Scene, tmp_path: Path, kelvin
     if not hasattr(lamp, "temperature"):
         pytest.skip("This Blender's lights have no temperature.")
     lamp.use_temperature, lamp.temperature, lamp.exposure = True, kelvin, 0.7
-    export(survey(scene, Choice()), tmp_path / "job")
+    write_job(analyze(scene, SubjectChoice()), tmp_path / "job")
     cycles = _cycles(scene, tmp_path / "cycles.exr").mean((0, 1))
     proxy = Proxy(load_scene(tmp_path / "job"), (SIZE, SIZE)).render({}).linear.mean((0, 1)).numpy()
     np.testing.assert_allclose(proxy, cycles, rtol=0.02, atol=0.005 * cycles.max())

@@ -11,9 +11,9 @@ import pytest
 import torch
 from mathutils import Vector
 from vibe_render.core import compat
-from vibe_render.export import jobs
+from vibe_render.export import reading
 from vibe_render.render import final_render
-from vibe_render.scene.subject import Choice
+from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.color.differences import ciede2000
 from proxy_renderer.color.tensors import lab_from_srgb
@@ -72,7 +72,7 @@ def _aim(name: str, data: bpy.types.ID, place: tuple[float, float, float]) -> bp
 
 def _compare(scene: bpy.types.Scene, folder: Path) -> tuple[torch.Tensor, Render, list[str]]:
     """CIEDE2000 (H, W) between proxy and Cycles, the proxy's render, and the export's warnings."""
-    job = jobs.open_job(scene, folder / "job", Choice())
+    job = reading.export_scene(scene, folder / "job", SubjectChoice())
     final_render.render(scene, folder / "cycles.png", SIZE, SAMPLES)
     cycles = torch.from_numpy(load_picture(folder / "cycles.png"))
     with torch.no_grad():
@@ -196,7 +196,7 @@ def test_measuring_leaves_node_trees_alone(stage, tmp_path):
     _pattern(_ball("Ball"), "Roughness", (0.1,) * 3, (0.7,) * 3)
     tree = bpy.data.materials["Ball"].node_tree
     before = [(n.name, n.select) for n in tree.nodes], len(tree.links), tree.nodes.active.name
-    jobs.open_job(stage, tmp_path / "job", Choice())
+    reading.export_scene(stage, tmp_path / "job", SubjectChoice())
     assert ([(n.name, n.select) for n in tree.nodes], len(tree.links), tree.nodes.active.name) == before
     assert "Vibe Bake" not in bpy.data.scenes
 

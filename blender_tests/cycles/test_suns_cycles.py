@@ -3,10 +3,10 @@
 
 import torch
 from vibe_render.bench.scenes.build import build
-from vibe_render.bench.scenes.recipe import Finish, Recipe, View, World
-from vibe_render.export import jobs
+from vibe_render.bench.scenes.recipe import CameraRecipe, FinishRecipe, SceneRecipe, WorldRecipe
+from vibe_render.export import reading
 from vibe_render.render import final_render
-from vibe_render.scene.subject import Choice
+from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.bench.metrics import difference
 from proxy_renderer.engine.report import load_picture
@@ -15,11 +15,13 @@ from proxy_renderer.scene import load_scene
 
 
 def test_the_sun_of_a_city_throws_a_shadow(tmp_path):
-    matte = Finish((0.7, 0.7, 0.7), 0.8)
-    world = World(1.0, picture="city")
-    recipe = Recipe("city", "head", (matte,), (), world, ground=matte, view=View(12.0, 20.0, fill=0.6))
+    matte = FinishRecipe((0.7, 0.7, 0.7), 0.8)
+    world = WorldRecipe(1.0, picture="city")
+    recipe = SceneRecipe(
+        "city", "head", (matte,), (), world, ground=matte, view=CameraRecipe(12.0, 20.0, fill=0.6)
+    )
     scene, subject = build(recipe, 0)
-    jobs.open_job(scene, tmp_path, Choice(tuple(o.name for o in subject)))
+    reading.export_scene(scene, tmp_path, SubjectChoice(tuple(o.name for o in subject)))
     final_render.render(scene, tmp_path / "cycles.png", 64, 64)
     cycles = torch.from_numpy(load_picture(tmp_path / "cycles.png").copy())
     proxy = Proxy(load_scene(tmp_path), (64, 64))

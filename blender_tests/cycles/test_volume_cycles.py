@@ -4,10 +4,17 @@
 import pytest
 import torch
 from vibe_render.bench.scenes.build import build
-from vibe_render.bench.scenes.recipe import Finish, Fog, Lamp, Recipe, View, World
-from vibe_render.export import jobs
+from vibe_render.bench.scenes.recipe import (
+    CameraRecipe,
+    FinishRecipe,
+    FogRecipe,
+    LightRecipe,
+    SceneRecipe,
+    WorldRecipe,
+)
+from vibe_render.export import reading
 from vibe_render.render import final_render
-from vibe_render.scene.subject import Choice
+from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.bench.metrics import difference
 from proxy_renderer.engine.report import load_picture
@@ -15,24 +22,27 @@ from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 
 LIGHTS = {
-    "area": ((Lamp("AREA", 45.0, 40.0, 1.3, 1.0),), World(1.0, (0.05, 0.06, 0.08))),
-    "sun": ((Lamp("SUN", 45.0, 40.0, 0.9, 3.0),), World(1.0, (0.2, 0.25, 0.35))),
+    "area": ((LightRecipe("AREA", 45.0, 40.0, 1.3, 1.0),), WorldRecipe(1.0, (0.05, 0.06, 0.08))),
+    "sun": ((LightRecipe("SUN", 45.0, 40.0, 0.9, 3.0),), WorldRecipe(1.0, (0.2, 0.25, 0.35))),
     "spot": (
-        (Lamp("SPOT", -125.0, 50.0, 1.2, 0.1, distance=5.5, settings={"spot_size": 0.9}),),
-        World(1.0, (0.02, 0.02, 0.03)),
+        (LightRecipe("SPOT", -125.0, 50.0, 1.2, 0.1, distance=5.5, settings={"spot_size": 0.9}),),
+        WorldRecipe(1.0, (0.02, 0.02, 0.03)),
     ),
-    "point": ((Lamp("POINT", -35.0, 30.0, 0.9, 0.2, distance=2.9),), World(1.0, (0.05, 0.05, 0.05))),
-    "world": ((), World(1.0, (0.5, 0.55, 0.65))),
+    "point": (
+        (LightRecipe("POINT", -35.0, 30.0, 0.9, 0.2, distance=2.9),),
+        WorldRecipe(1.0, (0.05, 0.05, 0.05)),
+    ),
+    "world": ((), WorldRecipe(1.0, (0.5, 0.55, 0.65))),
 }
 FOGS = {
-    "thin": Fog(0.3),
-    "fog": Fog(0.9, (0.8, 0.85, 0.9)),
-    "thick": Fog(2.8, (0.5, 0.7, 0.9), 0.4),
-    "low": Fog(3.5, falloff=1.0, offset=0.3),
-    "black": Fog(1.4, (0.0, 0.0, 0.0)),
+    "thin": FogRecipe(0.3),
+    "fog": FogRecipe(0.9, (0.8, 0.85, 0.9)),
+    "thick": FogRecipe(2.8, (0.5, 0.7, 0.9), 0.4),
+    "low": FogRecipe(3.5, falloff=1.0, offset=0.3),
+    "black": FogRecipe(1.4, (0.0, 0.0, 0.0)),
 }
-FINISH, GROUND = Finish((0.6, 0.2, 0.1), 0.4), Finish((0.5, 0.45, 0.4), 0.7)
-VIEW = View(12.0, 10.0, fill=0.6)
+FINISH, GROUND = FinishRecipe((0.6, 0.2, 0.1), 0.4), FinishRecipe((0.5, 0.45, 0.4), 0.7)
+VIEW = CameraRecipe(12.0, 10.0, fill=0.6)
 
 
 @pytest.mark.parametrize(
@@ -41,9 +51,9 @@ VIEW = View(12.0, 10.0, fill=0.6)
 def test_fog_matches_cycles(tmp_path, name):
     light, fog = name.split()
     lamps, world = LIGHTS[light]
-    recipe = Recipe(name, "head", (FINISH,), lamps, world, ground=GROUND, fog=FOGS[fog], view=VIEW)
+    recipe = SceneRecipe(name, "head", (FINISH,), lamps, world, ground=GROUND, fog=FOGS[fog], view=VIEW)
     scene, subject = build(recipe, 0)
-    jobs.open_job(scene, tmp_path, Choice(tuple(o.name for o in subject)))
+    reading.export_scene(scene, tmp_path, SubjectChoice(tuple(o.name for o in subject)))
     final_render.render(scene, tmp_path / "cycles.png", 48, 64)
     cycles = torch.from_numpy(load_picture(tmp_path / "cycles.png").copy())
     with torch.no_grad():

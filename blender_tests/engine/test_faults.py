@@ -8,7 +8,7 @@ import bpy
 import pytest
 from dump import contents, difference
 from small_scenes import cube
-from vibe_render.export import jobs
+from vibe_render.export import reading
 from vibe_render.scene import snapshot
 from vibe_render.session.session import result
 from vibe_render.session.state import addon_state
@@ -22,7 +22,7 @@ def test_a_full_disk_is_named(addon, monkeypatch):
     def full(*_):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(jobs, "finish", full)
+    monkeypatch.setattr(reading, "export_captured", full)
     before = contents()
     assert "no room left on the disk" in fails(addon_state.begin(bpy.context))
     assert difference(before, contents()) == {}

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from dump import difference, dump
 from mathutils import Matrix
-from vibe_render.export import jobs, world_light
+from vibe_render.export import reading, world_light
 from vibe_render.export.textures import shrink
 from vibe_render.export.view import ocio_config
 from vibe_render.render import bake
-from vibe_render.scene.subject import Choice
+from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import VibeError
@@ -52,7 +52,7 @@ def contents():
 
 
 def job_of(scene, tmp_path, choice=None):
-    job = jobs.open_job(scene, tmp_path / "job", choice or Choice())
+    job = reading.export_scene(scene, tmp_path / "job", choice or SubjectChoice())
     return job, load_scene(tmp_path / "job")
 
 
@@ -275,7 +275,7 @@ def test_exporting_changes_nothing_but_what_is_missing(stage, tmp_path):
 def test_a_failure_takes_back_what_was_added(stage, tmp_path):
     before = contents()
     with pytest.raises(VibeError, match="no mesh"):
-        jobs.open_job(stage, tmp_path, Choice())
+        reading.export_scene(stage, tmp_path, SubjectChoice())
     assert difference(before, contents()) == {}
 
 
@@ -303,14 +303,14 @@ def test_the_subject_can_be_named_or_selected(stage, tmp_path):
         _, scene = job_of(stage, tmp_path, choice)
         return {o.name for o in scene.objects if o.subject}
 
-    assert chosen(Choice()) == {"Left", "Right"}
-    assert chosen(Choice(objects=("Left",))) == {"Left"}
-    assert chosen(Choice(objects=("Group",))) == {"Right"}
+    assert chosen(SubjectChoice()) == {"Left", "Right"}
+    assert chosen(SubjectChoice(objects=("Left",))) == {"Left"}
+    assert chosen(SubjectChoice(objects=("Group",))) == {"Right"}
     bpy.ops.object.select_all(action="DESELECT")
     right.select_set(True)
-    assert chosen(Choice(selected=True)) == {"Right"}
+    assert chosen(SubjectChoice(selected=True)) == {"Right"}
     with pytest.raises(VibeError, match="no object or collection 'Rihgt'"):
-        chosen(Choice(objects=("Rihgt",)))
+        chosen(SubjectChoice(objects=("Rihgt",)))
 
 
 def test_walls_skies_and_things_behind_are_not_the_subject(stage, tmp_path):
@@ -322,7 +322,7 @@ def test_walls_skies_and_things_behind_are_not_the_subject(stage, tmp_path):
     bpy.context.object.name = "Wall"
     job, scene = job_of(stage, tmp_path)
     assert {o.name for o in scene.objects if o.subject} == {"Thing"}
-    np.testing.assert_allclose(job.survey.pivot, (0, 0, 0), atol=1e-5)
+    np.testing.assert_allclose(job.analysis.pivot, (0, 0, 0), atol=1e-5)
 
 
 def test_pixels_of_gray_images_have_three_channels(scene):

@@ -7,10 +7,10 @@ import vibe_render
 from dump import contents, difference
 from sample_presets import NOIR
 from small_scenes import studio
-from vibe_render.export import jobs
+from vibe_render.export import reading
 from vibe_render.looks import asset_catalog, asset_preview, assets, thumbnail, use
 from vibe_render.scene.nodes import owned
-from vibe_render.scene.subject import Choice
+from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.schema import VibeError, preset
 
@@ -24,18 +24,18 @@ def exported(scene, tmp_path, monkeypatch):
     vibe_render.register()
     studio(scene)
     look = preset.Preset("Noir", {**NOIR.roles, "volume": [{"density": [0.5]}]}, NOIR.kinds, NOIR.prompt)
-    use.apply(scene, look, Choice())
+    use.apply(scene, look, SubjectChoice())
     picture = tmp_path / "look.png"
     gray = bpy.data.images.new("gray", thumbnail.SIZE, thumbnail.SIZE)
     gray.generated_color, gray.filepath_raw, gray.file_format = (0.5, 0.5, 0.5, 1.0), str(picture), "PNG"
     gray.save()
     bpy.data.images.remove(gray)
     before = contents()
-    sight = jobs.look_at(scene, Choice())
+    scene_reading = reading.read_scene(scene, SubjectChoice())
     path = tmp_path / "library" / "noir.blend"
     path.parent.mkdir()
     names = assets.export(
-        sight.survey, "Noir", "black and white", [bpy.data.materials["Body"]], path, picture
+        scene_reading.analysis, "Noir", "black and white", [bpy.data.materials["Body"]], path, picture
     )
     yield names, path, before, contents()
     vibe_render.unregister()
@@ -97,7 +97,9 @@ def test_a_catalog_file_of_the_future_is_left_alone(tmp_path):
 
 def test_a_folder_that_cannot_be_written(exported, tmp_path):
     _, _, before, _ = exported
-    sight = jobs.look_at(bpy.context.scene, Choice())
+    scene_reading = reading.read_scene(bpy.context.scene, SubjectChoice())
     with pytest.raises(VibeError, match="cannot be written"):
-        assets.export(sight.survey, "X", "", [], tmp_path / "missing" / "x.blend", tmp_path / "look.png")
+        assets.export(
+            scene_reading.analysis, "X", "", [], tmp_path / "missing" / "x.blend", tmp_path / "look.png"
+        )
     assert difference(before, contents()) == {}

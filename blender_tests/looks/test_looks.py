@@ -9,7 +9,7 @@ import vibe_render
 from dump import contents, difference
 from small_scenes import studio
 from vibe_render.looks import library, thumbnail, use
-from vibe_render.scene.subject import Choice
+from vibe_render.scene.subject import SubjectChoice
 from vibe_render.session.session import result
 
 ROWS = tomllib.loads((library.SHIPPED / "prompts.toml").read_text(encoding="utf-8"))["look"]
@@ -51,7 +51,7 @@ def test_each_goes_onto_another_scene_and_off_again(addon):
     before = contents()
     for row in ROWS:
         look = library.find(row["name"])
-        assert use.apply(addon, look.preset, Choice()) == []
+        assert use.apply(addon, look.preset, SubjectChoice()) == []
         assert addon.vibe.changes
     assert result.revert(addon) == []
     assert difference(before, contents()) == {}

@@ -8,17 +8,17 @@ from contextlib import contextmanager
 import bpy
 import pytest
 import scenes
-from vibe_render.export import jobs
+from vibe_render.export import reading
 from vibe_render.looks import fit, take
 from vibe_render.scene import bindings, scene_context
-from vibe_render.scene.subject import Choice
+from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.schema import VERSION, VibeError, preset
 
 
 def opened(build, folder):
     scene = build()
-    return scene, jobs.open_job(scene, folder, Choice())
+    return scene, reading.export_scene(scene, folder, SubjectChoice())
 
 
 @pytest.fixture
@@ -61,8 +61,8 @@ def test_it_fits_a_scene_with_other_lights_materials_and_lengths(look, tmp_path)
     density = job.instances["volume/density"]
     assert values["volume/density"] == [pytest.approx(0.5 * density.reference)]
     assert not any(k.startswith("camera/") for k in values)
-    assert bindings.write(scene, values, job.survey.objects, job.survey.pivot) == {}
-    after = bindings.read(scene, job.survey.objects, job.survey.pivot)
+    assert bindings.write(scene, values, job.analysis.objects, job.analysis.pivot) == {}
+    after = bindings.read(scene, job.analysis.objects, job.analysis.pivot)
     for key, value in values.items():
         assert after[key] == pytest.approx(value, rel=1e-4, abs=1e-4), key
 
@@ -71,7 +71,7 @@ def test_lamps_become_suns_of_the_same_brightness(look, tmp_path):
     scene, job = opened(scenes.textured, tmp_path / "other")
     lamp = bpy.data.objects["Key"].data
     lamp.type = "SUN"
-    job = jobs.open_job(scene, tmp_path / "sun", Choice())
+    job = reading.export_scene(scene, tmp_path / "sun", SubjectChoice())
     entry = {"power": [9.8696], "size": [0.5]}  # an area light that makes white come out at 1
     values = fit.fit(preset.Preset("", {"key": [entry]}, {"key": ["AREA"]}), job).values
     assert values["light/Key/strength"] == [pytest.approx(3.14159, rel=1e-3)]
@@ -176,8 +176,8 @@ def test_what_does_not_fit_is_listed(look, tmp_path):
     scene, _ = opened(scenes.textured, tmp_path / "other")
     driver = bpy.data.materials["Stand"].node_tree.nodes["Principled BSDF"].inputs["Roughness"]
     driver.keyframe_insert("default_value", frame=1)
-    sight = jobs.look_at(scene, Choice())
-    subjects = len(take.owners(sight, "subject"))
+    scene_reading = reading.read_scene(scene, SubjectChoice())
+    subjects = len(take.owners(scene_reading, "subject"))
     wanted = preset.Preset(
         "",
         {
@@ -189,16 +189,19 @@ def test_what_does_not_fit_is_listed(look, tmp_path):
         },
         {"key": ["AREA", "POINT"], "rim": ["AREA"], "fill": ["AREA"]},
     )
-    found = fit.fit(wanted, sight)
+    found = fit.fit(wanted, scene_reading)
     rest = "\n".join(found.rest)
     assert "Subject material: 2 more than this scene has" in rest
     assert "Key light: 1 more than this scene has" in rest
     assert "Stand: Roughness: " in rest
     assert "fill" not in rest.casefold()
     assert found.values["light/Vibe Rim/color"] == [1.0, 0.2, 0.1]
-    assert bindings.write(scene, found.values, sight.survey.objects, sight.survey.pivot) == {}
+    assert (
+        bindings.write(scene, found.values, scene_reading.analysis.objects, scene_reading.analysis.pivot)
+        == {}
+    )
     rim = bpy.data.objects["Vibe Rim"]
-    low, high = scene_context.bounds(scene, sight.survey.objects)
+    low, high = scene_context.bounds(scene, scene_reading.analysis.objects)
     distance = (rim.matrix_world.translation - (low + high) / 2.0).length
     assert rim.data.energy == pytest.approx(20.0 * distance**2, rel=1e-3)
 

@@ -7,10 +7,10 @@ import small_scenes as scenes
 import torch
 from dump import difference, dump
 from vibe_render.core import compat
-from vibe_render.export import jobs
+from vibe_render.export import reading
 from vibe_render.render import anchors, final_render
 from vibe_render.scene import bindings, snapshot
-from vibe_render.scene.subject import Choice
+from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.color.differences import mean_difference
 from proxy_renderer.render.cycles.pictures import CyclesPicture
@@ -153,7 +153,7 @@ def test_an_anchored_proxy_shows_what_cycles_renders(scene, tmp_path):
     """Other powers, colors and materials than the anchor's: nearer to Cycles than without it."""
     scenes.studio(scene)
     scene.render.resolution_x = scene.render.resolution_y = 64
-    found = jobs.open_job(scene, tmp_path, Choice(objects=("Subject",))).survey
+    found = reading.export_scene(scene, tmp_path, SubjectChoice(objects=("Subject",))).analysis
     data = load_scene(tmp_path)
     path = tmp_path / "a.exr"
     groups = anchors.render_anchor(scene, path, {}, found.objects, found.pivot, 64, 64)

@@ -106,12 +106,12 @@ def test_no_box_without_density(scene):
 def test_the_box_holds_camera_and_subject_and_is_out_of_the_artists_way(scene):
     subject = scenes.studio(scene)
     scene.camera.location = (0.0, -30.0, 12.0)
-    cast = scene_context.Cast(scene, subject, Vector(PIVOT))
-    planned = fog.domain(cast)
+    context = scene_context.SceneContext(scene, subject, Vector(PIVOT))
+    planned = fog.domain(context)
     write(scene, subject, density=0.1, color=(0.1, 0.2, 0.3))
     box = fog.find(scene)
     assert (box.display_type, box.hide_select, box.name, box.hide_render) == ("WIRE", True, "Vibe Fog", False)
-    made = fog.domain(cast)
+    made = fog.domain(context)
     for a, b in zip(planned.center, made.center, strict=True):
         assert a == pytest.approx(b, abs=1e-4)
     for a, b in zip(planned.half_size, made.half_size, strict=True):

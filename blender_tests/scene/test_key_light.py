@@ -75,7 +75,7 @@ def test_the_brightest_light_in_cycles_is_the_key(scene, lights, tmp_path):
         thing.data.energy *= 1.2
         assert _measured(scene, lights, brighter, picture) > 1.15 * max(levels.values())
         roles = scene_context.light_roles(
-            scene_context.Cast(scene, [bpy.data.objects["Plane"]], thing.location * 0)
+            scene_context.SceneContext(scene, [bpy.data.objects["Plane"]], thing.location * 0)
         )
         assert roles == {other: "key" if other is thing else "fill" for other in lights.values()}
         thing.data.energy /= 1.2
@@ -93,5 +93,5 @@ def test_a_lights_own_exposure_counts(scene, lights):
     for kind, thing in lights.items():
         thing.data.energy = schema.radiometry.unit_energy(kind, DISTANCES[kind])
     lights["POINT"].data.exposure = 0.5
-    cast = scene_context.Cast(scene, [bpy.data.objects["Plane"]], lights["POINT"].location * 0)
-    assert scene_context.light_roles(cast)[lights["POINT"]] == "key"
+    context = scene_context.SceneContext(scene, [bpy.data.objects["Plane"]], lights["POINT"].location * 0)
+    assert scene_context.light_roles(context)[lights["POINT"]] == "key"

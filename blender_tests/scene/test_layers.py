@@ -5,10 +5,10 @@ import bpy
 import pytest
 import small_scenes as scenes
 import vibe_render
-from vibe_render.export import jobs
+from vibe_render.export import reading
 from vibe_render.render import anchors
 from vibe_render.scene import snapshot
-from vibe_render.scene.subject import Choice
+from vibe_render.scene.subject import SubjectChoice
 from vibe_render.session.session import result
 
 from proxy_renderer.schema import messages
@@ -32,14 +32,14 @@ def layered(scene):
 
 
 def test_what_is_rendered_is_exported_changed_and_reverted(layered, tmp_path):
-    job = jobs.open_job(layered, tmp_path, Choice())
-    assert [o.name for o in job.survey.objects] == ["Subject"]
+    job = reading.export_scene(layered, tmp_path, SubjectChoice())
+    assert [o.name for o in job.analysis.objects] == ["Subject"]
     assert {"material/Body/roughness", "light/Area/power"} <= job.instances.keys()
     power = bpy.data.lights["Area"].energy
     vibe_render.register()
     try:
         found = messages.Result({"light/Area/power": [7.0]}, {}, "")
-        result.apply(layered, "dark", found, job.survey.objects, job.survey.pivot)
+        result.apply(layered, "dark", found, job.analysis.objects, job.analysis.pivot)
         assert bpy.data.lights["Area"].energy == 7.0
         assert snapshot.revert(layered) == []
     finally:

@@ -81,7 +81,7 @@ def test_a_failure_in_the_middle_leaves_the_scene_as_it_was(scene, kind, monkeyp
 
     rows = [
         *bindings.BINDINGS[:-1],
-        bindings.Binding(bindings.BINDINGS[-1].parameter, lambda cast, thing: Broken()),
+        bindings.ParameterBinding(bindings.BINDINGS[-1].parameter, lambda context, thing: Broken()),
     ]
     monkeypatch.setattr(bindings, "BINDINGS", tuple(rows))
     with pytest.raises(RuntimeError, match="fire"):

@@ -7,7 +7,7 @@ import pytest
 from vibe_render.export import analysis
 from vibe_render.render import final_render
 from vibe_render.scene.stage import demo, stage
-from vibe_render.scene.subject import Choice
+from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.schema import VibeError
 
@@ -42,12 +42,12 @@ def write_mesh(path):
 @pytest.mark.parametrize("suffix", [".obj", ".ply", ".stl", ".glb"])
 def test_every_format_stands_on_the_stage_and_fills_the_picture(tmp_path, suffix):
     scene = stage.build_stage(write_mesh(tmp_path / f"thing{suffix}"))
-    found = analysis.survey(scene, Choice(selected=True))
+    found = analysis.analyze(scene, SubjectChoice(selected=True))
     low, high = np.array(found.low), np.array(found.high)
     assert low[2] == pytest.approx(0.0, abs=1e-5)
     assert np.linalg.norm(high - low) / 2 == pytest.approx(1.0, abs=1e-4)
     np.testing.assert_allclose((low + high)[:2], 0.0, atol=1e-5)
-    rows, columns = np.nonzero(np.isin(found.seen.object, np.nonzero(found.chosen)[0]))
+    rows, columns = np.nonzero(np.isin(found.visible.object, np.nonzero(found.is_subject)[0]))
     assert min(rows.min(), columns.min()) >= 2  # within the frame, and large in it
     assert max(rows.max(), columns.max()) <= 45
     assert max(np.ptp(rows), np.ptp(columns)) >= 24
@@ -56,12 +56,14 @@ def test_every_format_stands_on_the_stage_and_fills_the_picture(tmp_path, suffix
 @pytest.mark.parametrize("kind", stage.KINDS)
 def test_the_stage_is_not_the_subject_and_fills_the_frame(tmp_path, kind):
     scene = stage.build_stage(write_mesh(tmp_path / "thing.obj"), kind)
-    found = analysis.survey(scene, Choice())
-    names = [name for (name, _), chosen in zip(found.geometry.objects, found.chosen, strict=True) if chosen]
+    found = analysis.analyze(scene, SubjectChoice())
+    names = [
+        name for (name, _), chosen in zip(found.geometry.objects, found.is_subject, strict=True) if chosen
+    ]
     assert names == ["thing"]
     assert ("Stage" in found.geometry.materials) == (kind != "none")
     if kind == "cyclorama":
-        assert (found.seen.object >= 0).all()
+        assert (found.visible.object >= 0).all()
     assert scene.view_settings.view_transform == "AgX"
 
 
@@ -80,7 +82,7 @@ def test_the_picture_is_well_exposed(tmp_path):
 
 def test_the_mask_shows_the_subject_alone(tmp_path):
     scene = stage.build_stage(write_mesh(tmp_path / "thing.obj"))
-    found = analysis.survey(scene, Choice(selected=True))
+    found = analysis.analyze(scene, SubjectChoice(selected=True))
     settings = scene.render.film_transparent, scene.cycles.samples, scene.world
     final_render.render_mask(scene, tmp_path / "mask.png", 48, found.objects)
     assert (scene.render.film_transparent, scene.cycles.samples, scene.world) == settings
@@ -89,7 +91,7 @@ def test_the_mask_shows_the_subject_alone(tmp_path):
     values = np.empty(48 * 48 * 4, np.float32)
     image.pixels.foreach_get(values)
     mask = values.reshape(48, 48, 4)[..., 0]
-    seen = np.isin(found.seen.object, np.nonzero(found.chosen)[0])
+    seen = np.isin(found.visible.object, np.nonzero(found.is_subject)[0])
     assert np.abs(mask - seen).mean() < 0.02
     assert ((mask > 0.02) & (mask < 0.98)).any()  # antialiased
 
@@ -120,9 +122,9 @@ def test_a_missing_file_and_an_unknown_stage(tmp_path):
 
 def test_the_demo_has_what_a_demo_needs():
     scene = demo.build_demo()
-    found = analysis.survey(scene, Choice((demo.SUBJECT,)))
+    found = analysis.analyze(scene, SubjectChoice((demo.SUBJECT,)))
     assert [o.name for o in found.objects] == [demo.SUBJECT]
     assert len(found.geometry.materials) >= 4
     assert sum(o.type == "LIGHT" for o in scene.objects) == 2
-    share = np.isin(found.seen.object, np.nonzero(found.chosen)[0]).mean()
+    share = np.isin(found.visible.object, np.nonzero(found.is_subject)[0]).mean()
     assert 0.08 < share < 0.5

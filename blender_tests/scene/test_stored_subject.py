@@ -5,11 +5,11 @@ import bpy
 import pytest
 import vibe_render
 from dump import contents, difference
-from vibe_render.export import jobs
+from vibe_render.export import reading
 from vibe_render.looks import use
 from vibe_render.scene import stored_subject
 from vibe_render.scene.stage import demo
-from vibe_render.scene.subject import Choice
+from vibe_render.scene.subject import SubjectChoice
 from vibe_render.session.session import result
 
 from proxy_renderer.schema import VibeError, preset
@@ -32,9 +32,9 @@ def painted(scene):
 
 def test_it_is_meant_by_the_next_preset_and_revert_forgets_it(still_life):
     before = contents()
-    use.apply(still_life, TEAL, Choice((demo.SUBJECT,)))
+    use.apply(still_life, TEAL, SubjectChoice((demo.SUBJECT,)))
     assert painted(still_life) == {"Clay"}
-    use.apply(still_life, TEAL, Choice())
+    use.apply(still_life, TEAL, SubjectChoice())
     assert painted(still_life) == {"Clay"}
     assert result.revert(still_life) == []
     assert difference(before, contents()) == {}
@@ -44,9 +44,11 @@ def test_it_is_meant_by_the_next_preset_and_revert_forgets_it(still_life):
 def test_it_stands_in_for_a_selection(still_life):
     bpy.ops.object.select_all(action="DESELECT")
     with pytest.raises(VibeError, match="Nothing is selected"):
-        jobs.look_at(still_life, Choice(selected=True))
+        reading.read_scene(still_life, SubjectChoice(selected=True))
     stored_subject.remember(still_life, [bpy.data.objects["Ring"]])
-    assert [o.name for o in jobs.look_at(still_life, Choice(selected=True)).survey.objects] == ["Ring"]
+    assert [
+        o.name for o in reading.read_scene(still_life, SubjectChoice(selected=True)).analysis.objects
+    ] == ["Ring"]
 
 
 def test_the_menu_makes_it_ours_again(still_life):
@@ -66,11 +68,11 @@ def test_what_is_out_of_the_picture_is_not_asked_for(still_life):
     ring = bpy.data.objects["Ring"]
     stored_subject.remember(still_life, [ring])
     ring.hide_render = True
-    assert demo.SUBJECT in [o.name for o in jobs.look_at(still_life, Choice()).survey.objects]
+    assert demo.SUBJECT in [o.name for o in reading.read_scene(still_life, SubjectChoice()).analysis.objects]
 
 
 def test_small_parts_of_a_subject_keep_their_looks(still_life):
     """A look for one thing goes onto what is as prominent, and what stays is listed."""
-    rest = use.apply(still_life, TEAL, Choice())
+    rest = use.apply(still_life, TEAL, SubjectChoice())
     assert "Brass" not in painted(still_life)
     assert any(line.startswith("Brass: shows too little") for line in rest)

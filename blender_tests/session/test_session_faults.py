@@ -7,9 +7,9 @@ import pytest
 import torch
 from faulty_scenes import FAULTS, aim, plain
 from PIL import Image
-from vibe_render.export import jobs
+from vibe_render.export import reading
 from vibe_render.render import final_render
-from vibe_render.scene.subject import Choice
+from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.color.differences import mean_difference
 from proxy_renderer.render.proxy import Proxy
@@ -21,7 +21,7 @@ SAMPLES = 32
 
 def exported(scene, folder, choice=None):
     """The job, and the scene as the engine reads it."""
-    job = jobs.open_job(scene, folder, choice or Choice())
+    job = reading.export_scene(scene, folder, choice or SubjectChoice())
     return job, load_scene(folder)
 
 
@@ -76,7 +76,7 @@ def test_cameras_that_are_refused(scene, tmp_path, kind):
 def test_a_chosen_subject_that_no_render_shows(scene, tmp_path, fault):
     FAULTS[fault].build(scene, plain(scene))
     with pytest.raises(VibeError, match="no mesh that a render shows"):
-        exported(scene, tmp_path, Choice(("Subject",)))
+        exported(scene, tmp_path, SubjectChoice(("Subject",)))
 
 
 def test_a_camera_that_sees_nothing(scene, tmp_path):

@@ -17,16 +17,16 @@ from typing import Any
 import bpy
 
 from ..core.schema_import import schema
-from ..export import jobs
-from ..export.job import Job
+from ..export import reading
+from ..export.job_folder import SceneJob
 from ..render import anchors, final_render
-from ..scene.subject import Choice
+from ..scene.subject import SubjectChoice
 from . import side
 from .fingerprint import fingerprint
 from .move import move
 from .scenes.build import build
 from .scenes.catalog import CATALOG
-from .scenes.recipe import Recipe, features
+from .scenes.recipe import SceneRecipe, features
 from .scenes.shapes import SHAPES
 
 VERSION = ANCHOR_VERSION = 1
@@ -34,11 +34,11 @@ VERSION = ANCHOR_VERSION = 1
 ANCHOR_SIZE, ANCHOR_SAMPLES = 192, 32
 
 
-def make(recipe: Recipe, a: argparse.Namespace) -> dict[str, Any]:
+def make(recipe: SceneRecipe, a: argparse.Namespace) -> dict[str, Any]:
     """One scene: its job folder, its reference, and what is known about it."""
     scene, subject = build(recipe, a.seed)
     folder = a.work / recipe.name
-    job = jobs.open_job(scene, folder / "job", Choice(tuple(o.name for o in subject)))
+    job = reading.export_scene(scene, folder / "job", SubjectChoice(tuple(o.name for o in subject)))
     start = time.monotonic()
     mark = fingerprint(scene)
     reference, cached = _reference(scene, mark, a)
@@ -65,13 +65,17 @@ def _reference(scene: bpy.types.Scene, mark: str, a: argparse.Namespace) -> tupl
     return path, False
 
 
-def _anchors(job: Job, mark: str, recipe: Recipe, a: argparse.Namespace) -> dict[str, dict[str, Any]]:
+def _anchors(
+    job: SceneJob, mark: str, recipe: SceneRecipe, a: argparse.Namespace
+) -> dict[str, dict[str, Any]]:
     """What a round of a vibe would give the engine: small pictures of the scene's own values, and of a step away."""
     moved = move(job.instances, random.Random(f"{a.seed}/{recipe.name}/move"))
     return {name: _anchor(job, mark, values, a) for name, values in (("still", {}), ("moved", moved))}
 
 
-def _anchor(job: Job, mark: str, values: dict[str, schema.Values], a: argparse.Namespace) -> dict[str, Any]:
+def _anchor(
+    job: SceneJob, mark: str, values: dict[str, schema.Values], a: argparse.Namespace
+) -> dict[str, Any]:
     """One small picture and what it was rendered at, from the cache if it is there."""
     settings = ANCHOR_SIZE, ANCHOR_SAMPLES, bpy.app.version_string, ANCHOR_VERSION
     path = side.cached(a, ".exr", mark, values, *settings)
@@ -79,7 +83,7 @@ def _anchor(job: Job, mark: str, values: dict[str, schema.Values], a: argparse.N
     if path.is_file() and notes.is_file():
         groups = json.loads(notes.read_text(encoding="utf-8"))
     else:
-        found = job.survey
+        found = job.analysis
         groups = anchors.render_anchor(
             found.scene, path, values, found.objects, found.pivot, ANCHOR_SIZE, ANCHOR_SAMPLES
         )

@@ -13,25 +13,25 @@ from typing import Any
 import bpy
 
 from ..core.schema_import import schema
-from ..export import jobs
-from ..export.job import Job
+from ..export import reading
+from ..export.job_folder import SceneJob
 from ..render import final_render
 from ..scene import bindings
-from ..scene.subject import Choice
+from ..scene.subject import SubjectChoice
 from . import side
 from .fingerprint import fingerprint
 from .scenes.build import build
-from .scenes.steps import CASES, Case, ends
+from .scenes.steps import CASES, StepCase, ends
 
 VERSION = 1
 """Raised when the way pictures are rendered changes."""
 
 
-def make(case: Case, a: argparse.Namespace) -> dict[str, Any]:
+def make(case: StepCase, a: argparse.Namespace) -> dict[str, Any]:
     """A scene's job folder, and per parameter the pictures to both sides of its value."""
     scene, subject = build(case.recipe, a.seed)
     folder = a.work / case.recipe.name / "job"
-    job = jobs.open_job(scene, folder, Choice(tuple(o.name for o in subject)))
+    job = reading.export_scene(scene, folder, SubjectChoice(tuple(o.name for o in subject)))
     base = f"{fingerprint(scene)} {a.size} {a.samples} {bpy.app.version_string} {VERSION}"
     steps = []
     for key, instance in job.instances.items():
@@ -41,7 +41,12 @@ def make(case: Case, a: argparse.Namespace) -> dict[str, Any]:
 
 
 def _step(
-    scene: bpy.types.Scene, job: Job, key: str, instance: schema.Instance, base: str, a: argparse.Namespace
+    scene: bpy.types.Scene,
+    job: SceneJob,
+    key: str,
+    instance: schema.Instance,
+    base: str,
+    a: argparse.Namespace,
 ) -> dict[str, Any]:
     """Pictures of the scene with one value lower and higher than it is, which it is again afterwards."""
     low, middle, high, du = ends(instance)
@@ -56,8 +61,8 @@ def _step(
     return found
 
 
-def _write(scene: bpy.types.Scene, job: Job, key: str, value: schema.Values) -> None:
-    left = bindings.write(scene, {key: value}, job.survey.objects, job.survey.pivot)
+def _write(scene: bpy.types.Scene, job: SceneJob, key: str, value: schema.Values) -> None:
+    left = bindings.write(scene, {key: value}, job.analysis.objects, job.analysis.pivot)
     if left:
         raise schema.VibeError(f"{key} was not written: {left[key]}.", "Mend the scene.")
 

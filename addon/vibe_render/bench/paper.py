@@ -25,11 +25,11 @@ from ..headless.reporter import Reporter
 from ..render import final_render
 from ..scene import snapshot
 from . import side
+from .camera_hits import save_camera_hits
 from .scenes.build import build
 from .scenes.sets import SETS
-from .sight import save_sight
 
-SIGHT = 192
+CAMERA_HITS = 192
 """Rays along each side of what is saved of the geometry."""
 
 
@@ -40,7 +40,7 @@ class _Quiet(Reporter):
         pass
 
 
-class Workshop:
+class PaperRuns:
     """An engine that stays warm between runs, and is replaced after one that went wrong."""
 
     def __init__(self) -> None:
@@ -59,12 +59,12 @@ class Workshop:
         except BaseException:
             self.close()
             raise
-        save_sight(found, folder / "after.npz", SIGHT)
+        save_camera_hits(found, folder / "after.npz", CAMERA_HITS)
         size, samples = (_number(run, name) for name in ("size", "samples"))
         if run["clear"]:
             final_render.render_clear(found.scene, folder / "clear.png", size, samples)
         snapshot.revert(found.scene)
-        save_sight(found, folder / "before.npz", SIGHT)
+        save_camera_hits(found, folder / "before.npz", CAMERA_HITS)
         final_render.render_mask(found.scene, folder / "mask_before.png", size, found.objects)
 
     def close(self) -> None:
@@ -105,7 +105,7 @@ def known_runs(a: argparse.Namespace) -> dict[str, dict[str, Any]]:
 
 
 if __name__ == "__main__":
-    workshop = Workshop()
+    workshop = PaperRuns()
 
     def make(run: dict[str, Any], _: argparse.Namespace) -> dict[str, Any]:
         """Carries one run out."""

@@ -14,7 +14,7 @@ from typing import Any
 import bpy
 from bpy.types import ID, Node, NodeSocket, NodeTree, bpy_struct
 
-Entry = dict[str, Any]
+JournalEntry = dict[str, Any]
 
 
 class Journal:
@@ -25,8 +25,8 @@ class Journal:
         ids: The data-blocks that the entries speak of; None where one has been deleted since.
     """
 
-    def __init__(self, entries: list[Entry] | None = None, ids: list[ID | None] | None = None) -> None:
-        self.entries: list[Entry] = entries if entries is not None else []
+    def __init__(self, entries: list[JournalEntry] | None = None, ids: list[ID | None] | None = None) -> None:
+        self.entries: list[JournalEntry] = entries if entries is not None else []
         self.ids: list[ID | None] = ids if ids is not None else []
 
     def refer(self, block: ID) -> int:
@@ -155,7 +155,7 @@ def address(struct: bpy_struct) -> tuple[ID, str]:
     raise LookupError(f"nobody owns {root.name}")
 
 
-def _said(block: ID | None, entry: Entry) -> str:
+def _said(block: ID | None, entry: JournalEntry) -> str:
     """What is lost, in words for the artist: 'a value of "Monkey": node "Principled BSDF" is gone or changed'."""
     try:
         name = f'"{block.name}"' if block else ""
@@ -172,7 +172,7 @@ def _resolve(block: ID, path: str) -> Any:
     return block.path_resolve(path) if path else block
 
 
-def _slot(entry: Entry) -> tuple:
+def _slot(entry: JournalEntry) -> tuple:
     return entry["id"], entry["path"], entry["name"]
 
 
@@ -185,7 +185,7 @@ def _socket(tree: NodeTree, end: list[str], side: str) -> NodeSocket:
     return next(s for s in sockets if s.identifier == end[1])
 
 
-def _undo_set(journal: Journal, block: ID, entry: Entry) -> None:
+def _undo_set(journal: Journal, block: ID, entry: JournalEntry) -> None:
     old = entry["old"]
     setattr(
         _resolve(block, entry["path"]),
@@ -194,7 +194,7 @@ def _undo_set(journal: Journal, block: ID, entry: Entry) -> None:
     )
 
 
-def _undo_link(_journal: Journal, block: ID, entry: Entry) -> None:
+def _undo_link(_journal: Journal, block: ID, entry: JournalEntry) -> None:
     tree = _resolve(block, entry["path"])
     target = _socket(tree, entry["target"], "inputs")
     if not target.is_linked or _end(target.links[0].from_socket) != entry["source"]:
@@ -204,7 +204,7 @@ def _undo_link(_journal: Journal, block: ID, entry: Entry) -> None:
         tree.links.new(_socket(tree, entry["old"], "outputs"), target)
 
 
-def _undo_node(_journal: Journal, block: ID, entry: Entry) -> None:
+def _undo_node(_journal: Journal, block: ID, entry: JournalEntry) -> None:
     nodes = _resolve(block, entry["path"]).nodes
     nodes.remove(nodes[entry["node"]])
 
@@ -213,19 +213,19 @@ def _users(block: ID) -> int:
     return block.users - block.use_fake_user
 
 
-def _undo_slot(_journal: Journal, block: ID, _entry: Entry) -> None:
+def _undo_slot(_journal: Journal, block: ID, _entry: JournalEntry) -> None:
     if len(block.materials) > 1:  # the artist has added others
         block.materials[0] = None
     else:
         block.materials.clear()
 
 
-def _undo_compositor(_journal: Journal, block: ID, _entry: Entry) -> None:
+def _undo_compositor(_journal: Journal, block: ID, _entry: JournalEntry) -> None:
     block.node_tree.nodes.clear()
     block.use_nodes = False
 
 
-_UNDO: dict[str, Callable[[Journal, Any, Entry], None]] = {
+_UNDO: dict[str, Callable[[Journal, Any, JournalEntry], None]] = {
     "set": _undo_set,
     "link": _undo_link,
     "node": _undo_node,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Places: where one value of a parameter is in a scene, with a reader, a writer and a reason to leave it alone."""
+"""Value slots: one value of a parameter in a scene, with a reader, a writer and a reason to leave it alone."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from bpy.types import NodeSocket, bpy_struct
 from .journal import Journal
 
 
-class Place(Protocol):
+class ValueSlot(Protocol):
     """A value in a scene, in the form that Blender stores."""
 
     @property
@@ -28,7 +28,7 @@ class Place(Protocol):
 
 
 @dataclass
-class Property:
+class PropertySlot:
     """A property of anything: a node socket's value, a light's energy."""
 
     owner: bpy_struct
@@ -54,38 +54,38 @@ class Property:
             journal.set(self.owner, self.name, raw)
 
 
-def value(socket: NodeSocket, locked: str = "") -> Property:
-    """The place of an unlinked socket's value."""
-    return Property(socket, "default_value", locked)
+def socket_slot(socket: NodeSocket, locked: str = "") -> PropertySlot:
+    """The slot of an unlinked socket's value."""
+    return PropertySlot(socket, "default_value", locked)
 
 
 @dataclass
-class Lazy:
+class LazySlot:
     """A value of something of ours that is made only when a value is written that changes the picture.
 
     Attributes:
-        find: Its place if it is there.
-        make: Makes it; None where it must not be made for this value alone.
+        find: The slot, if what holds it is there.
+        make: Makes what holds it; None where it must not be made for this value alone.
         identity: The value that changes nothing.
     """
 
-    find: Callable[[], Place | None]
-    make: Callable[[Journal], Place | None]
+    find: Callable[[], ValueSlot | None]
+    make: Callable[[Journal], ValueSlot | None]
     identity: Any
     locked: str = ""
 
     def get(self) -> Any:
         """The stored value, or the identity."""
-        place = self.find()
-        return place.get() if place else self.identity
+        slot = self.find()
+        return slot.get() if slot else self.identity
 
     def set(self, journal: Journal, raw: Any) -> None:
         """Sets it, making it if need be."""
-        place = self.find()
-        if place is None and not same(raw, self.identity):
-            place = self.make(journal)
-        if place is not None:
-            place.set(journal, raw)
+        slot = self.find()
+        if slot is None and not same(raw, self.identity):
+            slot = self.make(journal)
+        if slot is not None:
+            slot.set(journal, raw)
 
 
 def same(a: Any, b: Any) -> bool:

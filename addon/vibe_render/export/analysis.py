@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A first look at a scene: its geometry, what the camera sees, what the subject is, and around what it turns."""
+"""Scene analysis: a scene's geometry, what its camera sees of it, its subject, and the pivot of its orbits."""
 
 from __future__ import annotations
 
@@ -12,73 +12,81 @@ from ..core.schema_import import schema
 from ..scene import evaluated, subject
 from ..scene.geometry import visibility
 from ..scene.geometry.meshes import collect
-from ..scene.geometry.triangles import Geometry, Placed, assembled
+from ..scene.geometry.triangles import PlacedMesh, SceneGeometry, assembled
 from .materials import uv_of
 
 
 @dataclass(frozen=True)
-class Prospect:
-    """What the scene's camera has before it, apart from the scene.
+class VisibleScene:
+    """A captured scene and what its camera sees of it; holds no reference into Blender's data.
 
     Attributes:
         geometry: Everything that a render shows.
-        seen: What the camera sees of it.
-        blocks: Kind and name of the file's objects and materials that it speaks of.
+        visible: What the camera sees of it.
+        blocks: Kind and name of the objects and materials that the geometry names.
     """
 
-    geometry: Geometry
-    seen: visibility.Visibility
+    geometry: SceneGeometry
+    visible: visibility.VisibleSurfaces
     blocks: frozenset[tuple[str, str]]
 
 
 @dataclass(frozen=True)
-class Capture:
-    """A scene as it was read from Blender, apart from it; `blocks` are those of the whole file."""
+class SceneCapture:
+    """A copy of what a render of a scene shows; holds no reference into Blender's data.
 
-    things: list[Placed]
+    Attributes:
+        meshes: The meshes, placed in the world.
+        warnings: What could not be copied, in words for the artist.
+        camera: The camera that the scene is seen through.
+        blocks: Kind and name of all objects and materials of the file.
+    """
+
+    meshes: list[PlacedMesh]
     warnings: list[str]
-    view: visibility.View
+    camera: visibility.RayCamera
     blocks: frozenset[tuple[str, str]]
 
-    def prospect(self) -> Prospect:
-        """Works out what the camera sees; nothing of Blender's data is read, so it may go on beside Blender."""
-        geometry = assembled(self.things, self.warnings)
+    def visible_scene(self) -> VisibleScene:
+        """Works out what the camera sees. Safe in a thread: it reads nothing of Blender's data."""
+        geometry = assembled(self.meshes, self.warnings)
         named = {("object", name) for pair in geometry.objects for name in pair}
         named |= {("material", name) for name in geometry.materials}
-        return Prospect(geometry, visibility.see(self.view, geometry), self.blocks & named)
+        surfaces = visibility.visible_surfaces(self.camera, geometry)
+        return VisibleScene(geometry, surfaces, self.blocks & named)
 
 
 @dataclass(frozen=True)
-class Survey:
+class SceneAnalysis:
     """What is known about a scene before anything is changed.
 
     Attributes:
         scene: The scene.
         geometry: Everything that a render shows.
-        seen: What the camera sees of it.
-        chosen: (number of objects in the geometry,) bool: the subject.
+        visible: What the camera sees of it.
+        is_subject: (number of objects in the geometry,) bool.
         objects: The subject's objects, including the instancers that make it.
-        pivot: The center of the subject's bounding box, world space, meters.
-        low: Its least corner.
+        low: Least corner of the subject's bounding box, world space, meters.
         high: Its greatest corner.
     """
 
     scene: bpy.types.Scene
-    geometry: Geometry
-    seen: visibility.Visibility
-    chosen: np.ndarray
+    geometry: SceneGeometry
+    visible: visibility.VisibleSurfaces
+    is_subject: np.ndarray
     objects: tuple[bpy.types.Object, ...]
     low: tuple[float, float, float]
     high: tuple[float, float, float]
 
     @property
     def pivot(self) -> tuple[float, float, float]:
+        """The center of the subject's bounding box, world space, meters."""
         x, y, z = ((a + b) / 2 for a, b in zip(self.low, self.high, strict=True))
         return x, y, z
 
 
-def refuse(scene: bpy.types.Scene) -> None:
-    """Says no to a camera that cannot be worked with, before anything in the scene is touched.
+def check_camera(scene: bpy.types.Scene) -> None:
+    """Refuses a camera that cannot be worked with, before anything in the scene is touched.
 
     Raises:
         VibeError: The camera is panoramic, no camera at all, or nowhere. None is fine: we add one.
@@ -96,64 +104,74 @@ def refuse(scene: bpy.types.Scene) -> None:
         raise schema.VibeError(f"{camera.name} has no usable place: it is not a number.", "Move it back.")
 
 
-def capture(scene: bpy.types.Scene) -> Capture:
-    """Reads what a render of the scene shows; nothing in it is changed.
+def capture(scene: bpy.types.Scene) -> SceneCapture:
+    """Copies what a render of the scene shows; nothing in it is changed.
 
     Raises:
         VibeError: There is no camera, or no usable one.
     """
     if scene.camera is None:
         raise schema.VibeError("The scene has no camera.", "Add one, and aim it at the subject.")
-    refuse(scene)
-    things, warnings = evaluated.look(scene, lambda depsgraph: collect(depsgraph, uv_of))
-    return Capture(things, warnings, visibility.view(scene), blocks())
+    check_camera(scene)
+    meshes, warnings = evaluated.evaluate(scene, lambda depsgraph: collect(depsgraph, uv_of))
+    return SceneCapture(meshes, warnings, visibility.ray_camera(scene), data_blocks())
 
 
-def blocks() -> frozenset[tuple[str, str]]:
+def data_blocks() -> frozenset[tuple[str, str]]:
     """Kind and name of the objects and materials that the file has now."""
     objects = (("object", o.name_full) for o in bpy.data.objects)
     return frozenset(objects) | {("material", m.name_full) for m in bpy.data.materials}
 
 
-def survey(scene: bpy.types.Scene, choice: subject.Choice, prospect: Prospect | None = None) -> Survey:
-    """Looks at the scene; nothing in it is changed.
+def analyze(
+    scene: bpy.types.Scene, choice: subject.SubjectChoice, visible_scene: VisibleScene | None = None
+) -> SceneAnalysis:
+    """Analyzes a scene; nothing in it is changed.
 
     Args:
         scene: The scene.
         choice: How the subject is chosen.
-        prospect: What the camera has before it, if that is known.
+        visible_scene: What its camera sees, if that has been worked out already.
 
     Raises:
         VibeError: There is no mesh, no usable camera, no mesh in view, or no such subject.
     """
-    known = prospect or capture(scene).prospect()
-    geometry, seen = known.geometry, known.seen
+    visible_scene = visible_scene or capture(scene).visible_scene()
+    geometry, visible = visible_scene.geometry, visible_scene.visible
     if not len(geometry.faces):
         raise schema.VibeError(
             "The scene has no mesh that a render shows.", "Add one, or unhide it for renders."
         )
-    if (seen.object < 0).all():
+    if (visible.object < 0).all():
         raise schema.VibeError("The camera sees no mesh.", "Point the scene's camera at the subject.")
-    chosen = subject.choose(scene, geometry, seen, choice)
-    boxes = geometry.boxes[chosen].astype(float)
+    is_subject = subject.choose(scene, geometry, visible, choice)
+    boxes = geometry.boxes[is_subject].astype(float)
     low, high = boxes[:, 0].min(0), boxes[:, 1].max(0)
-    names = {n for keep, pair in zip(chosen, geometry.objects, strict=True) if keep for n in pair if n}
+    names = {n for keep, pair in zip(is_subject, geometry.objects, strict=True) if keep for n in pair if n}
     objects = tuple(o for o in scene.objects if o.name_full in names)
-    return Survey(scene, geometry, seen, chosen, objects, tuple(low.tolist()), tuple(high.tolist()))
+    return SceneAnalysis(
+        scene, geometry, visible, is_subject, objects, tuple(low.tolist()), tuple(high.tolist())
+    )
 
 
-def like(found: Survey, earlier: Survey) -> Survey:
-    """A look at another shot of a scene, with the subject and the pivot of an earlier one.
+def with_subject_of(analysis: SceneAnalysis, first_shot: SceneAnalysis) -> SceneAnalysis:
+    """The analysis of another shot of a scene, with the subject and the pivot of its first shot.
 
     Raises:
         VibeError: The subject is hidden in this shot.
     """
-    names = {o.name_full for o in earlier.objects}
-    objects = found.geometry.objects
-    chosen = np.array([name in names or parent in names for name, parent in objects])
-    if not chosen.any():
+    names = {o.name_full for o in first_shot.objects}
+    objects = analysis.geometry.objects
+    is_subject = np.array([name in names or parent in names for name, parent in objects])
+    if not is_subject.any():
         raise schema.VibeError(
-            f"The subject ({', '.join(sorted(names))}) is hidden at frame {found.scene.frame_current}.",
+            f"The subject ({', '.join(sorted(names))}) is hidden at frame {analysis.scene.frame_current}.",
             "Choose other frames, or name another --subject.",
         )
-    return replace(found, chosen=chosen, objects=earlier.objects, low=earlier.low, high=earlier.high)
+    return replace(
+        analysis,
+        is_subject=is_subject,
+        objects=first_shot.objects,
+        low=first_shot.low,
+        high=first_shot.high,
+    )

@@ -14,7 +14,7 @@ from ..core import compat
 from ..core.schema_import import schema
 from ..scene.nodes import shaders
 from . import mix_shader
-from .textures import Picture, untinted, uv_mapping
+from .textures import ExportedTexture, untinted, uv_mapping
 
 NO_MATERIAL = "(no material)"
 """What faces without a material are called; a name that Blender would not give."""
@@ -80,15 +80,15 @@ _COLORS = ("base_color", "emission_color", "specular_tint")
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasuredChannel:
     """What nodes give for an input: its mean (1 or 3,), and a picture of it if there is one."""
 
     mean: np.ndarray
-    picture: Picture | None = None
+    picture: ExportedTexture | None = None
 
 
 @dataclass
-class Exported:
+class ExportedMaterial:
     """One material.
 
     Attributes:
@@ -100,7 +100,7 @@ class Exported:
     """
 
     row: dict[str, Any]
-    pictures: dict[str, Picture] = field(default_factory=dict)
+    pictures: dict[str, ExportedTexture] = field(default_factory=dict)
     values: dict[str, schema.Values] = field(default_factory=dict)
     reason: str = ""
 
@@ -124,7 +124,7 @@ def computed(material: bpy.types.Material | None) -> dict[str, bpy.types.NodeSoc
     return {**found, "normal": None} if bumps and "normal" not in found else found
 
 
-def export(material: bpy.types.Material | None, measured: Mapping[str, Measured]) -> Exported:
+def export(material: bpy.types.Material | None, measured: Mapping[str, MeasuredChannel]) -> ExportedMaterial:
     """Describes a material; None stands for faces without one.
 
     Args:
@@ -132,19 +132,19 @@ def export(material: bpy.types.Material | None, measured: Mapping[str, Measured]
     """
     if material is None:
         values = {**_DEFAULTS, **_APPROXIMATE["ShaderNodeBsdfDiffuse"]}
-        return Exported(_row(NO_MATERIAL, "approximate"), {}, values, "it has no material")
+        return ExportedMaterial(_row(NO_MATERIAL, "approximate"), {}, values, "it has no material")
     tree, found = compat.node_tree(material), shaders.surface(material)
     if tree is None:
         values = {"metallic": (material.metallic,), "roughness": (material.roughness,)}
-        return Exported(_row(material.name_full, "approximate"), {}, values, "its nodes are off")
+        return ExportedMaterial(_row(material.name_full, "approximate"), {}, values, "its nodes are off")
     notes = _foreign(material)
     if found is None:
         black = not _has_shader(tree)  # as Cycles shows what it has no shader for
         notes.append(f"its shader is not known; it is shown {'black' if black else 'grey'}")
         row = _row(material.name_full, "approximate", f"{material.name}: {'; '.join(notes)}.")
         values = {**_DEFAULTS, **(_BLACK if black else {})}
-        return Exported(row, {}, values, "its shader is not known")
-    result = Exported(_row(material.name_full, "principled"))
+        return ExportedMaterial(row, {}, values, "its shader is not known")
+    result = ExportedMaterial(_row(material.name_full, "principled"))
     kind = found.node.bl_idname
     if kind != "ShaderNodeBsdfPrincipled":
         result.row["model"], result.reason = "approximate", f"its shader is a {found.node.bl_label}"
@@ -209,7 +209,7 @@ def _is_output(material: bpy.types.Material, node: bpy.types.Node) -> bool:
     return bool(links) and links[0].from_node == node
 
 
-def _constants(found: shaders.Found, row: dict[str, Any]) -> None:
+def _constants(found: shaders.NodeInGroups, row: dict[str, Any]) -> None:
     """Inputs that no vibe changes."""
     for name, socket in _CONSTANTS.items():
         entry = found.input(socket)
@@ -223,7 +223,9 @@ def _constants(found: shaders.Found, row: dict[str, Any]) -> None:
         row["alpha"] = float(alpha.default_value)
 
 
-def _varying(result: Exported, measured: Mapping[str, Measured], inverted: bool, notes: list[str]) -> None:
+def _varying(
+    result: ExportedMaterial, measured: Mapping[str, MeasuredChannel], inverted: bool, notes: list[str]
+) -> None:
     """Takes over what nodes compute: pictures where the engine takes them, means of the others."""
     for name, found in measured.items():
         picture, mean = found.picture, found.mean
@@ -241,5 +243,5 @@ def _varying(result: Exported, measured: Mapping[str, Measured], inverted: bool,
             color = tuple(float(v) for v in mean)
             result.values[name] = color if name in _COLORS else (sum(color) / len(color),)
         if name == "base_color" and not picture:
-            result.pictures[name] = Picture(mean[None, None].astype(np.float32))
+            result.pictures[name] = ExportedTexture(mean[None, None].astype(np.float32))
     result.reason = result.reason or "it is computed by nodes"

@@ -8,16 +8,16 @@ import numpy as np
 
 from ..render import baked_passes, planar_captures
 from . import textures
-from .analysis import Survey
-from .materials import Exported, Measured, computed, export, uv_of
+from .analysis import SceneAnalysis
+from .materials import ExportedMaterial, MeasuredChannel, computed, export, uv_of
 
 
-def materials(survey: Survey) -> dict[str, Exported]:
+def materials(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
     """All materials of a scene by name, with what their nodes compute."""
-    geometry = survey.geometry
+    geometry = analysis.geometry
     known = {m.name_full: m for m in bpy.data.materials}
     chosen = {name: known.get(name) for name in geometry.materials}
-    found: dict[str, dict[str, Measured]] = {name: {} for name in chosen}
+    found: dict[str, dict[str, MeasuredChannel]] = {name: {} for name in chosen}
     wanted = []
     for name, material in chosen.items():
         if material is None:
@@ -26,27 +26,27 @@ def materials(survey: Survey) -> dict[str, Exported]:
         for channel, source in computed(material).items():
             picture = _over_uvs(material, channel, source, uvs)
             if picture:
-                found[name][channel] = Measured(picture.image.mean((0, 1)), picture)
+                found[name][channel] = MeasuredChannel(picture.image.mean((0, 1)), picture)
             else:
-                wanted.append(baked_passes.Wanted(material, channel, source))
-    seen = baked_passes.measure(survey.scene, wanted)
+                wanted.append(baked_passes.PassRequest(material, channel, source))
+    seen = baked_passes.measure(analysis.scene, wanted)
     for w in wanted:
         name = w.material.name_full
         view = seen.get((name, w.channel))
         if view:
-            picture = textures.Picture(view.image, "EXTEND", "", view.window)
-            found[name][w.channel] = Measured(view.mean, picture)
-            far = _straight_on(survey, w) if w.channel == "base_color" else None
+            picture = textures.ExportedTexture(view.image, "EXTEND", "", view.window)
+            found[name][w.channel] = MeasuredChannel(view.mean, picture)
+            far = _straight_on(analysis, w) if w.channel == "base_color" else None
             if far:
-                found[name]["far"] = Measured(view.mean, far)
+                found[name]["far"] = MeasuredChannel(view.mean, far)
         elif w.source is not None and w.channel != "normal":
-            found[name][w.channel] = Measured(_mean(survey, w))
+            found[name][w.channel] = MeasuredChannel(_mean(analysis, w))
     return {name: export(material, found[name]) for name, material in chosen.items()}
 
 
 def _over_uvs(
     material: bpy.types.Material, channel: str, source: bpy.types.NodeSocket | None, uvs: np.ndarray
-) -> textures.Picture | None:
+) -> textures.ExportedTexture | None:
     """A texture where one is enough, and as sharp as the original: of base colors and cut-outs."""
     if source is None or channel not in ("base_color", "alpha"):
         return None
@@ -60,16 +60,18 @@ def _over_uvs(
     return textures.over_uvs(material, channel, source) if tiles or inside else None
 
 
-def _straight_on(survey: Survey, wanted: baked_passes.Wanted) -> textures.Picture | None:
+def _straight_on(
+    analysis: SceneAnalysis, wanted: baked_passes.PassRequest
+) -> textures.ExportedTexture | None:
     """The pattern of a flat surface as mirrors may show it, also where the camera does not look."""
-    geometry, eye = survey.geometry, survey.scene.camera.matrix_world.translation
+    geometry, eye = analysis.geometry, analysis.scene.camera.matrix_world.translation
     chosen = geometry.material == geometry.materials.index(wanted.material.name_full)
-    pivot = np.array(survey.pivot)
+    pivot = np.array(analysis.pivot)
     corners = geometry.vertices[geometry.faces[chosen]].astype(float)
     plane = planar_captures.plane_of(corners, pivot, float(np.linalg.norm(pivot - np.array(eye))))
     if plane is None:
         return None
-    view = baked_passes.measure(survey.scene, [wanted], plane).get(
+    view = baked_passes.measure(analysis.scene, [wanted], plane).get(
         (wanted.material.name_full, wanted.channel)
     )
     if view is None:
@@ -78,11 +80,11 @@ def _straight_on(survey: Survey, wanted: baked_passes.Wanted) -> textures.Pictur
     scale, shift = np.array([1 / (right - left), 1 / (top - bottom)]), np.array([left, bottom])
     mapping = np.array(plane.mapping)
     mapping[:, 3] -= shift
-    return textures.Picture(view.image, "CLIP", "", None, (mapping * scale[:, None]).tolist())
+    return textures.ExportedTexture(view.image, "CLIP", "", None, (mapping * scale[:, None]).tolist())
 
 
-def _mean(survey: Survey, wanted: baked_passes.Wanted) -> np.ndarray:
-    number = survey.geometry.materials.index(wanted.material.name_full)
-    mask = survey.seen.material == number
+def _mean(analysis: SceneAnalysis, wanted: baked_passes.PassRequest) -> np.ndarray:
+    number = analysis.geometry.materials.index(wanted.material.name_full)
+    mask = analysis.visible.material == number
     assert wanted.source is not None
-    return textures.measured(survey.scene, wanted.material, wanted.source, mask)
+    return textures.measured(analysis.scene, wanted.material, wanted.source, mask)

@@ -31,7 +31,7 @@ _TEXTURES = {
 
 
 @dataclass(frozen=True)
-class Picture:
+class ExportedTexture:
     """A picture of a material's input.
 
     Attributes:
@@ -59,7 +59,9 @@ def uv_mapping(source: bpy.types.NodeSocket | None) -> tuple[str, np.ndarray]:
     return (maps[0] if maps else ""), np.eye(3)
 
 
-def over_uvs(material: bpy.types.Material, channel: str, source: bpy.types.NodeSocket) -> Picture | None:
+def over_uvs(
+    material: bpy.types.Material, channel: str, source: bpy.types.NodeSocket
+) -> ExportedTexture | None:
     """The picture of an input that depends on nothing but UVs in the unit square; otherwise None.
 
     Args:
@@ -71,13 +73,15 @@ def over_uvs(material: bpy.types.Material, channel: str, source: bpy.types.NodeS
         if source.id_data != material.node_tree or not _reads_uv_only(source):
             return None
         with bake.emitting(material, source) as glowing:
-            return Picture(bake.plane_of(glowing, _BAKED))
+            return ExportedTexture(bake.plane_of(glowing, _BAKED))
     alpha = channel == "alpha" and source.name == "Alpha"
     image = image_alpha(node.image) if alpha else image_colors(node.image)
     if image is None:
         missing = f"the image {node.image.name!r} of {material.name} is missing"
-        return Picture(np.array([[[1.0, 0.0, 1.0]]], np.float32), warning=missing)  # as Cycles shows it
-    return Picture(image, {"MIRROR": "REPEAT"}.get(node.extension, node.extension))
+        return ExportedTexture(
+            np.array([[[1.0, 0.0, 1.0]]], np.float32), warning=missing
+        )  # as Cycles shows it
+    return ExportedTexture(image, {"MIRROR": "REPEAT"}.get(node.extension, node.extension))
 
 
 Mask = np.ndarray

@@ -12,17 +12,17 @@ from mathutils import Vector
 from ..core import compat
 from ..scene import orbits, scene_context
 from ..scene.nodes import shaders
-from .analysis import Survey
+from .analysis import SceneAnalysis
 
 
-def camera(survey: Survey) -> dict[str, Any]:
+def camera(analysis: SceneAnalysis) -> dict[str, Any]:
     """The camera's entry in scene.json."""
-    thing = survey.scene.camera
+    thing = analysis.scene.camera
     data = thing.data
     return {
         "name": thing.name_full,
         "type": data.type,
-        "residual": _rows(orbits.Pose.of(thing, Vector(survey.pivot)).residual),
+        "residual": _rows(orbits.Pose.of(thing, Vector(analysis.pivot)).residual),
         "ortho_scale": data.ortho_scale,
         "shift": [data.shift_x, data.shift_y],
         "sensor_fit": data.sensor_fit,
@@ -30,11 +30,11 @@ def camera(survey: Survey) -> dict[str, Any]:
     }
 
 
-def lights(survey: Survey) -> list[dict[str, Any]]:
+def lights(analysis: SceneAnalysis) -> list[dict[str, Any]]:
     """The lights' entries in scene.json."""
-    pivot = Vector(survey.pivot)
-    cast = scene_context.Cast(survey.scene, survey.objects, pivot)
-    return [_light(thing, role, pivot) for thing, role in scene_context.light_roles(cast).items()]
+    pivot = Vector(analysis.pivot)
+    context = scene_context.SceneContext(analysis.scene, analysis.objects, pivot)
+    return [_light(thing, role, pivot) for thing, role in scene_context.light_roles(context).items()]
 
 
 def _light(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, Any]:

@@ -16,8 +16,8 @@ from ..core.outputs import Outputs
 from ..core.schema_import import command_line, labels, messages, schema
 from ..engine.conversation import Conversation, on_interrupt
 from ..engine.process import Engine
-from ..export import jobs
-from ..export.analysis import Survey
+from ..export import reading
+from ..export.analysis import SceneAnalysis
 from ..looks import fit, library, take
 from ..render import anchors, final_render
 from ..scene import bindings, snapshot, stored_subject
@@ -43,7 +43,7 @@ def vibe(args: argparse.Namespace, reporter: Reporter) -> None:
     engine.stop()
 
 
-def carry_out(args: argparse.Namespace, reporter: Reporter, conversation: Conversation) -> Survey:
+def carry_out(args: argparse.Namespace, reporter: Reporter, conversation: Conversation) -> SceneAnalysis:
     """Runs one vibe with an engine that is running, and keeps running: another vibe can follow.
 
     Args:
@@ -74,7 +74,7 @@ def carry_out(args: argparse.Namespace, reporter: Reporter, conversation: Conver
             "report.json", summary.report_fields(args, shot_list, result, measured, skipped, stopwatch)
         )
     reporter.result(summary.closing_lines(shot_list, result, measured, skipped), result.stopped)
-    return shot_list.jobs[-1].survey
+    return shot_list.jobs[-1].analysis
 
 
 def _request(args: argparse.Namespace, shot_list: ShotList) -> messages.Vibe:
@@ -96,12 +96,12 @@ def _anchor(request: messages.Anchor, shot_list: ShotList, reporter: Reporter) -
     name = shot_list.shots[request.shot].name
     reporter.stage(f"rendering anchor {request.number}{f', {name}' if name else ''}")
     job = shot_list.show(request.shot)
-    survey = job.survey
-    return anchors.answer(survey.scene, job.folder, request, survey.objects, survey.pivot)
+    analysis = job.analysis
+    return anchors.answer(analysis.scene, job.folder, request, analysis.objects, analysis.pivot)
 
 
 def _render(args: argparse.Namespace, shot_list: ShotList, number: int, out: Outputs, name: str) -> None:
-    scene = shot_list.show(number).survey.scene
+    scene = shot_list.show(number).analysis.scene
     final_render.render(scene, out.path(numbered(name, number)), args.size, args.samples, args.seed)
 
 
@@ -123,15 +123,15 @@ def _finish(
     skipped: dict[str, str] = {}
     for number in range(len(shot_list)):
         job, family = shot_list.show(number), shot_list.siblings(number)
-        scene, survey = job.survey.scene, job.survey
+        scene, analysis = job.analysis.scene, job.analysis
         if args.grade_each or number == family[0]:
             values = _values(args, shot_list, result, number)
-            skipped |= bindings.write(scene, values, survey.objects, survey.pivot)
+            skipped |= bindings.write(scene, values, analysis.objects, analysis.pivot)
             if shot_list.choice.explicit:
-                stored_subject.remember(scene, survey.objects)
+                stored_subject.remember(scene, analysis.objects)
         reporter.stage("rendering with Cycles")
         _render(args, shot_list, number, out, "after.png")
-        final_render.render_mask(scene, out.path(numbered("mask.png", number)), args.size, survey.objects)
+        final_render.render_mask(scene, out.path(numbered("mask.png", number)), args.size, analysis.objects)
         stopwatch.lap("render after")
         pictures = [out.path(numbered(name, number)) for name in ("before.png", "after.png")]
         # Not into `out`: a failure deletes that while the engine may still write.
@@ -185,7 +185,7 @@ def export(args: argparse.Namespace, reporter: Reporter) -> None:
     """Writes a job folder of a scene; its file stays as it is."""
     scene, choice, _ = open_scene(args, reporter)
     reporter.stage("reading the scene")
-    jobs.open_job(scene, args.out, choice)
+    reading.export_scene(scene, args.out, choice)
     reporter.result([f"Written: {args.out}"])
 
 
@@ -194,23 +194,23 @@ def apply(args: argparse.Namespace, reporter: Reporter) -> None:
     look = library.named(args.preset)
     with Outputs(args.out) as out:
         scene, choice, _ = open_scene(args, reporter)
-        sight = jobs.open_sight(scene, choice)
-        survey, fitted = sight.survey, fit.fit(look, sight)
+        scene_reading = reading.prepare_and_read(scene, choice)
+        analysis, fitted = scene_reading.analysis, fit.fit(look, scene_reading)
         if not fitted.values:
             raise schema.VibeError("Nothing in this scene takes what the preset holds.", "Use another scene.")
         reporter.stage("rendering before")
         final_render.render(scene, out.path("before.png"), args.size, args.samples, args.seed)
-        skipped = bindings.write(scene, fitted.values, survey.objects, survey.pivot)
+        skipped = bindings.write(scene, fitted.values, analysis.objects, analysis.pivot)
         if choice.explicit:
-            stored_subject.remember(scene, survey.objects)
+            stored_subject.remember(scene, analysis.objects)
         reporter.stage("rendering after")
         final_render.render(scene, out.path("after.png"), args.size, args.samples, args.seed)
-        final_render.render_mask(scene, out.path("mask.png"), args.size, survey.objects)
+        final_render.render_mask(scene, out.path("mask.png"), args.size, analysis.objects)
         save_blend(out.path("vibed.blend"))
     lines = [f"Did not fit: {line}" for line in fitted.rest]
     lines += [f"Did not fit: {labels.title(key)}: {reason}" for key, reason in skipped.items()]
     count = len(fitted.values) - len(skipped)
-    listed = summary.change_lines(sight.instances, fitted.values)
+    listed = summary.change_lines(scene_reading.instances, fitted.values)
     reporter.result([f"{count} values of the preset fit this scene.", *listed, *lines])
 
 

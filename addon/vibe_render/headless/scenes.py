@@ -12,11 +12,11 @@ import bpy
 from ..core import files
 from ..core.schema_import import schema
 from ..scene.stage import demo, stage
-from ..scene.subject import Choice
+from ..scene.subject import SubjectChoice
 from .reporter import Reporter
 
 
-def open_scene(args: argparse.Namespace, reporter: Reporter) -> tuple[bpy.types.Scene, Choice, bool]:
+def open_scene(args: argparse.Namespace, reporter: Reporter) -> tuple[bpy.types.Scene, SubjectChoice, bool]:
     """Opens, stages or builds the scene that the command line names.
 
     Returns:
@@ -29,15 +29,15 @@ def open_scene(args: argparse.Namespace, reporter: Reporter) -> tuple[bpy.types.
     chosen = tuple(args.subject)
     if args.command == "demo" or args.demo:
         reporter.stage("building the demo scene")
-        return demo.build_demo(), Choice(chosen or (demo.SUBJECT,)), False
+        return demo.build_demo(), SubjectChoice(chosen or (demo.SUBJECT,)), False
     if path and path.suffix.lower() in stage.FORMATS:
         reporter.stage(f"staging {path.name}")
         scene = stage.build_stage(path, args.stage)
-        return scene, Choice(chosen, selected=not chosen), True
+        return scene, SubjectChoice(chosen, selected=not chosen), True
     if path:
         reporter.stage(f"opening {path.name}")
         open_blend(path)
-    return bpy.context.scene, Choice(chosen), False
+    return bpy.context.scene, SubjectChoice(chosen), False
 
 
 def open_blend(path: Path) -> None:

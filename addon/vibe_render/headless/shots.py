@@ -13,10 +13,10 @@ import bpy
 from mathutils import Vector
 
 from ..core.schema_import import schema
-from ..export import jobs
-from ..export.job import Job
+from ..export import reading
+from ..export.job_folder import SceneJob
 from ..scene import fog, scene_context
-from ..scene.subject import Choice
+from ..scene.subject import SubjectChoice
 from .reporter import Reporter
 from .scenes import open_scene
 
@@ -111,13 +111,13 @@ class ShotList:
     def __init__(self, args: argparse.Namespace, folder: Path, reporter: Reporter) -> None:
         self._args, self._folder, self._reporter = args, folder, reporter
         self.shots = shots_of(args)
-        self.jobs: list[Job] = []
+        self.jobs: list[SceneJob] = []
         self.bare = False
         self._open: str | None = None
         self._framing: Framing | None = None
-        self.choice = Choice()
+        self.choice = SubjectChoice()
         self.subjects: list[set[str]] = []
-        self._fog: dict[str, fog.Domain] = {}
+        self._fog: dict[str, fog.FogDomain] = {}
 
     def __len__(self) -> int:
         return len(self.shots)
@@ -131,15 +131,15 @@ class ShotList:
         for number, shot in enumerate(self.shots):
             scene, choice = self._shown(number)
             first = self.siblings(number)[0]
-            around = self.jobs[first].survey if first < number else None
+            around = self.jobs[first].analysis if first < number else None
             eyes = self._eyes(scene, number) if around is None else ()
             folder = self._folder / str(number)
-            self.jobs.append(jobs.open_job(scene, folder, choice, around, eyes))
-            self.subjects.append({o.name_full for o in self.jobs[-1].survey.objects})
+            self.jobs.append(reading.export_scene(scene, folder, choice, around, eyes))
+            self.subjects.append({o.name_full for o in self.jobs[-1].analysis.objects})
             if planned := fog.planned(scene):
                 self._fog[shot.scene] = planned
 
-    def show(self, number: int) -> Job:
+    def show(self, number: int) -> SceneJob:
         """Sets a shot's camera and frame; if another .blend is open, opens and prepares the shot's.
 
         Returns:
@@ -151,11 +151,11 @@ class ShotList:
         if not is_open:
             if shot.scene in self._fog:
                 fog.plan(scene, self._fog[shot.scene])
-            jobs.ready(scene, choice)
+            reading.prepare_and_snapshot(scene, choice)
             for each in self.siblings(number):
                 objects = tuple(o for o in scene.objects if o.name_full in self.subjects[each])
-                survey = replace(self.jobs[each].survey, scene=scene, objects=objects)
-                self.jobs[each] = replace(self.jobs[each], survey=survey)
+                analysis = replace(self.jobs[each].analysis, scene=scene, objects=objects)
+                self.jobs[each] = replace(self.jobs[each], analysis=analysis)
         return self.jobs[number]
 
     def restore(self) -> None:
@@ -163,7 +163,7 @@ class ShotList:
         assert self._framing is not None
         self._framing.restore()
 
-    def _shown(self, number: int) -> tuple[bpy.types.Scene, Choice]:
+    def _shown(self, number: int) -> tuple[bpy.types.Scene, SubjectChoice]:
         shot = self.shots[number]
         if self._framing is None or self._open != shot.scene:
             args = copy(self._args)

@@ -18,7 +18,7 @@ from mathutils import Matrix, Vector
 from ..core import compat
 from ..core.files import whole
 from ..core.schema_import import schema
-from ..export.analysis import Survey
+from ..export.analysis import SceneAnalysis
 from ..scene import scene_context
 from ..scene.nodes import grade, owned
 from . import asset_catalog, asset_preview, thumbnail
@@ -57,7 +57,7 @@ class _Crate:
 
 
 def export(
-    survey: Survey, name: str, words: str, materials: Iterable[Material], path: Path, picture: Path
+    analysis: SceneAnalysis, name: str, words: str, materials: Iterable[Material], path: Path, picture: Path
 ) -> list[str]:
     """Writes the look that a scene has now.
 
@@ -79,7 +79,7 @@ def export(
     try:
         surfaces = [_material(crate, material, words) for material in materials]
         for pack in (_world, _rig, _grade, _fog):
-            pack(crate, survey, words)
+            pack(crate, analysis, words)
         if not crate.assets:
             raise schema.VibeError("There is nothing to export.", "Vibe the scene first, or apply a preset.")
         _show(crate, surfaces, picture)
@@ -98,18 +98,18 @@ def _material(crate: _Crate, material: Material, words: str) -> Material:
     return twin
 
 
-def _world(crate: _Crate, survey: Survey, words: str) -> None:
-    if survey.scene.world:
-        crate.mark(crate.keep("worlds", survey.scene.world.copy(), "World"), "Worlds", words)
+def _world(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
+    if analysis.scene.world:
+        crate.mark(crate.keep("worlds", analysis.scene.world.copy(), "World"), "Worlds", words)
 
 
-def _rig(crate: _Crate, survey: Survey, words: str) -> None:
+def _rig(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
     """A collection of the scene's lights; its origin is what the subject stands on."""
-    lights = scene_context.lights(survey.scene)
+    lights = scene_context.lights(analysis.scene)
     if not lights:
         return
     rig = crate.keep("collections", bpy.data.collections.new("Rig"), "Light Rig")
-    low, high = Vector(survey.low), Vector(survey.high)
+    low, high = Vector(analysis.low), Vector(analysis.high)
     foot = Matrix.Translation(-Vector(((low.x + high.x) / 2.0, (low.y + high.y) / 2.0, low.z)))
     for light in lights:
         data = crate.keep("lights", light.data.copy(), light.name)
@@ -120,9 +120,9 @@ def _rig(crate: _Crate, survey: Survey, words: str) -> None:
     crate.mark(rig, "Light Rigs", words)
 
 
-def _grade(crate: _Crate, survey: Survey, words: str) -> None:
+def _grade(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
     """The compositor group with the scene's values as its defaults."""
-    for node in owned.group_nodes(compat.compositor(survey.scene), grade.NAME)[:1]:
+    for node in owned.group_nodes(compat.compositor(analysis.scene), grade.NAME)[:1]:
         twin = crate.keep("node_groups", node.node_tree.copy(), "Grade")
         for item in twin.interface.items_tree:
             if item.item_type == "SOCKET" and item.in_out == "INPUT" and item.name != "Image":
@@ -130,9 +130,9 @@ def _grade(crate: _Crate, survey: Survey, words: str) -> None:
         crate.mark(twin, "Grades", words)
 
 
-def _fog(crate: _Crate, survey: Survey, words: str) -> None:
+def _fog(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
     """The material of the fog box, for any box."""
-    box = owned.find(survey.scene.objects, owned.FOG)
+    box = owned.find(analysis.scene.objects, owned.FOG)
     if box is not None and not box.hide_render:
         crate.mark(crate.keep("materials", box.data.materials[0].copy(), "Fog"), "Fogs", words)
 

@@ -50,7 +50,7 @@ def fit(look: preset.Preset, target: SceneParameters) -> Fit:
         if not theirs and entries:
             _missing(result, target, role, entries[0], kinds)
         if role == "subject":
-            theirs, less = _prominent(theirs, len(entries), take.shares(target.survey))
+            theirs, less = _prominent(theirs, len(entries), take.shares(target.analysis))
             result.rest += [f"{owner}: shows too little to be what the look is about" for owner in less]
         for place, owner in enumerate(theirs if entries else ()):
             index = min(place, len(entries) - 1)
@@ -88,7 +88,7 @@ def _missing(result: Fit, target: SceneParameters, role: str, entry: preset.Entr
         return
     if schema.radiometry.radiance("AREA", entry["power"][0]) < _DIM:
         return
-    corners = scene_context.bounds(target.survey.scene, target.survey.objects)
+    corners = scene_context.bounds(target.analysis.scene, target.analysis.objects)
     distance = prepare.light_distance(*corners)
     lengths = {"light_distance": distance, "light_distance_squared": distance * distance}
     for name, value in entry.items():

@@ -11,14 +11,14 @@ import bpy
 import numpy as np
 
 from ..core.schema_import import preset, schema
-from ..export.analysis import Survey
+from ..export.analysis import SceneAnalysis
 
 
 class SceneParameters(Protocol):
     """What presets need of a scene: an exported job has it, and so has a scene that was only read."""
 
     @property
-    def survey(self) -> Survey:
+    def analysis(self) -> SceneAnalysis:
         """What is known about the scene."""
 
     @property
@@ -78,7 +78,7 @@ def owners(scene: SceneParameters, role: str) -> list[str]:
     if group not in ("material", "light"):
         return [""]
     theirs = {i.owner for i in scene.instances.values() if i.parameter.group == group and i.role == role}
-    order = shares(scene.survey) if group == "material" else {o: _brightness(scene, o) for o in theirs}
+    order = shares(scene.analysis) if group == "material" else {o: _brightness(scene, o) for o in theirs}
     return sorted(theirs, key=lambda owner: (-order.get(owner, 0), owner))
 
 
@@ -88,10 +88,10 @@ def camera_azimuth(scene: SceneParameters) -> float:
     return instance.value[0] if instance else 0.0
 
 
-def shares(survey: Survey) -> dict[str, float]:
+def shares(analysis: SceneAnalysis) -> dict[str, float]:
     """The number of camera rays that hit each material, by name."""
-    numbers, counts = np.unique(survey.seen.material, return_counts=True)
-    return {survey.geometry.materials[n]: float(c) for n, c in zip(numbers, counts, strict=True) if n >= 0}
+    numbers, counts = np.unique(analysis.visible.material, return_counts=True)
+    return {analysis.geometry.materials[n]: float(c) for n, c in zip(numbers, counts, strict=True) if n >= 0}
 
 
 def _brightness(scene: SceneParameters, owner: str) -> float:

@@ -7,18 +7,18 @@ import bpy
 
 from ..core import compat
 from ..core.schema_import import messages, preset, schema
-from ..core.value_slots import value
-from ..export import jobs
+from ..core.value_slots import socket_slot
+from ..export import reading
 from ..scene import bindings, stored_subject
 from ..scene.nodes import grade, owned
-from ..scene.subject import Choice
+from ..scene.subject import SubjectChoice
 from ..session import result
 from . import fit, lut, take
 
 _POWER = "/power"
 
 
-def apply(scene: bpy.types.Scene, look: preset.Preset, choice: Choice) -> list[str]:
+def apply(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectChoice) -> list[str]:
     """Puts a look on the scene; Strength, Before, Keep and Revert work as after a vibe.
 
     A look from another preset that has not been kept is taken out first, so that presets can be tried one after the
@@ -40,32 +40,36 @@ def apply(scene: bpy.types.Scene, look: preset.Preset, choice: Choice) -> list[s
     if another:
         settings.show_original = True
     try:
-        with jobs.untouched_on_failure(scene):
-            sight = jobs.open_sight(scene, choice)
-            rest = _apply(scene, look, sight)
+        with reading.rollback_on_failure(scene):
+            scene_reading = reading.prepare_and_read(scene, choice)
+            rest = _apply(scene, look, scene_reading)
     except BaseException:
         settings.show_original = shown
         raise
     settings.vibed_preset = look.name
     if choice.explicit:
-        stored_subject.remember(scene, sight.survey.objects)
+        stored_subject.remember(scene, scene_reading.analysis.objects)
     return rest
 
 
-def _apply(scene: bpy.types.Scene, look: preset.Preset, sight: jobs.Sight) -> list[str]:
-    fitted, survey = fit.fit(look, sight), sight.survey
+def _apply(scene: bpy.types.Scene, look: preset.Preset, scene_reading: reading.SceneReading) -> list[str]:
+    fitted, analysis = fit.fit(look, scene_reading), scene_reading.analysis
     if not fitted.values:
         raise schema.VibeError(
             "Nothing in this scene takes what the preset holds.", "See what it is for in its description."
         )
-    added = {key: [0.0] for key in fitted.values if key.endswith(_POWER) and key not in sight.instances}
-    bindings.write(scene, added, survey.objects, survey.pivot)  # new lights are dark at strength 0
+    added = {
+        key: [0.0] for key in fitted.values if key.endswith(_POWER) and key not in scene_reading.instances
+    }
+    bindings.write(scene, added, analysis.objects, analysis.pivot)  # new lights are dark at strength 0
     as_result = messages.Result(fitted.values, {}, "")  # no reasons: the preset's name is above the list
-    result.apply(scene, look.prompt or look.name, as_result, survey.objects, survey.pivot, fresh_list=True)
+    result.apply(
+        scene, look.prompt or look.name, as_result, analysis.objects, analysis.pivot, fresh_list=True
+    )
     return fitted.rest
 
 
-def capture(scene: bpy.types.Scene, choice: Choice, name: str) -> preset.Preset:
+def capture(scene: bpy.types.Scene, choice: SubjectChoice, name: str) -> preset.Preset:
     """The scene's present look: the values now of all that the last vibe or preset changed.
 
     Args:
@@ -78,10 +82,10 @@ def capture(scene: bpy.types.Scene, choice: Choice, name: str) -> preset.Preset:
     """
     settings = scene.vibe
     settings.show_original = False
-    sight = jobs.look_at(scene, choice)
+    scene_reading = reading.read_scene(scene, choice)
     changed = (change.name for change in settings.changes)
-    values = {key: sight.instances[key].value for key in changed if key in sight.instances}
-    look = take.extract(settings.vibed_prompt, sight, values, name)
+    values = {key: scene_reading.instances[key].value for key in changed if key in scene_reading.instances}
+    look = take.extract(settings.vibed_prompt, scene_reading, values, name)
     if not look.roles:
         raise schema.VibeError("There is no look to save.", "Vibe the scene first, or apply a preset.")
     return look
@@ -94,4 +98,6 @@ def grade_values(scene: bpy.types.Scene) -> dict[str, tuple[float, ...]]:
         return {}
     rows = [row for row in bindings.BINDINGS if row.parameter.name in lut.identity()]
     sockets = {row: nodes[0].inputs[row.parameter.blender.rpartition(" > ")[2]] for row in rows}
-    return {row.parameter.name: row.codec.decode(value(socket).get()) for row, socket in sockets.items()}
+    return {
+        row.parameter.name: row.codec.decode(socket_slot(socket).get()) for row, socket in sockets.items()
+    }

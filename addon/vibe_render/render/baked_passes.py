@@ -17,7 +17,7 @@ import numpy as np
 from ..core.overrides import changed
 from ..scene import scene_context
 from . import bake, exr
-from .planar_captures import Plane, straight_on
+from .planar_captures import CapturePlane, straight_on
 
 COLORS = ("base_color", "emission_color", "specular_tint", "normal")
 """Channels of three components; the others have one. Normals are in world space, halved and raised to [0, 1]."""
@@ -30,7 +30,7 @@ _INDEX, _SQUARE = "Vibe Index", "Vibe Square"
 
 
 @dataclass(frozen=True)
-class Wanted:
+class PassRequest:
     """A computed input: of which material, in whose words, and the output that computes it.
 
     `source` is None for the normal that Displacement makes where it is rendered as bump.
@@ -42,7 +42,7 @@ class Wanted:
 
 
 @dataclass(frozen=True)
-class ViewMap:
+class BakedPicture:
     """A computed input where the camera sees its material.
 
     Attributes:
@@ -57,8 +57,8 @@ class ViewMap:
 
 
 def measure(
-    scene: bpy.types.Scene, wanted: Sequence[Wanted], plane: Plane | None = None
-) -> dict[tuple[str, str], ViewMap]:
+    scene: bpy.types.Scene, wanted: Sequence[PassRequest], plane: CapturePlane | None = None
+) -> dict[tuple[str, str], BakedPicture]:
     """Renders computed inputs; by material's full name and channel.
 
     What the camera does not see, and materials of linked libraries, are missing from the answer.
@@ -106,19 +106,19 @@ def measure(
     return found
 
 
-def _editable(w: Wanted) -> bool:
+def _editable(w: PassRequest) -> bool:
     """Whether nodes can be added where the value is computed."""
     tree = _tree(w)
     return w.material.library is None and tree.library is None and tree.override_library is None
 
 
-def _once(wanted: Sequence[Wanted]) -> list[Wanted]:
+def _once(wanted: Sequence[PassRequest]) -> list[PassRequest]:
     """What has to be sent: materials may share a node group, and outputs of one name would add up."""
     places = {(_tree(w).as_pointer(), w.channel): w for w in wanted}
     return list(places.values())
 
 
-def _tree(w: Wanted) -> bpy.types.NodeTree:
+def _tree(w: PassRequest) -> bpy.types.NodeTree:
     """Where a value is computed."""
     return w.source.id_data if w.source else w.material.node_tree
 
@@ -151,7 +151,7 @@ def _render(twin: bpy.types.Scene, channels: Sequence[str], samples: int) -> dic
 
 
 @contextmanager
-def _sent(w: Wanted, name: str) -> Iterator[None]:
+def _sent(w: PassRequest, name: str) -> Iterator[None]:
     """An AOV output for a value, in the tree that computes it."""
     tree = _tree(w)
     made = []
@@ -193,7 +193,7 @@ def _marked(material: bpy.types.Material, number: float) -> Iterator[None]:
             nodes.remove(node)
 
 
-def _cropped(values: np.ndarray, shown: np.ndarray) -> ViewMap:
+def _cropped(values: np.ndarray, shown: np.ndarray) -> BakedPicture:
     """The part of a picture (H, W, C) where a material is shown, grown a little over its edges."""
     height, width = shown.shape
     rows, columns = shown.any(1).nonzero()[0], shown.any(0).nonzero()[0]
@@ -203,7 +203,7 @@ def _cropped(values: np.ndarray, shown: np.ndarray) -> ViewMap:
     mean = part[known].mean(0)
     image = _grown(part, known, mean)
     window = (left / width, bottom / height, right / width, top / height)
-    return ViewMap(image.astype(np.float32), window, mean)
+    return BakedPicture(image.astype(np.float32), window, mean)
 
 
 def _grown(values: np.ndarray, known: np.ndarray, rest: np.ndarray) -> np.ndarray:

@@ -16,7 +16,7 @@ _REACH = 3.0  # times the camera's distance from the subject: patterns beyond ar
 
 
 @dataclass(frozen=True)
-class Plane:
+class CapturePlane:
     """A square of a flat surface: center (3,), axes right, up and out (3, 3) in columns, and side in meters."""
 
     center: np.ndarray
@@ -30,7 +30,7 @@ class Plane:
         return np.column_stack((rows, 0.5 - rows @ self.center)).tolist()
 
 
-def plane_of(corners: np.ndarray, pivot: np.ndarray, distance: float) -> Plane | None:
+def plane_of(corners: np.ndarray, pivot: np.ndarray, distance: float) -> CapturePlane | None:
     """The plane of triangles (F, 3, 3); None if they do not lie in one.
 
     Args:
@@ -57,11 +57,11 @@ def plane_of(corners: np.ndarray, pivot: np.ndarray, distance: float) -> Plane |
     if (high - low).min() <= 0:
         return None
     middle = np.append((low + high) / 2, flat[0, 2])
-    return Plane(pivot + axes @ middle, axes, float((high - low).max()))
+    return CapturePlane(pivot + axes @ middle, axes, float((high - low).max()))
 
 
 @contextmanager
-def straight_on(scene: bpy.types.Scene, plane: Plane) -> Iterator[None]:
+def straight_on(scene: bpy.types.Scene, plane: CapturePlane) -> Iterator[None]:
     """A camera of a scene's own that sees a plane and nothing that stands before or behind it."""
     data = bpy.data.cameras.new("Vibe Bake")
     camera = bpy.data.objects.new("Vibe Bake", data)

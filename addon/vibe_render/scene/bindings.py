@@ -13,19 +13,19 @@ from mathutils import Vector
 
 from ..core.journal import Journal
 from ..core.schema_import import labels, schema
-from ..core.value_slots import Place
+from ..core.value_slots import ValueSlot
 from . import locators as at
 from . import prepare, scene_context, snapshot
 from .codecs import COLOR, DEGREES, LENS, NUMBER, Codec
 
 
 @dataclass(frozen=True)
-class Binding:
+class ParameterBinding:
     """One row.
 
     Attributes:
         parameter: The schema's row.
-        locator: Finds the place of the value for one owner.
+        locator: Finds the slot of the value for one owner.
         codec: Between what is stored there and what the schema means.
     """
 
@@ -34,12 +34,12 @@ class Binding:
     codec: Codec = NUMBER
 
 
-def _row(family: str, locator: at.Locator, codec: Codec = NUMBER) -> Binding:
-    return Binding(schema.FAMILIES[family], locator, codec)
+def _row(family: str, locator: at.Locator, codec: Codec = NUMBER) -> ParameterBinding:
+    return ParameterBinding(schema.FAMILIES[family], locator, codec)
 
 
 # fmt: off
-BINDINGS: tuple[Binding, ...] = (
+BINDINGS: tuple[ParameterBinding, ...] = (
     _row("camera/azimuth",          at.orbit("azimuth")),
     _row("camera/elevation",        at.orbit("elevation")),
     _row("camera/distance",         at.orbit("distance")),
@@ -97,17 +97,19 @@ BINDINGS: tuple[Binding, ...] = (
 # fmt: on
 
 
-def _found(cast: scene_context.Cast) -> Iterator[tuple[Binding, scene_context.Owner, Place]]:
+def _found(
+    context: scene_context.SceneContext,
+) -> Iterator[tuple[ParameterBinding, scene_context.Owner, ValueSlot]]:
     """Every value that the scene has, group by group, owner by owner, in the order of the rows."""
     for group in schema.GROUPS:
         rows = [b for b in BINDINGS if b.parameter.group == group]
-        for owner in scene_context.owners(cast, group):
+        for owner in scene_context.owners(context, group):
             for row in rows:
                 kinds = row.parameter.only
                 if kinds and owner.thing.data.type not in kinds:
                     continue
-                if place := row.locator(cast, owner.thing):
-                    yield row, owner, place
+                if slot := row.locator(context, owner.thing):
+                    yield row, owner, slot
 
 
 def instances(scene: Scene, subject: Sequence[Object], pivot: Sequence[float]) -> dict[str, schema.Instance]:
@@ -118,20 +120,20 @@ def instances(scene: Scene, subject: Sequence[Object], pivot: Sequence[float]) -
         subject: The objects that the picture is about.
         pivot: Center of their bounding box, world space: what cameras and lights orbit.
     """
-    cast = scene_context.Cast(scene, tuple(subject), Vector(pivot))
-    lengths = scene_context.references(cast)
+    context = scene_context.SceneContext(scene, tuple(subject), Vector(pivot))
+    lengths = scene_context.references(context)
     found = {}
-    for row, owner, place in _found(cast):
+    for row, owner, slot in _found(context):
         reference = {"": 1.0, **lengths, **owner.references}[row.parameter.reference]
-        value = row.codec.decode(place.get())
-        instance = schema.Instance(row.parameter, owner.name, value, reference, owner.role, place.locked)
+        value = row.codec.decode(slot.get())
+        instance = schema.Instance(row.parameter, owner.name, value, reference, owner.role, slot.locked)
         found[instance.key] = instance
     return found
 
 
 def references(scene: Scene, subject: Sequence[Object], pivot: Sequence[float]) -> dict[str, float]:
     """The scene-wide lengths that bounds are multiples of (names in schema.REFERENCES), meters."""
-    return scene_context.references(scene_context.Cast(scene, tuple(subject), Vector(pivot)))
+    return scene_context.references(scene_context.SceneContext(scene, tuple(subject), Vector(pivot)))
 
 
 def read(scene: Scene, subject: Sequence[Object], pivot: Sequence[float]) -> dict[str, schema.Values]:
@@ -190,14 +192,14 @@ def _put(
         _check(key, value)
     rest = dict.fromkeys(values, "there is nothing of that name in this scene")
     _add_lights(journal, scene, values, subject)
-    cast = scene_context.Cast(scene, tuple(subject), Vector(pivot), everything=True)
-    for row, owner, place in list(_found(cast)):
+    context = scene_context.SceneContext(scene, tuple(subject), Vector(pivot), everything=True)
+    for row, owner, slot in list(_found(context)):
         key = row.parameter.key(owner.name)
         if key not in values:
             continue
-        rest[key] = place.locked
-        if not place.locked:
-            place.set(journal, row.codec.encode(tuple(map(float, values[key]))))
+        rest[key] = slot.locked
+        if not slot.locked:
+            slot.set(journal, row.codec.encode(tuple(map(float, values[key]))))
     return {key: reason for key, reason in rest.items() if reason}
 
 

@@ -2,7 +2,7 @@
 """The scene exactly as a final render gets it: render-level modifiers, render visibility, instances.
 
 Python can only ask for the viewport's version of a scene. A render engine is handed the other one,
-so this module is a render engine for as long as it takes to look at the scene.
+so this module registers itself as a render engine for as long as it takes to read the scene.
 """
 
 from __future__ import annotations
@@ -15,17 +15,23 @@ import bpy
 from ..core.overrides import changed
 from . import scene_context
 
-Seen = TypeVar("Seen")
+T = TypeVar("T")
 
 _SMALL = 32  # pixels; Blender refuses fewer than 16
 
 
-def look(scene: bpy.types.Scene, see: Callable[[bpy.types.Depsgraph], Seen]) -> Seen:
-    """Calls `see` with the dependency graph of a final render of the current frame, and returns its answer.
+def evaluate(scene: bpy.types.Scene, read: Callable[[bpy.types.Depsgraph], T]) -> T:
+    """Calls `read` with the dependency graph of a final render of the current frame.
 
-    Whatever `see` raises is raised here. Nothing is rendered, nothing in the file changes.
+    Nothing is rendered, nothing in the file changes.
+
+    Returns:
+        What `read` returned.
+
+    Raises:
+        Exception: Whatever `read` raised.
     """
-    answers: list[Seen] = []
+    results: list[T] = []
     errors: list[Exception] = []
 
     class Viewer(bpy.types.RenderEngine):
@@ -34,7 +40,7 @@ def look(scene: bpy.types.Scene, see: Callable[[bpy.types.Depsgraph], Seen]) -> 
 
         def render(self, depsgraph: bpy.types.Depsgraph) -> None:
             try:
-                answers.append(see(depsgraph))
+                results.append(read(depsgraph))
             except Exception as error:
                 errors.append(error)
 
@@ -56,4 +62,4 @@ def look(scene: bpy.types.Scene, see: Callable[[bpy.types.Depsgraph], Seen]) -> 
         bpy.utils.unregister_class(Viewer)
     if errors:
         raise errors[0]
-    return answers[0]
+    return results[0]

@@ -17,7 +17,7 @@ from mathutils import Vector
 
 from ..core import compat, locks
 from ..core.journal import Journal
-from ..core.value_slots import Lazy, Place, Property, value
+from ..core.value_slots import LazySlot, PropertySlot, ValueSlot, socket_slot
 from . import scene_context
 from .nodes import owned
 
@@ -32,7 +32,7 @@ _IDENTITY = {
 
 
 @dataclass(frozen=True)
-class Domain:
+class FogDomain:
     """Where the fog is.
 
     Attributes:
@@ -51,21 +51,21 @@ def find(scene: Scene) -> Object | None:
     return owned.find(scene.objects, NAME)
 
 
-_PLANNED: dict[int, Domain] = {}
+_PLANNED: dict[int, FogDomain] = {}
 """Boxes that are not there yet, of scenes that are seen by several cameras or at several frames."""
 
 
-def plan(scene: Scene, shape: Domain) -> None:
+def plan(scene: Scene, shape: FogDomain) -> None:
     """Has this be the box that is made, whatever the camera and the frame are then."""
     _PLANNED[scene.session_uid] = shape
 
 
-def planned(scene: Scene) -> Domain | None:
+def planned(scene: Scene) -> FogDomain | None:
     """The box that `plan` has been told; None if it has not."""
     return _PLANNED.get(scene.session_uid)
 
 
-def domain(cast: scene_context.Cast, eyes: Sequence[Vector] = ()) -> Domain:
+def domain(context: scene_context.SceneContext, eyes: Sequence[Vector] = ()) -> FogDomain:
     """The box that is there, or the one that would be made.
 
     It holds the camera, and as much of the visible scene as lies within four camera distances:
@@ -75,21 +75,21 @@ def domain(cast: scene_context.Cast, eyes: Sequence[Vector] = ()) -> Domain:
         cast: The scene.
         eyes: Where other cameras stand that it is to hold.
     """
-    box = find(cast.scene)
+    box = find(context.scene)
     if box is not None:
         low, high = (box.matrix_world @ Vector(box.bound_box[i]) for i in (0, 6))
-        return Domain((low + high) / 2.0, (high - low) / 2.0, box.matrix_world.translation.z)
-    if shape := planned(cast.scene):
+        return FogDomain((low + high) / 2.0, (high - low) / 2.0, box.matrix_world.translation.z)
+    if shape := planned(context.scene):
         return shape
-    view = scene_context.references(cast)["view_distance"]
-    low, high = scene_context.bounds(cast.scene, scene_context.meshes(cast.scene))
-    base = scene_context.bounds(cast.scene, cast.subject or scene_context.meshes(cast.scene))[0].z
+    view = scene_context.references(context)["view_distance"]
+    low, high = scene_context.bounds(context.scene, scene_context.meshes(context.scene))
+    base = scene_context.bounds(context.scene, context.subject or scene_context.meshes(context.scene))[0].z
     reach, least = Vector((4.0, 4.0, 4.0)) * view, Vector((1.5, 1.5, 0.0)) * view
-    camera = cast.scene.camera.matrix_world.translation if cast.scene.camera else cast.pivot
+    camera = context.scene.camera.matrix_world.translation if context.scene.camera else context.pivot
     margin = Vector((0.25, 0.25, 0.25)) * view
-    low = _each(min, _each(max, low, cast.pivot - reach), cast.pivot - least, camera, *eyes) - margin
-    high = _each(max, _each(min, high, cast.pivot + reach), cast.pivot + least, camera, *eyes) + margin
-    return Domain((low + high) / 2.0, (high - low) / 2.0, base)
+    low = _each(min, _each(max, low, context.pivot - reach), context.pivot - least, camera, *eyes) - margin
+    high = _each(max, _each(min, high, context.pivot + reach), context.pivot + least, camera, *eyes) + margin
+    return FogDomain((low + high) / 2.0, (high - low) / 2.0, base)
 
 
 def _each(pick: Callable, *vectors: Vector) -> Vector:
@@ -97,11 +97,11 @@ def _each(pick: Callable, *vectors: Vector) -> Vector:
 
 
 @dataclass
-class Density:
-    """A place: the density, together with whether renders see the box, for fog of no density costs time too."""
+class FogDensitySlot:
+    """Value slot: the density, together with whether renders see the box, for fog of no density costs time too."""
 
     box: Object
-    input: Place
+    input: ValueSlot
 
     @property
     def locked(self) -> str:
@@ -115,35 +115,35 @@ class Density:
     def set(self, journal: Journal, raw: float) -> None:
         """Thickens or thins the fog."""
         self.input.set(journal, raw)
-        Property(self.box, "hide_render").set(journal, raw <= 0.0)
+        PropertySlot(self.box, "hide_render").set(journal, raw <= 0.0)
 
 
-def place(cast: scene_context.Cast, name: str) -> Place:
+def slot(context: scene_context.SceneContext, name: str) -> ValueSlot:
     """An input of the scene's fog. The box is made when a density above 0 is written, not before."""
 
-    def find_input() -> Place | None:
-        box = find(cast.scene)
+    def find_input() -> ValueSlot | None:
+        box = find(context.scene)
         nodes = owned.group_nodes(compat.node_tree(box.data.materials[0]), NAME) if box else []
         if box is None or not nodes:
             return None
         socket = nodes[0].inputs[name]
-        found = value(socket, locks.of_socket(socket, None))
-        return Density(box, found) if name == "Density" else found
+        found = socket_slot(socket, locks.of_socket(socket, None))
+        return FogDensitySlot(box, found) if name == "Density" else found
 
     # Measured now: the box that was exported must not depend on a camera that is moved meanwhile.
-    shape = domain(cast) if name == "Density" else None
+    shape = domain(context) if name == "Density" else None
 
-    def make(journal: Journal) -> Place | None:
+    def make(journal: Journal) -> ValueSlot | None:
         if shape is None:
             return None
-        _box(journal, cast.scene, shape)
+        _box(journal, context.scene, shape)
         return find_input()
 
     existing = find_input()
-    return existing or Lazy(find_input, make, _IDENTITY[name])
+    return existing or LazySlot(find_input, make, _IDENTITY[name])
 
 
-def _box(journal: Journal, scene: Scene, shape: Domain) -> None:
+def _box(journal: Journal, scene: Scene, shape: FogDomain) -> None:
     origin = Vector((shape.center.x, shape.center.y, shape.base))
     mesh = journal.new("meshes", NAME)
     box = journal.new("objects", NAME, mesh)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Locators: from a thing in the scene to the place of one of its values; None where it has no such value."""
+"""Locators: from a thing in the scene to the slot of one of its values; None where it has no such value."""
 
 from __future__ import annotations
 
@@ -11,29 +11,29 @@ from bpy.types import Camera, Light, Material, Object, Scene, World
 
 from ..core import compat, locks
 from ..core.journal import Journal
-from ..core.value_slots import Lazy, Place, Property, value
+from ..core.value_slots import LazySlot, PropertySlot, ValueSlot, socket_slot
 from . import fog, scene_context
 from .nodes import environment_rotation, grade, shaders, tint
-from .orbits import Coordinate, Pose
-from .scene_context import Cast
+from .orbits import OrbitSlot, Pose
+from .scene_context import SceneContext
 
-Locator = Callable[[Cast, Any], Place | None]
+Locator = Callable[[SceneContext, Any], ValueSlot | None]
 
 
 def orbit(name: str) -> Locator:
     """A coordinate of a camera or light on its orbit."""
 
-    def locate(cast: Cast, obj: Object) -> Place:
-        if obj not in cast.poses:
-            cast.poses[obj] = Pose.of(obj, cast.pivot)
-        return Coordinate(cast.poses[obj], name)
+    def locate(context: SceneContext, obj: Object) -> ValueSlot:
+        if obj not in context.poses:
+            context.poses[obj] = Pose.of(obj, context.pivot)
+        return OrbitSlot(context.poses[obj], name)
 
     return locate
 
 
 @dataclass
-class Lens:
-    """A place: the focal length of a camera in multiples of its sensor's size."""
+class LensSlot:
+    """Value slot: the focal length of a camera in multiples of its sensor's size."""
 
     camera: Camera
     locked: str
@@ -48,21 +48,21 @@ class Lens:
 
     def set(self, journal: Journal, raw: float) -> None:
         """Changes the focal length."""
-        Property(self.camera, "lens").set(journal, raw * self._sensor)
+        PropertySlot(self.camera, "lens").set(journal, raw * self._sensor)
 
 
-def lens(cast: Cast, obj: Object) -> Place | None:
+def lens(context: SceneContext, obj: Object) -> ValueSlot | None:
     """The focal length of a perspective camera."""
-    return Lens(obj.data, locks.of_property(obj.data, "lens")) if obj.data.type == "PERSP" else None
+    return LensSlot(obj.data, locks.of_property(obj.data, "lens")) if obj.data.type == "PERSP" else None
 
 
 def lamp(name: str) -> Locator:
     """A property of a light's data. Lights that share it have it once, with the first of them."""
 
-    def locate(cast: Cast, obj: Object) -> Place | None:
+    def locate(context: SceneContext, obj: Object) -> ValueSlot | None:
         if name not in obj.data.bl_rna.properties:
             return None
-        return Property(obj.data, name, _lamp_lock(cast.scene, obj, name))
+        return PropertySlot(obj.data, name, _lamp_lock(context.scene, obj, name))
 
     return locate
 
@@ -75,8 +75,8 @@ def _lamp_lock(scene: Scene, obj: Object, name: str) -> str:
 
 
 @dataclass
-class AreaSize:
-    """A place: the size of an area light; its two sides keep their proportion."""
+class AreaSizeSlot:
+    """Value slot: the size of an area light; its two sides keep their proportion."""
 
     light: Light
     locked: str
@@ -90,20 +90,20 @@ class AreaSize:
         ratio = raw / max(self.light.size, 1e-9)
         both = self.light.shape in {"RECTANGLE", "ELLIPSE"}
         if both and ratio != 1.0:
-            Property(self.light, "size_y").set(journal, self.light.size_y * ratio)
-        Property(self.light, "size").set(journal, raw)
+            PropertySlot(self.light, "size_y").set(journal, self.light.size_y * ratio)
+        PropertySlot(self.light, "size").set(journal, raw)
 
 
-def lamp_size(cast: Cast, obj: Object) -> Place | None:
+def lamp_size(context: SceneContext, obj: Object) -> ValueSlot | None:
     """The radius of a point or spot light, the size of an area light."""
     if obj.data.type == "AREA":
-        return AreaSize(obj.data, _lamp_lock(cast.scene, obj, "size"))
-    return lamp("shadow_soft_size")(cast, obj)
+        return AreaSizeSlot(obj.data, _lamp_lock(context.scene, obj, "size"))
+    return lamp("shadow_soft_size")(context, obj)
 
 
 @dataclass
-class Temperature:
-    """A place: the temperature of a light, where 6500 K is also what a light without one has."""
+class TemperatureSlot:
+    """Value slot: the temperature of a light, where 6500 K is also what a light without one has."""
 
     light: Light
     locked: str
@@ -116,24 +116,24 @@ class Temperature:
         """Changes the temperature, and turns its use on if that is needed."""
         if raw == self.get():
             return
-        Property(self.light, "use_temperature").set(journal, True)
-        Property(self.light, "temperature").set(journal, raw)
+        PropertySlot(self.light, "use_temperature").set(journal, True)
+        PropertySlot(self.light, "temperature").set(journal, raw)
 
 
-def lamp_temperature(cast: Cast, obj: Object) -> Place | None:
+def lamp_temperature(context: SceneContext, obj: Object) -> ValueSlot | None:
     """The temperature of a light, where Blender has it."""
     if not compat.HAS_TEMPERATURE:
         return None
-    return Temperature(obj.data, _lamp_lock(cast.scene, obj, "temperature"))
+    return TemperatureSlot(obj.data, _lamp_lock(context.scene, obj, "temperature"))
 
 
 def shader(name: str) -> Locator:
     """An input of the shader of a material's surface, in the words of the Principled BSDF.
 
-    A color that is computed has no such place but a tint; anything else that is computed is locked.
+    A color that is computed has a tint instead of a slot; anything else that is computed is locked.
     """
 
-    def locate(cast: Cast, material: Material) -> Place | None:
+    def locate(context: SceneContext, material: Material) -> ValueSlot | None:
         found = shaders.surface(material)
         entry = found.input(name) if found else None
         if not found or not entry:
@@ -141,25 +141,25 @@ def shader(name: str) -> Locator:
         socket, source = shaders.resolve(entry, found.inside)
         if source and name == "Base Color":
             return None
-        return value(socket, locks.of_socket(socket, source))
+        return socket_slot(socket, locks.of_socket(socket, source))
 
     return locate
 
 
-def surface_color(cast: Cast, material: Material) -> Place | None:
+def surface_color(context: SceneContext, material: Material) -> ValueSlot | None:
     """The base color, or the plain color of a material without nodes."""
     if compat.node_tree(material) is None:
-        return Property(material, "diffuse_color", locks.of_property(material, "diffuse_color"))
-    return shader("Base Color")(cast, material)
+        return PropertySlot(material, "diffuse_color", locks.of_property(material, "diffuse_color"))
+    return shader("Base Color")(context, material)
 
 
 def material_tint(name: str) -> Locator:
     """An input of the owned tint on a computed base color."""
 
-    def locate(cast: Cast, material: Material) -> Place | None:
+    def locate(context: SceneContext, material: Material) -> ValueSlot | None:
         found = shaders.surface(material)
         entry = found and found.input("Base Color")
-        return tint.place(entry, found.inside, name) if found and entry else None
+        return tint.slot(entry, found.inside, name) if found and entry else None
 
     return locate
 
@@ -167,41 +167,41 @@ def material_tint(name: str) -> Locator:
 def background(name: str) -> Locator:
     """An input of a world's background; a computed color has a tint instead."""
 
-    def locate(cast: Cast, world: World) -> Place | None:
+    def locate(context: SceneContext, world: World) -> ValueSlot | None:
         found = shaders.background(world)
         if found is None:
             plain = name == "Color" and compat.node_tree(world) is None
-            return Property(world, "color", locks.of_property(world, "color")) if plain else None
+            return PropertySlot(world, "color", locks.of_property(world, "color")) if plain else None
         socket, source = shaders.resolve(found.node.inputs[name], found.inside)
         if source and name == "Color":
             return None
-        return value(socket, locks.of_socket(socket, source))
+        return socket_slot(socket, locks.of_socket(socket, source))
 
     return locate
 
 
-def world_tint(cast: Cast, world: World) -> Place | None:
+def world_tint(context: SceneContext, world: World) -> ValueSlot | None:
     """The owned tint on a computed background."""
     found = shaders.background(world)
-    return tint.place(found.node.inputs["Color"], found.inside, "Tint") if found else None
+    return tint.slot(found.node.inputs["Color"], found.inside, "Tint") if found else None
 
 
-def world_rotation(cast: Cast, world: World) -> Place | None:
+def world_rotation(context: SceneContext, world: World) -> ValueSlot | None:
     """The turn of an environment texture around the vertical axis."""
-    return environment_rotation.place(world)
+    return environment_rotation.slot(world)
 
 
 def volume(name: str) -> Locator:
     """A value of the fog: of the artist's world volume if there is one, else of the owned box."""
 
-    def locate(cast: Cast, scene: Scene) -> Place | None:
+    def locate(context: SceneContext, scene: Scene) -> ValueSlot | None:
         found = shaders.world_volume(scene.world) if scene.world else None
         if found is None:
-            return fog.place(cast, name)
+            return fog.slot(context, name)
         if name not in found.node.inputs:
             return None
         socket, source = shaders.resolve(found.node.inputs[name], found.inside)
-        return value(socket, locks.of_socket(socket, source))
+        return socket_slot(socket, locks.of_socket(socket, source))
 
     return locate
 
@@ -209,9 +209,9 @@ def volume(name: str) -> Locator:
 def view(name: str) -> Locator:
     """A property of the scene's view transform."""
 
-    def locate(cast: Cast, scene: Scene) -> Place:
+    def locate(context: SceneContext, scene: Scene) -> ValueSlot:
         settings = scene.view_settings
-        return Property(settings, name, locks.of_property(settings, name))
+        return PropertySlot(settings, name, locks.of_property(settings, name))
 
     return locate
 
@@ -219,7 +219,7 @@ def view(name: str) -> Locator:
 def graded(name: str) -> Locator:
     """An input of the owned compositor group."""
 
-    def locate(cast: Cast, scene: Scene) -> Lazy | None:
-        return grade.place(scene, name)
+    def locate(context: SceneContext, scene: Scene) -> LazySlot | None:
+        return grade.slot(scene, name)
 
     return locate

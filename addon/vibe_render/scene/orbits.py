@@ -11,7 +11,7 @@ from mathutils import Matrix, Vector
 from ..core import locks
 from ..core.journal import Journal
 from ..core.schema_import import schema
-from ..core.value_slots import Property, same
+from ..core.value_slots import PropertySlot, same
 
 
 @dataclass
@@ -49,21 +49,21 @@ class Pose:
         rotation = Matrix(schema.orbit.frame(self.azimuth, self.elevation)) @ self.residual
         if not is_sun(self.obj):
             direction = Vector(schema.orbit.direction(self.azimuth, self.elevation))
-            Property(self.obj, "location").set(journal, tuple(self.pivot + self.distance * direction))
+            PropertySlot(self.obj, "location").set(journal, tuple(self.pivot + self.distance * direction))
         mode = self.obj.rotation_mode
         if mode == "QUATERNION":
-            Property(self.obj, "rotation_quaternion").set(journal, tuple(rotation.to_quaternion()))
+            PropertySlot(self.obj, "rotation_quaternion").set(journal, tuple(rotation.to_quaternion()))
         elif mode == "AXIS_ANGLE":
             axis, angle = rotation.to_quaternion().to_axis_angle()
-            Property(self.obj, "rotation_axis_angle").set(journal, (angle, *axis))
+            PropertySlot(self.obj, "rotation_axis_angle").set(journal, (angle, *axis))
         else:
             euler = rotation.to_euler(mode, self.obj.rotation_euler)
-            Property(self.obj, "rotation_euler").set(journal, tuple(euler))
+            PropertySlot(self.obj, "rotation_euler").set(journal, tuple(euler))
 
 
 @dataclass
-class Coordinate:
-    """A place: one of a pose's three coordinates. The places of one object share its pose."""
+class OrbitSlot:
+    """Value slot: one of a pose's three coordinates. The slots of one object share its pose."""
 
     pose: Pose
     name: str

@@ -36,7 +36,7 @@ class Owner:
 
 
 @dataclass(frozen=True)
-class Cast:
+class SceneContext:
     """A scene as seen from its subject.
 
     Attributes:
@@ -156,12 +156,12 @@ def bounds(scene: Scene, objects: Iterable[Object]) -> tuple[Vector, Vector]:
     return Vector(map(min, zip(*corners, strict=True))), Vector(map(max, zip(*corners, strict=True)))
 
 
-def references(cast: Cast) -> dict[str, float]:
+def references(context: SceneContext) -> dict[str, float]:
     """The scene-wide lengths that the schema's bounds are multiples of (see schema.REFERENCES)."""
-    low, high = bounds(cast.scene, cast.subject or meshes(cast.scene))
+    low, high = bounds(context.scene, context.subject or meshes(context.scene))
     height = max(high.z - low.z, 1e-3)
-    camera = cast.scene.camera
-    view = (camera.matrix_world.translation - cast.pivot).length if camera else 3.0 * height
+    camera = context.scene.camera
+    view = (camera.matrix_world.translation - context.pivot).length if camera else 3.0 * height
     view = max(view, 1e-3)
     return {
         "view_distance": view,
@@ -171,17 +171,18 @@ def references(cast: Cast) -> dict[str, float]:
     }
 
 
-def owners(cast: Cast, group: str) -> list[Owner]:
+def owners(context: SceneContext, group: str) -> list[Owner]:
     """Everything in the scene that has the parameters of a group."""
-    scene = cast.scene
+    scene = context.scene
     if group == "camera":
         return [Owner("", scene.camera)] if scene.camera and scene.camera.type == "CAMERA" else []
     if group == "light":
-        roles = light_roles(cast)
-        return [Owner(o.name_full, o, roles[o], _light_lengths(o, cast.pivot)) for o in roles]
+        roles = light_roles(context)
+        return [Owner(o.name_full, o, roles[o], _light_lengths(o, context.pivot)) for o in roles]
     if group == "material":
         return [
-            Owner(m.name_full, m, role) for m, role in materials(scene, cast.subject, cast.everything).items()
+            Owner(m.name_full, m, role)
+            for m, role in materials(scene, context.subject, context.everything).items()
         ]
     if group == "world":
         return [Owner("", scene.world)] if scene.world else []
@@ -193,12 +194,12 @@ def _light_lengths(obj: Object, pivot: Vector) -> dict[str, float]:
     return {"light_distance": distance, "light_distance_squared": distance * distance}
 
 
-def light_roles(cast: Cast) -> dict[Object, str]:
+def light_roles(context: SceneContext) -> dict[Object, str]:
     """What each light does: "rim" from behind the subject, the brightest other one "key", the rest "fill"."""
-    found = lights(cast.scene)
-    rims = {o for o in found if _from_behind(o, cast)}
+    found = lights(context.scene)
+    rims = {o for o in found if _from_behind(o, context)}
     front = [o for o in found if o not in rims] or found
-    key = max(front, key=lambda o: _brightness(o, cast.pivot), default=None)
+    key = max(front, key=lambda o: _brightness(o, context.pivot), default=None)
     return {o: "key" if o is key else "rim" if o in rims else "fill" for o in found}
 
 
@@ -210,12 +211,14 @@ def towards_light(obj: Object, pivot: Vector) -> Vector:
     return offset.normalized() if offset.length > 1e-6 else Vector((0.0, 0.0, 1.0))
 
 
-def _from_behind(obj: Object, cast: Cast) -> bool:
-    camera = cast.scene.camera
+def _from_behind(obj: Object, context: SceneContext) -> bool:
+    camera = context.scene.camera
     view = (
-        (camera.matrix_world.translation - cast.pivot) if camera else Vector(schema.orbit.direction(0.0, 0.0))
+        (camera.matrix_world.translation - context.pivot)
+        if camera
+        else Vector(schema.orbit.direction(0.0, 0.0))
     )
-    flat, light = view.xy, towards_light(obj, cast.pivot).xy
+    flat, light = view.xy, towards_light(obj, context.pivot).xy
     if flat.length < 1e-6 or light.length < 0.2:  # straight above is nobody's back
         return False
     return flat.normalized().dot(light.normalized()) < -0.2

@@ -9,8 +9,8 @@ import bpy
 import numpy as np
 
 from ..core.schema_import import schema
-from .geometry.triangles import Geometry
-from .geometry.visibility import RAYS, Visibility
+from .geometry.triangles import SceneGeometry
+from .geometry.visibility import RAYS, VisibleSurfaces
 from .stored_subject import recall
 
 _PROMINENT = 0.1  # of the most prominent object's weight: what is less is decoration
@@ -18,7 +18,7 @@ _FLAT = 0.35  # height over width of things that others stand on
 
 
 @dataclass(frozen=True)
-class Choice:
+class SubjectChoice:
     """How the subject is chosen; with no field set, by what the picture shows.
 
     Attributes:
@@ -35,7 +35,9 @@ class Choice:
         return self.selected or bool(self.objects)
 
 
-def choose(scene: bpy.types.Scene, geometry: Geometry, seen: Visibility, choice: Choice) -> np.ndarray:
+def choose(
+    scene: bpy.types.Scene, geometry: SceneGeometry, seen: VisibleSurfaces, choice: SubjectChoice
+) -> np.ndarray:
     """Which objects of the geometry are the subject: (number of objects,) bool, at least one True.
 
     Raises:
@@ -54,7 +56,7 @@ def choose(scene: bpy.types.Scene, geometry: Geometry, seen: Visibility, choice:
     return chosen
 
 
-def named(scene: bpy.types.Scene, choice: Choice) -> list[bpy.types.Object]:
+def named(scene: bpy.types.Scene, choice: SubjectChoice) -> list[bpy.types.Object]:
     """The chosen objects, or those of the last choice, and everything below them; none if the choice is ours.
 
     Raises:
@@ -76,7 +78,7 @@ def named(scene: bpy.types.Scene, choice: Choice) -> list[bpy.types.Object]:
     return list(dict.fromkeys(o for thing in chosen for o in (thing, *thing.children_recursive)))
 
 
-def automatic(scene: bpy.types.Scene, geometry: Geometry, seen: Visibility) -> np.ndarray:
+def automatic(scene: bpy.types.Scene, geometry: SceneGeometry, seen: VisibleSurfaces) -> np.ndarray:
     """The prominent things in view, without what they stand on or in front of: (number of objects,) bool.
 
     Surroundings are things that reach three sides of the picture, that enclose the camera, or that

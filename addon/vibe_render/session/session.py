@@ -16,7 +16,7 @@ import bpy
 from ..core import background, files
 from ..core.schema_import import messages, schema
 from ..engine.process import Engine
-from ..export import jobs
+from ..export import reading
 from ..render import anchors
 from ..scene import shared_materials, snapshot, stored_subject
 from . import before_image, preferences, result
@@ -149,12 +149,12 @@ class Session(SessionStatus):
             yield from self._object_mode("Go back to Object Mode to go on")  # meshes are empty in Edit Mode
             self.stage = READING
             scene = self._find_scene()
-            captured = jobs.begin(scene, self._choice)
+            captured = reading.prepare_and_capture(scene, self._choice)
             self._before_path = before_image.path_of(scene)  # the camera may move before the picture comes
-            prospect = yield from self._in_background(captured.prospect)
-            job = jobs.finish(self._find_scene(), self._job, self._choice, prospect)
-        self._subject = [obj.name_full for obj in job.survey.objects]
-        self._pivot = job.survey.pivot
+            visible_scene = yield from self._in_background(captured.visible_scene)
+            job = reading.export_captured(self._find_scene(), self._job, self._choice, visible_scene)
+        self._subject = [obj.name_full for obj in job.analysis.objects]
+        self._pivot = job.analysis.pivot
 
     def _ask_about_shared(self) -> Generator[str]:
         """Asks about materials that other things use too, unless that is settled; may export anew."""

@@ -18,7 +18,7 @@ from bpy.props import (
 
 from ..core.schema_import import labels, messages, options, schema
 from ..scene import stored_subject
-from ..scene.subject import Choice
+from ..scene.subject import SubjectChoice
 from ..session import preferences
 from . import option_properties
 
@@ -146,11 +146,11 @@ class VibeSettings(_Toggles, _Options, bpy.types.PropertyGroup):  # type: ignore
     variant: IntProperty(description="Number of the variant that is in the scene", min=0)
     pivot: FloatVectorProperty(size=3, description="What lights and camera orbit: the subject's center")
 
-    def choice(self) -> Choice:
+    def choice(self) -> SubjectChoice:
         """What the picture is about."""
         if self.subject == "COLLECTION" and self.collection:
-            return Choice(objects=(self.collection.name,))
-        return Choice(selected=self.subject == "SELECTED")
+            return SubjectChoice(objects=(self.collection.name,))
+        return SubjectChoice(selected=self.subject == "SELECTED")
 
     def groups(self) -> tuple[str, ...]:
         """The groups that a vibe may change."""

@@ -17,7 +17,7 @@ from ...core.schema_import import schema
 from ...scene import bindings, scene_context, snapshot
 from ...scene.stage import parts
 from .props import PROPS
-from .recipe import Fog, Lamp, Recipe, View, World, chance
+from .recipe import CameraRecipe, FogRecipe, LightRecipe, SceneRecipe, WorldRecipe, chance
 from .shapes import SHAPES
 from .surfaces import material, shifted
 
@@ -26,7 +26,7 @@ WORLDS = ("city", "courtyard", "forest", "interior", "night", "studio", "sunrise
 """The environment pictures that come with Blender."""
 
 
-def build(recipe: Recipe, seed: int) -> tuple[Scene, list[Object]]:
+def build(recipe: SceneRecipe, seed: int) -> tuple[Scene, list[Object]]:
     """Starts an empty file and builds the scene in it.
 
     Args:
@@ -60,7 +60,7 @@ def build(recipe: Recipe, seed: int) -> tuple[Scene, list[Object]]:
     return scene, subject
 
 
-def _camera(scene: Scene, view: View, points: np.ndarray, luck: random.Random) -> None:
+def _camera(scene: Scene, view: CameraRecipe, points: np.ndarray, luck: random.Random) -> None:
     angles = (view.azimuth + luck.uniform(-12, 12), view.elevation + luck.uniform(-3, 3))
     camera = parts.camera(scene, points, angles, view.fov, view.fill)
     if view.orthographic:
@@ -79,7 +79,7 @@ def _points(scene: Scene, thing: Object) -> np.ndarray:
     return flat.reshape(-1, 3) @ pose[:3, :3].T + pose[:3, 3]
 
 
-def _stage(scene: Scene, recipe: Recipe, luck: random.Random) -> None:
+def _stage(scene: Scene, recipe: SceneRecipe, luck: random.Random) -> None:
     if recipe.stage == "none":
         return
     ground = material("Ground", recipe.ground, luck)
@@ -91,7 +91,7 @@ def _stage(scene: Scene, recipe: Recipe, luck: random.Random) -> None:
         parts.floor(scene, 30.0, ground)
 
 
-def _room(scene: Scene, recipe: Recipe, ground: bpy.types.Material, luck: random.Random) -> None:
+def _room(scene: Scene, recipe: SceneRecipe, ground: bpy.types.Material, luck: random.Random) -> None:
     """Floor, ceiling and back wall, and walls of other colors on the left and on the right."""
     colors = dict(zip(("Left", "Right"), recipe.walls, strict=True))
     walls = {name: parts.material(name, shifted(color, luck), 0.9) for name, color in colors.items()}
@@ -108,7 +108,7 @@ def _room(scene: Scene, recipe: Recipe, ground: bpy.types.Material, luck: random
         parts.mesh_object(scene, name, corners[list(quad)], [(0, 1, 2, 3)], stuff)
 
 
-def _lamp(scene: Scene, name: str, lamp: Lamp, pivot: Vector, luck: random.Random) -> None:
+def _lamp(scene: Scene, name: str, lamp: LightRecipe, pivot: Vector, luck: random.Random) -> None:
     data = bpy.data.lights.new(name, lamp.kind)
     angles = (lamp.azimuth + luck.uniform(-15, 15), lamp.elevation + luck.uniform(-5, 5))
     level = lamp.level * luck.uniform(0.8, 1.25)
@@ -125,7 +125,7 @@ def _lamp(scene: Scene, name: str, lamp: Lamp, pivot: Vector, luck: random.Rando
     scene.collection.objects.link(thing)
 
 
-def _world(scene: Scene, world: World, seed: int, luck: random.Random) -> None:
+def _world(scene: Scene, world: WorldRecipe, seed: int, luck: random.Random) -> None:
     parts.world(scene, shifted(world.color, luck), world.strength)
     if not world.picture:
         return
@@ -149,7 +149,7 @@ def _world_file(name: str, seed: int) -> Path:
     return Path(folder) / f"{order[WORLDS.index(name)]}.exr"
 
 
-def _film(scene: Scene, recipe: Recipe) -> None:
+def _film(scene: Scene, recipe: SceneRecipe) -> None:
     scene.view_settings.view_transform = recipe.transform
     if recipe.look:
         scene.view_settings.look = next(
@@ -168,7 +168,9 @@ def _takes(settings: bpy.types.ColorManagedViewSettings, look: str) -> bool:
     return True
 
 
-def _values(scene: Scene, recipe: Recipe, subject: list[Object], pivot: Vector, luck: random.Random) -> None:
+def _values(
+    scene: Scene, recipe: SceneRecipe, subject: list[Object], pivot: Vector, luck: random.Random
+) -> None:
     """Fog and film, written as a vibe writes them and kept as the artist's."""
     view = (scene.camera.location - pivot).length
     values: dict[str, tuple[float, ...]] = {}
@@ -191,7 +193,7 @@ def _values(scene: Scene, recipe: Recipe, subject: list[Object], pivot: Vector, 
         snapshot.forget(scene)
 
 
-def _world_fog(scene: Scene, fog: Fog, view: float) -> None:
+def _world_fog(scene: Scene, fog: FogRecipe, view: float) -> None:
     tree = compat.enable_nodes(scene.world)
     volume = tree.nodes.new("ShaderNodeVolumePrincipled")
     volume.inputs["Density"].default_value = fog.depth / view

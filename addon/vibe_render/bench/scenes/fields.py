@@ -8,7 +8,7 @@ import random
 
 import numpy as np
 
-Parts = tuple[np.ndarray, np.ndarray, np.ndarray]
+MeshArrays = tuple[np.ndarray, np.ndarray, np.ndarray]
 _AROUND = (False, True)  # a grid whose rows are closed
 
 
@@ -38,7 +38,7 @@ def _uvs(rows: int, columns: int, closed: tuple[bool, bool] = (False, False)) ->
     return np.stack([np.stack([u / across, v / down], -1) for u, v in corners], -2).reshape(-1, 4, 2)
 
 
-def lathe(profile: np.ndarray, steps: int = 96, subdivisions: int = 4) -> Parts:
+def lathe(profile: np.ndarray, steps: int = 96, subdivisions: int = 4) -> MeshArrays:
     """A surface of revolution of a profile (P, 2): radius, height; the corners are rounded (Catmull-Rom)."""
     padded = np.concatenate([profile[:1], profile, profile[-1:]])
     t = np.linspace(0, 1, subdivisions, endpoint=False)[:, None]
@@ -59,7 +59,7 @@ def lathe(profile: np.ndarray, steps: int = 96, subdivisions: int = 4) -> Parts:
     return places.reshape(-1, 3), _grid(len(curve), steps, _AROUND), _uvs(len(curve), steps, _AROUND)
 
 
-def drape(side: int) -> Parts:
+def drape(side: int) -> MeshArrays:
     """A cloth over a ball of radius 0.8: on it, then falling in folds."""
     uv = _unit(side, side)
     x, y = (3.6 * (uv - 0.5)).T
@@ -77,7 +77,7 @@ def _blend(a: np.ndarray, b: np.ndarray, t: np.ndarray) -> np.ndarray:
     return a * (1 - t) + b * t
 
 
-def curtain(side: int) -> Parts:
+def curtain(side: int) -> MeshArrays:
     """A hanging sheet with folds that open downwards."""
     uv = _unit(side, side)
     x, z = 2.6 * (uv[:, 0] - 0.5), 2.2 * uv[:, 1]
@@ -85,7 +85,7 @@ def curtain(side: int) -> Parts:
     return np.stack([x, depth, z], -1), _grid(side, side), _uvs(side, side)
 
 
-def leaves(chance: random.Random, count: int) -> Parts:
+def leaves(chance: random.Random, count: int) -> MeshArrays:
     """Bent blades that grow out of a pot's middle at height 0.5."""
     steps = 10
     t = np.linspace(0, 1, steps)
@@ -105,7 +105,7 @@ def leaves(chance: random.Random, count: int) -> Parts:
     return np.concatenate(vertices), np.concatenate(faces), np.tile(_uvs(steps, 2), (count, 1, 1))
 
 
-def branches(chance: random.Random) -> Parts:
+def branches(chance: random.Random) -> MeshArrays:
     """A bare tree of tapering branches, five generations."""
     vertices: list[np.ndarray] = []
     faces: list[np.ndarray] = []
@@ -136,7 +136,7 @@ def branches(chance: random.Random) -> Parts:
     return np.concatenate(vertices), np.concatenate(faces), np.tile(_uvs(2, 8, _AROUND), (count, 1, 1))
 
 
-def knot(along: int, around: int) -> Parts:
+def knot(along: int, around: int) -> MeshArrays:
     """A tube along a (2, 3) torus knot."""
     t = np.linspace(0, 2 * math.pi, along, endpoint=False)
 
@@ -167,13 +167,13 @@ def _sphere(around: int, rings: int) -> tuple[np.ndarray, np.ndarray, np.ndarray
     return toward, _grid(rings, around, _AROUND)[:, ::-1], uvs[:, ::-1]
 
 
-def sphere(around: int, rings: int, radius: float) -> Parts:
+def sphere(around: int, rings: int, radius: float) -> MeshArrays:
     """A ball around the origin."""
     toward, faces, uvs = _sphere(around, rings)
     return radius * toward.reshape(-1, 3), faces, uvs
 
 
-def rock(chance: random.Random, around: int, rings: int) -> Parts:
+def rock(chance: random.Random, around: int, rings: int) -> MeshArrays:
     """A sphere with bumps of many sizes."""
     toward, faces, uvs = _sphere(around, rings)
     bumps = np.zeros(toward.shape[:2])

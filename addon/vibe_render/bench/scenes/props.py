@@ -10,7 +10,7 @@ import bpy
 from bpy.types import Object
 
 from . import making
-from .shapes import Build
+from .shapes import ShapeBuilder
 
 
 def _tube(
@@ -179,7 +179,7 @@ def supper(_: random.Random) -> list[Object]:
     return [bowl, bottle, plate]
 
 
-PROPS: dict[str, tuple[Build, tuple[str, ...]]] = {
+PROPS: dict[str, tuple[ShapeBuilder, tuple[str, ...]]] = {
     "mug": (mug, ("thin",)),
     "duck": (duck, ("closed",)),
     "mushroom": (mushroom, ("open",)),

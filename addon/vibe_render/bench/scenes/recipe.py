@@ -12,7 +12,7 @@ ROUGHNESSES = (0.0, 0.1, 0.25, 0.5, 0.8, 1.0)
 
 
 @dataclass(frozen=True)
-class Finish:
+class FinishRecipe:
     """A material.
 
     Attributes:
@@ -45,7 +45,7 @@ class Finish:
 
 
 @dataclass(frozen=True)
-class Lamp:
+class LightRecipe:
     """A light that shines on the subject.
 
     Attributes:
@@ -70,7 +70,7 @@ class Lamp:
 
 
 @dataclass(frozen=True)
-class World:
+class WorldRecipe:
     """The surroundings: one color, or one of Blender's own environment pictures by name."""
 
     strength: float = 1.0
@@ -79,7 +79,7 @@ class World:
 
 
 @dataclass(frozen=True)
-class Fog:
+class FogRecipe:
     """Fog of a vibe, or (`owner` "world") the artist's own in the world.
 
     Attributes:
@@ -106,7 +106,7 @@ class Fog:
 
 
 @dataclass(frozen=True)
-class View:
+class CameraRecipe:
     """Where the camera stands and how much of the picture the subject fills."""
 
     azimuth: float = 20.0
@@ -117,7 +117,7 @@ class View:
 
 
 @dataclass(frozen=True)
-class Recipe:
+class SceneRecipe:
     """A scene.
 
     Attributes:
@@ -135,14 +135,14 @@ class Recipe:
 
     name: str
     shape: str
-    finishes: tuple[Finish, ...]
-    lamps: tuple[Lamp, ...] = ()
-    world: World = World()
+    finishes: tuple[FinishRecipe, ...]
+    lamps: tuple[LightRecipe, ...] = ()
+    world: WorldRecipe = WorldRecipe()
     stage: str = "floor"
-    ground: Finish = Finish((0.42, 0.4, 0.37), 0.7)
+    ground: FinishRecipe = FinishRecipe((0.42, 0.4, 0.37), 0.7)
     walls: tuple[Color, Color] = ((0.55, 0.06, 0.05), (0.1, 0.4, 0.08))
-    fog: Fog | None = None
-    view: View = View()
+    fog: FogRecipe | None = None
+    view: CameraRecipe = CameraRecipe()
     film: Mapping[str, float | Color] = field(default_factory=dict)
     transform: str = "AgX"
     look: str = ""
@@ -152,7 +152,7 @@ class Recipe:
 _GRADE_ONLY = ("exposure", "gamma")
 
 
-def features(recipe: Recipe, mesh: tuple[str, ...]) -> list[str]:
+def features(recipe: SceneRecipe, mesh: tuple[str, ...]) -> list[str]:
     """The features of a scene, for the table: derived, so that none is claimed that is not there.
 
     Args:
@@ -179,6 +179,6 @@ IMAGES = ("map", "weave", "crate", "cut-out")
 """Textures that are pictures; the others are node networks."""
 
 
-def chance(recipe: Recipe, seed: int) -> random.Random:
+def chance(recipe: SceneRecipe, seed: int) -> random.Random:
     """The scene's own random numbers: they depend on its name and the seed alone."""
     return random.Random(f"{seed}/{recipe.name}")

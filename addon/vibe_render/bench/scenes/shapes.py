@@ -13,7 +13,7 @@ from bpy.types import Object
 
 from . import fields, gatherings, making
 
-Build = Callable[[random.Random], list[Object]]
+ShapeBuilder = Callable[[random.Random], list[Object]]
 
 
 def head(_: random.Random) -> list[Object]:
@@ -179,7 +179,7 @@ def rock(chance: random.Random) -> list[Object]:
     return [making.mesh("Rock", *fields.rock(chance, 400, 256))]
 
 
-SHAPES: dict[str, tuple[Build, tuple[str, ...]]] = {
+SHAPES: dict[str, tuple[ShapeBuilder, tuple[str, ...]]] = {
     "head": (head, ("open",)),
     "ball": (ball, ("closed",)),
     "trio": (trio, ("closed",)),

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ...core.schema_import import schema
-from .recipe import Color, Finish, Fog, Lamp, Recipe, View, World
+from .recipe import CameraRecipe, Color, FinishRecipe, FogRecipe, LightRecipe, SceneRecipe, WorldRecipe
 
 _STEP = 0.05
 """On the perceptual scale, to both sides."""
@@ -20,7 +20,7 @@ _TINTED = (1.0, 0.3, -0.6)
 
 
 @dataclass(frozen=True)
-class Case:
+class StepCase:
     """A scene.
 
     Attributes:
@@ -29,15 +29,15 @@ class Case:
         caption: What it shows, for the encoder.
     """
 
-    recipe: Recipe
+    recipe: SceneRecipe
     keys: tuple[str, ...]
     caption: str
 
 
-_KEY = Lamp("AREA", -40.0, 45.0, 0.7, 1.2, (0.9, 0.8, 0.65))
-_DUSK = World(0.8, (0.12, 0.15, 0.22))
-_ENAMEL = Finish((0.5, 0.16, 0.08), 0.4, inputs={"Specular Tint": (0.9, 0.7, 0.6), "IOR": 1.6})
-_SATIN = Finish(
+_KEY = LightRecipe("AREA", -40.0, 45.0, 0.7, 1.2, (0.9, 0.8, 0.65))
+_DUSK = WorldRecipe(0.8, (0.12, 0.15, 0.22))
+_ENAMEL = FinishRecipe((0.5, 0.16, 0.08), 0.4, inputs={"Specular Tint": (0.9, 0.7, 0.6), "IOR": 1.6})
+_SATIN = FinishRecipe(
     (0.1, 0.3, 0.34),
     0.5,
     inputs={
@@ -49,7 +49,7 @@ _SATIN = Finish(
         "Emission Strength": 0.15,
     },
 )
-_GLASS = Finish((0.85, 0.93, 0.9), 0.1, inputs={"Transmission Weight": 0.85, "IOR": 1.45})
+_GLASS = FinishRecipe((0.85, 0.93, 0.9), 0.1, inputs={"Transmission Weight": 0.85, "IOR": 1.45})
 _GRADE: dict[str, float | Color] = {
     "exposure": 0.2,
     "gamma": 1.1,
@@ -67,32 +67,32 @@ _GRADE: dict[str, float | Color] = {
 _WARM_LAMP = {"use_temperature": True, "temperature": 4500.0}
 
 # fmt: off
-CASES: tuple[Case, ...] = (
-    Case(Recipe("enamel", "head", (_ENAMEL,), (Lamp("AREA", -40.0, 45.0, 0.7, 1.2, (0.9, 0.8, 0.65), settings=_WARM_LAMP),), _DUSK),
+CASES: tuple[StepCase, ...] = (
+    StepCase(SceneRecipe("enamel", "head", (_ENAMEL,), (LightRecipe("AREA", -40.0, 45.0, 0.7, 1.2, (0.9, 0.8, 0.65), settings=_WARM_LAMP),), _DUSK),
          ("camera/*", "light/*", "world/*", "material/Stuff 0/base_color", "material/Stuff 0/roughness", "material/Stuff 0/ior", "material/Stuff 0/specular*", "material/Ground/base_color"),
          "a red enamelled head on a grey floor, soft light from the left"),
-    Case(Recipe("satin", "cushion", (_SATIN,), (_KEY,), _DUSK),
+    StepCase(SceneRecipe("satin", "cushion", (_SATIN,), (_KEY,), _DUSK),
          ("material/Stuff 0/metallic", "material/Stuff 0/coat*", "material/Stuff 0/sheen", "material/Stuff 0/emission*"),
          "a teal satin cushion in the evening"),
-    Case(Recipe("glass", "vase", (_GLASS,), (_KEY,), World(0.8, picture="studio"), ground=Finish((0.6, 0.5, 0.4), 0.6, "checker")),
+    StepCase(SceneRecipe("glass", "vase", (_GLASS,), (_KEY,), WorldRecipe(0.8, picture="studio"), ground=FinishRecipe((0.6, 0.5, 0.4), 0.6, "checker")),
          ("material/Stuff 0/transmission", "material/Stuff 0/ior"),
          "a glass vase on a chequered floor"),
-    Case(Recipe("globe", "ball", (Finish((0.8, 0.8, 0.8), 0.35, "map"),), (), World(0.8, picture="sunset")),
+    StepCase(SceneRecipe("globe", "ball", (FinishRecipe((0.8, 0.8, 0.8), 0.35, "map"),), (), WorldRecipe(0.8, picture="sunset")),
          ("world/*", "material/Stuff 0/tint", "material/Stuff 0/recolor"),
          "a globe at sunset"),
-    Case(Recipe("mist", "columns", (Finish((0.45, 0.41, 0.36), 0.8),), (Lamp("SUN", 50.0, 40.0, 0.6, 3.0),), World(1.0, (0.3, 0.35, 0.42)), fog=Fog(0.9, (0.75, 0.8, 0.88), 0.2, 0.5, 0.2), view=View(10, 8)),
+    StepCase(SceneRecipe("mist", "columns", (FinishRecipe((0.45, 0.41, 0.36), 0.8),), (LightRecipe("SUN", 50.0, 40.0, 0.6, 3.0),), WorldRecipe(1.0, (0.3, 0.35, 0.42)), fog=FogRecipe(0.9, (0.75, 0.8, 0.88), 0.2, 0.5, 0.2), view=CameraRecipe(10, 8)),
          ("volume/*",),
          "columns in blue mist"),
-    Case(Recipe("point", "head", (_ENAMEL,), (Lamp("POINT", 35.0, 40.0, 0.5, 0.3, (0.9, 0.8, 0.6)),), _DUSK),
+    StepCase(SceneRecipe("point", "head", (_ENAMEL,), (LightRecipe("POINT", 35.0, 40.0, 0.5, 0.3, (0.9, 0.8, 0.6)),), _DUSK),
          ("light/*/power", "light/*/azimuth", "light/*/elevation", "light/*/distance", "light/*/size"),
          "a red head lit from the right"),
-    Case(Recipe("sun", "head", (_ENAMEL,), (Lamp("SUN", -50.0, 40.0, 0.6, 8.0, (0.9, 0.8, 0.6)),), _DUSK),
+    StepCase(SceneRecipe("sun", "head", (_ENAMEL,), (LightRecipe("SUN", -50.0, 40.0, 0.6, 8.0, (0.9, 0.8, 0.6)),), _DUSK),
          ("light/*/strength", "light/*/azimuth", "light/*/elevation", "light/*/angle"),
          "a red head in low sunlight"),
-    Case(Recipe("spot", "head", (_ENAMEL,), (Lamp("SPOT", 40.0, 50.0, 0.6, 0.3, (0.9, 0.8, 0.6), settings={"spot_size": 0.6, "spot_blend": 0.5}),), _DUSK),
+    StepCase(SceneRecipe("spot", "head", (_ENAMEL,), (LightRecipe("SPOT", 40.0, 50.0, 0.6, 0.3, (0.9, 0.8, 0.6), settings={"spot_size": 0.6, "spot_blend": 0.5}),), _DUSK),
          ("light/*/power", "light/*/azimuth", "light/*/elevation", "light/*/distance", "light/*/size"),
          "a red head in a spotlight"),
-    Case(Recipe("graded", "trio", (Finish((0.6, 0.06, 0.04), 0.2), Finish((0.05, 0.2, 0.6), 0.7), Finish((0.75, 0.55, 0.04), 0.5)), (_KEY,), _DUSK, film=_GRADE),
+    StepCase(SceneRecipe("graded", "trio", (FinishRecipe((0.6, 0.06, 0.04), 0.2), FinishRecipe((0.05, 0.2, 0.6), 0.7), FinishRecipe((0.75, 0.55, 0.04), 0.5)), (_KEY,), _DUSK, film=_GRADE),
          ("film/*",),
          "three toys in faded colors"),
 )

@@ -11,12 +11,12 @@ import numpy as np
 from bpy.types import Material, NodeSocket, NodeTree
 
 from ...core import compat
-from .recipe import Color, Finish
+from .recipe import Color, FinishRecipe
 
-Texture = Callable[[NodeTree, Color], NodeSocket]
+TextureBuilder = Callable[[NodeTree, Color], NodeSocket]
 
 
-def material(name: str, finish: Finish, chance: random.Random) -> Material:
+def material(name: str, finish: FinishRecipe, chance: random.Random) -> Material:
     """A Principled material; its color is shifted a little by chance."""
     made = bpy.data.materials.new(name)
     tree = compat.enable_nodes(made)
@@ -194,7 +194,7 @@ def _paint(tree: NodeTree, color: Color) -> NodeSocket:
     return _ramp(tree, noise.outputs["Fac"], (0.46, color), (0.54, (0.7, 0.68, 0.65)))
 
 
-TEXTURES: dict[str, Texture] = {
+TEXTURES: dict[str, TextureBuilder] = {
     "map": _map,
     "weave": _weave,
     "crate": _crate,

@@ -9,25 +9,25 @@ import bpy
 import numpy as np
 
 from ...core.compat import node_tree
-from .triangles import Mesh, Placed
+from .triangles import PlacedMesh, SourceMesh
 
 DEFAULT_MATERIAL = ""
 """Name that stands for faces without a material."""
 
-UvOf = Callable[[bpy.types.Material], tuple[str, np.ndarray]]
+UvLookup = Callable[[bpy.types.Material], tuple[str, np.ndarray]]
 """For a material: the name of its UV map ("" for the active one), and a 3x3 matrix applied to the UVs."""
 
 _SKIPPED = {"CURVES": "hair", "VOLUME": "a volume object", "POINTCLOUD": "a point cloud"}
 
 
-def collect(depsgraph: bpy.types.Depsgraph, uv_of: UvOf) -> tuple[list[Placed], list[str]]:
+def collect(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[list[PlacedMesh], list[str]]:
     """Reads the evaluated meshes and instances of a final render's dependency graph.
 
     Returns:
         What it shows, and what could not be brought along, in words.
     """
-    meshes: dict[tuple, Mesh] = {}
-    found: list[Placed] = []
+    meshes: dict[tuple, SourceMesh] = {}
+    found: list[PlacedMesh] = []
     warnings: dict[str, None] = {}
     for instance in depsgraph.object_instances:
         thing = instance.object
@@ -44,7 +44,7 @@ def collect(depsgraph: bpy.types.Depsgraph, uv_of: UvOf) -> tuple[list[Placed], 
         mesh = meshes.get(key) or meshes.setdefault(key, _read(thing.data, slots, uv_of))
         parent = instance.parent.original.name_full if instance.parent else ""
         owner = (thing.original.name_full, parent)
-        found.append(Placed(mesh, names, np.array(instance.matrix_world), owner))
+        found.append(PlacedMesh(mesh, names, np.array(instance.matrix_world), owner))
     return found, list(warnings)
 
 
@@ -76,14 +76,14 @@ def has_surface(material: bpy.types.Material | None) -> bool:
     return output is None or output.inputs["Surface"].is_linked or not output.inputs["Volume"].is_linked
 
 
-def _read(mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None], uv_of: UvOf) -> Mesh:
+def _read(mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None], uv_of: UvLookup) -> SourceMesh:
     """Attributes come as blocks of memory; the same by loops and triangles takes a hundred times as long."""
     mesh.calc_loop_triangles()
     count, corners = len(mesh.loop_triangles), len(mesh.loops)
     polygon = _array(mesh.loop_triangle_polygons, "value", (count,), np.int32)
     # Blender shows faces whose slot does not exist in the last one.
     slot = np.clip(_attribute(mesh, "material_index", (len(mesh.polygons),)), 0, len(slots) - 1)[polygon]
-    return Mesh(
+    return SourceMesh(
         vertices=_array(mesh.vertices, "co", (len(mesh.vertices), 3), np.float32),
         corners=_attribute(mesh, ".corner_vert", (corners,)),
         normals=_array(mesh.corner_normals, "vector", (corners, 3), np.float32),
@@ -95,7 +95,7 @@ def _read(mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None], uv_of: U
 
 
 def _uvs(
-    mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None], uv_of: UvOf
+    mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None], uv_of: UvLookup
 ) -> list[tuple[np.ndarray, np.ndarray]]:
     """See `geometry.Mesh`; slots that read the same map share it."""
     if not mesh.uv_layers:

@@ -12,7 +12,7 @@ _FARTHEST = 1e9
 
 
 @dataclass(frozen=True)
-class Mesh:
+class SourceMesh:
     """One mesh as Blender holds it, in its own space.
 
     Attributes:
@@ -36,7 +36,7 @@ class Mesh:
 
 
 @dataclass(frozen=True)
-class Placed:
+class PlacedMesh:
     """A mesh where it stands.
 
     Attributes:
@@ -46,14 +46,14 @@ class Placed:
         owner: Name, and name of the object that it is an instance of or for, otherwise "".
     """
 
-    mesh: Mesh
+    mesh: SourceMesh
     materials: tuple[str, ...]
     matrix: np.ndarray
     owner: tuple[str, str]
 
 
 @dataclass
-class Geometry:
+class SceneGeometry:
     """All triangles of a scene.
 
     Attributes:
@@ -81,7 +81,7 @@ class Geometry:
     warnings: list[str]
 
 
-def assembled(things: list[Placed], warnings: list[str]) -> Geometry:
+def assembled(things: list[PlacedMesh], warnings: list[str]) -> SceneGeometry:
     """Puts all triangles in world space; those of slots without a surface are left out.
 
     Args:
@@ -113,7 +113,7 @@ class _Part:
         return _Part(self.vertices, *rest)
 
 
-def _part(mesh: Mesh) -> _Part:
+def _part(mesh: SourceMesh) -> _Part:
     solid = mesh.solid[mesh.slot]
     corners, slot = mesh.triangles[solid], mesh.slot[solid]
     uvs = np.zeros((*corners.shape, 2), np.float32)
@@ -134,7 +134,7 @@ class _Builder:
         self.warnings = warnings
         self.count = 0
 
-    def add(self, part: _Part, thing: Placed) -> None:
+    def add(self, part: _Part, thing: PlacedMesh) -> None:
         vertices, normals = _place(part, thing.matrix)
         usable = (np.abs(vertices) < _FARTHEST).all(1)  # also false for what is not a number
         if not usable.all():
@@ -168,7 +168,7 @@ class _Builder:
             self.boxes[number] = np.stack([np.minimum(known[0], box[0]), np.maximum(known[1], box[1])])
         return number
 
-    def geometry(self) -> Geometry:
+    def geometry(self) -> SceneGeometry:
         if self.pieces:
             arrays = [np.concatenate(column) for column in zip(*self.pieces, strict=True)]
         else:
@@ -177,7 +177,7 @@ class _Builder:
         vertices, faces, normals, uvs, material, owner = arrays
         boxes = np.array(self.boxes).reshape(-1, 2, 3)
         known = list(self.materials), list(self.objects), boxes, list(self.warnings)
-        return Geometry(vertices, faces, normals, uvs, material, owner, *known)
+        return SceneGeometry(vertices, faces, normals, uvs, material, owner, *known)
 
 
 def _has_area(corners: np.ndarray) -> np.ndarray:

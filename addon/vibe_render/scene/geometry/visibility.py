@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a camera sees of triangles, through a coarse grid of rays."""
+"""Visibility: which triangles a camera sees, by a coarse grid of rays."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-from .triangles import Geometry
+from .triangles import SceneGeometry
 
 RAYS = 48  # along each side of the picture
 _SLACK = 1e-3  # of a step between rays: what rounding may move a corner
 
 
 @dataclass(frozen=True)
-class View:
-    """A camera as its rays need it, apart from the scene.
+class RayCamera:
+    """What rays through a camera's picture depend on; holds no reference into Blender's data.
 
     Attributes:
         frame: (4, 3), the corners of its picture, camera space.
@@ -34,71 +34,70 @@ class View:
 
 
 @dataclass(frozen=True)
-class Visibility:
-    """What the camera sees.
+class VisibleSurfaces:
+    """The surface that each of R x R rays meets (R = `RAYS`); row 0 is the bottom of the picture.
 
     Attributes:
-        object: (R, R) int, number of the object in the geometry, -1 for none; row 0 is the bottom.
-        material: (R, R) int, likewise.
+        object: (R, R) int, index into the geometry's objects, -1 for none.
+        material: (R, R) int, index into its materials, -1 for none.
     """
 
     object: np.ndarray
     material: np.ndarray
 
 
-def view(scene: bpy.types.Scene) -> View:
-    """The scene's camera."""
-    camera = scene.camera
-    lens, pose = camera.data, np.array(camera.matrix_world.normalized())
+def ray_camera(scene: bpy.types.Scene) -> RayCamera:
+    """The scene's camera, copied."""
+    lens, pose = scene.camera.data, np.array(scene.camera.matrix_world.normalized())
     frame = np.array(lens.view_frame(scene=scene))
-    return View(frame, pose, lens.type == "ORTHO", (lens.clip_start, lens.clip_end))
+    return RayCamera(frame, pose, lens.type == "ORTHO", (lens.clip_start, lens.clip_end))
 
 
-def see(view: View, geometry: Geometry) -> Visibility:
-    """Casts the camera's rays; nothing of Blender's data is read. All -1 for an empty geometry."""
+def visible_surfaces(camera: RayCamera, geometry: SceneGeometry) -> VisibleSurfaces:
+    """Casts the camera's rays; reads nothing of Blender's data. All -1 for an empty geometry."""
     hits = np.full((RAYS, RAYS), -1)
     if len(geometry.faces):
-        near = np.flatnonzero(_may_meet(view, geometry))
+        near = np.flatnonzero(_may_meet(camera, geometry))
         corners = geometry.vertices[geometry.faces[near]].reshape(-1, 3)
         faces = np.arange(len(corners)).reshape(-1, 3)
         tree = BVHTree.FromPolygons(corners.tolist(), faces.tolist(), all_triangles=True)
-        starts, directions = rays(view, RAYS)
-        slants = 1.0 / np.maximum(directions @ -view.pose[:3, 2], 1e-6)
-        first, last = view.clip
+        starts, directions = rays(camera, RAYS)
+        slants = 1.0 / np.maximum(directions @ -camera.pose[:3, 2], 1e-6)
+        first, last = camera.clip
         for index in np.ndindex(hits.shape):
             toward, slant = Vector(directions[index]), slants[index]
             start = Vector(starts[index]) + toward * (slant * first)
             face = tree.ray_cast(start, toward, slant * (last - first))[2]
             hits[index] = -1 if face is None else near[face]
     owner, material = (np.append(a, -1)[hits] for a in (geometry.object, geometry.material))
-    return Visibility(owner, material)
+    return VisibleSurfaces(owner, material)
 
 
-def _may_meet(view: View, geometry: Geometry) -> np.ndarray:
-    """(F,) bool: triangles that a ray may meet. Most of a fine mesh lies between the rays, and need not be sorted."""
-    low, high = view.frame[:, :2].min(0), view.frame[:, :2].max(0)
-    pose = np.linalg.inv(view.pose)
+def _may_meet(camera: RayCamera, geometry: SceneGeometry) -> np.ndarray:
+    """(F,) bool: triangles that a ray may meet. Most of a fine mesh lies between the rays: leaving it out makes the tree cheap."""
+    low, high = camera.frame[:, :2].min(0), camera.frame[:, :2].max(0)
+    pose = np.linalg.inv(camera.pose)
     points = geometry.vertices @ pose[:3, :3].T + pose[:3, 3]
-    places = points[:, :2]
-    if not view.flat:
-        places = places * (view.frame[0, 2] / np.minimum(points[:, 2:], -1e-6))
-    column = ((places - low) / (high - low) * RAYS - 0.5)[geometry.faces]  # (F, 3, 2), in rays
+    positions = points[:, :2]
+    if not camera.flat:
+        positions = positions * (camera.frame[0, 2] / np.minimum(points[:, 2:], -1e-6))
+    column = ((positions - low) / (high - low) * RAYS - 0.5)[geometry.faces]  # (F, 3, 2), in rays
     first = np.ceil(np.maximum(column.min(1), 0) - _SLACK)
     last = np.floor(np.minimum(column.max(1), RAYS - 1) + _SLACK)
     behind = (points[:, 2] > -1e-6)[geometry.faces].any(1)
     return (first <= last).all(1) | behind
 
 
-def rays(view: View, count: int) -> tuple[np.ndarray, np.ndarray]:
+def rays(camera: RayCamera, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Origins and directions, (count, count, 3) each, of rays through the picture; row 0 is the bottom."""
-    low, high = view.frame.min(0), view.frame.max(0)
+    low, high = camera.frame.min(0), camera.frame.max(0)
     u = (np.arange(count) + 0.5) / count
     x, y = np.meshgrid(low[0] + u * (high[0] - low[0]), low[1] + u * (high[1] - low[1]))
-    points = np.stack([x, y, np.full_like(x, view.frame[0, 2])], axis=-1)
+    points = np.stack([x, y, np.full_like(x, camera.frame[0, 2])], axis=-1)
     ahead = np.array([0.0, 0.0, -1.0])
-    if view.flat:
+    if camera.flat:
         starts, directions = points * (1, 1, 0), np.broadcast_to(ahead, points.shape)
     else:
         starts, directions = np.zeros_like(points), points
     directions = directions / np.linalg.norm(directions, axis=-1, keepdims=True)
-    return starts @ view.pose[:3, :3].T + view.pose[:3, 3], directions @ view.pose[:3, :3].T
+    return starts @ camera.pose[:3, :3].T + camera.pose[:3, 3], directions @ camera.pose[:3, :3].T

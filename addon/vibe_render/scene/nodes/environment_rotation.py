@@ -9,15 +9,15 @@ from bpy.types import Node, NodeSocket, World
 
 from ...core import locks
 from ...core.journal import Journal
-from ...core.value_slots import Lazy, Place, Property
+from ...core.value_slots import LazySlot, PropertySlot, ValueSlot
 from . import owned, shaders
 
 NAME = "Vibe Rotation"
 
 
 @dataclass
-class Turn:
-    """A place: the angle by which the looked-up direction is turned, radians.
+class EnvironmentTurnSlot:
+    """Value slot: the angle by which the looked-up direction is turned, radians.
 
     A Mapping node of type Texture turns the other way round.
     """
@@ -40,10 +40,10 @@ class Turn:
 
     def set(self, journal: Journal, raw: float) -> None:
         """Turns the environment."""
-        Property(self.mapping.inputs["Rotation"], "default_value", index=2).set(journal, self._sign * raw)
+        PropertySlot(self.mapping.inputs["Rotation"], "default_value", index=2).set(journal, self._sign * raw)
 
 
-def place(world: World) -> Place | None:
+def slot(world: World) -> ValueSlot | None:
     """The turn of the environment texture that a world's background comes from; None without one."""
     found = shaders.background(world)
     texture = found and shaders.environment(found.node.inputs["Color"])
@@ -51,20 +51,20 @@ def place(world: World) -> Place | None:
         return None
     vector = texture.node.inputs["Vector"]
 
-    def find() -> Place | None:
+    def find() -> ValueSlot | None:
         links = shaders.active_links(vector)
         node = links[0].from_node if links else None
-        return Turn(node) if node and node.bl_idname == "ShaderNodeMapping" else None
+        return EnvironmentTurnSlot(node) if node and node.bl_idname == "ShaderNodeMapping" else None
 
-    def make(journal: Journal) -> Place:
+    def make(journal: Journal) -> ValueSlot:
         tree = vector.id_data
         mapping = journal.node(tree, "ShaderNodeMapping", NAME)
         owned.dress(journal, tree, mapping, texture.node)
         owned.insert(journal, _direction(journal, vector, mapping), mapping, "Vector", vector, "Vector")
-        return Turn(mapping)
+        return EnvironmentTurnSlot(mapping)
 
     existing = find()
-    return existing or Lazy(find, make, 0.0, locks.of_socket(vector, None))
+    return existing or LazySlot(find, make, 0.0, locks.of_socket(vector, None))
 
 
 def _direction(journal: Journal, vector: NodeSocket, mapping: Node) -> NodeSocket:

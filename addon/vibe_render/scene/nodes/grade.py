@@ -14,7 +14,7 @@ from bpy.types import Node, NodeSocket, NodeTree, Scene
 
 from ...core import compat
 from ...core.journal import Journal
-from ...core.value_slots import Lazy, Place, value
+from ...core.value_slots import LazySlot, ValueSlot, socket_slot
 from . import owned, shaders
 from .tint import LUMA
 
@@ -36,23 +36,23 @@ BLOOM = {"Highlights Threshold": 1.0, "Highlights Smoothness": 0.1, "Saturation"
 """The Glare node's settings, by socket identifier."""
 
 
-def place(scene: Scene, name: str) -> Lazy | None:
+def slot(scene: Scene, name: str) -> LazySlot | None:
     """An input of the scene's grade; None on a Blender that cannot have one (before 4.5)."""
     if not compat.HAS_IMAGE_COORDINATES:
         return None
     tree = compat.compositor(scene)
 
-    def find() -> Place | None:
+    def find() -> ValueSlot | None:
         nodes = owned.group_nodes(compat.compositor(scene), NAME)
-        return value(nodes[0].inputs[name]) if nodes else None
+        return socket_slot(nodes[0].inputs[name]) if nodes else None
 
-    def make(journal: Journal) -> Place:
+    def make(journal: Journal) -> ValueSlot:
         chain(journal, scene)
         found = find()
         assert found
         return found
 
-    return Lazy(find, make, _INPUTS[name][0], _lock(tree))
+    return LazySlot(find, make, _INPUTS[name][0], _lock(tree))
 
 
 def _lock(tree: NodeTree | None) -> str:

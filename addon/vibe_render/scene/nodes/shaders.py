@@ -43,7 +43,7 @@ FOREIGN = {
 
 
 @dataclass(frozen=True)
-class Found:
+class NodeInGroups:
     """A node, and the group nodes that lead to it from the outermost tree inwards."""
 
     node: Node
@@ -57,12 +57,12 @@ class Found:
         return self.node.inputs.get(ALIASES.get(kind, {}).get(name, name))
 
 
-def surface(material: Material) -> Found | None:
+def surface(material: Material) -> NodeInGroups | None:
     """The shader of a material's surface: the Principled BSDF if there is one, else another known one."""
     return _from_output(compat.node_tree(material), "ShaderNodeOutputMaterial", "Surface", tuple(ALIASES))
 
 
-def background(world: World) -> Found | None:
+def background(world: World) -> NodeInGroups | None:
     """The Background node of a world."""
     return _from_output(
         compat.node_tree(world), "ShaderNodeOutputWorld", "Surface", ("ShaderNodeBackground",)
@@ -101,7 +101,7 @@ def cutout(material: Material) -> Cutout | None:
     return Cutout(1 - share if inverted else share, None, inverted)
 
 
-def last_mix(material: Material) -> Found | None:
+def last_mix(material: Material) -> NodeInGroups | None:
     """The Mix Shader that a material's surface ends in, reroutes and groups aside."""
     kinds = ("ShaderNodeMixShader", "ShaderNodeAddShader", *ALIASES)
     found = _from_output(
@@ -117,20 +117,20 @@ def bumps(material: Material) -> bool:
     return bool(output and active_links(output.inputs["Displacement"]) and compat.displaces_normals(material))
 
 
-def world_volume(world: World) -> Found | None:
+def world_volume(world: World) -> NodeInGroups | None:
     """The node of the artist's own fog: on the World Output's Volume."""
     kinds = ("ShaderNodeVolumePrincipled", "ShaderNodeVolumeScatter")
     return _from_output(compat.node_tree(world), "ShaderNodeOutputWorld", "Volume", kinds)
 
 
-def environment(color: NodeSocket) -> Found | None:
+def environment(color: NodeSocket) -> NodeInGroups | None:
     """The environment texture that a background's color comes from."""
     return _search(color, (), ("ShaderNodeTexEnvironment",))
 
 
 def _from_output(
     tree: bpy.types.NodeTree | None, output: str, entry: str, kinds: tuple[str, ...], nearest: bool = False
-) -> Found | None:
+) -> NodeInGroups | None:
     """The first of some kinds of nodes behind an output's input; `nearest` searches for all kinds at once."""
     if tree is None:
         return None
@@ -144,12 +144,12 @@ def _from_output(
     return next(filter(None, found), None)
 
 
-def _search(socket: NodeSocket, inside: tuple[Node, ...], kinds: tuple[str, ...]) -> Found | None:
+def _search(socket: NodeSocket, inside: tuple[Node, ...], kinds: tuple[str, ...]) -> NodeInGroups | None:
     """Depth first from an input against the links, into groups and out of them again."""
     for link in active_links(socket):
         node, exit_ = link.from_node, link.from_socket
         if node.bl_idname in kinds:
-            return Found(node, inside)
+            return NodeInGroups(node, inside)
         if node.type == "GROUP" and node.node_tree:
             entry = next((s for s in _group_output(node) if s.identifier == exit_.identifier), None)
             found = entry and _search(entry, (*inside, node), kinds)

@@ -10,7 +10,7 @@ from bpy.types import Node, NodeSocket, NodeTree
 
 from ...core import locks
 from ...core.journal import Journal
-from ...core.value_slots import Lazy, Place, value
+from ...core.value_slots import LazySlot, ValueSlot, socket_slot
 from . import owned, shaders
 
 NAME = "Vibe Tint"
@@ -18,7 +18,7 @@ LUMA = (0.2126, 0.7152, 0.0722)
 _IDENTITY = {"Tint": (1.0, 1.0, 1.0), "Recolor": 0.0}
 
 
-def place(entry: NodeSocket, inside: tuple[Node, ...], name: str) -> Place | None:
+def slot(entry: NodeSocket, inside: tuple[Node, ...], name: str) -> ValueSlot | None:
     """An input of the tint on a shader's color input; None where the color is not computed.
 
     Args:
@@ -30,18 +30,18 @@ def place(entry: NodeSocket, inside: tuple[Node, ...], name: str) -> Place | Non
     if source is None:
         return None
 
-    def find() -> Place | None:
+    def find() -> ValueSlot | None:
         links = shaders.active_links(socket)
         nodes = owned.group_nodes(socket.id_data, NAME)
         node = next((n for n in nodes if links and n == links[0].from_node), None)
-        return value(node.inputs[name]) if node else None
+        return socket_slot(node.inputs[name]) if node else None
 
-    def make(journal: Journal) -> Place:
+    def make(journal: Journal) -> ValueSlot:
         node = owned.group_node(journal, socket.id_data, _group(journal), socket.node)
         owned.insert(journal, shaders.active_links(socket)[0].from_socket, node, "Color", socket, "Color")
-        return value(node.inputs[name])
+        return socket_slot(node.inputs[name])
 
-    return Lazy(find, make, _IDENTITY[name], locks.of_socket(socket, None))
+    return LazySlot(find, make, _IDENTITY[name], locks.of_socket(socket, None))
 
 
 def _group(journal: Journal) -> NodeTree:

@@ -13,7 +13,7 @@ from bpy.props import StringProperty
 from bpy_extras.io_utils import ExportHelper
 
 from ...core.schema_import import preset, schema
-from ...export import jobs
+from ...export import reading
 from ...looks import assets, lut, thumbnail, use
 from .base import ExportDialog, IdleOperator, LookOperator
 
@@ -41,12 +41,12 @@ class VIBE_OT_export_assets(LookOperator, ExportDialog):
         keys = [schema.split_key(change.name) for change in settings.changes]
         names = dict.fromkeys(owner for group, owner, _ in keys if group == "material")
         materials = {material.name_full: material for material in bpy.data.materials}
-        survey = jobs.look_at(scene, settings.choice()).survey
+        analysis = reading.read_scene(scene, settings.choice()).analysis
         with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
             picture = Path(folder) / f"picture{thumbnail.SUFFIX}"
             thumbnail.render(scene, picture)
             written = assets.export(
-                survey,
+                analysis,
                 _name(context),
                 settings.vibed_prompt,
                 [materials[name] for name in names if name in materials],

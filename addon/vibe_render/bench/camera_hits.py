@@ -11,11 +11,11 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-from ..export.analysis import Survey
-from ..scene.geometry.visibility import rays, view
+from ..export.analysis import SceneAnalysis
+from ..scene.geometry.visibility import ray_camera, rays
 
 
-def save_sight(survey: Survey, path: Path, count: int) -> None:
+def save_camera_hits(analysis: SceneAnalysis, path: Path, count: int) -> None:
     """Casts a ray through every cell of a grid and writes what it meets; fog is not met.
 
     The file holds, row 0 at the top: `depth` (N, N), meters, infinite for nothing; `normal` (N, N, 3), in the
@@ -27,9 +27,9 @@ def save_sight(survey: Survey, path: Path, count: int) -> None:
         path: An .npz.
         count: Rays along each side of the picture.
     """
-    geometry = survey.geometry
+    geometry = analysis.geometry
     tree = BVHTree.FromPolygons(geometry.vertices.tolist(), geometry.faces.tolist(), all_triangles=True)
-    starts, directions = rays(view(survey.scene), count)
+    starts, directions = rays(ray_camera(analysis.scene), count)
     face = np.full((count, count), -1)
     depth = np.full((count, count), np.inf, np.float32)
     for index in np.ndindex(face.shape):
@@ -38,13 +38,13 @@ def save_sight(survey: Survey, path: Path, count: int) -> None:
             face[index], depth[index] = hit, away
     mean = geometry.normals.mean(1)
     mean /= np.maximum(np.linalg.norm(mean, axis=1, keepdims=True), 1e-9)
-    toward = np.array(survey.scene.camera.matrix_world.normalized())[:3, :3]
+    toward = np.array(analysis.scene.camera.matrix_world.normalized())[:3, :3]
     normal = np.append(mean, np.zeros((1, 3)), 0)[face] @ toward
     normal *= np.where(np.sum(normal * (directions @ toward), -1, keepdims=True) > 0, -1.0, 1.0)  # two-sided
     found: dict[str, Any] = {
         "depth": depth,
         "normal": normal.astype(np.float16),
-        "subject": np.append(survey.chosen, False)[np.append(geometry.object, -1)[face]],
+        "subject": np.append(analysis.is_subject, False)[np.append(geometry.object, -1)[face]],
         "object": np.append(geometry.object, -1)[face].astype(np.int16),
         "material": np.append(geometry.material, -1)[face].astype(np.int16),
     }

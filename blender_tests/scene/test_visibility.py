@@ -12,7 +12,7 @@ from vibe_render.scene.stage import demo
 
 def blenders(scene):
     """The object that each ray meets, by Blender's own casting; "" for none."""
-    starts, directions = visibility.rays(visibility.view(scene), 48)
+    starts, directions = visibility.rays(visibility.ray_camera(scene), 48)
     graph = bpy.context.evaluated_depsgraph_get()
     lens, ahead = scene.camera.data, -np.array(scene.camera.matrix_world.normalized())[:3, 2]
     names = np.full(starts.shape[:2], "", object)
@@ -36,7 +36,7 @@ def test_rays_meet_what_blenders_own_meet(kind, lens, shift):
     camera.type, camera.shift_x = kind, shift
     camera.lens, camera.ortho_scale = lens, lens
     bpy.context.view_layer.update()
-    found = analysis.capture(scene).prospect()
-    names = np.array([name for name, _ in found.geometry.objects] + [""], object)[found.seen.object]
+    found = analysis.capture(scene).visible_scene()
+    names = np.array([name for name, _ in found.geometry.objects] + [""], object)[found.visible.object]
     assert len(set(names.ravel())) > 2
     assert (names == blenders(scene)).mean() > 0.99  # edges are rounded otherwise

@@ -18,14 +18,14 @@ from ..core.schema_import import schema
 from ..scene import bindings, fog, scene_context
 from ..scene.nodes import shaders
 from . import measured, sanitize, view, world_light
-from .analysis import Survey
-from .materials import NO_MATERIAL, Exported
+from .analysis import SceneAnalysis
+from .materials import NO_MATERIAL, ExportedMaterial
 
 FORMAT = 1
 
 
 @dataclass
-class Job:
+class SceneJob:
     """What has been exported.
 
     Attributes:
@@ -36,12 +36,12 @@ class Job:
     """
 
     folder: Path
-    survey: Survey
+    analysis: SceneAnalysis
     instances: dict[str, schema.Instance]
     warnings: list[str] = field(default_factory=list)
 
 
-def export(survey: Survey, folder: Path) -> Job:
+def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
     """Writes the job folder; `scene.json` comes last and atomically.
 
     Args:
@@ -49,10 +49,10 @@ def export(survey: Survey, folder: Path) -> Job:
         folder: Made if it does not exist.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    scene, geometry = survey.scene, survey.geometry
-    found = bindings.instances(scene, survey.objects, survey.pivot)
-    materials = measured.materials(survey)
-    instances, mended = sanitize.instances(_with_materials(found, survey, materials))
+    scene, geometry = analysis.scene, analysis.geometry
+    found = bindings.instances(scene, analysis.objects, analysis.pivot)
+    materials = measured.materials(analysis)
+    instances, mended = sanitize.instances(_with_materials(found, analysis, materials))
     warnings = [*geometry.warnings, *(m.row["warning"] for m in materials.values() if m.row["warning"])]
     warnings += [*view.ignored(scene), *mended]
     image, note = world_light.environment(scene.world)
@@ -65,42 +65,42 @@ def export(survey: Survey, folder: Path) -> Job:
         "source": Path(bpy.data.filepath).name,
         "resolution": [_scaled(scene, scene.render.resolution_x), _scaled(scene, scene.render.resolution_y)],
         "pixel_aspect": scene.render.pixel_aspect_x / scene.render.pixel_aspect_y,
-        "pivot": survey.pivot,
-        "references": bindings.references(scene, survey.objects, survey.pivot),
-        "camera": view.camera(survey),
-        "lights": view.lights(survey),
-        "materials": _write_textures(survey, materials, folder),
+        "pivot": analysis.pivot,
+        "references": bindings.references(scene, analysis.objects, analysis.pivot),
+        "camera": view.camera(analysis),
+        "lights": view.lights(analysis),
+        "materials": _write_textures(analysis, materials, folder),
         "objects": [
             {"name": name, "subject": bool(chosen)}
-            for (name, _), chosen in zip(geometry.objects, survey.chosen, strict=True)
+            for (name, _), chosen in zip(geometry.objects, analysis.is_subject, strict=True)
         ],
         "world": {"kind": "color"} if image is None else {"kind": "environment", "image": "world.npy"},
-        "volume": _volume(survey, instances),
+        "volume": _volume(analysis, instances),
         "film": view.film(scene),
         "parameters": {key: _parameter(instance) for key, instance in instances.items()},
     }
-    _write_meshes(survey, folder)
+    _write_meshes(analysis, folder)
     temporary = folder / "scene.json.part"
     content = sanitize.content(content, "", warnings)
     temporary.write_text(json.dumps(content, indent=1, allow_nan=False), encoding="utf-8")
     os.replace(temporary, folder / "scene.json")
-    return Job(folder, survey, instances, list(dict.fromkeys(w for w in (*warnings, note) if w)))
+    return SceneJob(folder, analysis, instances, list(dict.fromkeys(w for w in (*warnings, note) if w)))
 
 
-def known(survey: Survey) -> dict[str, schema.Instance]:
+def parameters(analysis: SceneAnalysis) -> dict[str, schema.Instance]:
     """The scene's parameters by key, without what the engine alone needs: nothing is rendered or written."""
-    found = bindings.instances(survey.scene, survey.objects, survey.pivot)
-    return sanitize.instances(_with_materials(found, survey, {}))[0]
+    found = bindings.instances(analysis.scene, analysis.objects, analysis.pivot)
+    return sanitize.instances(_with_materials(found, analysis, {}))[0]
 
 
 def _scaled(scene: bpy.types.Scene, pixels: int) -> int:
     return max(1, int(pixels * scene.render.resolution_percentage / 100))
 
 
-def _roles(survey: Survey) -> dict[str, str]:
+def _roles(analysis: SceneAnalysis) -> dict[str, str]:
     """Of every material: "subject" if the subject shows it, else "surroundings"."""
-    geometry = survey.geometry
-    theirs = set(geometry.material[survey.chosen[geometry.object]].tolist())
+    geometry = analysis.geometry
+    theirs = set(geometry.material[analysis.is_subject[geometry.object]].tolist())
     return {
         name or NO_MATERIAL: "subject" if number in theirs else "surroundings"
         for number, name in enumerate(geometry.materials)
@@ -108,10 +108,10 @@ def _roles(survey: Survey) -> dict[str, str]:
 
 
 def _with_materials(
-    found: Mapping[str, schema.Instance], survey: Survey, materials: Mapping[str, Exported]
+    found: Mapping[str, schema.Instance], analysis: SceneAnalysis, materials: Mapping[str, ExportedMaterial]
 ) -> dict[str, schema.Instance]:
     """The parameters, with roles as the render sees them and what bindings cannot know as locked values."""
-    roles = _roles(survey)
+    roles = _roles(analysis)
     instances = {
         key: replace(i, role=roles.get(i.owner, i.role)) if i.parameter.group == "material" else i
         for key, i in found.items()
@@ -133,8 +133,10 @@ def _parameter(instance: schema.Instance) -> dict[str, Any]:
     return {"value": value, "reference": instance.reference, "role": instance.role, "locked": instance.locked}
 
 
-def _write_textures(survey: Survey, materials: Mapping[str, Exported], folder: Path) -> list[dict[str, Any]]:
-    roles = _roles(survey)
+def _write_textures(
+    analysis: SceneAnalysis, materials: Mapping[str, ExportedMaterial], folder: Path
+) -> list[dict[str, Any]]:
+    roles = _roles(analysis)
     rows: list[dict[str, Any]] = []
     for exported in materials.values():
         row = {**exported.row, "role": roles[exported.row["name"]]}
@@ -154,8 +156,8 @@ def _write_textures(survey: Survey, materials: Mapping[str, Exported], folder: P
     return rows
 
 
-def _write_meshes(survey: Survey, folder: Path) -> None:
-    g = survey.geometry
+def _write_meshes(analysis: SceneAnalysis, folder: Path) -> None:
+    g = analysis.geometry
     np.savez(
         folder / "meshes.npz",
         vertices=g.vertices,
@@ -167,9 +169,9 @@ def _write_meshes(survey: Survey, folder: Path) -> None:
     )
 
 
-def _volume(survey: Survey, instances: Mapping[str, schema.Instance]) -> dict[str, Any]:
-    scene = survey.scene
-    domain = fog.domain(scene_context.Cast(scene, survey.objects, Vector(survey.pivot)))
+def _volume(analysis: SceneAnalysis, instances: Mapping[str, schema.Instance]) -> dict[str, Any]:
+    scene = analysis.scene
+    domain = fog.domain(scene_context.SceneContext(scene, analysis.objects, Vector(analysis.pivot)))
     density = instances.get("volume/density")
     if scene.world and shaders.world_volume(scene.world):
         kind = "world"

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reads a scene for the engine (a job folder) or for presets (its parameters); the panel and the command line share it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+import bpy
+from mathutils import Vector
+
+from ..core.schema_import import schema
+from ..scene import fog, scene_context, snapshot
+from ..scene.prepare import prepare
+from ..scene.subject import SubjectChoice, named
+from .analysis import (
+    SceneAnalysis,
+    SceneCapture,
+    VisibleScene,
+    analyze,
+    capture,
+    check_camera,
+    data_blocks,
+    with_subject_of,
+)
+from .job_folder import SceneJob, parameters, write_job
+
+T = TypeVar("T")
+
+
+def export_scene(
+    scene: bpy.types.Scene,
+    folder: Path,
+    choice: SubjectChoice,
+    first_shot: SceneAnalysis | None = None,
+    eyes: Sequence[Vector] = (),
+) -> SceneJob:
+    """Adds what the scene lacks and writes its job folder; a failure leaves the scene as it was.
+
+    Args:
+        scene: The scene.
+        folder: Made if it does not exist.
+        choice: How the subject is chosen.
+        first_shot: The analysis of an earlier shot of this scene, whose subject and pivot this shot takes.
+        eyes: Positions of the cameras of all its shots: one fog box holds them all.
+
+    Raises:
+        VibeError: The scene cannot be worked with; see `analysis.analyze`.
+    """
+
+    def write(analysis: SceneAnalysis) -> SceneJob:
+        if eyes:
+            fog.plan(scene, fog.domain(_context(analysis), eyes))
+        return write_job(with_subject_of(analysis, first_shot) if first_shot else analysis, folder)
+
+    return _prepared(scene, choice, write)
+
+
+def _context(analysis: SceneAnalysis) -> scene_context.SceneContext:
+    return scene_context.SceneContext(analysis.scene, analysis.objects, Vector(analysis.pivot))
+
+
+def prepare_and_capture(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneCapture:
+    """First step of an export in two steps: adds what the scene lacks and copies what a render shows.
+
+    Between the steps the caller works out `SceneCapture.visible_scene` in the background, and Blender stays
+    usable. Unlike `export_scene`, this leaves it to the caller to roll back after a failure.
+
+    Raises:
+        VibeError: The scene has no usable camera.
+    """
+    check_camera(scene)
+    prepare_and_snapshot(scene, choice)
+    return capture(scene)
+
+
+def export_captured(
+    scene: bpy.types.Scene, folder: Path, choice: SubjectChoice, visible: VisibleScene
+) -> SceneJob | None:
+    """Second step of an export in two steps: analyzes the captured scene and writes its job folder.
+
+    Returns:
+        None if something that was captured has been removed meanwhile: capture again.
+
+    Raises:
+        VibeError: As `export_scene`.
+    """
+    if scene.camera is None or not snapshot.exists(scene) or not visible.blocks <= data_blocks():
+        return None
+    return write_job(analyze(scene, choice, visible), folder)
+
+
+def prepare_and_snapshot(scene: bpy.types.Scene, choice: SubjectChoice) -> None:
+    """Adds what the scene lacks and starts its snapshot."""
+    prepare(scene, named(scene, choice))
+    snapshot.take(scene)
+
+
+@dataclass(frozen=True)
+class SceneReading:
+    """What presets need to know of a scene: less than a job, and nothing is written to disk.
+
+    Attributes:
+        analysis: The scene's geometry, subject and visible surfaces.
+        instances: Its parameters, by key.
+    """
+
+    analysis: SceneAnalysis
+    instances: dict[str, schema.Instance]
+
+
+def read_scene(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneReading:
+    """Reads a scene without changing it.
+
+    Raises:
+        VibeError: As `export_scene`.
+    """
+    check_camera(scene)
+    return _reading(analyze(scene, choice))
+
+
+def prepare_and_read(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneReading:
+    """Adds what the scene lacks and reads it; a failure leaves the scene as it was.
+
+    Raises:
+        VibeError: As `export_scene`.
+    """
+    return _prepared(scene, choice, _reading)
+
+
+def _reading(analysis: SceneAnalysis) -> SceneReading:
+    return SceneReading(analysis, parameters(analysis))
+
+
+@contextmanager
+def rollback_on_failure(scene: bpy.types.Scene) -> Iterator[None]:
+    """Takes back what was recorded inside the block if that ends in an exception."""
+    was_vibed, start = snapshot.exists(scene), snapshot.mark(scene)
+    try:
+        yield
+    except BaseException:
+        if snapshot.exists(scene):
+            snapshot.rollback(scene, start)
+            if was_vibed:
+                snapshot.take(scene)
+        raise
+
+
+def _prepared(scene: bpy.types.Scene, choice: SubjectChoice, read: Callable[[SceneAnalysis], T]) -> T:
+    check_camera(scene)
+    with rollback_on_failure(scene):
+        prepare_and_snapshot(scene, choice)
+        return read(analyze(scene, choice))
