@@ -11,15 +11,15 @@ import bpy
 from model_server import KEY, MODEL
 
 ROOT = Path(__file__).parents[1]
-BATCH = ROOT / "addon" / "vibe_render" / "batch.py"
+BATCH_PY = ROOT / "addon" / "vibe_render" / "batch.py"
 QUICK = ["--rounds=1", "--steps=2", "--size=48", "--samples=2"]
 FILES = {"before.png", "after.png", "mask.png", "compare.png", "vibed.blend", "preset.json", "report.json"}
 
 
-def batch(*arguments, **variables):
+def run_headless(*arguments, **variables):
     """Runs batch.py with the package of this Python; its output in one string."""
     done = subprocess.run(
-        [sys.executable, str(BATCH), *map(str, arguments)],
+        [sys.executable, str(BATCH_PY), *map(str, arguments)],
         capture_output=True,
         encoding="utf-8",
         errors="replace",
@@ -61,7 +61,7 @@ def run_with_model(folder, model):
         "TMPDIR": str(folder / "tmp"),
     }
     (folder / "tmp").mkdir()
-    code, said = batch(
+    code, output = run_headless(
         "run",
         shot,
         "--prompt=glossy teal box, vignette",
@@ -70,5 +70,5 @@ def run_with_model(folder, model):
         *QUICK,
         **variables,
     )
-    assert code == 0, said
-    return json.loads((folder / "out" / "report.json").read_text()), said
+    assert code == 0, output
+    return json.loads((folder / "out" / "report.json").read_text()), output

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import bpy
 import pytest
-from headless_runs import BATCH, FILES, QUICK, save_scene
+from headless_runs import BATCH_PY, FILES, QUICK, save_scene
 from model_server import MODEL, sensible, serving
 from vibe_render.looks import take
 
@@ -24,11 +24,11 @@ settings, before = bpy.context.scene.vibe, contents()
 settings.prompt, settings.budget = "glossy teal box, vignette", "CUSTOM"
 settings.rounds, settings.steps, settings.size = 1, 2, 48
 assert bpy.ops.vibe.run() == {"FINISHED"}
-found = {change.name: list(change.values()[1]) for change in settings.changes}
+values = {change.name: list(change.values()[1]) for change in settings.changes}
 assert bpy.ops.vibe.preset_save(name="Mine") == {"FINISHED"}
 assert bpy.ops.vibe.revert() == {"FINISHED"}
 assert difference(before, contents()) == {}
-print("FOUND", json.dumps(found), flush=True)
+print("FOUND", json.dumps(values), flush=True)
 vibe_render.unregister()
 os._exit(0)
 """
@@ -41,9 +41,9 @@ def twice(command, **variables):
         subprocess.Popen([sys.executable, *map(str, command)], env={**os.environ, **variables}, **kept)
         for _ in range(2)
     ]
-    said = [process.communicate(timeout=300)[0] for process in both]
-    assert [process.returncode for process in both] == [0, 0], said
-    return said
+    outputs = [process.communicate(timeout=300)[0] for process in both]
+    assert [process.returncode for process in both] == [0, 0], outputs
+    return outputs
 
 
 def same(first, second):
@@ -60,8 +60,8 @@ def test_two_windows(tmp_path):
     paths = {"PYTHONPATH": os.pathsep.join([str(HERE), os.environ.get("PYTHONPATH", "")])}
     with serving(sensible) as model:
         asked = {"VIBE_VLM_MODEL": MODEL, "VIBE_VLM_URL": model.url}
-        said = twice(["-c", WINDOW, shot], **places, **paths, **asked)
-    same(*(json.loads(text.rpartition("FOUND ")[2].splitlines()[0]) for text in said))
+        outputs = twice(["-c", WINDOW, shot], **places, **paths, **asked)
+    same(*(json.loads(text.rpartition("FOUND ")[2].splitlines()[0]) for text in outputs))
     assert shot.read_bytes() == held
     saved = sorted(user.rglob("presets/*.json"))
     assert [path.name for path in saved] == ["mine-2.json", "mine.json"]
@@ -76,9 +76,9 @@ def test_two_runs_into_one_folder(tmp_path):
     shot, out = save_scene(tmp_path / "shot.blend"), tmp_path / "out"
     held, temporary = shot.read_bytes(), tmp_path / "temporary"
     temporary.mkdir()
-    command = [BATCH, "--events", "run", shot, "--prompt=glossy red box", f"--out={out}", *QUICK]
-    said = twice(command, TMPDIR=str(temporary))
-    results = [json.loads(text.rpartition("VIBE ")[2].splitlines()[0]) for text in said]
+    command = [BATCH_PY, "--events", "run", shot, "--prompt=glossy red box", f"--out={out}", *QUICK]
+    outputs = twice(command, TMPDIR=str(temporary))
+    results = [json.loads(text.rpartition("VIBE ")[2].splitlines()[0]) for text in outputs]
     assert [result["type"] for result in results] == ["result", "result"]
     assert {path.name for path in out.iterdir()} == FILES
     assert shot.read_bytes() == held

@@ -4,7 +4,7 @@
 import bpy
 import pytest
 from dump import contents, difference
-from headless_runs import FILES, QUICK, batch, save_scene
+from headless_runs import FILES, QUICK, run_headless, save_scene
 from small_disk import small_disk
 from vibe_render.scene import snapshot
 
@@ -43,7 +43,9 @@ def test_from_the_panel(addon, disk, tmp_path):
 def test_from_the_command_line(disk, tmp_path):
     shot = save_scene(disk.folder / "shot.blend")
     held = shot.read_bytes()
-    code, said = batch("run", shot, "--prompt=red box", f"--out={disk.folder / 'out'}", "--no-anchor", *QUICK)
+    code, said = run_headless(
+        "run", shot, "--prompt=red box", f"--out={disk.folder / 'out'}", "--no-anchor", *QUICK
+    )
     assert code == 0, said
     vibed = (disk.folder / "out" / "vibed.blend").read_bytes()
     disk.protect()
@@ -51,11 +53,13 @@ def test_from_the_command_line(disk, tmp_path):
         (("run", shot, "--prompt=red box", f"--out={disk.folder / 'more'}"), "Choose another with --out."),
         (("revert", disk.folder / "out" / "vibed.blend"), "vibed.blend is read-only. Make it writable"),
     ):
-        code, said = batch(*arguments, *QUICK)
+        code, said = run_headless(*arguments, *QUICK)
         assert code == 2, said
         assert words in said.splitlines()[-1]
         assert "Traceback" not in said
-    code, said = batch("run", shot, "--prompt=red box", f"--out={tmp_path / 'out'}", "--no-anchor", *QUICK)
+    code, said = run_headless(
+        "run", shot, "--prompt=red box", f"--out={tmp_path / 'out'}", "--no-anchor", *QUICK
+    )
     assert code == 0, said
     assert {path.name for path in (tmp_path / "out").iterdir()} == FILES
     assert shot.read_bytes() == held

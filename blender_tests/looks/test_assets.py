@@ -55,21 +55,21 @@ def test_a_fresh_file_takes_every_asset(exported):
     with bpy.data.libraries.load(str(path), assets_only=True) as (there, wanted):
         for kind in kinds:
             setattr(wanted, kind, getattr(there, kind))
-    found = {block.name: block for kind in kinds for block in getattr(wanted, kind)}
-    assert set(found) == set(names)
-    known = {asset_catalog.identifier(f"Vibe Render/{catalog}") for catalog in CATALOGS}
+    blocks = {block.name: block for kind in kinds for block in getattr(wanted, kind)}
+    assert set(blocks) == set(names)
+    identifiers = {asset_catalog.identifier(f"Vibe Render/{catalog}") for catalog in CATALOGS}
     text = (path.parent / asset_catalog.FILE).read_text()
-    assert all(identifier in text for identifier in known)
-    for block in found.values():
-        assert block.asset_data.catalog_id in known
+    assert all(identifier in text for identifier in identifiers)
+    for block in blocks.values():
+        assert block.asset_data.catalog_id in identifiers
         assert block.asset_data.description == "black and white"
         assert owned.MARK not in block
         assert tuple(block.preview.image_size) == (thumbnail.SIZE, thumbnail.SIZE)
         assert max(block.preview.image_pixels_float) > 0.2
-    inputs = {item.name: item for item in found["Noir Grade"].interface.items_tree if item.in_out == "INPUT"}
+    inputs = {item.name: item for item in blocks["Noir Grade"].interface.items_tree if item.in_out == "INPUT"}
     assert inputs["Saturation"].default_value == 0.0
     assert inputs["Contrast"].default_value == pytest.approx(1.4)
-    rig = found["Noir Light Rig"].objects
+    rig = blocks["Noir Light Rig"].objects
     assert {obj.type for obj in rig} == {"LIGHT"}
     assert len(rig) == 4
 

@@ -31,9 +31,9 @@ def addon(scene):
 
 
 def test_there_is_one_for_each_prompt_and_no_other():
-    found = [library.Look(path, None) for path in library.SHIPPED.glob("*.json")]
-    assert {look.path for look in found} == {library.path_for(library.SHIPPED, row["name"]) for row in ROWS}
-    assert len(found) == 12
+    shipped = [library.Look(path, None) for path in library.SHIPPED.glob("*.json")]
+    assert {look.path for look in shipped} == {library.path_for(library.SHIPPED, row["name"]) for row in ROWS}
+    assert len(shipped) == 12
 
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row["name"])

@@ -65,9 +65,9 @@ def test_one_bad_file_does_not_keep_others_out(held, tmp_path, capfd):
     assert bpy.ops.vibe.preset_import(files=[a, b, c], directory=str(tmp_path)) == {"FINISHED"}
     assert set(names()) == {"Cosy", "Day", "Noir"}
     assert held.chosen == str(library.find("Day").path)
-    said = capfd.readouterr().out
-    assert "Warning: Day is among your presets. Left out: a.json (" in said
-    assert "; c.json (" in said
+    output = capfd.readouterr().out
+    assert "Warning: Day is among your presets. Left out: a.json (" in output
+    assert "; c.json (" in output
     with pytest.raises(RuntimeError, match=r"a\.json.*; c\.json"):
         bpy.ops.vibe.preset_import(files=[a, c], directory=str(tmp_path))
 
@@ -122,4 +122,4 @@ def test_assets_and_lut_of_the_look(held, tmp_path):
 def test_panel_finds_what_it_draws(held):
     """What is drawn without a window: nothing; but its icons and columns can be asked for."""
     assert all(look_icons.icon(look) for look in library.looks())
-    assert presets.Presets.poll(bpy.context)
+    assert presets.PresetsPanel.poll(bpy.context)

@@ -79,7 +79,7 @@ def test_lamps_become_suns_of_the_same_brightness(look, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "complaint"),
     [
         ({"version": VERSION + 1}, "newer version"),
         ({"version": "1"}, "which version"),
@@ -109,35 +109,35 @@ def test_lamps_become_suns_of_the_same_brightness(look, tmp_path):
         ({"roles": {"film": 3}}, "broken"),
     ],
 )
-def test_presets_that_are_refused(tmp_path, change, said):
+def test_presets_that_are_refused(tmp_path, change, complaint):
     raw = {"format": "vibe-preset", "version": VERSION, "name": "", "roles": {}, "kinds": {}, **change}
     (tmp_path / "p.json").write_text(json.dumps(raw))
-    with pytest.raises(VibeError, match=said):
+    with pytest.raises(VibeError, match=complaint):
         take.load(tmp_path / "p.json")
 
 
 @contextmanager
 def watched():
     """What Python opens, runs or reaches meanwhile, by its own audit events."""
-    seen, on = [], [True]
+    events, on = [], [True]
     kinds = ("open", "exec", "compile", "import", "socket", "subprocess", "os.system", "urllib", "ctypes")
 
     def hear(event, given):
         if on and event.startswith(kinds):
-            seen.append((event, str(given[0])))
+            events.append((event, str(given[0])))
 
     sys.addaudithook(hear)  # there for good, and silent afterwards
     try:
-        yield seen
+        yield events
     finally:
         on.clear()
 
 
 def test_the_watch_sees_what_is_opened_and_run(tmp_path):
-    with watched() as seen:
+    with watched() as events:
         exec("1")
         (tmp_path / "x").write_text("")
-    assert [event for event, _ in seen] == ["compile", "exec", "open"]
+    assert [event for event, _ in events] == ["compile", "exec", "open"]
 
 
 def test_a_prompt_may_hold_anything_and_nothing_of_it_is_done(tmp_path):
@@ -145,16 +145,16 @@ def test_a_prompt_may_hold_anything_and_nothing_of_it_is_done(tmp_path):
     prompt = "__import__('os').system('touch x')\n\x1b[31m https://example.org/x ../../etc/passwd"
     raw = {"format": "vibe-preset", "version": VERSION, "name": prompt, "prompt": prompt, "roles": {}}
     (tmp_path / "p.json").write_text(json.dumps(raw))
-    with watched() as seen:
+    with watched() as events:
         look = take.load(tmp_path / "p.json")
-    assert seen == [("open", str(tmp_path / "p.json"))]
+    assert events == [("open", str(tmp_path / "p.json"))]
     assert look.prompt == prompt.replace("\n\x1b", " ")
     assert len(look.name) <= preset.LONGEST_NAME
     assert [path.name for path in tmp_path.iterdir()] == ["p.json"]
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "complaint"),
     [
         ("[" * 400_000, "nested too deeply"),
         ('{"a":' * 100_000, "nested too deeply"),
@@ -163,9 +163,9 @@ def test_a_prompt_may_hold_anything_and_nothing_of_it_is_done(tmp_path):
         (" " * (preset.LARGEST + 1), "too large"),
     ],
 )
-def test_hostile_files_are_one_clear_line(tmp_path, text, said):
+def test_hostile_files_are_one_clear_line(tmp_path, text, complaint):
     (tmp_path / "p.json").write_text(text)
-    with pytest.raises(VibeError, match=said) as refused:
+    with pytest.raises(VibeError, match=complaint) as refused:
         take.load(tmp_path / "p.json")
     assert refused.value.remedy
     assert len(str(refused.value)) < 300
@@ -189,15 +189,15 @@ def test_what_does_not_fit_is_listed(look, tmp_path):
         },
         {"key": ["AREA", "POINT"], "rim": ["AREA"], "fill": ["AREA"]},
     )
-    found = fit.fit(wanted, scene_reading)
-    rest = "\n".join(found.rest)
+    fitted = fit.fit(wanted, scene_reading)
+    rest = "\n".join(fitted.rest)
     assert "Subject material: 2 more than this scene has" in rest
     assert "Key light: 1 more than this scene has" in rest
     assert "Stand: Roughness: " in rest
     assert "fill" not in rest.casefold()
-    assert found.values["light/Vibe Rim/color"] == [1.0, 0.2, 0.1]
+    assert fitted.values["light/Vibe Rim/color"] == [1.0, 0.2, 0.1]
     assert (
-        bindings.write(scene, found.values, scene_reading.analysis.objects, scene_reading.analysis.pivot)
+        bindings.write(scene, fitted.values, scene_reading.analysis.objects, scene_reading.analysis.pivot)
         == {}
     )
     rim = bpy.data.objects["Vibe Rim"]

@@ -7,7 +7,7 @@ from dataclasses import replace
 import bpy
 import pytest
 from dump import contents, difference
-from headless_runs import QUICK, batch, run_with_model, save_scene
+from headless_runs import QUICK, run_headless, run_with_model, save_scene
 from model_server import sensible, serving
 from sample_presets import NOIR
 from small_disk import small_disk
@@ -25,8 +25,8 @@ NO_ROOM = "There is no room left on the disk, in "
 
 @pytest.fixture
 def disk(tmp_path):
-    with small_disk(tmp_path / "disk", 400) as made:
-        yield made
+    with small_disk(tmp_path / "disk", 400) as disk:
+        yield disk
 
 
 @pytest.mark.parametrize("left", [0, 1])
@@ -103,12 +103,12 @@ def test_a_vibe_without_room_for_its_files_and_then_one_with_room(addon, disk):
 def test_a_run_without_room_for_its_results(disk, tmp_path):
     shot, out = save_scene(tmp_path / "shot.blend"), disk.folder / "out"
     disk.fill(left=8)
-    code, said = batch("run", shot, "--prompt=blue box", f"--out={out}", "--no-anchor", *QUICK)
-    assert code == 2, said
+    code, output = run_headless("run", shot, "--prompt=blue box", f"--out={out}", "--no-anchor", *QUICK)
+    assert code == 2, output
     blender4 = "vibed.blend cannot be written: No such file"  # what it says of a full disk
-    assert f"vibe: {NO_ROOM}{out}. " in said or (blender4 in said and bpy.app.version < (5, 0))
-    assert "Make room there" in said
-    assert "Traceback" not in said
+    assert f"vibe: {NO_ROOM}{out}. " in output or (blender4 in output and bpy.app.version < (5, 0))
+    assert "Make room there" in output
+    assert "Traceback" not in output
     assert disk.files() == set()
 
 

@@ -24,7 +24,7 @@ def without_key(folder):
 
 def test_a_run_with_a_model(tmp_path):
     with serving(sensible) as model:
-        report, said = run_with_model(tmp_path, model)
+        report, output = run_with_model(tmp_path, model)
     assert [has_picture(body) for body in model.asked] == [True, True]
     assert {h["authorization"] for h in model.headers} == {f"Bearer {KEY}"}
     vlm = report["vlm"]
@@ -32,21 +32,21 @@ def test_a_run_with_a_model(tmp_path):
     assert report["rounds"][0]["advice"] == MODEL
     assert report["parameters"]["material/Box/roughness"]["reason"] == "model: asked for"
     assert report["judge"]["winner"] == "AFTER"
-    assert "The model's verdict: AFTER. It is teal." in said
+    assert "The model's verdict: AFTER. It is teal." in output
     names = without_key(tmp_path)
     assert {"report.json", "vibed.blend", "preset.json"} <= names
     assert any(name.startswith("vibe-engine-") for name in names)  # its log
-    assert KEY not in said
+    assert KEY not in output
 
 
 def test_a_server_that_refuses_and_talks_about_the_key(tmp_path):
     with serving(lambda body, n: refuses(401, f"Incorrect API key provided: {KEY}")) as model:
-        report, said = run_with_model(tmp_path, model)
+        report, output = run_with_model(tmp_path, model)
     assert "refuses the key" in report["vlm"]["failures"][0]
     assert "refuses the key" in report["judge"]["error"]
-    assert "Planned without the model in 1 of 1 rounds" in said
+    assert "Planned without the model in 1 of 1 rounds" in output
     without_key(tmp_path)
-    assert KEY not in said
+    assert KEY not in output
 
 
 @pytest.fixture

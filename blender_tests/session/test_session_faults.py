@@ -42,9 +42,9 @@ def test_fault(scene, tmp_path, name):
     fault = FAULTS[name]
     fault.build(scene, plain(scene))
     job, read = exported(scene, tmp_path)
-    said = " ".join(job.warnings)
-    assert fault.warns in said
-    assert fault.warns or fault.near is None or not said
+    warnings = " ".join(job.warnings)
+    assert fault.warns in warnings
+    assert fault.warns or fault.near is None or not warnings
     longest = max(scene.render.resolution_x, scene.render.resolution_y)
     size = scene.render.resolution_x, scene.render.resolution_y
     picture = render(read, size)

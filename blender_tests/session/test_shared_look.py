@@ -7,7 +7,7 @@ import math
 import bpy
 import numpy as np
 import pytest
-from headless_runs import batch
+from headless_runs import run_headless
 from PIL import Image
 from small_scenes import camera, cube, light, principled, shader, world
 
@@ -59,9 +59,11 @@ def opened(path):
 
 
 def run(out, *arguments):
-    code, said = batch("run", *arguments, "--prompt=glossy teal box, dim warm light", f"--out={out}", *QUICK)
-    assert code == 0, said
-    return json.loads((out / "report.json").read_text()), said
+    code, output = run_headless(
+        "run", *arguments, "--prompt=glossy teal box, dim warm light", f"--out={out}", *QUICK
+    )
+    assert code == 0, output
+    return json.loads((out / "report.json").read_text()), output
 
 
 @pytest.fixture(scope="module")
@@ -91,10 +93,10 @@ def test_two_cameras_at_two_frames_share_a_look(folder):
     assert power["before"] == power["after"]
     assert "keyframe" in power["reason"] or "animat" in power["reason"]
     assert len(report["anchored"]["pictures"]) >= 8  # before and after the round, for each shot
-    before, found = opened(folder / "shot.blend"), opened(out / "vibed.blend")
-    assert found["color"] == pytest.approx((red, green, blue), abs=1e-5)
-    assert found["framed"] == before["framed"]
-    assert found["marker"] == "Side"
+    before, after = opened(folder / "shot.blend"), opened(out / "vibed.blend")
+    assert after["color"] == pytest.approx((red, green, blue), abs=1e-5)
+    assert after["framed"] == before["framed"]
+    assert after["marker"] == "Side"
     assert [k for k in (1, 20) if energy_at(k) == pytest.approx({1: 300.0, 20: 60.0}[k])] == [1, 20]
 
 
@@ -112,8 +114,8 @@ def test_two_blends_get_the_same_values_and_a_grade_each(folder):
     first, second = (opened(out / name) for name in ("vibed.blend", "vibed-2.blend"))
     assert first["color"] == second["color"] == pytest.approx(report["parameters"][COLOR]["after"], abs=1e-5)
     assert first["lamp"] == second["lamp"]
-    code, said = batch("revert", out / "vibed-2.blend")
-    assert code == 0, said
+    code, output = run_headless("revert", out / "vibed-2.blend")
+    assert code == 0, output
     assert opened(out / "vibed-2.blend")["color"][0] == pytest.approx(0.3)
 
 
@@ -122,8 +124,8 @@ def test_final_frames_are_seen_through_the_shots_camera(folder):
 
     def frame(name, *camera):
         out = folder / "frames" / name
-        code, said = batch("frames", folder / "shot.blend", "--frames=12", *camera, f"--out={out}")
-        assert code == 0, said
+        code, output = run_headless("frames", folder / "shot.blend", "--frames=12", *camera, f"--out={out}")
+        assert code == 0, output
         with Image.open(out / "0012.png") as picture:
             return np.asarray(picture.convert("RGB"), float)
 
@@ -133,14 +135,16 @@ def test_final_frames_are_seen_through_the_shots_camera(folder):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "message"),
     [
         (["--cameras=Front,Top"], "There is no camera 'Top' in shot.blend. There are: Front, Side."),
         (["--frames=1,x"], "'x' names no frames."),
     ],
 )
-def test_mistakes(folder, tmp_path, arguments, said):
-    code, output = batch("run", folder / "shot.blend", "--prompt=noir", f"--out={tmp_path}", *arguments)
+def test_mistakes(folder, tmp_path, arguments, message):
+    code, output = run_headless(
+        "run", folder / "shot.blend", "--prompt=noir", f"--out={tmp_path}", *arguments
+    )
     assert code == 2
-    assert said in output
+    assert message in output
     assert "Traceback" not in output

@@ -113,7 +113,7 @@ def test_reasons_are_short_where_a_word_says_it(reason, short):
 
 
 @pytest.mark.parametrize(
-    ("difference", "engine", "said", "good"),
+    ("difference", "engine", "words", "good"),
     [
         (0.04, "CYCLES", "matches Cycles (color difference 0.1)", True),
         (1.0, "CYCLES", "is close to Cycles", True),
@@ -121,9 +121,9 @@ def test_reasons_are_short_where_a_word_says_it(reason, short):
         (0.1, "BLENDER_EEVEE", "shows Cycles; other engines differ", False),
     ],
 )
-def test_agreement_is_said_in_words_and_of_cycles_alone(difference, engine, said, good):
+def test_agreement_is_said_in_words_and_of_cycles_alone(difference, engine, words, good):
     text, is_good = result.agreement(difference, engine)
-    assert said in text
+    assert words in text
     assert is_good is good
 
 

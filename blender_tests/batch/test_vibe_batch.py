@@ -72,33 +72,33 @@ def test_ctrl_c_ends_it_cleanly_and_the_next_run_completes_it(place):
         time.sleep(0.1)
     children = psutil.Process(process.pid).children(recursive=True)
     process.send_signal(signal.SIGINT)
-    said, _ = process.communicate(timeout=60)
-    assert process.returncode == 130, said
-    assert "vibe: stopped." in said
-    assert "Traceback" not in said
+    output, _ = process.communicate(timeout=60)
+    assert process.returncode == 130, output
+    assert "vibe: stopped." in output
+    assert "Traceback" not in output
     _, alive = psutil.wait_procs(children, timeout=30)
     assert not alive
     assert {row["status"] for row in rows(place)} == {"failed", "waiting"}
     assert (place / "out" / "index.html").is_file()
 
-    said, _ = (process := start(place)).communicate(timeout=600)
-    assert process.returncode == 1, said  # one of the scenes is no .blend
-    found = {(row["scene"], row["prompt"]): row for row in rows(place)}
-    assert found["broken.blend", "noir"]["status"] == "failed"
-    assert "cannot be opened" in found["broken.blend", "noir"]["error"]
+    output, _ = (process := start(place)).communicate(timeout=600)
+    assert process.returncode == 1, output  # one of the scenes is no .blend
+    by_job = {(row["scene"], row["prompt"]): row for row in rows(place)}
+    assert by_job["broken.blend", "noir"]["status"] == "failed"
+    assert "cannot be opened" in by_job["broken.blend", "noir"]["error"]
     for prompt in ("noir", "golden hour"):
-        row = found["shot.blend", prompt]
+        row = by_job["shot.blend", prompt]
         assert row["status"] == "done", row
         assert row["similarity"] is not None
         for kind in ("before", "after", "compare", "blend", "preset", "report"):
             assert (place / "out" / row[kind]).stat().st_size > 0
-    said, _ = (process := start(place, "--final", "2-3")).communicate(timeout=600)
-    assert process.returncode == 1, said
+    output, _ = (process := start(place, "--final", "2-3")).communicate(timeout=600)
+    assert process.returncode == 1, output
     frames = sorted(p.relative_to(place / "out" / "jobs") for p in place.glob("out/jobs/*/frames/*"))
-    done = sorted(Path(row["folder"]).name for row in found.values() if row["status"] == "done")
+    done = sorted(Path(row["folder"]).name for row in by_job.values() if row["status"] == "done")
     assert frames == [Path(name) / "frames" / f"000{number}.png" for name in done for number in (2, 3)]
     assert {row["frames"] for row in rows(place) if row["status"] == "done"} == {2}
     with Image.open(place / "out" / "jobs" / frames[0]) as picture:
         assert picture.size == (96, 64)  # the scene's own, not that of the small pictures
-    logs = [(place / "out" / row["folder"] / "log.txt").read_text() for row in found.values()]
+    logs = [(place / "out" / row["folder"] / "log.txt").read_text() for row in by_job.values()]
     assert all("opening" in log for log in logs)

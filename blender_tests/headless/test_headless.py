@@ -12,7 +12,7 @@ import time
 import bpy
 import pytest
 from dump import difference, dump
-from headless_runs import BATCH, FILES, QUICK, ROOT, batch, save_scene
+from headless_runs import BATCH_PY, FILES, QUICK, ROOT, run_headless, save_scene
 
 _COMPOSITOR = "scenes[Scene].node_tree"
 
@@ -23,12 +23,12 @@ def vibed(tmp_path_factory):
     folder = tmp_path_factory.mktemp("vibed")
     shot = save_scene(folder / "shot.blend")
     original = shot.read_bytes()
-    code, said = batch(
+    code, output = run_headless(
         "--events", "run", shot, "--prompt=glossy red box, vignette", f"--out={folder / 'out'}", *QUICK
     )
-    assert code == 0, said
+    assert code == 0, output
     assert shot.read_bytes() == original
-    return folder, said
+    return folder, output
 
 
 def contents(path):
@@ -79,21 +79,21 @@ def test_its_events_can_be_followed(vibed):
 def test_revert_brings_the_scene_back(vibed, tmp_path):
     folder, _ = vibed
     copy = shutil.copy(folder / "out" / "vibed.blend", tmp_path / "vibed.blend")
-    code, said = batch("revert", copy)
-    assert code == 0, said
+    code, output = run_headless("revert", copy)
+    assert code == 0, output
     assert os.listdir(tmp_path) == ["vibed.blend"]
     assert difference(contents(folder / "shot.blend"), contents(copy)) == {}
-    code, said = batch("revert", copy)
+    code, output = run_headless("revert", copy)
     assert code == 2
-    assert "holds no vibe" in said
+    assert "holds no vibe" in output
 
 
 def test_an_export_for_explaining_leaves_the_file_alone(vibed, tmp_path):
     folder, _ = vibed
     shot = folder / "shot.blend"
     original = shot.read_bytes()
-    code, said = batch("export", shot, f"--out={tmp_path / 'job'}")
-    assert code == 0, said
+    code, output = run_headless("export", shot, f"--out={tmp_path / 'job'}")
+    assert code == 0, output
     assert shot.read_bytes() == original
     assert (tmp_path / "job" / "scene.json").is_file()
 
@@ -119,10 +119,10 @@ def test_explain_reads_a_scene(vibed):
 
 def test_a_preset_is_applied(vibed, tmp_path):
     folder, _ = vibed
-    code, said = batch(
+    code, output = run_headless(
         "apply", folder / "out" / "preset.json", folder / "shot.blend", f"--out={tmp_path}", *QUICK[2:]
     )
-    assert code == 0, said
+    assert code == 0, output
     assert {p.name for p in tmp_path.iterdir()} == {"before.png", "after.png", "mask.png", "vibed.blend"}
     bpy.ops.wm.open_mainfile(filepath=str(folder / "out" / "vibed.blend"))
     wanted = tuple(
@@ -134,7 +134,7 @@ def test_a_preset_is_applied(vibed, tmp_path):
 
 
 def test_an_interrupt_saves_the_best_so_far(vibed, tmp_path):
-    command = [sys.executable, str(BATCH), "--events", "run", str(vibed[0] / "shot.blend")]
+    command = [sys.executable, str(BATCH_PY), "--events", "run", str(vibed[0] / "shot.blend")]
     command += ["--prompt=blue box", f"--out={tmp_path}", "--rounds=500", "--steps=500", *QUICK[2:]]
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8"
@@ -146,14 +146,14 @@ def test_an_interrupt_saves_the_best_so_far(vibed, tmp_path):
                 break
         assert '"progress"' in line
         process.send_signal(signal.SIGINT)
-        said = process.stdout.read()
-    assert process.wait() == 0, said
+        output = process.stdout.read()
+    assert process.wait() == 0, output
     assert {p.name for p in tmp_path.iterdir()} == FILES
     assert json.loads((tmp_path / "report.json").read_text())["stopped"]
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "message"),
     [
         (["run", "missing.blend", "--prompt=x"], "There is no file"),
         (["run", "broken.blend", "--prompt=x"], "broken.blend cannot be opened"),
@@ -168,24 +168,24 @@ def test_an_interrupt_saves_the_best_so_far(vibed, tmp_path):
         (["dance"], "Unknown command"),
     ],
 )
-def test_mistakes_are_one_line_and_leave_nothing(vibed, tmp_path, arguments, said):
+def test_mistakes_are_one_line_and_leave_nothing(vibed, tmp_path, arguments, message):
     shutil.copy(vibed[0] / "shot.blend", tmp_path)
     (tmp_path / "broken.blend").write_bytes(b"BLENDER-v405nonsense")
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "empty.blend"))
-    known = ("missing.blend", "broken.blend", "empty.blend", "shot.blend")
-    arguments = [str(tmp_path / a) if a in known else a for a in arguments]
+    shots = ("missing.blend", "broken.blend", "empty.blend", "shot.blend")
+    arguments = [str(tmp_path / a) if a in shots else a for a in arguments]
     out = tmp_path / "out"
-    code, output = batch(*arguments, f"--out={out}")
+    code, output = run_headless(*arguments, f"--out={out}")
     assert code == 2, output
     (line,) = [line for line in output.splitlines() if line.startswith("vibe: ")]
-    assert said in line
+    assert message in line
     assert "Traceback" not in output
     assert not out.exists() or not any(out.iterdir())
 
 
 def test_a_computer_without_the_engine(vibed, tmp_path):
-    code, output = batch(
+    code, output = run_headless(
         "run", vibed[0] / "shot.blend", "--prompt=red box", f"--out={tmp_path}", VIBE_ENGINE="/nowhere"
     )
     assert code == 2, output

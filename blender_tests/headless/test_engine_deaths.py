@@ -8,7 +8,7 @@ import sys
 import time
 
 import pytest
-from headless_runs import BATCH, QUICK, save_scene
+from headless_runs import BATCH_PY, QUICK, save_scene
 
 STAGES = {
     "looking": ('"progress"', 500),
@@ -22,7 +22,15 @@ def test_an_engine_that_dies_leaves_nothing(tmp_path, stage):
     heard, rounds = STAGES[stage]
     shot, out = save_scene(tmp_path / "shot.blend"), tmp_path / "out"
     held = shot.read_bytes()
-    command = [sys.executable, str(BATCH), "--events", "run", str(shot), "--prompt=blue box", f"--out={out}"]
+    command = [
+        sys.executable,
+        str(BATCH_PY),
+        "--events",
+        "run",
+        str(shot),
+        "--prompt=blue box",
+        f"--out={out}",
+    ]
     command += [*QUICK, f"--rounds={rounds}", f"--steps={rounds + 1}"]
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8"
@@ -35,10 +43,10 @@ def test_an_engine_that_dies_leaves_nothing(tmp_path, stage):
             assert time.monotonic() < end
             time.sleep(0.05)
         os.kill(engine, signal.SIGKILL)
-        said = process.stdout.read()
-    assert process.wait() == 2, said
-    assert "engine stopped unexpectedly" in said
-    assert "Traceback" not in said
+        output = process.stdout.read()
+    assert process.wait() == 2, output
+    assert "engine stopped unexpectedly" in output
+    assert "Traceback" not in output
     assert not any(out.iterdir())
     assert shot.read_bytes() == held
 
