@@ -54,7 +54,7 @@ def test_the_tutorial_runs_from_the_first_command_to_the_last(tmp_path):
     assert all((teal / name).is_file() for name in names)
     assert (tmp_path / "out/looks/variants.png").is_file()
     assert (tmp_path / "out/looks/preset-2.json").is_file()
-    locked = json.loads((tmp_path / "out/dawn/report.json").read_text())["parameters"]
+    locked = json.loads((tmp_path / "out/mist/report.json").read_text())["parameters"]
     materials = [p for key, p in locked.items() if key.startswith("material/")]
     assert materials
     assert all(p["before"] == p["after"] for p in materials)

@@ -14,7 +14,7 @@ PICTURES = {
     "before.jpg": ("teal/before.png", 480),
     "teal.jpg": ("teal/compare.png", 1000),
     "noir.jpg": ("noir/after.png", 480),
-    "dawn.jpg": ("dawn/compare.png", 1000),
+    "mist.jpg": ("mist/compare.png", 1000),
     "looks.jpg": ("looks/variants.png", 1000),
 }
 """Picture of the tutorial: the file that it is made of, and its width in pixels."""
