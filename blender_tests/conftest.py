@@ -9,8 +9,6 @@ import pytest
 import vibe_render
 from small_scenes import studio
 
-os.environ.pop("VIBE_VLM_MODEL", None)  # no test asks the model that its reader may have configured
-
 
 @pytest.fixture
 def scene():

@@ -64,6 +64,7 @@ def place(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 def test_ctrl_c_ends_it_cleanly_and_the_next_run_completes_it(place):
     process = start(place)
     deadline = time.monotonic() + 300

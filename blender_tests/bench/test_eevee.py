@@ -54,6 +54,7 @@ def settings_of(found):
     return {k: v for k, v in theirs.items() if not k.endswith((".use_compositing", ".volume_biased"))}
 
 
+@pytest.mark.slow
 def test_a_vibe_leaves_eevee_at_work(studio, tmp_path):
     first, before = rendered(tmp_path, "before"), contents()
     assert bpy.ops.vibe.run() == {"FINISHED"}

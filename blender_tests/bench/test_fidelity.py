@@ -21,6 +21,7 @@ SMALL = "--size=48", "--samples=32"
 BY_NAME = {recipe.name: recipe for recipe in CATALOG}
 
 
+@pytest.mark.slow
 def test_the_command_measures_caches_and_survives_a_broken_scene(tmp_path):
     out, cache = tmp_path / "out", tmp_path / "cache"
     first = bench("fidelity", out, cache, *SMALL, "--only=[cg]l[ao][yb]*")

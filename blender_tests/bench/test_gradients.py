@@ -13,6 +13,7 @@ from proxy_renderer.schema import FAMILIES, PARAMETERS, Instance
 SUN = "--only=sun", "--size=32", "--samples=8"
 
 
+@pytest.mark.slow
 def test_the_command_compares_with_cycles_and_keeps_its_pictures(tmp_path):
     out, cache = tmp_path / "out", tmp_path / "cache"
     done = bench("gradients", out, cache, *SUN)

@@ -116,6 +116,7 @@ def test_a_black_picture_hides_the_subject_and_a_close_camera_cuts_it(studio, pl
     assert near.frame < 0.6 * good.frame
 
 
+@pytest.mark.slow
 def test_runs_follow_one_another_and_a_bad_one_does_not_end_them(tmp_path):
     quick = ["--rounds=1", "--steps=1", "--size=48", "--samples=2", "--no-anchor", "--vlm-model=off"]
     rows = [

@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 import pytest
 import torch
+from marks import few_of
 from mathutils import Vector
 from vibe_render.core import compat
 from vibe_render.export import reading
@@ -164,7 +165,7 @@ def _leaf() -> bpy.types.Image:
     return image
 
 
-@pytest.mark.parametrize("way", ["Alpha", "Mix Shader", "Mix Shader, turned"])
+@pytest.mark.parametrize("way", few_of(["Alpha", "Mix Shader", "Mix Shader, turned"], ["Mix Shader"]))
 def test_leaf_cards_are_cut_out_and_cast_their_shadow(stage, tmp_path, way):
     card = _add("plane", size=3, location=(0, 0, 1.3), rotation=(1.2, 0, 0.3))
     tree = _paint(card, "Card").node_tree
@@ -230,7 +231,7 @@ def test_shader_to_rgb_is_left_out_as_cycles_does(stage, tmp_path):
     assert any("Ball: Shader to RGB" in warning for warning in warnings)
 
 
-@pytest.mark.parametrize("share", [0.2, 0.6, "Fresnel"])
+@pytest.mark.parametrize("share", few_of([0.2, 0.6, "Fresnel"], [0.2]))
 def test_the_old_plastic_of_diffuse_and_glossy(stage, tmp_path, share):
     material = _ball("Ball")
     mix, tree = _surface(material, "MixShader"), material.node_tree
@@ -247,6 +248,7 @@ def test_the_old_plastic_of_diffuse_and_glossy(stage, tmp_path, share):
     assert any("Ball: its mix of shaders is approximated" in warning for warning in warnings)
 
 
+@pytest.mark.slow
 def test_metals_are_mirrors_in_mirrors_too(stage, tmp_path):
     """Gold between gold: taken for matte paint where another shows them, they would glow orange."""
     for name, x, roughness in (("Left", -1.05, 0.1), ("Right", 1.05, 0.3)):
@@ -255,7 +257,10 @@ def test_metals_are_mirrors_in_mirrors_too(stage, tmp_path):
     assert _compare(stage, tmp_path)[0].mean() < 1.8
 
 
-@pytest.mark.parametrize(("roughness", "tint", "most"), [(0.0, 1.0, 1.7), (0.0, 0.4, 2.1), (0.3, 1.0, 2.0)])
+@pytest.mark.parametrize(
+    ("roughness", "tint", "most"),
+    few_of([(0.0, 1.0, 1.7), (0.0, 0.4, 2.1), (0.3, 1.0, 2.0)], [(0.3, 1.0, 2.0)]),
+)
 def test_glass_lets_light_through(stage, tmp_path, roughness, tint, most):
     """Were its shadow as dark as a stone's, the floor below would be far off."""
     _ball("Ball", Base_Color=(tint, 1.0, tint), Transmission_Weight=1.0, Roughness=roughness)
@@ -268,6 +273,7 @@ def test_the_edge_tint_of_metals_colors_reflections_too(stage, tmp_path, tint):
     assert _compare(stage, tmp_path)[0].mean() < 1.6
 
 
+@pytest.mark.slow
 def test_a_mirror_shows_the_ground_that_the_camera_does_not_see(stage, tmp_path):
     """A chrome ball on a checker board, most of which lies outside the picture."""
     _ball("Ball", Base_Color=(0.9, 0.9, 0.9), Metallic=1.0, Roughness=0.0)

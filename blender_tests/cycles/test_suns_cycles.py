@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A sun in the world's picture throws the shadow that it throws in Cycles."""
 
+import pytest
 import torch
 from vibe_render.bench.scenes.build import build
 from vibe_render.bench.scenes.recipe import CameraRecipe, FinishRecipe, SceneRecipe, WorldRecipe
@@ -14,6 +15,7 @@ from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 
 
+@pytest.mark.slow
 def test_the_sun_of_a_city_throws_a_shadow(tmp_path):
     matte = FinishRecipe((0.7, 0.7, 0.7), 0.8)
     world = WorldRecipe(1.0, picture="city")

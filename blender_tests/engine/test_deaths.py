@@ -9,6 +9,7 @@ import time
 from pathlib import Path
 
 import bpy
+import pytest
 from dump import contents, difference
 from vibe_render.session import session
 from vibe_render.session.state import addon_state
@@ -23,6 +24,7 @@ STAGES = {  # when it is reached, with how many steps
 }
 
 
+@pytest.mark.slow
 def test_killed_at_each_stage_and_then_a_vibe(addon):
     """Each next one comes as far as to its own end, the last to its result, and back."""
     before, settings = contents(), addon.vibe
@@ -56,6 +58,7 @@ def test_given_up_for_its_silence(addon, monkeypatch):
     assert difference(before, contents()) == {}
 
 
+@pytest.mark.slow
 def test_an_engine_that_hangs_when_given_up_does_not_hold_up_the_next(addon, monkeypatch):
     from vibe_render.engine.process import process
 
@@ -80,6 +83,7 @@ os.kill(os.getpid(), signal.SIGKILL)
 """
 
 
+@pytest.mark.slow
 def test_no_engine_outlives_its_blender(tmp_path):
     """Not even one that is killed, and so cannot say goodbye."""
     command = [sys.executable, "-c", ORPHAN, str(tmp_path / "log")]

@@ -46,6 +46,7 @@ def test_zip_holds_the_schema_and_what_the_engine_runs_from(built):
     assert not [n for n in names if "__pycache__" in n or "/bench/" in n or "/train/" in n or "tests/" in n]
 
 
+@pytest.mark.slow
 def test_carried_engine_is_complete(built, tmp_path):
     """What the worker imports is in the zip; Blender is not among what pip would install."""
     zipfile.ZipFile(built).extractall(tmp_path)
@@ -67,6 +68,7 @@ def test_install_names_what_is_wrong(tmp_path, monkeypatch):
         extension.install(str(tmp_path))
 
 
+@pytest.mark.slow
 def test_install_asks_blender_and_passes_on_its_refusal(tmp_path):
     """A stand-in for Blender that writes down what it is asked, and then refuses."""
     program = tmp_path / "blender"

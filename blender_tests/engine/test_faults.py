@@ -7,6 +7,7 @@ import time
 import bpy
 import pytest
 from dump import contents, difference
+from marks import few_of
 from small_scenes import cube
 from vibe_render.export import reading
 from vibe_render.scene import snapshot
@@ -28,6 +29,7 @@ def test_a_full_disk_is_named(addon, monkeypatch):
     assert difference(before, contents()) == {}
 
 
+@pytest.mark.slow
 def test_the_vibe_of_one_scene_stays_out_of_another(addon):
     other = bpy.data.scenes.new("Other")
     cube(other, "Elsewhere")
@@ -70,7 +72,7 @@ def elsewhere(tmp_path):
     bpy.context.window.scene = bpy.data.scenes.new("Other")
 
 
-@pytest.mark.parametrize("act", [undone, saved, edited, elsewhere])
+@pytest.mark.parametrize("act", few_of([undone, saved, edited, elsewhere], [edited]))
 def test_what_artists_do_meanwhile_is_safe(addon, tmp_path, act):
     """The vibe comes to the scene that it is for, and Revert takes all of it away."""
     name, before = addon.name, contents()
@@ -110,6 +112,7 @@ def test_deleting_the_subject_meanwhile_is_safe(addon):
     assert not snapshot.exists(addon)
 
 
+@pytest.mark.slow
 def test_another_file_ends_the_vibe_before_it_is_opened(addon, tmp_path):
     """The file that is opened has a snapshot of its own, which must stay."""
     subject = [bpy.data.objects["Subject"]]

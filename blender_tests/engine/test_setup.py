@@ -30,6 +30,7 @@ def offline(monkeypatch):
     monkeypatch.setenv("PIP_NO_INDEX", "1")
 
 
+@pytest.mark.slow
 def test_makes_an_environment_that_is_found(wheel, tmp_path):
     environment = setup.EngineSetup(tmp_path / "engine", [str(wheel)])
     texts = set()

@@ -53,6 +53,7 @@ def same(first, second):
         assert second[key] == pytest.approx(value, rel=0.02, abs=0.01), key
 
 
+@pytest.mark.slow
 def test_two_windows(tmp_path):
     shot = save_scene(tmp_path / "shot.blend")
     held, user = shot.read_bytes(), tmp_path / "user"
@@ -72,6 +73,7 @@ def test_two_windows(tmp_path):
     assert not [path for path in user.rglob("*") if path.is_file() and path.name.startswith(".")]
 
 
+@pytest.mark.slow
 def test_two_runs_into_one_folder(tmp_path):
     shot, out = save_scene(tmp_path / "shot.blend"), tmp_path / "out"
     held, temporary = shot.read_bytes(), tmp_path / "temporary"

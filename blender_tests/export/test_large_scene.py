@@ -15,6 +15,7 @@ from proxy_renderer.scene import load_scene
 
 
 @pytest.mark.timeout(900)
+@pytest.mark.slow
 def test_two_million_triangles(addon):
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4, radius=1.0, location=AIM)
     fine = bpy.context.object

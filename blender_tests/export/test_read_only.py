@@ -15,6 +15,7 @@ def disk(tmp_path):
         yield made
 
 
+@pytest.mark.slow
 def test_from_the_panel(addon, disk, tmp_path):
     shot = disk.folder / "shot.blend"
     settings = addon.vibe
@@ -40,6 +41,7 @@ def test_from_the_panel(addon, disk, tmp_path):
     assert disk.files() == {"shot.blend"}
 
 
+@pytest.mark.slow
 def test_from_the_command_line(disk, tmp_path):
     shot = save_scene(disk.folder / "shot.blend")
     held = shot.read_bytes()

@@ -133,6 +133,7 @@ def test_a_preset_is_applied(vibed, tmp_path):
     assert tuple(shader.inputs["Base Color"].default_value) == pytest.approx(wanted, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_an_interrupt_saves_the_best_so_far(vibed, tmp_path):
     command = [sys.executable, str(BATCH_PY), "--events", "run", str(vibed[0] / "shot.blend")]
     command += ["--prompt=blue box", f"--out={tmp_path}", "--rounds=500", "--steps=500", *QUICK[2:]]

@@ -4,6 +4,7 @@
 import time
 
 import bpy
+import pytest
 from vibe_render.session.session import before_image
 from vibe_render.session.state import addon_state
 from vibing import advance
@@ -22,6 +23,7 @@ def test_it_stays_the_one_of_before(addon, tmp_path):
     assert before_image.store(before_image.path_of(addon), vibed_once, False) == vibed_once
 
 
+@pytest.mark.slow
 def test_a_camera_that_moves_meanwhile(addon):
     """Again, from where the camera was, finds it; from where it is now, it would show something else."""
     running = advance(lambda r: r.asked)

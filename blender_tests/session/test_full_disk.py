@@ -82,6 +82,7 @@ STAGES = {
 }
 
 
+@pytest.mark.slow
 def test_a_vibe_without_room_for_its_files_and_then_one_with_room(addon, disk):
     before, settings = contents(), addon.vibe
     bpy.context.preferences.filepaths.temporary_directory = str(disk.folder)
@@ -112,6 +113,7 @@ def test_a_run_without_room_for_its_results(disk, tmp_path):
     assert disk.files() == set()
 
 
+@pytest.mark.slow
 def test_a_model_whose_answers_cannot_be_kept(disk, tmp_path, monkeypatch):
     """They are paid for again next time; that is all."""
     monkeypatch.setenv("VIBE_CACHE", str(disk.folder))

@@ -39,6 +39,7 @@ def test_a_run_with_a_model(tmp_path):
     assert KEY not in output
 
 
+@pytest.mark.slow
 def test_a_server_that_refuses_and_talks_about_the_key(tmp_path):
     with serving(lambda body, n: refuses(401, f"Incorrect API key provided: {KEY}")) as model:
         report, output = run_with_model(tmp_path, model)
@@ -73,6 +74,7 @@ def test_the_key_is_in_no_file_of_the_scene(installed, tmp_path):
     assert KEY.encode() not in path.read_bytes()
 
 
+@pytest.mark.slow
 def test_a_vibe_from_the_panel_with_the_key_of_the_preferences(installed, tmp_path, monkeypatch):
     scene, chosen = installed
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
@@ -95,6 +97,7 @@ def test_a_vibe_from_the_panel_with_the_key_of_the_preferences(installed, tmp_pa
     without_key(tmp_path)
 
 
+@pytest.mark.slow
 def test_blender_s_online_access_is_asked(installed, monkeypatch):
     scene, chosen = installed
     chosen.vlm_model, chosen.vlm_url = MODEL, "https://example.org/v1"

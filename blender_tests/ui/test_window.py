@@ -15,7 +15,7 @@ from proxy_renderer.blender import extension
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 TOOL = REPOSITORY.parent / "shared" / "tools" / "blender-window"
-pytestmark = pytest.mark.timeout(2500)  # minutes where others use the machine too
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(2500)]  # minutes where others use the machine too
 _ATTEMPTS = 3
 SIZE = "1920", "1080"  # pixels; what the driver knows about places is for this size
 ENGINELESS = ("without_engine", "files")  # ways that find no engine

@@ -1,0 +1,10 @@
+# SPDX-License-Identifier: Apache-2.0
+"""For all tests: no language model of the reader's is asked, and parallel workers share the cores."""
+
+import os
+
+os.environ.pop("VIBE_VLM_MODEL", None)
+if workers := int(
+    os.environ.get("PYTEST_XDIST_WORKER_COUNT", 0)
+):  # before torch is imported, and for the engines
+    os.environ.setdefault("OMP_NUM_THREADS", str(max(1, (os.cpu_count() or 1) // workers)))
