@@ -5,6 +5,7 @@ import numpy as np
 import PyOpenColorIO
 import pytest
 from grade_formula import IDENTITY, reference
+from vibe_render.core.color import to_linear, to_srgb
 from vibe_render.looks import library, lut, take
 
 from proxy_renderer.schema import VibeError
@@ -42,7 +43,7 @@ def test_formula_is_the_compositors(values):
 def off(folder, values, colors):
     """How far OpenColorIO with the file is from the grade, (N, 3)."""
     lut.write(folder / "look.cube", 'a "look"\n', values)
-    wanted = lut.to_display(lut.graded(lut.to_linear(colors), values)).clip(0.0, 1.0)
+    wanted = to_srgb(lut.graded(to_linear(colors), values)).clip(0.0, 1.0)
     return np.abs(read(folder / "look.cube", colors) - wanted)
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
+from ..core.color import to_linear
 from ..render import bake
 from ..scene.nodes import owned
 from ..scene.nodes.shaders import active_links
@@ -114,8 +115,7 @@ def image_colors(image: bpy.types.Image | None) -> np.ndarray | None:
     colors = shrink(bake.pixels(image), _LONGEST)
     if image.is_float or image.colorspace_settings.is_data:
         return colors
-    low, high = colors / 12.92, ((np.maximum(colors, 0.0) + 0.055) / 1.055) ** 2.4
-    return np.where(colors <= 0.04045, low, high).astype(np.float32)
+    return to_linear(colors).astype(np.float32)
 
 
 def image_alpha(image: bpy.types.Image | None) -> np.ndarray | None:

@@ -16,9 +16,9 @@ from pathlib import Path
 
 import numpy as np
 
+from ..core.color import LUMA, to_linear, to_srgb
 from ..core.files import whole
 from ..core.schema_import import schema
-from ..scene.nodes.tint import LUMA
 
 SIZE = 65  # colors along each edge: the largest that is usual
 LEFT_OUT = ("vignette", "glare")
@@ -64,23 +64,12 @@ def _turned(c: np.ndarray, sixths: np.ndarray) -> np.ndarray:
     return brightest - chroma * np.clip(away - 1.0, 0.0, 1.0)
 
 
-def to_linear(display: np.ndarray) -> np.ndarray:
-    """sRGB's decoding (IEC 61966-2-1)."""
-    return np.where(display <= 0.04045, display / 12.92, ((np.maximum(display, 0.0) + 0.055) / 1.055) ** 2.4)
-
-
-def to_display(linear: np.ndarray) -> np.ndarray:
-    """Inverse of `to_linear`, carried on below black and above white."""
-    curve = 1.055 * np.maximum(linear, 0.0) ** (1 / 2.4) - 0.055
-    return np.where(linear <= 0.0031308, linear * 12.92, curve)
-
-
 def table(values: Mapping[str, Sequence[float]], size: int = SIZE) -> np.ndarray:
     """(size³, 3): display colors, red changing fastest; black is at 0, white at 1."""
     steps = np.linspace(0.0, 1.0, size)
     blue, green, red = np.meshgrid(steps, steps, steps, indexing="ij")
     colors = to_linear(np.stack([red, green, blue], -1).reshape(-1, 3))
-    return to_display(graded(colors, values, below_black=True))
+    return to_srgb(graded(colors, values, below_black=True))
 
 
 def write(path: Path, name: str, values: Mapping[str, Sequence[float]]) -> None:

@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from .recipe import CameraRecipe, Color, FinishRecipe, FogRecipe, LightRecipe, SceneRecipe, WorldRecipe
+from ...core.color import Color
+from .recipe import CameraRecipe, FinishRecipe, FogRecipe, LightRecipe, SceneRecipe, WorldRecipe
 
 WARM, COOL = (1.0, 0.78, 0.55), (0.72, 0.84, 1.0)
 GOLD, COPPER, STEEL, CHROME = (0.9, 0.62, 0.22), (0.85, 0.42, 0.25), (0.56, 0.57, 0.58), (0.8, 0.8, 0.8)

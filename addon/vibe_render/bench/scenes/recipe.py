@@ -7,7 +7,8 @@ import random
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
-Color = tuple[float, float, float]
+from ...core.color import Color
+
 ROUGHNESSES = (0.0, 0.1, 0.25, 0.5, 0.8, 1.0)
 
 

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ...core.color import Color
 from ...core.schema_import import schema
-from .recipe import CameraRecipe, Color, FinishRecipe, FogRecipe, LightRecipe, SceneRecipe, WorldRecipe
+from .recipe import CameraRecipe, FinishRecipe, FogRecipe, LightRecipe, SceneRecipe, WorldRecipe
 
 _STEP = 0.05
 """On the perceptual scale, to both sides."""

@@ -11,7 +11,8 @@ import numpy as np
 from bpy.types import Material, NodeSocket, NodeTree
 
 from ...core import compat
-from .recipe import Color, FinishRecipe
+from ...core.color import Color
+from .recipe import FinishRecipe
 
 TextureBuilder = Callable[[NodeTree, Color], NodeSocket]
 

@@ -13,10 +13,10 @@ import math
 from bpy.types import Node, NodeSocket, NodeTree, Scene
 
 from ...core import compat
+from ...core.color import LUMA
 from ...core.journal import Journal
 from ...core.value_slots import LazySlot, ValueSlot, socket_slot
 from . import owned, shaders
-from .tint import LUMA
 
 NAME = "Vibe Grade"
 _WHITE = (1.0, 1.0, 1.0)

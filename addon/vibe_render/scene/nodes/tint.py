@@ -9,12 +9,12 @@ from __future__ import annotations
 from bpy.types import Node, NodeSocket, NodeTree
 
 from ...core import locks
+from ...core.color import LUMA
 from ...core.journal import Journal
 from ...core.value_slots import LazySlot, ValueSlot, socket_slot
 from . import owned, shaders
 
 NAME = "Vibe Tint"
-LUMA = (0.2126, 0.7152, 0.0722)
 _IDENTITY = {"Tint": (1.0, 1.0, 1.0), "Recolor": 0.0}
 
 

@@ -10,10 +10,10 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
+from ...core.color import Color
 from ...core.compat import enable_nodes
 from ...core.schema_import import schema
 
-Color = tuple[float, float, float]
 Point = Sequence[float] | np.ndarray
 
 
