@@ -22,7 +22,7 @@ LAYERS = {
         bench bench.mitsuba bench.paper cli
     """,
     "vibe_render": """
-        core engine scene.geometry scene.nodes scene.stage scene render export session looks
+        core engine scene.geometry scene.lights scene.nodes scene.stage scene render export session looks
         headless ui ui.operators ui.panels
         bench.scenes bench .
     """,

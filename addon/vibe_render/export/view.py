@@ -11,6 +11,7 @@ from mathutils import Vector
 
 from ..core import compat
 from ..scene import orbits, scene_context
+from ..scene.lights.registry import type_of
 from ..scene.nodes import shaders
 from .analysis import SceneAnalysis
 
@@ -52,15 +53,7 @@ def _light(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, Any]:
         "role": role,
         "tint": _glow(data) or (1.0, 1.0, 1.0),
     }
-    if data.type == "AREA":
-        both = data.shape in ("RECTANGLE", "ELLIPSE")
-        aspect = data.size_y / max(data.size, 1e-9) if both else 1.0
-        width, height, _ = (max(abs(side), 1e-6) for side in thing.matrix_world.to_scale())
-        aspect *= height / width
-        row |= {"shape": data.shape, "aspect": aspect, "spread": data.spread, "scale": width}
-    if data.type == "SPOT":
-        row |= {"spot_size": data.spot_size, "spot_blend": data.spot_blend}
-    return row
+    return row | type_of(thing).exported(thing)
 
 
 def _glow(data: bpy.types.Light) -> tuple[float, float, float] | None:
@@ -127,9 +120,7 @@ def ignored(scene: bpy.types.Scene) -> list[str]:
             notes.append(f"{lamp.name} has no usable place: it is left out.")
         elif _glow(lamp.data) is None:
             notes.append(f"The nodes of {lamp.name} are left out of the prediction.")
-        sides = lamp.matrix_world.to_scale()
-        if lamp.data.type == "SPOT" and abs(sides.x - sides.y) > 0.01 * abs(sides.x):
-            notes.append(f"{lamp.name} is scaled unevenly; the prediction shows a round cone.")
+        notes += type_of(lamp).approximations(lamp)
         if any((lamp.light_linking.receiver_collection, lamp.light_linking.blocker_collection)):
             notes.append(f"{lamp.name} is linked to some objects; in the prediction it lights all.")
     if scene.render.use_multiview:

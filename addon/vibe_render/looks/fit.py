@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 
 import bpy
 
 from ..core.schema_import import labels, preset, schema
 from ..scene import prepare, scene_context
+from ..scene.lights.light_type import EXTENTS
+from ..scene.lights.registry import light_type
 from . import take
 from .take import SceneParameters, camera_azimuth, owners
 
@@ -46,7 +47,7 @@ def fit(look: preset.Preset, target: SceneParameters) -> Fit:
     result = Fit()
     for role, entries in look.roles.items():
         group, theirs = preset.ROLES[role], owners(target, role)
-        kinds = look.kinds.get(role) or ["AREA"] * len(entries)
+        kinds = look.kinds.get(role) or [prepare.LIGHT_TYPE] * len(entries)
         if not theirs and entries:
             _missing(result, target, role, entries[0], kinds)
         if role == "subject":
@@ -81,12 +82,12 @@ def _words(role: str) -> str:
 def _missing(result: Fit, target: SceneParameters, role: str, entry: preset.Entry, kinds: list[str]) -> None:
     """For a role that nothing in the scene has: values of a light of ours, if it would be bright enough to show."""
     ours = _OURS.get(role, "")
-    entry = _for_light(entry, kinds[0], "AREA") if ours else entry
+    entry = _for_light(entry, kinds[0], prepare.LIGHT_TYPE) if ours else entry
     if "power" not in entry or ours in bpy.data.objects:
         if entry:
             result.rest.append(f"{_words(role)}: this scene has none")
         return
-    if schema.radiometry.radiance("AREA", entry["power"][0]) < _DIM:
+    if schema.radiometry.radiance(prepare.LIGHT_TYPE, entry["power"][0]) < _DIM:
         return
     corners = scene_context.bounds(target.analysis.scene, target.analysis.objects)
     distance = prepare.light_distance(*corners)
@@ -100,15 +101,15 @@ def _missing(result: Fit, target: SceneParameters, role: str, entry: preset.Entr
 
 def _for_light(entry: preset.Entry, made_on: str, kind: str) -> preset.Entry:
     """An entry of one type of light for another, as bright and as soft: power against strength, size against angle."""
-    result = dict(entry)
+    result, target = dict(entry), light_type(kind)
     bright = result.pop("power", None) or result.pop("strength", None)
     if bright:
         energy = schema.radiometry.radiance(made_on, bright[0]) * schema.radiometry.unit_energy(kind)
-        result["strength" if kind == "SUN" else "power"] = [energy]
-    if kind == "SUN" and "size" in result:
-        result["angle"] = [math.degrees(2 * math.atan(result.pop("size")[0] / 2))]
-    elif kind != "SUN" and "angle" in result:
-        result["size"] = [2 * math.tan(math.radians(min(result.pop("angle")[0], 170.0)) / 2)]
+        result[target.energy] = [energy]
+    for extent in EXTENTS:
+        if extent != target.extent and extent.parameter in result:
+            angle = extent.to_angle(result.pop(extent.parameter)[0])
+            result[target.extent.parameter] = [target.extent.from_angle(angle)]
     return result
 
 

@@ -13,6 +13,7 @@ from ..core import compat, locks
 from ..core.journal import Journal
 from ..core.value_slots import LazySlot, PropertySlot, ValueSlot, socket_slot
 from . import fog, scene_context
+from .lights.registry import type_of
 from .nodes import environment_rotation, grade, shaders, tint
 from .orbits import OrbitSlot, Pose
 from .scene_context import SceneContext
@@ -74,31 +75,10 @@ def _lamp_lock(scene: Scene, obj: Object, name: str) -> str:
     return locks.of_property(obj.data, name)
 
 
-@dataclass
-class AreaSizeSlot:
-    """Value slot: the size of an area light; its two sides keep their proportion."""
-
-    light: Light
-    locked: str
-
-    def get(self) -> float:
-        """The first side, meters."""
-        return self.light.size
-
-    def set(self, journal: Journal, raw: float) -> None:
-        """Scales both sides."""
-        ratio = raw / max(self.light.size, 1e-9)
-        both = self.light.shape in {"RECTANGLE", "ELLIPSE"}
-        if both and ratio != 1.0:
-            PropertySlot(self.light, "size_y").set(journal, self.light.size_y * ratio)
-        PropertySlot(self.light, "size").set(journal, raw)
-
-
-def lamp_size(context: SceneContext, obj: Object) -> ValueSlot | None:
-    """The radius of a point or spot light, the size of an area light."""
-    if obj.data.type == "AREA":
-        return AreaSizeSlot(obj.data, _lamp_lock(context.scene, obj, "size"))
-    return lamp("shadow_soft_size")(context, obj)
+def lamp_extent(context: SceneContext, obj: Object) -> ValueSlot:
+    """How large a light is, as its type says it: a radius, a size or an angle."""
+    light_type = type_of(obj)
+    return light_type.extent_slot(obj.data, _lamp_lock(context.scene, obj, light_type.extent_property))
 
 
 @dataclass

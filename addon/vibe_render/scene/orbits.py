@@ -12,6 +12,7 @@ from ..core import locks
 from ..core.journal import Journal
 from ..core.schema_import import schema
 from ..core.value_slots import PropertySlot, same
+from .lights.registry import type_of
 
 
 @dataclass
@@ -39,15 +40,15 @@ class Pose:
         """The present pose; of a sun, where its light comes from."""
         rotation = _rotation(obj)
         offset = obj.matrix_world.translation - pivot
-        towards = rotation.col[2] if is_sun(obj) else offset
-        azimuth, elevation = schema.orbit.angles(towards)
+        toward = type_of(obj).offset(obj, pivot, rotation) if obj.type == "LIGHT" else offset
+        azimuth, elevation = schema.orbit.angles(toward)
         residual = Matrix(schema.orbit.frame(azimuth, elevation)).transposed() @ rotation
         return cls(obj, pivot, azimuth, elevation, max(offset.length, 1e-6), residual)
 
     def apply(self, journal: Journal) -> None:
         """Moves and turns the object to the pose."""
         rotation = Matrix(schema.orbit.frame(self.azimuth, self.elevation)) @ self.residual
-        if not is_sun(self.obj):
+        if self.obj.type != "LIGHT" or type_of(self.obj).has_position:
             direction = Vector(schema.orbit.direction(self.azimuth, self.elevation))
             PropertySlot(self.obj, "location").set(journal, tuple(self.pivot + self.distance * direction))
         mode = self.obj.rotation_mode
@@ -82,11 +83,6 @@ class OrbitSlot:
         if not same(raw, self.get()):
             setattr(self.pose, self.name, raw)
             self.pose.apply(journal)
-
-
-def is_sun(obj: Object) -> bool:
-    """Whether an object's light comes from infinitely far away."""
-    return obj.type == "LIGHT" and obj.data.type == "SUN"
 
 
 def _rotation(obj: Object) -> Matrix:

@@ -14,6 +14,7 @@ from ..core import compat
 from ..core.journal import Journal
 from ..core.schema_import import schema
 from . import scene_context, snapshot
+from .lights.area import AreaLightType
 from .nodes import owned, shaders
 
 LIGHTS = {
@@ -23,6 +24,8 @@ LIGHTS = {
 }
 """Lights that we may add: azimuth from the camera, elevation (degrees), size in distances, and the radiance
 of a white surface that faces them."""
+LIGHT_TYPE = AreaLightType.name
+"""The type of the lights that we add."""
 
 
 def prepare(scene: Scene, subject: Sequence[Object] = ()) -> list[str]:
@@ -104,7 +107,7 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
         high: Greatest corner.
     """
     azimuth, elevation, size, brightness = LIGHTS[name]
-    data = journal.new("lights", name, "AREA")
+    data = journal.new("lights", name, LIGHT_TYPE)
     light = journal.new("objects", name, data)
     for block in (data, light):
         owned.mark(block, name)

@@ -13,6 +13,7 @@ from bpy.types import Light, Material, Object, Scene
 from mathutils import Matrix, Vector
 
 from ..core.schema_import import schema
+from .lights.registry import type_of
 from .nodes import owned
 
 GEOMETRY = {"MESH", "CURVE", "SURFACE", "FONT", "META", "CURVES", "POINTCLOUD"}
@@ -205,9 +206,7 @@ def light_roles(context: SceneContext) -> dict[Object, str]:
 
 def towards_light(obj: Object, pivot: Vector) -> Vector:
     """Unit vector from the subject to where the light comes from."""
-    if obj.data.type == "SUN":
-        return obj.matrix_world.to_3x3().normalized() @ Vector((0.0, 0.0, 1.0))
-    offset = obj.matrix_world.translation - pivot
+    offset = type_of(obj).offset(obj, pivot, obj.matrix_world.to_3x3().normalized())
     return offset.normalized() if offset.length > 1e-6 else Vector((0.0, 0.0, 1.0))
 
 

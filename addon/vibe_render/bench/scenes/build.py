@@ -15,6 +15,8 @@ from mathutils import Euler, Vector
 from ...core import compat
 from ...core.schema_import import schema
 from ...scene import bindings, scene_context, snapshot
+from ...scene.lights.light_type import SIZE
+from ...scene.lights.registry import light_type
 from ...scene.stage import parts
 from .props import PROPS
 from .recipe import CameraRecipe, FogRecipe, LightRecipe, SceneRecipe, WorldRecipe, chance
@@ -113,10 +115,8 @@ def _lamp(scene: Scene, name: str, lamp: LightRecipe, pivot: Vector, luck: rando
     angles = (lamp.azimuth + luck.uniform(-15, 15), lamp.elevation + luck.uniform(-5, 5))
     level = lamp.level * luck.uniform(0.8, 1.25)
     data.energy = level * schema.radiometry.unit_energy(lamp.kind, lamp.distance)
-    if lamp.kind == "SUN":
-        data.angle = math.radians(lamp.size)
-    else:
-        setattr(data, "size" if lamp.kind == "AREA" else "shadow_soft_size", lamp.size)
+    kind = light_type(lamp.kind)
+    setattr(data, kind.extent_property, lamp.size if kind.extent == SIZE else math.radians(lamp.size))
     data.color = shifted(lamp.color, luck, 0.06)
     for key, value in lamp.settings.items():
         setattr(data, key, value)
