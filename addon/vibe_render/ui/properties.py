@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # mypy: disable-error-code="valid-type"
-"""What the panel holds, kept in the scene at `scene.vibe`. The groups come from the schema."""
+"""The panel's fields, kept in the scene at `scene.vibe`. Groups and options come from the schema."""
 
 from typing import Any
 
@@ -19,7 +19,7 @@ from bpy.props import (
 from ..core.schema_import import labels, messages, options, schema
 from ..scene import stored_subject
 from ..scene.subject import SubjectChoice
-from ..session import preferences
+from ..session import preferences, result
 from . import option_properties
 
 _LEFT_ALONE = ("camera",)  # unless asked: the artist framed the shot
@@ -60,13 +60,11 @@ _Toggles = type("VibeToggles", (), {"__annotations__": _toggles(), "__module__":
 
 
 def _mix(settings: "VibeSettings", context: bpy.types.Context) -> None:
-    from ..session import result  # it reads these properties
-
     result.mix(settings.id_data)
 
 
 def _dim(settings: "VibeSettings", context: bpy.types.Context) -> None:
-    """Moving the slider shows what it does, also while the original is shown."""
+    """Moving Strength shows the vibe, also while Before is pressed."""
     if settings.show_original:
         settings.show_original = False  # which mixes
     else:
