@@ -1,9 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Stands for `batch.py serve` where many quick jobs are needed: what the prompt says, happens."""
+"""Stands for `batch.py serve` where many quick jobs are needed: what the prompt says, happens.
+
+As there, files appear whole, and the end of the input ends everything: if a worker dies, its job may be under way in the
+same folder again before anybody has ended this process.
+"""
 
 import json
 import os
+import queue
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -26,6 +32,13 @@ def say(**event):
 
 def numbered(name, number):
     return f"{name}-{number + 1}.png" if number else f"{name}.png"
+
+
+def write(path, save):
+    """Saves a file beside its place, then moves it there."""
+    part = path.with_name(f"part-{os.getpid()}-{path.name}")
+    save(part)
+    part.replace(path)
 
 
 def carry_out(arguments):
@@ -54,15 +67,17 @@ def carry_out(arguments):
     cameras = options.get("cameras", "").split(",")
     for number, _ in enumerate(cameras):
         for name, level in (("before", 90), ("after", 30 + int(options["seed"]) % 200), ("compare", 60)):
-            Image.new("RGB", (24, 16), (level, level, 120)).save(out / numbered(name, number))
-    (out / "preset.json").write_text(json.dumps({"prompt": prompt, "seed": options["seed"]}))
-    (out / "vibed.blend").write_bytes(b"BLENDER")
+            write(out / numbered(name, number), Image.new("RGB", (24, 16), (level, level, 120)).save)
+    preset = json.dumps({"prompt": prompt, "seed": options["seed"]})
+    write(out / "preset.json", lambda path: path.write_text(preset))
+    write(out / "vibed.blend", lambda path: path.write_bytes(b"BLENDER"))
     shots = [
         {"name": c, "scene": "shot", "blend": "vibed.blend", "camera": c, "frame": None}
         | {kind: numbered(kind, i) for kind in ("before", "after")}
         for i, c in enumerate(cameras)
     ]
-    (out / "report.json").write_text(json.dumps(REPORT | ({"shots": shots} if len(shots) > 1 else {})))
+    report = json.dumps(REPORT | ({"shots": shots} if len(shots) > 1 else {}))
+    write(out / "report.json", lambda path: path.write_text(report))
     say(type="result", lines=[])
 
 
@@ -75,6 +90,15 @@ def render_frames(blend, options, out):
     say(type="result", lines=[])
 
 
+def listen(lines):
+    """Reads while a job is under way."""
+    for line in sys.stdin:
+        lines.put(line)
+    os._exit(1)
+
+
 if __name__ == "__main__":
-    while line := sys.stdin.readline():
-        carry_out(json.loads(line))
+    orders = queue.SimpleQueue()
+    threading.Thread(target=listen, args=(orders,), daemon=True).start()
+    while True:
+        carry_out(json.loads(orders.get()))

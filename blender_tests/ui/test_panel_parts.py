@@ -6,8 +6,13 @@ import pytest
 from small_scenes import studio
 from vibe_render.session import changes, preferences, prompt_history
 from vibe_render.session.state import addon_state
-from vibe_render.ui import cache_size, value_list
+from vibe_render.ui import cache_size, option_properties, value_list
+from vibe_render.ui import preferences as ui_preferences
 from vibe_render.ui.panels import result
+
+from proxy_renderer.schema.limits import LONGEST_PROMPT
+from proxy_renderer.schema.options.option import Option, Panel
+from proxy_renderer.schema.options.table import TABLE
 
 
 @pytest.fixture
@@ -131,3 +136,43 @@ def test_moving_strength_shows_the_look_again(addon):
     addon.vibe.show_original = True
     addon.vibe.strength = 0.5
     assert not addon.vibe.show_original
+
+
+def test_properties_of_options_come_from_the_table(addon):
+    """A made-up option has one; those of the panel and of the preferences have their titles, bounds and defaults."""
+    sparkle = Option(
+        "sparkle", 3, "how much", "budget", bounds=(1, 9), panel=Panel("Sparkle", "How much", (1, 5))
+    )
+    extended = option_properties.declare("Extended", preferences=False, table=(*TABLE, sparkle))
+    sparkling = type("VibeSparkling", (extended, bpy.types.PropertyGroup), {})
+    bpy.utils.register_class(sparkling)
+    try:
+        found = sparkling.bl_rna.properties["sparkle"]
+        assert (found.name, found.description, found.default) == ("Sparkle", "How much", 3)
+        assert (found.hard_min, found.hard_max) == (1, 5)
+    finally:
+        bpy.utils.unregister_class(sparkling)
+    scene = bpy.types.Scene.bl_rna.properties["vibe"].fixed_type.properties
+    own = ui_preferences.VibePreferences.bl_rna.properties
+    rows = [row for row in TABLE if row.panel]
+    assert len(rows) > 10
+    for row in rows:
+        found = (own if row.panel.preferences else scene)[row.name]
+        assert (found.name, found.description) == (row.panel.title, row.panel.description)
+        if type(row.default) is int:
+            assert (found.default, (found.hard_min, found.hard_max)) == (
+                row.default,
+                row.panel.bounds or row.bounds,
+            )
+    addon.vibe.prompt = "x" * (LONGEST_PROMPT + 1)
+    assert len(addon.vibe.prompt) == LONGEST_PROMPT
+
+
+def test_the_engine_is_told_what_the_panel_and_the_preferences_hold(addon):
+    addon.vibe.budget = "CUSTOM"
+    addon.vibe.rounds, addon.vibe.top_k, addon.vibe.anchor = 7, 5, False
+    addon.vibe.lock = "light/Key, film/exposure"
+    told = addon.vibe.engine_options(bpy.context)
+    assert (told.rounds, told.top_k, told.anchor, told.starts) == (7, 5, False, 1)
+    assert told.lock == ("light/Key", "film/exposure")
+    assert (told.device, told.encoder, told.camera) == ("auto", "", False)

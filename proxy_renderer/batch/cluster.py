@@ -42,6 +42,7 @@ class Station:
         self._worker = Worker(setup)
         self._jobs = out / "jobs"
         self._shares = (read_json(out / TOKEN) or {}).get("token") == token
+        self._node = os.getppid()  # the node's own process has started this one
 
     def shares(self) -> bool:
         """Whether this machine sees the results folder."""
@@ -53,7 +54,17 @@ class Station:
         Args:
             job: The job.
             scenes: What is in its scenes' files, if this machine does not see them.
+
+        Raises:
+            Interrupted: The node has died. Ray kills this process's Blender before the process itself, and that must
+                not pass for a failure of the job.
         """
+        row, files = self._carry_out(job, *scenes)
+        if row["status"] == "failed" and os.getppid() != self._node:
+            raise Interrupted
+        return row, files
+
+    def _carry_out(self, job: Job, *scenes: bytes) -> tuple[Row, dict[str, bytes]]:
         if self._shares:
             return self._worker.run(job, self._jobs / job.name), {}
         with tempfile.TemporaryDirectory(prefix="vibe-batch-") as place:
@@ -199,9 +210,10 @@ class RayPool:
         try:
             row, files = self._ray.get(reference)
         except self._ray.exceptions.RayTaskError as error:
-            if isinstance(error.cause, Interrupted):
-                return job, None
-            raise
+            if not isinstance(error.cause, Interrupted):
+                raise
+            self._forget(station)
+            return job, None
         except self._ray.exceptions.RayError:
             self._forget(station)
             return job, None

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,7 @@ from PIL import Image
 
 from ..schema import VibeError, labels
 from .plan import Job
-from .store import DONE, FINAL, FRAMES, Row, head, read_json, unwritable, write_bytes, write_json
+from .store import DONE, FINAL, FRAMES, Row, head, read_json, write_bytes, write_json
 
 _THUMB = 480  # pixels, the longer side
 _PICTURES = ("before", "after")
@@ -59,15 +60,15 @@ def leave_frames(job: Job, folder: Path, memory_gb: float, seconds: float) -> Ro
 
 def _thumb(folder: Path, name: str) -> None:
     """A small JPEG of a picture."""
-    part = folder / f".part-{name}.jpg"
+    content = io.BytesIO()
     try:
         with Image.open(folder / f"{name}.png") as picture:
             flat = picture.convert("RGB")
-        flat.thumbnail((_THUMB, _THUMB), Image.Resampling.LANCZOS)
-        flat.save(part, quality=88)
-        part.replace(folder / f"{name}.jpg")
     except OSError as error:
-        raise unwritable(folder, error) from error
+        raise VibeError(f"{name}.png cannot be read: {error}.", "See the job's log.") from error
+    flat.thumbnail((_THUMB, _THUMB), Image.Resampling.LANCZOS)
+    flat.save(content, "JPEG", quality=88)
+    write_bytes(folder / f"{name}.jpg", content.getvalue())
 
 
 def _details(job: Job, report: dict[str, Any]) -> bytes:

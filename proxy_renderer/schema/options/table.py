@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The options of a vibe: the only table.
 
-From it come the command lines of `vibe` and of Blender's side (`command_line`), what is wrong on them (`checks`), the
-message to the engine (`Options`), Blender's properties, the options in a manifest of `vibe batch`, and the table in the
-documents (`document`). A new option is one row: a field of `Options` if the engine has to know it, else a row of
-`TASK` or `SUPPORT`.
+From it come the command lines of `vibe` and of Blender's side (`command_line`) and with them the table in the documents,
+what is wrong on them (`checks`), the message to the engine (`Options`), Blender's properties, and the options in a
+manifest of `vibe batch`. A new option is one row: a field of `Options` if the engine has to know it, else a row of `TASK`
+or `SUPPORT`.
 """
 
 from __future__ import annotations
