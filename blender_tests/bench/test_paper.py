@@ -17,7 +17,7 @@ from vibe_render.scene.stage import parts
 from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.bench import blender
-from proxy_renderer.bench.paper import measures, shot
+from proxy_renderer.bench.paper import finished, measures
 from proxy_renderer.bench.paper.pairs import read_pairs
 from proxy_renderer.bench.paper.visible import visibility
 
@@ -60,7 +60,7 @@ class Studio:
             final_render.render_clear(self.scene, self.folder / "clear.png", SIZE, SAMPLES)
         final_render.render_mask(self.scene, self.folder / "mask.png", SIZE, self.job.analysis.objects)
         save_camera_hits(self.job.analysis, self.folder / "after.npz", SIZE)
-        return shot.load(self.folder, "after")
+        return finished.load(self.folder, "after")
 
 
 @pytest.fixture(scope="module")
@@ -134,7 +134,7 @@ def test_runs_follow_one_another_and_a_bad_one_does_not_end_them(tmp_path):
     assert told["bad"]["type"] == "failed"
     assert "none/x" in told["bad"]["message"]
     assert told["good"]["type"] == "scene", told
-    before, after = (shot.load(tmp_path / "good", which) for which in ("before", "after"))
+    before, after = (finished.load(tmp_path / "good", which) for which in ("before", "after"))
     assert after.materials[after.material[30, 20]] == "Duck"
     assert measures.warmth(after, "subject") > measures.warmth(before, "subject") + 10
     assert after.clear is not None

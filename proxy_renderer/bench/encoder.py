@@ -33,7 +33,7 @@ from ..train.pictures import bank, cycles
 from ..train.pictures.augment import WHOLE
 from ..train.pictures.looks import INDEX, NAMES
 from ..train.text.captions import caption
-from ..train.text.wording import Split
+from ..train.text.wording import WordingSplit
 from . import cache
 from .mistakes import save_mistakes
 
@@ -41,7 +41,7 @@ WORDS = Path(__file__).with_name("unseen_words.txt")
 HELD_OUT = 100_000
 """Seeds of shapes from here on are never trained on."""
 _SIZE, _SHAPES = 160, 48
-_KEPT = Split(held_out=True)
+_KEPT = WordingSplit(held_out=True)
 
 
 def run(

@@ -99,9 +99,9 @@ def _encoder(sub: argparse.ArgumentParser) -> None:
     )
 
 
-Options = Callable[[argparse.ArgumentParser], None]
+AddOptions = Callable[[argparse.ArgumentParser], None]
 
-BENCHES: dict[str, tuple[str, Options]] = {
+BENCHES: dict[str, tuple[str, AddOptions]] = {
     "speed": ("How long a step of the renderer takes, forward and backward.", _speed),
     "fidelity": ("How near the proxy is to Cycles, scene by scene and feature by feature.", _fidelity),
     "paper": (

@@ -24,10 +24,10 @@ _TITLES = {
 }
 _DIGITS = 3
 
-Row = Mapping[str, Any]
+SceneRow = Mapping[str, Any]
 
 
-def summary(scenes: Mapping[str, Row], failed: Mapping[str, str]) -> dict[str, Any]:
+def summary(scenes: Mapping[str, SceneRow], failed: Mapping[str, str]) -> dict[str, Any]:
     """The content of results.json.
 
     Returns:
@@ -53,12 +53,12 @@ def _mean_name(measure: str) -> str:
     return f"mean_{measure}"
 
 
-def _mean(rows: Iterable[Row], measure: str) -> float | None:
+def _mean(rows: Iterable[SceneRow], measure: str) -> float | None:
     values = [row[measure] for row in rows if measure in row and math.isfinite(row[measure])]
     return round(sum(values) / len(values), _DIGITS) if values else None
 
 
-def _feature(rows: list[Row]) -> dict[str, float]:
+def _feature(rows: list[SceneRow]) -> dict[str, float]:
     means = {name: _mean(rows, name) for name in _MEASURES}
     return {"scenes": len(rows), **{name: value for name, value in means.items() if value is not None}}
 
@@ -76,7 +76,7 @@ def show(results: Mapping[str, Any]) -> None:
         console.print(_closing(results), markup=False)
 
 
-def _table(what: str, rows: Mapping[str, Row], more: tuple[str, ...]) -> Table:
+def _table(what: str, rows: Mapping[str, SceneRow], more: tuple[str, ...]) -> Table:
     names = [m for m in (*_MEASURES, *more) if any(m in row for row in rows.values())]
     table = Table(what, *(_TITLES.get(m, m) for m in names), box=None, pad_edge=False)
     for column in table.columns[1:]:

@@ -20,9 +20,9 @@ from ..schema import Values
 if TYPE_CHECKING:
     from torch import Tensor
 
-    from ..optimize.anchoring import Blender
+    from ..optimize.anchoring import BlenderPictures
     from ..optimize.pipeline import Outcome
-    from ..optimize.shots import Shot
+    from ..optimize.shots import ShotState
 
 _PANEL = 512
 _MARGIN = 24
@@ -48,13 +48,13 @@ def parameter_records(outcome: Outcome) -> dict[str, dict[str, Any]]:
     }
 
 
-def changed_values(outcome: Outcome, shot: Shot | None = None) -> dict[str, list[float]]:
+def changed_values(outcome: Outcome, shot: ShotState | None = None) -> dict[str, list[float]]:
     """Key -> components, of what differs from the artist's scene; in one of several shots, under its names."""
     vector = (shot or outcome).vector
     return {k: list(v) for k, v in vector.changes(outcome.u).items()}
 
 
-def anchored(outcome: Outcome, blenders: Sequence[Blender]) -> dict[str, Any]:
+def anchored(outcome: Outcome, blenders: Sequence[BlenderPictures]) -> dict[str, Any]:
     """How the proxies were corrected, one for each shot.
 
     `predicted` is the mean CIEDE2000 between what was predicted and what the next picture of Cycles showed, the

@@ -17,9 +17,9 @@ from ..color.differences import mean_difference
 from ..guidance import augment
 from ..guidance.encoder import Encoder, load_encoder
 from ..optimize import context, pipeline
-from ..optimize.anchoring import Blender
-from ..optimize.progress import Watch
-from ..optimize.shots import View
+from ..optimize.anchoring import BlenderPictures
+from ..optimize.progress import Observer
+from ..optimize.shots import ShotInput
 from ..render.proxy import Proxy
 from ..scene import SceneData, load_scene
 from ..schema import VibeError, messages
@@ -31,14 +31,14 @@ from . import predictions, report
 from .device import pick_device
 
 
-class Session:
+class EngineSession:
     """A vibe's state between its result and its measure.
 
     Args:
         shots: The job folders that the scene was exported to, one or several; pictures are written there too.
         prompt: What the artist typed.
         options: Of the vibe.
-        watch: Follows it.
+        observer: Follows it.
         vlm_key: The vision-language model's key from the preferences; "" for the environment's.
     """
 
@@ -47,38 +47,38 @@ class Session:
         shots: Sequence[messages.Shot],
         prompt: str,
         options: messages.Options,
-        watch: Watch,
+        observer: Observer,
         vlm_key: str = "",
     ) -> None:
-        self.shots, self.prompt, self.options, self._watch = shots, prompt, options, watch
+        self.shots, self.prompt, self.options, self._observer = shots, prompt, options, observer
         self._caption = prompt
         self._encoder: Encoder | None = None
         endpoint = find_endpoint(options, vlm_key)
-        self._model = Client(endpoint, watch.stopped) if endpoint and not options.baseline else None
+        self._model = Client(endpoint, observer.stopped) if endpoint and not options.baseline else None
         self._others: list[str] = []
         self._rows: list[list[tuple[str, Image.Image]]] = []  # of compare.png: one for each shot
 
     def run(self) -> messages.Result:
         """Finds the values, draws the prediction and says how it went."""
         clock = _Laps()
-        self._watch.stage("loading the encoder")
+        self._observer.stage("loading the encoder")
         device = pick_device(self.options.device)
         encoder = self._encoder = load_encoder(self.options.encoder or None, device)
         heads = encoder if encoder.heads is not None else _embedded(device)
         clock.lap("load encoder")
-        self._watch.stage("loading the scene")
+        self._observer.stage("loading the scene")
         scenes = [load_scene(Path(shot.job)) for shot in self.shots]
         clock.lap("load scene")
         advisor = self._advisor(scenes)
-        ask, seed = self._watch.ask, self.options.seed
-        blenders = [Blender(scene, ask, seed, number) for number, scene in enumerate(scenes)]
+        ask, seed = self._observer.ask, self.options.seed
+        blenders = [BlenderPictures(scene, ask, seed, number) for number, scene in enumerate(scenes)]
         views = [
-            View(scene, blender if self.options.anchor else None, shot.file)
+            ShotInput(scene, blender if self.options.anchor else None, shot.file)
             for scene, blender, shot in zip(scenes, blenders, self.shots, strict=True)
         ]
-        outcome = pipeline.run(views, self.prompt, self.options, encoder, heads, self._watch, advisor)
+        outcome = pipeline.run(views, self.prompt, self.options, encoder, heads, self._observer, advisor)
         clock.lap("loop")
-        self._watch.stage("drawing the prediction")
+        self._observer.stage("drawing the prediction")
         pictures: list[list[Image.Image]] = []  # for each shot, of every variant
         for number, shot in enumerate(outcome.shots):
             size = context.picture_size(shot.scene.resolution, self.options.size)
@@ -156,13 +156,13 @@ class Session:
         """The model as parser and confiner; None for the offline planner."""
         if self._model is None:
             return None
-        return ModelAdvisor(self.prompt, context.scene_words(*scenes), self._model, self._watch.stage)
+        return ModelAdvisor(self.prompt, context.scene_words(*scenes), self._model, self._observer.stage)
 
     def _judge(self, before: Image.Image, after: Image.Image) -> dict[str, Any]:
         """The model's verdict on Cycles' two pictures, or why there is none."""
         if self._model is None:
             return {}
-        self._watch.stage("asking the judge")
+        self._observer.stage("asking the judge")
         model = Client(self._model.endpoint)
         column = judge.Column("The scene", self.prompt, after, before)
         try:

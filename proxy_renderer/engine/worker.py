@@ -23,7 +23,7 @@ from ..schema import VibeError, messages, schema_hash
 if TYPE_CHECKING:
     from torch import Tensor
 
-    from .session import Session
+    from .session import EngineSession
 
 BEFORE = "before.png"
 _PREVIEW_SECONDS = 1.0
@@ -80,7 +80,7 @@ class Wire:
         self.inbox.put(None)
 
 
-class Watch:
+class RemoteObserver:
     """Tells the other side how the loop goes, and the loop when to end."""
 
     def __init__(self, wire: Wire, job: Path) -> None:
@@ -137,7 +137,7 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
     wire = Wire(source, sink)
     wire.send(messages.Ready(schema_hash(), __version__))
     _warm_up()
-    session: Session | None = None
+    session: EngineSession | None = None
     while True:
         request = wire.inbox.get()
         if request is None or isinstance(request, messages.Quit):
@@ -180,17 +180,17 @@ def _file_trouble(request: object, error: OSError) -> messages.Error:
     )
 
 
-def _vibe(wire: Wire, request: messages.Vibe) -> Session:
+def _vibe(wire: Wire, request: messages.Vibe) -> EngineSession:
     """Carries out one vibe and sends its result."""
     messages.check_schema(request.schema, "add-on")
     options = messages.Options.from_dict(request.options)
     job = Path(request.job)
-    watch = Watch(wire, job)
-    watch.stage("loading the engine")
-    from .session import Session
+    observer = RemoteObserver(wire, job)
+    observer.stage("loading the engine")
+    from .session import EngineSession
 
     shots = request.shots or [messages.Shot(request.job, "", "")]
-    session = Session(shots, request.prompt, options, watch, request.vlm_key)
+    session = EngineSession(shots, request.prompt, options, observer, request.vlm_key)
     wire.send(session.run())
     return session
 

@@ -23,7 +23,7 @@ from .losses import (
     form_loss,
     negative_loss,
     positive_loss,
-    relief_loss,
+    shading_contrast_loss,
     visibility_loss,
 )
 
@@ -35,7 +35,7 @@ _LIT, _DIM = 50.0, 20.0
 """Least lightness of the subject or of what is around it; the latter for dark pictures."""
 _FORM = 0.46
 """Lightness of a subject's best-lit tenth, as a share of that: more turns black things in warm light brown."""
-_RELIEF, _FLAT = 6.5, 3.5
+_SHADING, _FLAT = 6.5, 3.5
 """Least spread of L* within a subject; the latter where words ask for dark or little contrast."""
 _PLAIN = "a picture of an object"  # says nothing of its look
 
@@ -55,7 +55,7 @@ class Weights:
         border: Subject on the picture's border.
         visibility: A subject that cannot be told from its surroundings, or cannot be seen.
         prior: Pull of what no word names to the artist's value.
-        leash: Pull of a color's components to one place in their ranges.
+        hue: Pull of a color's components to one place in their ranges.
     """
 
     subject: float = 1.0
@@ -68,7 +68,7 @@ class Weights:
     border: float = 0.5
     visibility: float = 2.5
     prior: float = 0.5
-    leash: float = 2.0
+    hue: float = 2.0
 
 
 class Guidance(Protocol):
@@ -119,7 +119,7 @@ class PromptGuidance:
         self.colors, self.silhouette = colors, silhouette
         self._light = _DIM if targets.get("brightness") == "dark" else _LIT
         flat = targets.get("brightness") == "dark" or targets.get("contrast") == "low"
-        self._relief = _FLAT if flat else _RELIEF
+        self._shading = _FLAT if flat else _SHADING
         self.wanted = attributes(heads, targets)
         self.positive = {
             region: _texts(encoder, (text,))
@@ -167,7 +167,7 @@ class PromptGuidance:
         terms["visibility"] = w.visibility * visibility_loss(lab, mask, light=self._light)
         if not self.silhouette:
             terms["form"] = w.visibility * form_loss(lab, mask, _FORM * self._light)
-            terms["relief"] = w.visibility * relief_loss(lab, mask, self._relief)
+            terms["shading contrast"] = w.visibility * shading_contrast_loss(lab, mask, self._shading)
         return terms
 
     def measure(self, display: Tensor, mask: Tensor) -> dict[str, float]:

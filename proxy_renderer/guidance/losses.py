@@ -110,7 +110,7 @@ def form_loss(lab: Tensor, mask: Tensor, least: float = 18.0) -> Tensor:
     return F.relu(1.0 - inside.topk(len(inside) // 10).values.mean() / least)
 
 
-def relief_loss(lab: Tensor, mask: Tensor, least: float = 6.0) -> Tensor:
+def shading_contrast_loss(lab: Tensor, mask: Tensor, least: float = 6.0) -> Tensor:
     """0 when the subject's lightness varies this much over its shape, 1 when it is one flat patch.
 
     Light from everywhere follows many words, "white", "bright" and "soft" among them, and shows no shape at all.
@@ -131,7 +131,7 @@ def _lightness_inside(lab: Tensor, mask: Tensor) -> Tensor:
     return lab[..., 0][mask.detach() > 0.9]
 
 
-def leash_loss(where: Tensor, colors: Tensor, free: Tensor) -> Tensor:
+def hue_consistency_loss(where: Tensor, colors: Tensor, free: Tensor) -> Tensor:
     """Keeps a color's hue: its components should stand at the same place in their ranges.
 
     A range is a box around the named color; its corners are other hues.

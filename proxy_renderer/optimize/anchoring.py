@@ -29,11 +29,11 @@ _HERE = 0.01  # of a component's whole range: so near, the last correction is as
 _NEAR = 0.25  # of a component's whole range: so far an old correction is better than none
 _FAILURES = 2  # in a row, after which no more pictures are asked for
 
-Ask = Callable[[messages.Anchor], messages.Anchored | None]
+AnchorRequest = Callable[[messages.Anchor], messages.Anchored | None]
 """Sends a request to Blender; None if the loop is to end instead."""
 
 
-class Blender:
+class BlenderPictures:
     """A source of Cycles' pictures of one scene. What goes wrong is noted, and the loop goes on without.
 
     Args:
@@ -47,7 +47,7 @@ class Blender:
         notes: What went wrong, in words for the artist.
     """
 
-    def __init__(self, scene: SceneData, ask: Ask, seed: int, shot: int = 0) -> None:
+    def __init__(self, scene: SceneData, ask: AnchorRequest, seed: int, shot: int = 0) -> None:
         self._scene, self._ask, self._seed, self._shot = scene, ask, seed, shot
         self._number = self._failures = 0
         self._over = False
@@ -96,10 +96,10 @@ class Blender:
             self.notes.append(f"{text}.")
 
 
-Source = Callable[[dict[str, list[float]], tuple[int, int]], CyclesPicture | None]
+PictureSource = Callable[[dict[str, list[float]], tuple[int, int]], CyclesPicture | None]
 
 
-Anchor = tuple["Correction | None", "Correction | None", "Tensor | None"]
+AnchorState = tuple["Correction | None", "Correction | None", "Tensor | None"]
 """The newest correction, the one before it, and where (N,) the newest is exact."""
 
 
@@ -118,7 +118,7 @@ class Anchoring:
 
     proxy: Proxy
     vector: ParameterVector
-    source: Source | None
+    source: PictureSource | None
     earlier: Correction | None = None
     records: list[dict[str, Any]] = field(default_factory=list)
     _where: Tensor | None = None
@@ -152,11 +152,11 @@ class Anchoring:
         self._where = None
 
     @property
-    def newest(self) -> Anchor:
+    def newest(self) -> AnchorState:
         """What `recall` brings back."""
         return self.proxy.correction, self.earlier, self._where
 
-    def recall(self, anchor: Anchor) -> None:
+    def recall(self, anchor: AnchorState) -> None:
         """Corrects the proxy as it once was."""
         self.proxy.correction, self.earlier, self._where = anchor
 

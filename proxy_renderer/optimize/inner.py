@@ -32,7 +32,7 @@ class Objective(Protocol):
 
 
 @dataclass(frozen=True)
-class Settings:
+class StepSettings:
     """How the inner loop steps.
 
     Attributes:
@@ -80,7 +80,7 @@ def descend(
     upper: Tensor,
     steps: int,
     seed: int,
-    settings: Settings,
+    settings: StepSettings,
     on_step: Callable[[int, float, Any], bool],
 ) -> Descent:
     """Minimizes the objective over the chosen components.

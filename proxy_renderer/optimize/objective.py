@@ -10,9 +10,9 @@ import torch
 from torch import Tensor
 
 from ..guidance.guide import Weights
-from ..guidance.losses import leash_loss, prior_loss
+from ..guidance.losses import hue_consistency_loss, prior_loss
 from .inner import fixed_views
-from .shots import Shot
+from .shots import ShotState
 from .vector import ParameterVector
 
 if TYPE_CHECKING:
@@ -30,12 +30,12 @@ class RoundObjective:
         lower: (N,) lower corner of the feasible box.
         upper: (N,) upper corner.
         pull: (N,) weight in [0, 1] of the prior on each component, 0 where words name the value.
-        weights: Of the prior and of the leash on colors; None for neither.
+        weights: Of the prior and of the consistency of hues; None for neither.
     """
 
     def __init__(
         self,
-        seen: Sequence[Shot],
+        seen: Sequence[ShotState],
         vector: ParameterVector,
         free: set[str],
         lower: Tensor,
@@ -69,8 +69,8 @@ class RoundObjective:
             return total
         where, home = ((x - self._lower) / self._span for x in (u, self._home))
         prior = self._weights.prior * prior_loss(where, home.clamp(0.0, 1.0), self._pull)
-        leash = self._weights.leash * leash_loss(where, self._colors, self._range)
-        return total + (prior + leash).float().to(total.device)
+        hue = self._weights.hue * hue_consistency_loss(where, self._colors, self._range)
+        return total + (prior + hue).float().to(total.device)
 
     def account(self, u: Tensor) -> dict[str, dict[str, float]]:
         """What u is worth: its weighted terms, and how sure the named attributes are; means over the shots."""

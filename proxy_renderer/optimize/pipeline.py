@@ -20,11 +20,11 @@ from ..prompt.types import Parsed, Plan, Prompts
 from ..schema import Values
 from ..schema.messages import Options
 from . import starts
-from .anchoring import Anchor
-from .inner import Settings, descend
-from .progress import Watch
+from .anchoring import AnchorState
+from .inner import StepSettings, descend
+from .progress import Observer
 from .search import Search, Start
-from .shots import Shot, View
+from .shots import ShotInput, ShotState
 from .vector import ParameterVector
 
 STRIDE = 0.05
@@ -50,7 +50,7 @@ class Outcome:
         shots: What drew and judged it.
         anchors: For each shot, the corrections that hold at u.
         loss: Of the last round, at u.
-        stopped: Whether the watcher ended the loop.
+        stopped: Whether the observer ended the loop.
         variants: All that were found, if several were asked for; the best first.
     """
 
@@ -61,8 +61,8 @@ class Outcome:
     optimized: set[str]
     parsed: Parsed
     prompts: Prompts
-    shots: list[Shot]
-    anchors: list[Anchor]
+    shots: list[ShotState]
+    anchors: list[AnchorState]
     loss: float
     rounds: list[dict[str, Any]] = field(default_factory=list)
     stopped: bool = False
@@ -75,12 +75,12 @@ class Outcome:
 
 
 def run(
-    views: Sequence[View],
+    views: Sequence[ShotInput],
     prompt: str,
     options: Options,
     encoder: Encoder,
     heads: Encoder | None,
-    watch: Watch,
+    observer: Observer,
     advisor: Advisor | None = None,
 ) -> Outcome:
     """Finds the values that make the scene look like the prompt.
@@ -91,7 +91,7 @@ def run(
         options: Budget, seed, locks; the same options give the same values, bit for bit, on a CPU.
         encoder: Judges similarity.
         heads: Encoder whose attribute heads guide beside it; None for none.
-        watch: Follows the loop, and may end it.
+        observer: Follows the loop, and may end it.
         advisor: Parses, composes and confines; None for the offline planner.
 
     Returns:
@@ -100,7 +100,7 @@ def run(
     Raises:
         VibeError: If no word of the prompt is known, or nothing that the words touch may change.
     """
-    search = Search(views, prompt, options, encoder, heads, watch, advisor)
+    search = Search(views, prompt, options, encoder, heads, observer, advisor)
     found = []
     for start in search.find_starts():
         found.append(refine(search, start))
@@ -127,7 +127,7 @@ def refine(search: Search, start: Start) -> Outcome:
         seed = search.options.seed * 1000 + search.number
         follow = search.clock.follow(search.number)
         steps = search.options.steps
-        found = descend(objective, u, movable, now.lower, now.upper, steps, seed, Settings(), follow)
+        found = descend(objective, u, movable, now.lower, now.upper, steps, seed, StepSettings(), follow)
         u, loss = found.u, found.loss
         search.number += 1
         rounds.append(

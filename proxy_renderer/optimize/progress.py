@@ -18,7 +18,7 @@ PREVIEW = "preview.png"
 """The preview's name in the job folder."""
 
 
-class Watch(Protocol):
+class Observer(Protocol):
     """Who follows the loop."""
 
     def stage(self, name: str) -> None:
@@ -43,14 +43,14 @@ class Clock:
     Args:
         rounds: How many there are at most.
         steps: In each, at most.
-        watch: Is told.
+        observer: Is told.
 
     Attributes:
-        stopped: Whether the watcher asked for the end.
+        stopped: Whether the observer asked for the end.
     """
 
-    def __init__(self, rounds: int, steps: int, watch: Watch) -> None:
-        self._rounds, self._most, self._watch = rounds, steps, watch
+    def __init__(self, rounds: int, steps: int, observer: Observer) -> None:
+        self._rounds, self._most, self._observer = rounds, steps, observer
         self._steps, self._seconds = 0, 0.0
         self.stopped = False
 
@@ -65,7 +65,7 @@ class Clock:
             self._steps, self._seconds, last = self._steps + 1, self._seconds + now - last, now
             seconds = self._seconds / self._steps * ((rounds - number) * steps - step)
             progress = Progress(number + 1, rounds, step, steps, loss, seconds, PREVIEW)
-            self.stopped |= self._watch.step(progress, picture.display.detach())
+            self.stopped |= self._observer.step(progress, picture.display.detach())
             return self.stopped
 
         return on_step

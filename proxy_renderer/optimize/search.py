@@ -22,11 +22,11 @@ from ..schema import Values, VibeError
 from ..schema.messages import Options
 from . import context, starts
 from .baseline import GlobalGuidance, plan_everything
-from .inner import Settings, descend, fixed_views, promise
+from .inner import StepSettings, descend, fixed_views, promise
 from .objective import RoundObjective
 from .plan import carry, feasible_ranges, lock, top_k
-from .progress import Clock, Watch
-from .shots import Shot, View, enter, share
+from .progress import Clock, Observer
+from .shots import ShotInput, ShotState, enter, share
 from .vector import ParameterVector, project
 
 INNER_SIZE, _LEAST_SIZE = 256, 192
@@ -61,21 +61,21 @@ class Search:
         vector: The parameters of u.
         shots: What draws and judges it, one or several; the first one leads: plans are made for it.
         rounds: How many there are at most from each start.
-        clock: Tells the watcher how far all of it is.
+        clock: Tells the observer how far all of it is.
         number: Of the current round, over all starts.
     """
 
     def __init__(
         self,
-        views: Sequence[View],
+        views: Sequence[ShotInput],
         prompt: str,
         options: Options,
         encoder: Encoder,
         heads: Encoder | None,
-        watch: Watch,
+        observer: Observer,
         advisor: Advisor | None,
     ) -> None:
-        self.options, self.watch = options, watch
+        self.options, self.observer = options, observer
         instances, names = share(views, ("camera", "film") if options.grade_each else ("camera",))
         self.vector = ParameterVector(lock(instances, options.groups, options.lock, options.camera))
 
@@ -89,7 +89,7 @@ class Search:
         self.several = options.variants > 1 and not options.baseline
         # Variants share what would be one vibe's time, as far as that goes.
         self.rounds = -(-options.rounds // 2) if self.several else options.rounds
-        self.clock = Clock(self.rounds * (options.variants if self.several else 1), options.steps, watch)
+        self.clock = Clock(self.rounds * (options.variants if self.several else 1), options.steps, observer)
         self.weights = None if options.baseline else Weights()
         self._guidance = partial(make_guidance, encoder, heads, prompt, options)
         self.number = 0
@@ -105,11 +105,11 @@ class Search:
         ranges = feasible_ranges(plan, self.vector.instances, self.vector.values(home))
         box = self.vector.bounds(ranges)
         drawn = starts.draw_starts(self.vector, plan, now.u, box, number, self.options.seed)
-        self.watch.stage(f"trying {number} starts")
+        self.observer.stage(f"trying {number} starts")
         tried = []
         for point in drawn:
             tried.append(self._try(point, now))
-            if self.watch.stopped():
+            if self.observer.stopped():
                 break
         losses = [loss for _, loss, _ in tried]
         if not self.several:
@@ -123,7 +123,9 @@ class Search:
         chosen, objective = self.objective(now, point, [_hasty(shot) for shot in self.shots])
         movable = self.vector.mark(chosen) & (now.upper > now.lower)
         steps, seed = starts.COARSE_STEPS, self.options.seed
-        u = descend(objective, point, movable, now.lower, now.upper, steps, seed, Settings(), self._heedful).u
+        u = descend(
+            objective, point, movable, now.lower, now.upper, steps, seed, StepSettings(), self._heedful
+        ).u
         with torch.no_grad():
             pictures = [shot.draw(u) for shot in self.shots]
             losses = [_worth(shot, seen) for shot, seen in zip(self.shots, pictures, strict=True)]
@@ -131,7 +133,7 @@ class Search:
 
     def _heedful(self, step: int, loss: float, picture: Render) -> bool:
         """Ends a loop that nobody follows when the artist says stop."""
-        return self.watch.stopped()
+        return self.observer.stopped()
 
     def renew(self, u: Tensor, number: int, **options: float) -> None:
         """Corrects the proxies at u (N,); see `Anchoring.renew`."""
@@ -151,7 +153,7 @@ class Search:
             lower, upper = starts.corral(start.u, lower, upper, start.drawn)
         if self.shots[0].guidance is None:  # the loop begins, at the artist's own values
             pictures = [shot.draw(u) for shot in self.shots]
-            self.watch.begin(pictures[0].display.detach())
+            self.observer.begin(pictures[0].display.detach())
             for shot, picture in zip(self.shots, pictures, strict=True):
                 shot.guidance = self._guidance(advice, picture)
         for shot in self.shots[1:]:
@@ -174,7 +176,7 @@ class Search:
         return advice, Plan({key: entries[key] for key in self.vector.instances}, advice.plan.notes)
 
     def objective(
-        self, now: Confined, u: Tensor, shots: Sequence[Shot] = ()
+        self, now: Confined, u: Tensor, shots: Sequence[ShotState] = ()
     ) -> tuple[list[str], RoundObjective]:
         """S_K, and what is minimized over it, in these shots or in all."""
         seen = shots or self.shots
@@ -185,7 +187,7 @@ class Search:
         )
 
 
-def _hasty(shot: Shot) -> Shot:
+def _hasty(shot: ShotState) -> ShotState:
     """The same shot, judged on few views."""
     guidance = copy(shot.guidance)
     assert guidance is not None
@@ -193,7 +195,7 @@ def _hasty(shot: Shot) -> Shot:
     return replace(shot, guidance=guidance)
 
 
-def _worth(shot: Shot, picture: Render) -> float:
+def _worth(shot: ShotState, picture: Render) -> float:
     assert shot.guidance is not None
     terms = shot.guidance(picture.display, picture.mask, fixed_views())
     return float(torch.stack([*terms.values()]).sum())
@@ -214,7 +216,7 @@ def make_guidance(
 def select(
     plan: Plan,
     vector: ParameterVector,
-    shots: Sequence[Shot],
+    shots: Sequence[ShotState],
     u: Tensor,
     lower: Tensor,
     upper: Tensor,

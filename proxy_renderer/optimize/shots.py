@@ -13,7 +13,7 @@ from torch import Tensor
 from ..prompt.types import Plan
 from ..scene import SceneData
 from ..schema import Instance
-from .anchoring import Anchoring, Source
+from .anchoring import Anchoring, PictureSource
 from .drawing import draw
 from .vector import ParameterVector
 
@@ -25,7 +25,7 @@ MOVES = "it changes from shot to shot in your scene"
 
 
 @dataclass(frozen=True)
-class View:
+class ShotInput:
     """What there is to know of a shot before the loop.
 
     Attributes:
@@ -35,12 +35,12 @@ class View:
     """
 
     scene: SceneData
-    source: Source | None = None
+    source: PictureSource | None = None
     file: str = ""
 
 
 @dataclass
-class Shot:
+class ShotState:
     """A shot in the loop.
 
     Attributes:
@@ -77,7 +77,9 @@ class Shot:
             self.anchoring.expire()
 
 
-def share(views: Sequence[View], own: Sequence[str] = ()) -> tuple[dict[str, Instance], list[dict[str, str]]]:
+def share(
+    views: Sequence[ShotInput], own: Sequence[str] = ()
+) -> tuple[dict[str, Instance], list[dict[str, str]]]:
     """One set of parameters for all shots: those of one name are one, and have the first shot's value.
 
     What is locked in one of them is locked in all, and so is what moves within a .blend.
@@ -108,16 +110,16 @@ def share(views: Sequence[View], own: Sequence[str] = ()) -> tuple[dict[str, Ins
 
 
 def enter(
-    views: Sequence[View],
+    views: Sequence[ShotInput],
     names: Sequence[dict[str, str]],
     vector: ParameterVector,
     proxy: Callable[[SceneData], Proxy],
-) -> list[Shot]:
+) -> list[ShotState]:
     """The shots of a vector; arguments as `share` returns them."""
     shots = []
     for view, mine in zip(views, names, strict=True):
         seen, renderer = vector.view(mine), proxy(view.scene)
-        shots.append(Shot(view.scene, mine, seen, renderer, Anchoring(renderer, seen, view.source)))
+        shots.append(ShotState(view.scene, mine, seen, renderer, Anchoring(renderer, seen, view.source)))
     return shots
 
 

@@ -26,7 +26,7 @@ class ParameterVector:
         instances: The instances by key, in the order of the vector.
         slices: Where each key's components are.
         size: N.
-        taken: Keys whose values are written though nothing has moved them: see `shots.Shot`.
+        taken: Keys whose values are written though nothing has moved them: see `shots.ShotState`.
     """
 
     def __init__(self, instances: Mapping[str, Instance]) -> None:

@@ -14,7 +14,7 @@ from ..schema.errors import VibeError
 from .model import CONFIG, JUDGE
 from .pictures import bank, cycles
 from .text.wording import GUIDES, JUDGES
-from .train import Recipe, train
+from .train import TrainingRecipe, train
 
 GUIDE, HELD_OUT = 50_000, 100_000
 """Seeds of shapes from the first on are the guide's, those before are the judge's; from the second on, nobody's."""
@@ -40,7 +40,10 @@ def main() -> None:
     parser.add_argument("--size", type=int, default=160, help="side of a picture in pixels")
     parser.add_argument("--workers", type=int, default=2, help="processes that trace")
     parser.add_argument(
-        "--rate", type=float, default=Recipe.rate, help="learning rate; it falls towards a sitting's end"
+        "--rate",
+        type=float,
+        default=TrainingRecipe.rate,
+        help="learning rate; it falls towards a sitting's end",
     )
     parser.add_argument(
         "--from",
@@ -59,8 +62,10 @@ def main() -> None:
     parser.add_argument(
         "--judge", action="store_true", help="train the judge: other architecture, shapes and wordings"
     )
-    parser.add_argument("--groups", type=int, default=Recipe.groups, help="groups of four pictures per step")
-    parser.add_argument("--seed", type=int, default=Recipe.seed)
+    parser.add_argument(
+        "--groups", type=int, default=TrainingRecipe.groups, help="groups of four pictures per step"
+    )
+    parser.add_argument("--seed", type=int, default=TrainingRecipe.seed)
     parser.add_argument(
         "--evaluate", type=Path, nargs="*", metavar="MESH", help="judge the model, also on these meshes"
     )
@@ -84,7 +89,7 @@ def _run(options: argparse.Namespace) -> None:
     if options.cycles and not (options.out / "cycles").exists():
         print(f"rendering {options.cycles} pairs of Cycles pictures", flush=True)
         cycles.build(options.out / "cycles", options.cycles, first, options.size)
-    recipe = Recipe(
+    recipe = TrainingRecipe(
         groups=options.groups,
         rate=options.rate,
         seed=options.seed,

@@ -14,11 +14,11 @@ import torch.nn.functional as F
 from torch import Tensor
 
 from ..prompt.lexicon.attributes import ATTRIBUTES
-from .pictures import dense, looks, seen, shader
+from .pictures import dense, looks, shader, visible
 from .pictures.augment import ALONE, EMPTY, WHOLE, cut, frame, wear
 from .pictures.bank import SUBJECT
 from .text import captions, wording
-from .text.wording import NOUNS, TRAINED, Split
+from .text.wording import NOUNS, TRAINED, WordingSplit
 
 LOOKS = 4
 """Looks per group: a base, two one-attribute flips, a swap of the two colors."""
@@ -64,7 +64,7 @@ def make_batch(
     augment: bool = True,
     shade: shader.Shade = shader.shade,
     device: torch.device | str = "cpu",
-    split: Split = TRAINED,
+    split: WordingSplit = TRAINED,
     size: int | None = None,
     real: dict[str, np.ndarray] | None = None,
 ) -> Batch:
@@ -160,13 +160,13 @@ def _looks_of_views(
     look = looks.parameters(classes, noise)
     pictures, masks, maps, shown = _shade_all(bank, rows.tolist(), classes, look, dice, shade, device)
     flat = {name: value.flatten(0, 1) for name, value in look.items()}
-    labels = seen.visible(
+    labels = visible.visible_classes(
         classes.flatten(0, 1), flat, pictures.flatten(0, 1), masks.repeat_interleave(LOOKS, 0)
     )
     labels = labels.view(groups, LOOKS, -1)
     for name, clear in shown.items():
         labels[..., looks.INDEX[name]].masked_fill_(~clear, looks.UNKNOWN)
-    labels = seen.noticed(pictures, masks, labels, flipped)
+    labels = visible.drop_unnoticed(pictures, masks, labels, flipped)
     return _Groups(pictures, labels, flipped, masks[:, None].expand(-1, LOOKS, -1, -1), maps)
 
 
@@ -191,7 +191,7 @@ def _shade_all(
     shade: shader.Shade,
     device: torch.device | str,
 ) -> tuple[Tensor, Tensor, Tensor, dict[str, Tensor]]:
-    """Pictures (G, LOOKS, 3, H, W), subject masks (G, H, W), `dense.maps`, and `shown`; a few groups at a time to stay in the cache."""
+    """Pictures (G, LOOKS, 3, H, W), subject masks (G, H, W), `dense.maps`, and `visible.visible_by_light`; a few groups at a time to stay in the cache."""
     pictures, masks, maps, clear = [], [], [], []
     for start in range(0, len(rows), _GROUPS_AT_ONCE):
         part = slice(start, start + _GROUPS_AT_ONCE)
@@ -205,7 +205,7 @@ def _shade_all(
         pictures.append(picture)
         masks.append(view["kind"] == SUBJECT)
         maps.append(dense.maps(fields, chosen, gleam))
-        clear.append(seen.shown(view, classes[part], gleam[:, :, 0]))
+        clear.append(visible.visible_by_light(view, classes[part], gleam[:, :, 0]))
     shown = {name: torch.cat([each[name] for each in clear]) for name in clear[0]}
     return torch.cat(pictures), torch.cat(masks), torch.cat(maps), shown
 
@@ -252,7 +252,7 @@ def gather(view: dict[str, Tensor], classes: Tensor) -> dict[str, Tensor]:
 
 
 def _describe(
-    labels: Tensor, flipped: Tensor, variant: Tensor, dice: random.Random, split: Split
+    labels: Tensor, flipped: Tensor, variant: Tensor, dice: random.Random, split: WordingSplit
 ) -> tuple[list[str], Tensor]:
     """A caption for each picture, and the classes (B, A) that it says."""
     texts, mentioned = [], torch.full_like(labels.flatten(0, 1), -1)

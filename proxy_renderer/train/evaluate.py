@@ -26,7 +26,7 @@ from .pictures import bank as banks
 from .pictures.looks import INDEX, NAMES
 from .pictures.surfaces import Shape
 from .text.captions import caption
-from .text.wording import NOUNS, TRAINED, Split
+from .text.wording import NOUNS, TRAINED, WordingSplit
 
 _GROUPS, _BATCHES, _SEED = 48, 10, 7_000_000
 _UNIFORM = 0.8
@@ -191,7 +191,7 @@ def _named(classes: dict[str, int]) -> dict[str, str]:
     return {name: ATTRIBUTES[name][value] for name, value in classes.items()}
 
 
-def describe(known: dict[str, str], noun: str, wording: float, split: Split = TRAINED) -> str:
+def describe(known: dict[str, str], noun: str, wording: float, split: WordingSplit = TRAINED) -> str:
     """The attributes about one thing; the same number gives the same choices of words, as far as there are as many."""
     said = caption(known, random.Random(wording), split=split)
     return said if "subject_color" in known else f"{noun}, {said}"

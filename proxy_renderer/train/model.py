@@ -21,7 +21,7 @@ from ..guidance.encoder import MERGES, AttributeHeads
 from ..prompt.lexicon.attributes import ATTRIBUTES
 from ..schema import VibeError
 from .data import LOOKS, Batch, choices, contradicts
-from .pictures.dense import Reader
+from .pictures.dense import MapReader
 from .pictures.looks import STRESS
 
 CONFIG = {
@@ -66,7 +66,7 @@ class Student(nn.Module):
         self.clip = CLIP(config["embed_dim"], config["vision_cfg"], self.config["text_cfg"])
         self.heads = AttributeHeads(config["embed_dim"], {name: list(c) for name, c in ATTRIBUTES.items()})
         last, channels = _last_grid(self.clip.visual)
-        self.dense = Reader(last, channels)
+        self.dense = MapReader(last, channels)
         self._forget_unseen(captions)
         self.clip.visual.to(memory_format=torch.channels_last)
         self.tally = {name: [0, 0] for name in ATTRIBUTES}

@@ -22,7 +22,7 @@ from .model import CONFIG, Student, export
 from .pictures import bank as banks
 from .pictures import cycles, shader
 from .text import captions
-from .text.wording import GUIDES, Split
+from .text.wording import GUIDES, WordingSplit
 
 _LOGGED = 50
 _FALLS = 0.15
@@ -30,7 +30,7 @@ _FALLS = 0.15
 
 
 @dataclass
-class Recipe:
+class TrainingRecipe:
     """How to train.
 
     Attributes:
@@ -63,7 +63,7 @@ class Trainer:
 
     def __init__(
         self,
-        recipe: Recipe,
+        recipe: TrainingRecipe,
         bank: dict,
         device: torch.device,
         config: dict = CONFIG,
@@ -74,7 +74,7 @@ class Trainer:
         self.step = self.pictures = 0
         self._shade, self._real = shade, real
         torch.manual_seed(recipe.seed)
-        self.split = Split(recipe.split)
+        self.split = WordingSplit(recipe.split)
         self.student = Student(config, captions.samples(8000, recipe.split, self.split)).to(device)
         self.average = copy.deepcopy(self.student.state_dict())
         decayed = [p for n, p in self.student.named_parameters() if p.ndim > 1 and "embedding" not in n]
@@ -174,7 +174,7 @@ class Trainer:
 
 
 def train(
-    recipe: Recipe,
+    recipe: TrainingRecipe,
     bank_folder: Path,
     out: Path,
     minutes: float,

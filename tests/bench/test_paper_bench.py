@@ -9,9 +9,9 @@ from model_server import MODEL, says, serving
 from PIL import Image
 
 from proxy_renderer.bench.paper import experiment, measures, page, pairs, runs, verdict
-from proxy_renderer.bench.paper.runs import Budget
-from proxy_renderer.bench.paper.shot import Shot
-from proxy_renderer.bench.paper.visible import Visibility, visibility
+from proxy_renderer.bench.paper.finished import FinishedPicture
+from proxy_renderer.bench.paper.runs import RunBudget
+from proxy_renderer.bench.paper.visible import SubjectVisibility, visibility
 from proxy_renderer.color.floats import lab_from_srgb, srgb_from_hex
 from proxy_renderer.schema import VibeError
 from proxy_renderer.vlm import judge
@@ -23,7 +23,7 @@ RADIUS = 0.6
 DISC = np.hypot(X, Y) < RADIUS
 HEIGHT = np.sqrt(np.clip(1 - (X**2 + Y**2) / RADIUS**2, 0, 1))
 NORMAL = np.where(DISC[..., None], np.stack([X / RADIUS, Y / RADIUS, HEIGHT], -1), 0.0)
-WHOLE = Visibility(1.0, 1.0, 1.0)
+WHOLE = SubjectVisibility(1.0, 1.0, 1.0)
 
 
 def gray(light):
@@ -35,7 +35,9 @@ def gray(light):
 
 def shot(display, **more):
     """A ball in the middle."""
-    return Shot(display, DISC.astype(float), NORMAL, np.where(DISC, 0, 1), ("Ball", "Wall"), **more)
+    return FinishedPicture(
+        display, DISC.astype(float), NORMAL, np.where(DISC, 0, 1), ("Ball", "Wall"), **more
+    )
 
 
 def painted(subject, around):
@@ -176,7 +178,7 @@ def test_a_difference_that_nobody_notices_is_none():
 
 def test_attributes_of_what_cannot_be_seen_count_nothing():
     asked = pair("subject: black", "picture: dark")
-    hidden = reading(0.0, 5.0, visible=Visibility(0.0, 0.25, 1.0))
+    hidden = reading(0.0, 5.0, visible=SubjectVisibility(0.0, 0.25, 1.0))
     plain = reading(25.0, 50.0)
     ours, theirs = verdict.compare(asked, hidden, plain)
     assert ours.whole == 0 < theirs.whole
@@ -243,13 +245,13 @@ def test_a_run_is_kept_under_all_that_it_depends_on(tmp_path):
     def folders(pair, budget):
         return [r.folder.name for r in runs.plan([pair], budget, tmp_path, None)]
 
-    first = folders(asked, Budget(seeds=2))
+    first = folders(asked, RunBudget(seeds=2))
     assert len(set(first)) == 4
-    assert folders(asked, Budget(seeds=2)) == first
+    assert folders(asked, RunBudget(seeds=2)) == first
     for other in (replace(asked, prompt="another"), replace(asked, set="car")):
-        assert not set(folders(other, Budget(seeds=2))) & set(first)
-    assert not set(folders(asked, Budget(seeds=2, steps=3))) & set(first)
-    assert folders(replace(asked, asks=()), Budget(seeds=2)) == first  # what is measured may change
+        assert not set(folders(other, RunBudget(seeds=2))) & set(first)
+    assert not set(folders(asked, RunBudget(seeds=2, steps=3))) & set(first)
+    assert folders(replace(asked, asks=()), RunBudget(seeds=2)) == first  # what is measured may change
 
 
 def finished(run, subject):
@@ -271,7 +273,7 @@ def test_a_half_done_experiment_is_summed_up_and_shown(tmp_path, monkeypatch):
         replace(pair("subject: red", "surroundings: #dddddd"), name=n, prompt=f"{n} & <b>red</b>")
         for n in ("one", "two")
     ]
-    budget = Budget(seeds=1)
+    budget = RunBudget(seeds=1)
     planned = runs.plan(known, budget, tmp_path, None)
     for run in planned[:3]:  # the second pair lacks its baseline
         finished(run, "#777777" if run.baseline else "#e50000")
@@ -288,7 +290,7 @@ def test_a_half_done_experiment_is_summed_up_and_shown(tmp_path, monkeypatch):
 def test_a_model_is_asked_by_the_papers_prompt(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     known = [replace(pair("subject: red"), name=n, group="benchmark") for n in judge.PAPER]
-    planned = runs.plan([replace(p, prompt=p.name) for p in known], Budget(seeds=1), tmp_path, None)
+    planned = runs.plan([replace(p, prompt=p.name) for p in known], RunBudget(seeds=1), tmp_path, None)
     for run in planned:
         finished(run, "#777777" if run.baseline else "#e50000")
     words = [says("WINNER = OURS\nREASON = Red."), says("WINNER = TIE\nREASON = Even."), (401, {}, {})]
@@ -296,7 +298,7 @@ def test_a_model_is_asked_by_the_papers_prompt(tmp_path, monkeypatch):
         monkeypatch.setenv("VIBE_VLM_MODEL", MODEL)
         monkeypatch.setenv("VIBE_VLM_URL", model.url)
         monkeypatch.setenv("VIBE_VLM_TIMEOUT", "3")
-        results = experiment.summary(planned, Budget(seeds=1))
+        results = experiment.summary(planned, RunBudget(seeds=1))
     assert model.asked[0]["messages"][0]["content"] == judge.INSTRUCTIONS
     said = results["judge"]
     assert said["figure"] == {"winner": "OURS", "reason": "Red."}

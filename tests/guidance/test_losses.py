@@ -166,12 +166,12 @@ def test_a_subject_lit_from_everywhere_has_no_relief():
     mask = torch.zeros(24, 24)
     mask[6:18, 6:18] = 1.0
     flat = picture([0.6, 0.6, 0.6], [0.8, 0.8, 0.8], mask).requires_grad_()
-    lost = L.relief_loss(lab_from_srgb(flat), mask)
+    lost = L.shading_contrast_loss(lab_from_srgb(flat), mask)
     assert lost.item() > 0.9
     shaded = flat.detach() * torch.linspace(0.4, 1.3, 24)[:, None, None]
-    assert L.relief_loss(lab_from_srgb(shaded.clamp(0, 1)), mask).item() == 0.0
+    assert L.shading_contrast_loss(lab_from_srgb(shaded.clamp(0, 1)), mask).item() == 0.0
     faint = (flat.detach() * torch.linspace(0.97, 1.03, 24)[:, None, None]).requires_grad_()
-    L.relief_loss(lab_from_srgb(faint), mask).backward()
+    L.shading_contrast_loss(lab_from_srgb(faint), mask).backward()
     assert faint.grad[6, 12].mean() * faint.grad[17, 12].mean() < 0  # darker above, lighter below
 
 
@@ -187,7 +187,7 @@ def test_a_subject_without_any_light_on_it_has_no_form():
 
 def test_the_leash_keeps_a_color_on_the_way_between_its_bounds():
     colors, free = torch.tensor([[0, 1, 2]]), torch.tensor([1.0, 1.0, 1.0])
-    assert L.leash_loss(torch.tensor([0.3, 0.3, 0.3]), colors, free).item() == pytest.approx(0.0)
-    assert L.leash_loss(torch.tensor([0.0, 0.0, 0.9]), colors, free).item() > 0.1
+    assert L.hue_consistency_loss(torch.tensor([0.3, 0.3, 0.3]), colors, free).item() == pytest.approx(0.0)
+    assert L.hue_consistency_loss(torch.tensor([0.0, 0.0, 0.9]), colors, free).item() > 0.1
     fixed = torch.tensor([1.0, 1.0, 0.0])  # what cannot move has no say
-    assert L.leash_loss(torch.tensor([0.3, 0.3, 0.0]), colors, fixed).item() == pytest.approx(0.0)
+    assert L.hue_consistency_loss(torch.tensor([0.3, 0.3, 0.0]), colors, fixed).item() == pytest.approx(0.0)

@@ -12,8 +12,8 @@ from tiny_job import write_job
 
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import anchoring, pipeline
-from proxy_renderer.optimize.anchoring import Anchoring, Blender
-from proxy_renderer.optimize.shots import View
+from proxy_renderer.optimize.anchoring import Anchoring, BlenderPictures
+from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.optimize.vector import ParameterVector
 from proxy_renderer.render.cycles.pictures import CyclesPicture
 from proxy_renderer.render.proxy import Proxy
@@ -48,7 +48,7 @@ class Elsewhere:
 def run(scene, source, **options):
     encoder = load_encoder(None, "cpu")
     chosen = Options(**{"rounds": 2, "steps": 4, "size": 48, **options})
-    return pipeline.run([View(scene, source)], PROMPT, chosen, encoder, encoder, Silent())
+    return pipeline.run([ShotInput(scene, source)], PROMPT, chosen, encoder, encoder, Silent())
 
 
 def test_every_round_starts_from_a_picture_and_so_does_the_prediction(scene):
@@ -120,7 +120,7 @@ def answers(scene, *given):
         exr(scene.folder / "a.exr", answer)
         return messages.Anchored(request.number, "a.exr", {"Vibe 0": "world"}, seconds=1.25)
 
-    return Blender(scene, ask, seed=5), asked
+    return BlenderPictures(scene, ask, seed=5), asked
 
 
 def test_blenders_pictures_are_read_and_removed(scene):

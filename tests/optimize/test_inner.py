@@ -6,7 +6,7 @@ import math
 import pytest
 import torch
 
-from proxy_renderer.optimize.inner import Settings, descend, promise
+from proxy_renderer.optimize.inner import StepSettings, descend, promise
 
 
 class Bowl:
@@ -30,7 +30,9 @@ class Bowl:
 def run(bowl, start, lower, upper, chosen=None, steps=40, seed=0, end=lambda step: False):
     u, low, high = (torch.tensor(x, dtype=torch.float64) for x in (start, lower, upper))
     chosen = torch.ones(len(u), dtype=torch.bool) if chosen is None else torch.tensor(chosen)
-    return descend(bowl, u, chosen, low, high, steps, seed, Settings(), lambda step, loss, picture: end(step))
+    return descend(
+        bowl, u, chosen, low, high, steps, seed, StepSettings(), lambda step, loss, picture: end(step)
+    )
 
 
 def test_it_finds_the_nearest_feasible_point():
@@ -70,7 +72,7 @@ def test_what_is_not_finite_is_rolled_back():
 def test_a_start_that_is_not_finite_comes_back_as_it_was():
     found = run(Bowl([1.0], broken=lambda u: True), [0.3], [0.0], [1.0])
     assert found.u.tolist() == [0.3]
-    assert found.steps <= Settings().repairs + 1
+    assert found.steps <= StepSettings().repairs + 1
 
 
 def test_the_best_is_judged_on_fixed_views():

@@ -11,7 +11,7 @@ from proxy_renderer.engine.report import changed_values, parameter_records
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import context, pipeline
 from proxy_renderer.optimize.drawing import draw
-from proxy_renderer.optimize.shots import View
+from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import VibeError
@@ -30,7 +30,7 @@ def scene(tmp_path_factory):
 
 def vibe(scene, encoder, prompt=PROMPT, watch=None, **options):
     chosen = Options(**{"rounds": 2, "steps": 8, "size": 64, **options})
-    return pipeline.run([View(scene)], prompt, chosen, encoder, encoder, watch or Silent())
+    return pipeline.run([ShotInput(scene)], prompt, chosen, encoder, encoder, watch or Silent())
 
 
 @pytest.fixture(scope="module")

@@ -9,10 +9,10 @@ from PIL import Image
 from tiny_job import write_job
 
 from proxy_renderer.engine.report import changed_values
-from proxy_renderer.engine.session import Session
+from proxy_renderer.engine.session import EngineSession
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import pipeline
-from proxy_renderer.optimize.shots import MOVES, View, share
+from proxy_renderer.optimize.shots import MOVES, ShotInput, share
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema.messages import VARIANTS, Options, Shot
 
@@ -26,7 +26,7 @@ def views(tmp_path_factory):
     folder = tmp_path_factory.mktemp("jobs")
     turned, red = {"camera/azimuth": 50.0}, {COLOR: [0.8, 0.0, 0.0], "world/strength": 0.9}
     scenes = [load_scene(write_job(folder / str(i), **v)) for i, v in enumerate(({}, turned, red))]
-    return [View(s, None, file) for s, file in zip(scenes, ("a", "a", "b"), strict=True)]
+    return [ShotInput(s, None, file) for s, file in zip(scenes, ("a", "a", "b"), strict=True)]
 
 
 def vibe(views, **options):
@@ -67,7 +67,7 @@ def test_a_scene_takes_a_named_value_that_the_first_has_already(views):
     """The first ball is teal before anything moves it, and the other one is to be that very teal."""
     scene = views[0].scene
     teal = replace(scene.instances[COLOR], value=(0.02, 0.3, 0.3))
-    first = View(replace(scene, instances={**scene.instances, COLOR: teal}), None, "a")
+    first = ShotInput(replace(scene, instances={**scene.instances, COLOR: teal}), None, "a")
     outcome = vibe([first, views[2]], steps=1, rounds=1, top_k=1)
     there, here = changed(outcome)
     assert here[COLOR] == there.get(COLOR, [0.02, 0.3, 0.3])
@@ -91,11 +91,11 @@ def test_what_is_locked_or_moves_in_one_is_locked_in_all(views):
     lamp, color = scene.instances[LAMP], scene.instances[COLOR]
     moving = replace(lamp, value=(lamp.value[0] * 2,))
     keyed = replace(color, locked="it is animated")
-    second = View(replace(scene, instances={**scene.instances, LAMP: moving, COLOR: keyed}), None, "a")
+    second = ShotInput(replace(scene, instances={**scene.instances, LAMP: moving, COLOR: keyed}), None, "a")
     shared, _ = share([views[0], second])
     assert shared[LAMP].locked == MOVES
     assert shared[COLOR].locked == "it is animated"
-    elsewhere = View(second.scene, None, "b")
+    elsewhere = ShotInput(second.scene, None, "b")
     assert not share([views[0], elsewhere])[0][LAMP].locked
     first, other = changed(vibe([views[0], second], rounds=1, steps=3))
     assert COLOR not in first
@@ -108,7 +108,7 @@ def test_every_variant_is_drawn_in_every_shot(tmp_path):
     jobs = [write_job(tmp_path / name, **values) for name, values in zip(names, sides, strict=True)]
     shots = [Shot(str(job), name, "a") for job, name in zip(jobs, names, strict=True)]
     chosen = Options(rounds=1, steps=2, size=48, variants=2, anchor=False, device="cpu")
-    found = Session(shots, PROMPT, chosen, Silent()).run()
+    found = EngineSession(shots, PROMPT, chosen, Silent()).run()
     assert len(found.variants) == 2
     drawn = {(job / v.picture).read_bytes() for job in jobs for v in found.variants}
     assert len(drawn) == 4

@@ -10,7 +10,7 @@ from proxy_renderer.engine.report import changed_values, parameter_records
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import pipeline, starts
 from proxy_renderer.optimize.drawing import draw
-from proxy_renderer.optimize.shots import View
+from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.optimize.vector import ParameterVector
 from proxy_renderer.prompt.types import Plan, PlanEntry
 from proxy_renderer.scene import load_scene
@@ -87,7 +87,7 @@ def test_lights_roam_as_one_where_the_words_leave_them_open(vector):
 def variants(scene):
     encoder = load_encoder(None, "cpu")
     options = Options(rounds=2, steps=3, size=48, variants=3, lock=("material/Floor",))
-    return pipeline.run([View(scene)], "glossy teal ball", options, encoder, encoder, Silent())
+    return pipeline.run([ShotInput(scene)], "glossy teal ball", options, encoder, encoder, Silent())
 
 
 def test_variants_differ_in_their_pictures_and_keep_to_words_and_locks(scene, variants):

@@ -15,12 +15,12 @@ from proxy_renderer.schema import VibeError
 from proxy_renderer.train.data import LOOKS, choices, contradicts, gather, make_batch
 from proxy_renderer.train.evaluate import skill
 from proxy_renderer.train.pictures import bank as banks
-from proxy_renderer.train.pictures import dense, looks, seen, shader
+from proxy_renderer.train.pictures import dense, looks, shader, visible
 from proxy_renderer.train.pictures.augment import EMPTY, WHOLE
 from proxy_renderer.train.pictures.shapes import FAMILIES, shape
 from proxy_renderer.train.pictures.surfaces import bent, box, ellipsoid, merge
 from proxy_renderer.train.text import captions, wording
-from proxy_renderer.train.train import Recipe, Trainer
+from proxy_renderer.train.train import Trainer, TrainingRecipe
 
 SIZE = 64
 TINY = {
@@ -81,10 +81,12 @@ def test_attributes_change_what_they_name(bank: dict[str, np.ndarray]) -> None:
 def test_colors_that_cannot_be_seen_are_not_claimed() -> None:
     lab = torch.tensor([[45.0, 60.0, 42.0], [3.0, 0.5, 0.0], [45.0, 20.0, 14.0]])
     red = torch.full((3,), ATTRIBUTES["subject_color"].index("red"))
-    names = seen.called(red, lab, torch.zeros(3, dtype=torch.bool))
+    names = visible.color_class(red, lab, torch.zeros(3, dtype=torch.bool))
     assert names.tolist() == [red[0], ATTRIBUTES["subject_color"].index("black"), red[0]]
     gray_blue = torch.tensor([[50.0, -4.0, -22.0]])
-    assert seen.called(red[:1], gray_blue, torch.zeros(1, dtype=torch.bool)).tolist() == [looks.UNKNOWN]
+    assert visible.color_class(red[:1], gray_blue, torch.zeros(1, dtype=torch.bool)).tolist() == [
+        looks.UNKNOWN
+    ]
 
 
 def test_boxes_are_flat_and_balls_are_bent() -> None:
@@ -102,7 +104,7 @@ def test_a_finish_is_asked_of_bent_surfaces_only() -> None:
             "shadow": torch.zeros(2, 5, 2, SIZE, SIZE)}  # fmt: skip
     glossy = classes(subject_finish="glossy").expand(2, 1, -1)
     gleam = (x.abs() < 0.1).float().expand(2, 1, SIZE, SIZE)
-    assert seen.shown(view, glossy, gleam)["subject_finish"].tolist() == [[True], [False]]
+    assert visible.visible_by_light(view, glossy, gleam)["subject_finish"].tolist() == [[True], [False]]
 
 
 def test_captions_say_every_mentioned_attribute_and_no_other() -> None:
@@ -258,7 +260,7 @@ def test_the_tower_tells_left_from_right() -> None:
 
 
 def test_training_resumes_bit_for_bit_and_exports(bank: dict[str, np.ndarray], tmp_path: Path) -> None:
-    recipe, device = Recipe(groups=2, warmup=2), torch.device("cpu")
+    recipe, device = TrainingRecipe(groups=2, warmup=2), torch.device("cpu")
     straight = Trainer(recipe, bank, device, TINY)
     unseen = straight.student.clip.token_embedding.weight.abs().sum(1) == 0
     before = straight.student.clip.visual.conv1.weight.clone()
@@ -297,7 +299,7 @@ def test_training_resumes_bit_for_bit_and_exports(bank: dict[str, np.ndarray], t
 
 
 def test_losses_fall_on_a_batch_that_is_seen_again(bank: dict[str, np.ndarray]) -> None:
-    trainer = Trainer(Recipe(), bank, torch.device("cpu"), TINY)
+    trainer = Trainer(TrainingRecipe(), bank, torch.device("cpu"), TINY)
     batch = make_batch(bank, 3, seed=1)
     history = []
     for _ in range(12):

@@ -13,7 +13,7 @@ from tiny_job import write_job
 from proxy_renderer.engine.report import changed_values, parameter_records
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import context, pipeline
-from proxy_renderer.optimize.shots import View
+from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
 from proxy_renderer.prompt.types import Parsed, Plan, PlanContext, Prompts, SceneWords
 from proxy_renderer.scene import load_scene
@@ -327,7 +327,7 @@ def vibe(scene, encoder, model, prompt=PROMPT, **options):
     client = Client(Endpoint(MODEL, model.url, KEY, 5.0))
     advisor = ModelAdvisor(prompt, context.scene_words(scene), client, watch.stage)
     chosen = Options(**{"rounds": 2, "steps": 2, "size": 48, **options})
-    outcome = pipeline.run([View(scene)], prompt, chosen, encoder, encoder, watch, advisor)
+    outcome = pipeline.run([ShotInput(scene)], prompt, chosen, encoder, encoder, watch, advisor)
     return outcome, advisor.account(), watch.seen
 
 
@@ -376,7 +376,7 @@ class TestLoop:
         with serving(lambda body, n: answer) as model:
             outcome, account, _ = vibe(scene, encoder, model)
         offline = pipeline.run(
-            [View(scene)], PROMPT, Options(rounds=2, steps=2, size=48), encoder, encoder, Silent()
+            [ShotInput(scene)], PROMPT, Options(rounds=2, steps=2, size=48), encoder, encoder, Silent()
         )
         assert torch.equal(outcome.u, offline.u)
         assert all(r["advice"].startswith("offline planner: ") for r in outcome.rounds)

@@ -15,11 +15,11 @@ from ...schema.messages import Options
 from ...vlm.client import Client
 from ...vlm.endpoint import find_endpoint
 from ...vlm.judge import judge as ask_model
-from . import figures, judge, page, runs, shot, verdict
+from . import figures, finished, judge, page, runs, verdict
 from .pairs import COMPARED, Pair, read_pairs
-from .runs import BASELINE, OURS, Budget, Run
+from .runs import BASELINE, OURS, Run, RunBudget
 
-_QUICK = Budget(rounds=2, steps=8, size=160, samples=16, seeds=1, anchor=False)
+_QUICK = RunBudget(rounds=2, steps=8, size=160, samples=16, seeds=1, anchor=False)
 _WINNERS = {"OURS": "win", "TIE": "tie", "CLIP-ONLY": "loss"}
 _ABLATIONS = ("concrete_vs_abstract", "prompt_extension")
 
@@ -64,7 +64,7 @@ def run(
     return results
 
 
-def summary(planned: Sequence[Run], budget: Budget) -> dict[str, Any]:
+def summary(planned: Sequence[Run], budget: RunBudget) -> dict[str, Any]:
     """Everything that is known from the runs that are done."""
     network = judge.find()
     readings = {r.folder: _read(r, network) for r in planned if r.done}
@@ -96,15 +96,15 @@ def summary(planned: Sequence[Run], budget: Budget) -> dict[str, Any]:
     }
 
 
-def _budget(quick: bool, seeds: int | None) -> Budget:
-    chosen = _QUICK if quick else Budget()
+def _budget(quick: bool, seeds: int | None) -> RunBudget:
+    chosen = _QUICK if quick else RunBudget()
     if seeds is not None and not 1 <= seeds <= 100:
         raise VibeError(f"--seeds {seeds} is out of range.", "Use 1 to 100.")
     return replace(chosen, seeds=seeds or chosen.seeds)
 
 
 def _read(done: Run, network: judge.Judge | None) -> verdict.Reading:
-    before, after = (shot.load(done.folder, which) for which in ("before", "after"))
+    before, after = (finished.load(done.folder, which) for which in ("before", "after"))
     gain = network.gain(done.pair.prompt, before.display, after.display) if network else None
     return verdict.read(done.pair, after, before, gain)
 

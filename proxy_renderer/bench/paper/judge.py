@@ -10,7 +10,7 @@ import torch
 
 from ...guidance import augment
 from ...guidance import encoder as guidance
-from .shot import Array
+from .finished import FloatArray
 
 FOLDER = Path(guidance.__file__).with_name("judge")
 """Where it lies, an open_clip folder like the embedded encoder's."""
@@ -26,7 +26,7 @@ class Judge:
     def __init__(self, folder: Path) -> None:
         self._encoder = guidance.load_encoder(str(folder), "cpu")
 
-    def gain(self, prompt: str, before: Array, after: Array) -> float:
+    def gain(self, prompt: str, before: FloatArray, after: FloatArray) -> float:
         """How much nearer to the prompt the picture has come: a difference of cosines."""
         with torch.no_grad():
             batch = torch.from_numpy(np.stack([before, after])).float().permute(0, 3, 1, 2)

@@ -15,7 +15,7 @@ import torch
 from scipy import ndimage
 
 from ...color.differences import ciede2000
-from .shot import Array, Shot, luminance
+from .finished import FinishedPicture, FloatArray, luminance
 
 _FLOOR = 0.004
 """Linear luminance below which differences are not seen on a display in a lit room."""
@@ -36,7 +36,7 @@ _GRAIN = 192
 """Gradients are given per pixel of a picture of this size."""
 
 
-def color_error(shot: Shot, region: str, lab: tuple[float, float, float]) -> float:
+def color_error(shot: FinishedPicture, region: str, lab: tuple[float, float, float]) -> float:
     """How far most of a region is from a named color: CIEDE2000, lightness counting half as in textiles (2:1:1).
 
     It is the median over pixels: highlights, shadows and a pattern's lesser part do not decide.
@@ -52,7 +52,7 @@ def color_error(shot: Shot, region: str, lab: tuple[float, float, float]) -> flo
     return float((square - 0.75 * lightness).clamp_min(0).sqrt().median())
 
 
-def gloss(shot: Shot, region: str) -> float:
+def gloss(shot: FinishedPicture, region: str) -> float:
     """Contrast of highlights: how far the brightest small spots and streaks rise above both of their sides, in L*.
 
     What people call glossy has highlights of high contrast and sharpness (Marlow, Kim and Anderson 2012); both
@@ -72,7 +72,7 @@ def gloss(shot: Shot, region: str) -> float:
     return float(spots[-max(4, round(_SPOT * len(spots))) :].mean())
 
 
-def _beside(shot: Shot, light: Array, where: np.ndarray, step: tuple[int, int]) -> Array:
+def _beside(shot: FinishedPicture, light: FloatArray, where: np.ndarray, step: tuple[int, int]) -> FloatArray:
     """The light a step away; infinite where that is out of the region, of another material, or around a corner."""
 
     def moved(field: np.ndarray, outside: float) -> np.ndarray:
@@ -86,7 +86,7 @@ def _beside(shot: Shot, light: Array, where: np.ndarray, step: tuple[int, int]) 
     return np.where(moved(where, False) & same & ~bent, moved(light, np.inf), np.inf)
 
 
-def fog(shot: Shot, region: str) -> float:
+def fog(shot: FinishedPicture, region: str) -> float:
     """The share of local contrast that fog takes away: 0 for none, 1 when nothing is left.
 
     Contrast is that of the logarithm of luminance between neighbors, against the same picture without its fog. A
@@ -98,17 +98,17 @@ def fog(shot: Shot, region: str) -> float:
     return 1.0 - seen / clear if clear > 1e-4 else 0.0
 
 
-def _detail(light: Array, where: np.ndarray) -> float:
+def _detail(light: FloatArray, where: np.ndarray) -> float:
     return float(_slope(light)[where].mean())
 
 
-def _slope(light: Array) -> Array:
+def _slope(light: FloatArray) -> FloatArray:
     """Gradient of log2 luminance, stops per pixel."""
     rows, columns = np.gradient(np.log2(np.maximum(light, 0) + _FLOOR))
     return np.hypot(rows, columns)
 
 
-def vignette(shot: Shot, region: str) -> float:
+def vignette(shot: FinishedPicture, region: str) -> float:
     """By how many L* the corners are darker than the middle ring, in the second least darkened corner.
 
     All four count, because light from one side darkens two of them. The subject is left out.
@@ -129,7 +129,7 @@ def vignette(shot: Shot, region: str) -> float:
     return sorted(found)[min(1, len(found) - 1)] if found else 0.0
 
 
-def _shading(shot: Shot, region: str) -> np.ndarray:
+def _shading(shot: FinishedPicture, region: str) -> np.ndarray:
     """Unit vector towards which a region is lit, in the camera's space; zero if that cannot be told.
 
     A least-squares fit of a + b . n to luminance over the normals; the brightest percent, highlights, is left out.
@@ -147,17 +147,17 @@ def _shading(shot: Shot, region: str) -> np.ndarray:
     return slope / length * min(length / 0.3, 1.0)
 
 
-def light_right(shot: Shot, region: str) -> float:
+def light_right(shot: FinishedPicture, region: str) -> float:
     """How far the light comes from the right (above 0) or from the left, -1 to 1."""
     return float(_shading(shot, region)[0])
 
 
-def light_up(shot: Shot, region: str) -> float:
+def light_up(shot: FinishedPicture, region: str) -> float:
     """How far the light comes from above, -1 to 1."""
     return float(_shading(shot, region)[1])
 
 
-def hardness(shot: Shot, region: str) -> float:
+def hardness(shot: FinishedPicture, region: str) -> float:
     """The steepest slope of light where surfaces are smooth and of one material: edges of shadows, stops per pixel.
 
     Pixels of a picture of 192; highlights, too, have steep slopes under small lamps.
@@ -177,30 +177,30 @@ def hardness(shot: Shot, region: str) -> float:
     return float(np.quantile(_slope(shot.luminance)[where], 0.99)) * max(shot.mask.shape) / _GRAIN
 
 
-def warmth(shot: Shot, region: str) -> float:
+def warmth(shot: FinishedPicture, region: str) -> float:
     """How far a region's mean color lies towards orange, in Lab: b* and half of a*."""
     _, a, b = shot.lab[shot.region(region)].mean(0)
     return float(b + 0.5 * a)
 
 
-def lightness(shot: Shot, region: str) -> float:
+def lightness(shot: FinishedPicture, region: str) -> float:
     """Mean L*."""
     return float(shot.lab[shot.region(region)][:, 0].mean())
 
 
-def spread(shot: Shot, region: str) -> float:
+def spread(shot: FinishedPicture, region: str) -> float:
     """From the darkest to the lightest twentieth, in L*."""
     low, high = np.quantile(shot.lab[shot.region(region)][:, 0], [0.05, 0.95])
     return float(high - low)
 
 
-def chroma(shot: Shot, region: str) -> float:
+def chroma(shot: FinishedPicture, region: str) -> float:
     """Mean distance from gray, in Lab."""
     _, a, b = shot.lab[shot.region(region)].T
     return float(np.hypot(a, b).mean())
 
 
-def hue_spread(shot: Shot, region: str) -> float:
+def hue_spread(shot: FinishedPicture, region: str) -> float:
     """How far colors lie from the one line of brown tints that a sepia print has, in Lab; gray is 5 away."""
     _, a, b = shot.lab[shot.region(region)].T
     along = np.array([0.34, 0.94])  # hue of sepia, 70 degrees
@@ -209,7 +209,7 @@ def hue_spread(shot: Shot, region: str) -> float:
     return float(np.hypot(across, np.maximum(5.0 - brown, 0.0)).mean())
 
 
-def silhouette(shot: Shot, region: str) -> float:
+def silhouette(shot: FinishedPicture, region: str) -> float:
     """By how many L* the subject is darker than what lies around it, less its own spread of light."""
     light = shot.lab[..., 0]
     own = light[shot.region("subject")]
@@ -217,7 +217,7 @@ def silhouette(shot: Shot, region: str) -> float:
     return float(np.median(light[shot.region("surroundings")]) - np.median(own) - 0.5 * (high - low))
 
 
-def glow(shot: Shot, region: str) -> float:
+def glow(shot: FinishedPicture, region: str) -> float:
     """By how many L* a region is lighter than the surroundings."""
     light = shot.lab[..., 0]
     return float(np.median(light[shot.region(region)]) - np.median(light[shot.region("surroundings")]))
@@ -234,7 +234,7 @@ class Measure:
         says: What it is, for the report.
     """
 
-    take: Callable[[Shot, str], float]
+    take: Callable[[FinishedPicture, str], float]
     unit: str
     notice: float
     says: str

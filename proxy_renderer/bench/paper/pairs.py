@@ -48,7 +48,7 @@ class Ask:
     """One thing that the words ask for.
 
     Attributes:
-        region: See `Shot.region`.
+        region: See `FinishedPicture.region`.
         word: The trait or color.
         trait: What it means.
         lab: Of a color; None for a trait.

@@ -23,7 +23,7 @@ _CODE = ("color", "guidance", "optimize", "planning", "prompt", "render", "scene
 
 
 @dataclass(frozen=True)
-class Budget:
+class RunBudget:
     """The same for both methods.
 
     Attributes:
@@ -65,7 +65,7 @@ class Run:
         return (self.folder / "mask_before.png").is_file()
 
 
-def plan(pairs: Sequence[Pair], budget: Budget, out: Path, meshes: Path | None) -> list[Run]:
+def plan(pairs: Sequence[Pair], budget: RunBudget, out: Path, meshes: Path | None) -> list[Run]:
     """All runs, both methods of a pair side by side; all pairs with the first seed come first."""
     code = _fingerprint()
     found = []
@@ -78,7 +78,7 @@ def plan(pairs: Sequence[Pair], budget: Budget, out: Path, meshes: Path | None) 
     return found
 
 
-def arguments(pair: Pair, baseline: str, seed: int, budget: Budget) -> list[str]:
+def arguments(pair: Pair, baseline: str, seed: int, budget: RunBudget) -> list[str]:
     """The options of a run, as `vibe run` has them; no model plans, so that both have the encoder alone."""
     given = {
         "prompt": pair.prompt,
@@ -93,7 +93,7 @@ def arguments(pair: Pair, baseline: str, seed: int, budget: Budget) -> list[str]
     return [f"--{name}={value}" for name, value in given.items()] + ([] if budget.anchor else ["--no-anchor"])
 
 
-def carry_out(runs: Sequence[Run], budget: Budget, out: Path, meshes: Path | None) -> dict[Path, str]:
+def carry_out(runs: Sequence[Run], budget: RunBudget, out: Path, meshes: Path | None) -> dict[Path, str]:
     """Does what is not done yet, in one Blender with one engine, and returns what failed and why."""
     todo = {run.folder.name: run for run in runs if not run.done}
     if not todo:

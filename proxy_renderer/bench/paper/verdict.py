@@ -7,10 +7,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from .finished import FinishedPicture
 from .measures import MEASURES, color_error
 from .pairs import Ask, Pair
-from .shot import Shot
-from .visible import Visibility, visibility
+from .visible import SubjectVisibility, visibility
 
 BAND = 0.05
 """Scores that differ by less are a tie."""
@@ -43,7 +43,7 @@ class Reading:
     """
 
     amounts: tuple[float, ...]
-    visible: Visibility
+    visible: SubjectVisibility
     judge: JudgeScore = None
 
 
@@ -64,7 +64,7 @@ _JUDGE_FULL = 0.3
 _JUDGE_NOTICE = 0.02
 
 
-def read(pair: Pair, after: Shot, before: Shot, judge: JudgeScore = None) -> Reading:
+def read(pair: Pair, after: FinishedPicture, before: FinishedPicture, judge: JudgeScore = None) -> Reading:
     """Measures one picture on what its prompt asks for."""
     amounts = tuple(_amount(ask, after, before) for ask in pair.asks)
     return Reading(amounts, visibility(after, before, pair.silhouette), judge)
@@ -112,7 +112,7 @@ def wilson(wins: int, count: int, z: float = 1.96) -> tuple[float, float]:
     return max((middle - half) / (1 + square), 0.0), min((middle + half) / (1 + square), 1.0)
 
 
-def _amount(ask: Ask, after: Shot, before: Shot) -> float:
+def _amount(ask: Ask, after: FinishedPicture, before: FinishedPicture) -> float:
     """What is measured; nothing of a trait where there is not enough of the picture's parts left to have it."""
     parts = {ask.region, "subject", "surroundings"}
     if any(picture.region(part).sum() < _LEAST for picture in (after, before) for part in parts):

@@ -10,7 +10,7 @@ import torch
 from scipy import ndimage
 
 from ...color.differences import ciede2000
-from .shot import Shot
+from .finished import FinishedPicture
 
 _LEAST, _PLAIN = 3.0, 12.0
 """CIEDE2000 across an outline: hardly seen, plain to see."""
@@ -20,7 +20,7 @@ _CRUSHED, _BURNT = 4.0, 98.5
 
 
 @dataclass(frozen=True)
-class Visibility:
+class SubjectVisibility:
     """Each in [0, 1], 1 for good.
 
     Attributes:
@@ -39,7 +39,7 @@ class Visibility:
         return self.outline * self.detail * self.frame
 
 
-def visibility(after: Shot, before: Shot, silhouette: bool) -> Visibility:
+def visibility(after: FinishedPicture, before: FinishedPicture, silhouette: bool) -> SubjectVisibility:
     """How well the subject can be seen.
 
     Args:
@@ -47,10 +47,10 @@ def visibility(after: Shot, before: Shot, silhouette: bool) -> Visibility:
         before: The artist's, for what its frame was.
         silhouette: Whether a dark, even shape is what the words want.
     """
-    return Visibility(_outline(after), 1.0 if silhouette else _detail(after), _frame(after, before))
+    return SubjectVisibility(_outline(after), 1.0 if silhouette else _detail(after), _frame(after, before))
 
 
-def _outline(shot: Shot) -> float:
+def _outline(shot: FinishedPicture) -> float:
     """Mean over the outline of how plainly the two sides differ, each side averaged over a few pixels."""
     solid = shot.mask > 0.5
     if not solid.any() or solid.all():
@@ -71,7 +71,7 @@ def _outline(shot: Shot) -> float:
     return float(np.clip((apart - _LEAST) / (_PLAIN - _LEAST), 0, 1).mean()) ** 0.5
 
 
-def _detail(shot: Shot) -> float:
+def _detail(shot: FinishedPicture) -> float:
     """Spread of light within the subject, less what is black or white without anything in it."""
     light = shot.lab[..., 0][shot.region("subject")]
     if not len(light):
@@ -81,7 +81,7 @@ def _detail(shot: Shot) -> float:
     return float(np.clip((high - low) / 10.0, 0.25, 1.0) * (1.0 - max(lost - 0.3, 0.0)))
 
 
-def _frame(after: Shot, before: Shot) -> float:
+def _frame(after: FinishedPicture, before: FinishedPicture) -> float:
     """Less for a subject that is cut off where it was not, or of another size by far."""
     cut = max(_cut(after) - _cut(before), 0.0)
     sizes = [float(shot.mask.mean()) for shot in (after, before)]
@@ -89,7 +89,7 @@ def _frame(after: Shot, before: Shot) -> float:
     return float(max(1.0 - 4.0 * cut, 0.0) * np.clip(ratio / 0.3, 0, 1))
 
 
-def _cut(shot: Shot) -> float:
+def _cut(shot: FinishedPicture) -> float:
     """The share of the subject's outline that is the picture's border instead."""
     solid = shot.mask > 0.5
     border = np.concatenate([solid[0], solid[-1], solid[1:-1, 0], solid[1:-1, -1]]).sum()

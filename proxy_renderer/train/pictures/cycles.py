@@ -25,7 +25,7 @@ from ...blender.launch import environment, events
 from ...prompt.lexicon.attributes import ATTRIBUTES
 from ...schema import VibeError
 from ...schema.orbit import frame
-from . import looks, seen
+from . import looks, visible
 from .bank import SIDES
 from .shapes import shape
 from .surfaces import bent
@@ -156,7 +156,7 @@ def _collect(folder: Path, rows: list[dict[str, Any]]) -> None:
     look["ambient"] = torch.where(bare[:, None], look["world"], look["ambient"])
     flipped = torch.tensor([row["flipped"] for row in rows])
     labels = _borne_out(classes, look, torch.from_numpy(pictures), torch.from_numpy(masks > 127), flipped)
-    faceted = torch.tensor([row["bent"] <= seen.CURVED for row in rows])
+    faceted = torch.tensor([row["bent"] <= visible.MIN_CURVED for row in rows])
     labels[faceted, looks.INDEX["subject_finish"]] = looks.UNKNOWN
     for name, values in (
         ("pictures", pictures),
@@ -174,9 +174,9 @@ def _borne_out(
 ) -> Tensor:
     """The classes (N, A) that pairs of pictures (N, 3, H, W) of bytes show."""
     display = pictures.float() / 255
-    labels = seen.visible(classes, look, display, masks).unflatten(0, (-1, 2))
+    labels = visible.visible_classes(classes, look, display, masks).unflatten(0, (-1, 2))
     kinds = flipped.view(-1, 2)
-    labels = seen.noticed(display.unflatten(0, (-1, 2)), masks[::2], labels, kinds)
+    labels = visible.drop_unnoticed(display.unflatten(0, (-1, 2)), masks[::2], labels, kinds)
     for name in _TWINNED:
         labels[kinds[:, 1] != looks.INDEX[name], :, looks.INDEX[name]] = looks.UNKNOWN
     return labels.flatten(0, 1)

@@ -62,7 +62,7 @@ def framed(maps: Tensor, box: tuple[float, float, float], mirrored: bool) -> Ten
     return part
 
 
-class Reader(nn.Module):
+class MapReader(nn.Module):
     """Reads the maps off the grid of features that a module of the picture tower puts out.
 
     Args:

@@ -22,8 +22,8 @@ from .wording import (
     TEMPERATURE_WORDS,
     TRAINED,
     VIGNETTE_WORDS,
-    Known,
-    Split,
+    AttributeClasses,
+    WordingSplit,
     color_names,
     phrases,
 )
@@ -64,7 +64,9 @@ _OPENINGS = (
 )
 
 
-def caption(mentioned: Known, dice: random.Random, empty: bool = False, split: Split = TRAINED) -> str:
+def caption(
+    mentioned: AttributeClasses, dice: random.Random, empty: bool = False, split: WordingSplit = TRAINED
+) -> str:
     """A sentence that says exactly these attributes.
 
     Args:
@@ -96,7 +98,7 @@ def caption(mentioned: Known, dice: random.Random, empty: bool = False, split: S
     return dice.choice((", ", ", ", ", ", " with ", ". ", " ")).join(clauses) + dice.choice(("", "", "."))
 
 
-def _phrase(rest: Known, dice: random.Random) -> str:
+def _phrase(rest: AttributeClasses, dice: random.Random) -> str:
     """One of the language's own phrases that fits, or nothing; takes from ``rest`` what it says."""
     fitting = [(phrase, asks) for phrase, asks in phrases() if asks.items() <= rest.items()]
     if not fitting:
@@ -107,7 +109,7 @@ def _phrase(rest: Known, dice: random.Random) -> str:
     return phrase
 
 
-def _color(name: str, dice: random.Random, split: Split) -> str:
+def _color(name: str, dice: random.Random, split: WordingSplit) -> str:
     return dice.choice(split.of(COLOR_WORDS[name] if dice.random() < 0.75 else color_names()[name]))
 
 
@@ -118,7 +120,7 @@ def _noun(dice: random.Random) -> str:
     return dice.choice(NOUNS) if dice.random() < 0.6 else dice.choice(NOUNS[:10])
 
 
-def _thing(rest: Known, dice: random.Random, split: Split) -> str:
+def _thing(rest: AttributeClasses, dice: random.Random, split: WordingSplit) -> str:
     """The subject with its color, finish and metal; takes from ``rest`` what it says."""
     noun = _noun(dice)
     if rest.get("subject_color") == "black" and rest.get("light_side") == "back" and dice.random() < 0.5:
@@ -139,7 +141,7 @@ def _thing(rest: Known, dice: random.Random, split: Split) -> str:
     return start + _words(finish, color, metal, noun)
 
 
-def _surroundings(rest: Known, dice: random.Random, empty: bool, split: Split) -> list[str]:
+def _surroundings(rest: AttributeClasses, dice: random.Random, empty: bool, split: WordingSplit) -> list[str]:
     """The place with its color, together with the fog where that reads well."""
     if "surroundings_color" not in rest:
         return []
@@ -154,7 +156,7 @@ def _words(*words: str) -> str:
     return " ".join(word for word in words if word)
 
 
-def mention(known: Known, flipped: str | None, dice: random.Random) -> Known:
+def mention(known: AttributeClasses, flipped: str | None, dice: random.Random) -> AttributeClasses:
     """Which of the known attributes a caption says: few or many, nearly always the flipped one."""
     dull = {
         "fog": "none",
@@ -175,7 +177,7 @@ def mention(known: Known, flipped: str | None, dice: random.Random) -> Known:
     return {name: known[name] for name in ATTRIBUTES if name in chosen}
 
 
-def samples(count: int, seed: int, split: Split = TRAINED) -> list[str]:
+def samples(count: int, seed: int, split: WordingSplit = TRAINED) -> list[str]:
     """Captions of random attributes, and every name and phrase: the words that training will use."""
     dice = random.Random(seed)
     drawn = ({name: dice.choice(classes) for name, classes in ATTRIBUTES.items()} for _ in range(count))

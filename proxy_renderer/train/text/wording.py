@@ -8,7 +8,7 @@ from functools import cache
 from ...color.shades import basic
 from ...prompt.lexicon.vocabulary import VocabularyEntry, shipped_vocabulary
 
-Known = dict[str, str]
+AttributeClasses = dict[str, str]
 """Attribute name → class, for those that a picture shows or a caption mentions."""
 GUIDES, JUDGES = 1, 0
 """Salts of the wordings that the guide and the judge learn from."""
@@ -17,7 +17,7 @@ _KEPT_BACK = 6
 
 
 @dataclass(frozen=True)
-class Split:
+class WordingSplit:
     """Which wordings captions choose from: those of training, or those kept back to test with.
 
     The first of several is a class's plain name, and always trained.
@@ -38,7 +38,7 @@ class Split:
         return tuple(w for w in words if (w in back) == self.held_out) or words
 
 
-TRAINED = Split()
+TRAINED = WordingSplit()
 
 
 def _list(words: str) -> tuple[str, ...]:
@@ -160,7 +160,7 @@ def color_names() -> dict[str, tuple[str, ...]]:
 
 
 @cache
-def phrases() -> list[tuple[str, Known]]:
+def phrases() -> list[tuple[str, AttributeClasses]]:
     """What the language tells an encoder for a look word, with the attributes that it then asks for.
 
     Phrases that name a color beside what they ask for ("gray steel") would claim too much.
@@ -174,12 +174,12 @@ def phrases() -> list[tuple[str, Known]]:
 
 
 @cache
-def lessons_by_class() -> dict[str, dict[str, list[tuple[str, Known]]]]:
+def lessons_by_class() -> dict[str, dict[str, list[tuple[str, AttributeClasses]]]]:
     """What the language tells an encoder for look words, with what it then asks for, by attribute and class.
 
     Under "" is what asks for several attributes.
     """
-    found: dict[str, dict[str, list[tuple[str, Known]]]] = {}
+    found: dict[str, dict[str, list[tuple[str, AttributeClasses]]]] = {}
     for entry in _asking():
         (name, value), *more = entry.heads.items()
         name, value = ("", "") if more else (name, value)

@@ -16,7 +16,7 @@ _GLEAMS = 0.1
 """Standard deviation over the subject of the gleam's brightness from which a finish can be seen."""
 _STEP, _BENDS = 3, (0.015, 0.45)
 """Pixels between two normals, and angles between them (radians) at which a surface bends."""
-CURVED = 0.3
+MIN_CURVED = 0.3
 """Share of a subject that bends, below which its finish cannot be told: a flat face mirrors one direction, whatever it is."""
 _EDGES = 0.02
 """Mean difference between hard and soft shadows from which the light's softness can be seen."""
@@ -44,7 +44,7 @@ _WINDOWS = {
 """Mean L*, standard deviation of L*, and mean chroma of the pictures that are called by each class."""
 
 
-def visible(classes: Tensor, look: dict[str, Tensor], picture: Tensor, mask: Tensor) -> Tensor:
+def visible_classes(classes: Tensor, look: dict[str, Tensor], picture: Tensor, mask: Tensor) -> Tensor:
     """The classes that the picture shows; `UNKNOWN` where it does not bear out what was asked for.
 
     A red thing in the dark is not red to anybody who looks: only what can be seen is said and learned.
@@ -103,7 +103,7 @@ def visible(classes: Tensor, look: dict[str, Tensor], picture: Tensor, mask: Ten
     }
     shown_colors = {"subject_color": subject, "surroundings_color": surroundings}
     columns = [
-        called(asked(name), shown_colors[name], tinted)
+        color_class(asked(name), shown_colors[name], tinted)
         if name in shown_colors
         else torch.where(holds[name], asked(name), UNKNOWN)
         for name in NAMES
@@ -126,15 +126,15 @@ def _modeled(lightness: Tensor, share: Tensor) -> Tensor:
     return readable & (((off**2 * inside).sum((1, 2, 3)) / among).sqrt() > 6.0)
 
 
-def called(color: Tensor, lab: Tensor, tinted: Tensor) -> Tensor:
+def color_class(color: Tensor, lab: Tensor, tinted: Tensor) -> Tensor:
     """The color class that a mean Lab color (n, 3) is called: the one asked for (n,), or what anybody would say."""
     every = torch.arange(len(COLORS))
-    evident = evidently(every[None, :], lab[:, None, :])
+    evident = is_typical(every[None, :], lab[:, None, :])
     named = torch.where(evident.sum(1) == 1, evident.float().argmax(1), UNKNOWN)
-    return torch.where(shows_color(color, lab, tinted), color, named)
+    return torch.where(can_be_called(color, lab, tinted), color, named)
 
 
-def evidently(color: Tensor, lab: Tensor) -> Tensor:
+def is_typical(color: Tensor, lab: Tensor) -> Tensor:
     """Whether Lab colors are textbook examples of color classes, by narrow bounds; broadcasts."""
     bounds = torch.tensor([_EVIDENT.get(name, _LIGHTNESS[name]) for name in COLORS])[color]
     hue = torch.tensor([_HUES.get(name, -1) for name in COLORS])[color]
@@ -144,7 +144,7 @@ def evidently(color: Tensor, lab: Tensor) -> Tensor:
     return right & (lightness >= bounds[..., 0]) & (lightness <= bounds[..., 1])
 
 
-def shows_color(color: Tensor, lab: Tensor, tinted: Tensor) -> Tensor:
+def can_be_called(color: Tensor, lab: Tensor, tinted: Tensor) -> Tensor:
     """Whether a mean Lab color (n, 3) can be called by the color classes (n,); white stays white in tinted light."""
     bounds = torch.tensor([_LIGHTNESS[name] for name in COLORS])[color]
     hue = torch.tensor([_HUES.get(name, -1) for name in COLORS])[color]
@@ -158,7 +158,7 @@ def shows_color(color: Tensor, lab: Tensor, tinted: Tensor) -> Tensor:
     return right & (lab[:, 0] >= bounds[:, 0]) & (lab[:, 0] <= bounds[:, 1])
 
 
-def shown(view: dict[str, Tensor], classes: Tensor, gleam: Tensor) -> dict[str, Tensor]:
+def visible_by_light(view: dict[str, Tensor], classes: Tensor, gleam: Tensor) -> dict[str, Tensor]:
     """Attribute → (G, LOOKS) whether a finish gleams anywhere on bent surfaces, and whether the edge of a shadow is in the picture."""
     finish, side = classes[..., INDEX["subject_finish"]], classes[..., INDEX["light_side"]]
     mask = (view["kind"] == SUBJECT)[:, None].float()
@@ -168,7 +168,7 @@ def shown(view: dict[str, Tensor], classes: Tensor, gleam: Tensor) -> dict[str, 
     edges = (view["shadow"][:, :, 0].float() - view["shadow"][:, :, 1].float()).abs().mean((2, 3)) / 255
     matte = finish == ATTRIBUTES["subject_finish"].index("matte")
     return {
-        "subject_finish": (matte | (uneven.cpu() > _GLEAMS)) & (_curved(view).cpu() > CURVED)[:, None],
+        "subject_finish": (matte | (uneven.cpu() > _GLEAMS)) & (_curved(view).cpu() > MIN_CURVED)[:, None],
         "light_softness": edges.cpu().gather(1, side) > _EDGES,
     }
 
@@ -187,7 +187,7 @@ def _curved(view: dict[str, Tensor]) -> Tensor:
     return torch.maximum(*shares)
 
 
-def noticed(pictures: Tensor, masks: Tensor, labels: Tensor, flipped: Tensor) -> Tensor:
+def drop_unnoticed(pictures: Tensor, masks: Tensor, labels: Tensor, flipped: Tensor) -> Tensor:
     """The labels (G, K, A) of groups without flipped attributes whose change hardly shows, in the flip and in its base."""
     labels, unlike = labels.clone(), (pictures - pictures[:, :1]).abs().mean(2)
     inside = masks[:, None].float()

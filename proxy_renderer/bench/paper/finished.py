@@ -16,12 +16,12 @@ from ...color import arrays
 from ...color.tensors import lab_from_srgb
 from ...engine.report import load_picture
 
-Array = NDArray[np.float64]
+FloatArray = NDArray[np.float64]
 _BORDER = 1  # pixels on either side of an outline that belong to neither
 
 
 @dataclass(frozen=True)
-class Shot:
+class FinishedPicture:
     """One picture of Cycles.
 
     Attributes:
@@ -33,20 +33,20 @@ class Shot:
         clear: The same picture without fog; None where nobody asked for it.
     """
 
-    display: Array
-    mask: Array
-    normal: Array = field(default_factory=lambda: np.zeros((0, 0, 3)))
+    display: FloatArray
+    mask: FloatArray
+    normal: FloatArray = field(default_factory=lambda: np.zeros((0, 0, 3)))
     material: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 0), np.int64))
     materials: tuple[str, ...] = ()
-    clear: Array | None = None
+    clear: FloatArray | None = None
 
     @property
-    def lab(self) -> Array:
+    def lab(self) -> FloatArray:
         """(H, W, 3) CIE Lab."""
         return lab_from_srgb(torch.from_numpy(self.display)).numpy()
 
     @property
-    def luminance(self) -> Array:
+    def luminance(self) -> FloatArray:
         """(H, W) linear."""
         return luminance(self.display)
 
@@ -70,19 +70,19 @@ class Shot:
         return _inner(self.material == self.materials.index(name))
 
 
-def luminance(display: Array) -> Array:
+def luminance(display: FloatArray) -> FloatArray:
     """Linear luminance (H, W) of an sRGB-encoded picture (H, W, 3)."""
     return arrays.luminance(arrays.linear_from_srgb(display))
 
 
-def load(folder: Path, which: str) -> Shot:
+def load(folder: Path, which: str) -> FinishedPicture:
     """Reads the "before" or the "after" of a run's folder."""
     mask_file = {"before": "mask_before.png", "after": "mask.png"}[which]
     with Image.open(folder / mask_file) as image:
         mask = np.asarray(image.convert("L"), float) / 255.0
     clear = folder / "clear.png"
     with np.load(folder / f"{which}.npz") as sight:
-        return Shot(
+        return FinishedPicture(
             display=load_picture(folder / f"{which}.png").astype(float),
             mask=mask,
             normal=_spread(sight["normal"].astype(float), mask.shape),
