@@ -33,16 +33,16 @@ def measure(
     for number, (name, row) in enumerate(scenes.items(), 1):
         path = work / name / "eevee.png"
         path.unlink(missing_ok=True)
-        said = _render(blender, work / name / "scene.blend", size)
+        last_line = _render(blender, work / name / "scene.blend", size)
         if not path.is_file():
-            failed[name] = f"EEVEE rendered nothing; Blender said last: {said}"
+            failed[name] = f"EEVEE rendered nothing; Blender said last: {last_line}"
             continue
         picture, reference = (
             torch.from_numpy(load_picture(p).copy()) for p in (path, work / name / "cycles.png")
         )
-        found = difference(picture, reference)
-        row |= {"eevee_delta_e": round(found.delta_e, _DIGITS), "eevee_psnr": round(found.psnr, _DIGITS)}
-        print(f"[{number}/{len(scenes)}] {name}: EEVEE {found.delta_e:.2f}", flush=True)
+        apart = difference(picture, reference)
+        row |= {"eevee_delta_e": round(apart.delta_e, _DIGITS), "eevee_psnr": round(apart.psnr, _DIGITS)}
+        print(f"[{number}/{len(scenes)}] {name}: EEVEE {apart.delta_e:.2f}", flush=True)
 
 
 def _render(blender: str, scene: Path, size: int) -> str:

@@ -126,8 +126,8 @@ def _measure(asked: Encoder, sets: dict[str, list[Batch]], mistakes: list[Mistak
 
 
 def _mean(values: Any) -> float | None:
-    known = [value for value in values if value is not None]
-    return round(float(np.mean(known)), 4) if known else None
+    numbers = [value for value in values if value is not None]
+    return round(float(np.mean(numbers)), 4) if numbers else None
 
 
 def _in_other_words(known: dict[str, str], _noun: str, wording: float) -> str:

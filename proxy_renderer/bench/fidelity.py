@@ -61,7 +61,7 @@ def run(
     work = out / "scenes"
     options = [f"--work={work}", f"--cache={cache.folder(cache_folder)}", f"--seed={seed}"]
     options += [f"--size={size}", f"--samples={samples}", *(["--blend"] if eevee_blender else [])]
-    found: dict[str, dict[str, Any]] = {}
+    measured: dict[str, dict[str, Any]] = {}
     failed: dict[str, str] = {}
     count = 0
     for event in blender.scenes(only, options):
@@ -71,19 +71,19 @@ def run(
         name = event["name"]
         if event["type"] == "scene":
             try:
-                found[name] = measure(event, work / name)
+                measured[name] = measure(event, work / name)
             except Exception as error:  # one scene's; the others are wanted all the same
                 event = {"type": "failed", "message": f"{type(error).__name__}: {error}"}
         if event["type"] == "failed":
             failed[name] = event["message"]
         print(
-            f"[{len(found) + len(failed)}/{count}] {name}: {_line(found.get(name), failed.get(name))}",
+            f"[{len(measured) + len(failed)}/{count}] {name}: {_line(measured.get(name), failed.get(name))}",
             flush=True,
         )
     if eevee_blender:
-        eevee.measure(eevee_blender, found, work, size, failed)
-    results = table.summary(found, failed) | {"size": size, "samples": samples, "seed": seed}
-    save_sheets([_strip(name, row, work / name) for name, row in found.items()], out)
+        eevee.measure(eevee_blender, measured, work, size, failed)
+    results = table.summary(measured, failed) | {"size": size, "samples": samples, "seed": seed}
+    save_sheets([_strip(name, row, work / name) for name, row in measured.items()], out)
     _write(results, out / "results.json")
     table.show(results)
     return results
@@ -129,7 +129,7 @@ def _anchored(proxy: Proxy, anchors: Mapping[str, Any], reference: Tensor, folde
         reference: Of the scene's own values, which the corrected proxies are asked for.
         folder: Gets anchored.png, corrected by what has moved.
     """
-    found = {}
+    measured = {}
     small: Proxy | None = None
     for name, figure in (("still", "anchored_still_delta_e"), ("moved", "anchored_delta_e")):
         anchor = anchors[name]
@@ -139,15 +139,15 @@ def _anchored(proxy: Proxy, anchors: Mapping[str, Any], reference: Tensor, folde
         with torch.no_grad():
             proxy.correction = small.anchor(values, cycles)
             picture = proxy.render({}).display
-        found[figure] = round(difference(picture, reference).delta_e, _DIGITS)
+        measured[figure] = round(difference(picture, reference).delta_e, _DIGITS)
         if name == "moved":
             save_picture(picture, folder / "anchored.png")
-    return found
+    return measured
 
 
-def rounded(found: Difference) -> dict[str, float]:
+def rounded(measured: Difference) -> dict[str, float]:
     """Figures for the report."""
-    return {name: round(value, _DIGITS) for name, value in asdict(found).items()}
+    return {name: round(value, _DIGITS) for name, value in asdict(measured).items()}
 
 
 def _line(row: dict[str, Any] | None, failure: str | None) -> str:

@@ -95,7 +95,7 @@ def measure(event: Mapping[str, Any], encoder: Encoder) -> dict[str, dict[str, A
         torch.autograd.grad(output, list(values.values()), retain_graph=True, allow_unused=True)
         for output in outputs
     ]
-    found = {}
+    agreement = {}
     for i, step in enumerate(steps):
         rate = (torch.tensor(step["high"]) - torch.tensor(step["low"])) / step["du"]
         ours = torch.stack([torch.zeros(()) if s[i] is None else (s[i] * rate).sum() for s in slopes])
@@ -104,11 +104,11 @@ def measure(event: Mapping[str, Any], encoder: Encoder) -> dict[str, dict[str, A
                 functionals(_picture(step[f"{end}_picture"]), mask, encoder, caption)
                 for end in ("low", "high")
             )
-        found[f"{event['name']}: {step['key']}"] = {
+        agreement[f"{event['name']}: {step['key']}"] = {
             "family": step["family"],
             **compare(ours, (high - low) / step["du"]),
         }
-    return found
+    return agreement
 
 
 def functionals(display: Tensor, mask: Tensor, encoder: Encoder, caption: Tensor) -> Tensor:
@@ -122,9 +122,11 @@ def functionals(display: Tensor, mask: Tensor, encoder: Encoder, caption: Tensor
     """
     light = 100 * luminance(linear_from_srgb(display))
     colors = torch.cat((light, lab_from_srgb(display)), -1)
-    seen = encoder.encode_images(augment.whole(display.permute(2, 0, 1)[None], encoder.size))
+    features = encoder.encode_images(augment.whole(display.permute(2, 0, 1)[None], encoder.size))
     cells = adaptive_avg_pool2d(light.permute(2, 0, 1), _CELLS).flatten()
-    return torch.cat((mean(colors, mask), mean(colors, 1 - mask), 1 - (seen @ caption.T).flatten(), cells))
+    return torch.cat(
+        (mean(colors, mask), mean(colors, 1 - mask), 1 - (features @ caption.T).flatten(), cells)
+    )
 
 
 def compare(ours: Tensor, cycles: Tensor) -> dict[str, Any]:

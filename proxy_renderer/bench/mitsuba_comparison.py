@@ -86,14 +86,14 @@ def _row(event: dict[str, Any], folder: Path, size: int, step: Step) -> dict[str
     save_picture(reference, folder / "cycles.png")
     save_picture(picture, folder / "proxy.png")
     ours = {"step_ms": step(scene, learned(scene), size), **rounded(difference(picture, reference))}
-    told, pictures = _mitsuba(Path(event["job"]), size)
+    output, pictures = _mitsuba(Path(event["job"]), size)
     theirs = {}
     for samples, linear in pictures.items():
         with torch.no_grad():
             shown = proxy.film.develop(torch.from_numpy(linear), {})
         save_picture(shown, folder / f"mitsuba_{samples}.png")
-        theirs[samples] = {"step_ms": told["step_ms"][samples], **rounded(difference(shown, reference))}
-    return {"proxy": ours, "mitsuba": theirs, "version": told["version"], "learned": learned(scene)}
+        theirs[samples] = {"step_ms": output["step_ms"][samples], **rounded(difference(shown, reference))}
+    return {"proxy": ours, "mitsuba": theirs, "version": output["version"], "learned": learned(scene)}
 
 
 def _mitsuba(job: Path, size: int) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
@@ -109,10 +109,10 @@ def _mitsuba(job: Path, size: int) -> tuple[dict[str, Any], dict[str, np.ndarray
             env=environment(),
         )
         if done.returncode != 0:
-            said = next((line for line in done.stderr.splitlines() if line.strip()), "nothing")
-            raise VibeError(f"Mitsuba ended with code {done.returncode}: {said.strip()[:160]}.", _LLVM)
-        told = json.loads(done.stdout.splitlines()[-1])
-        return told, {path.stem: np.load(path) for path in sorted(Path(folder).glob("*.npy"), key=_number)}
+            first_line = next((line for line in done.stderr.splitlines() if line.strip()), "nothing")
+            raise VibeError(f"Mitsuba ended with code {done.returncode}: {first_line.strip()[:160]}.", _LLVM)
+        output = json.loads(done.stdout.splitlines()[-1])
+        return output, {path.stem: np.load(path) for path in sorted(Path(folder).glob("*.npy"), key=_number)}
 
 
 def _number(path: Path) -> int:

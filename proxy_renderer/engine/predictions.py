@@ -51,10 +51,10 @@ def predict(proxy: Proxy, outcome: Outcome, number: int, job: Path) -> list[str]
 def variants(proxy: Proxy, outcome: Outcome, number: int, job: Path) -> list[Image.Image]:
     """Draws a shot of every variant; arguments as for `predict`."""
     pictures = []
-    for place, found in enumerate(outcome.variants, start=1):
-        proxy.correction, *_ = found.anchors[number]
+    for place, look in enumerate(outcome.variants, start=1):
+        proxy.correction, *_ = look.anchors[number]
         path = job / variant(place)
-        report.save_picture(_drawn(proxy, found, number).display, path)
+        report.save_picture(_drawn(proxy, look, number).display, path)
         with Image.open(path) as image:
             pictures.append(image.convert("RGB"))
     return pictures

@@ -78,13 +78,13 @@ def plain(values: Values) -> float | list[float]:
 
 def versions() -> dict[str, str]:
     """What the engine runs on."""
-    found = {"vibe-render": __version__, "python": platform.python_version()}
+    installed = {"vibe-render": __version__, "python": platform.python_version()}
     for package in _PACKAGES:
         try:
-            found[package] = metadata.version(package)
+            installed[package] = metadata.version(package)
         except metadata.PackageNotFoundError:
             continue
-    return found
+    return installed
 
 
 def save_picture(picture: Tensor, path: Path) -> None:

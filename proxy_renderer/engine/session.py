@@ -120,7 +120,7 @@ class EngineSession:
             for shot, row in zip(self.shots, pictures, strict=True)
         ]
         report.save_image(report.compare(rows, self.prompt), Path(self.shots[0].job) / messages.VARIANTS)
-        return [_variant(found, number) for number, found in enumerate(outcome.variants, start=1)]
+        return [_variant(look, number) for number, look in enumerate(outcome.variants, start=1)]
 
     def finish(self, request: messages.Finish) -> messages.Finished:
         """Measures Cycles' pictures against the prediction and the words, and composes them."""
@@ -177,8 +177,8 @@ class EngineSession:
         assert encoder is not None
         with torch.no_grad():
             batch = torch.from_numpy(picture).permute(2, 0, 1)[None].to(encoder.device)
-            seen = encoder.encode_images(augment.whole(batch, encoder.size))
-            return round(float((seen @ encoder.encode_texts([self._caption]).T).item()), 4)
+            features = encoder.encode_images(augment.whole(batch, encoder.size))
+            return round(float((features @ encoder.encode_texts([self._caption]).T).item()), 4)
 
     def _facts(self, outcome: pipeline.Outcome, encoder: Encoder) -> dict[str, Any]:
         """The fields of report.json that the engine knows."""
@@ -203,10 +203,10 @@ class EngineSession:
         }
 
 
-def _variant(found: pipeline.Outcome, number: int) -> messages.Variant:
-    values = report.changed_values(found, found.shots[0])
-    reasons = {key: found.plan[key].reason for key in values if key in found.plan}
-    return messages.Variant(values, predictions.variant(number), round(found.loss, 4), reasons)
+def _variant(look: pipeline.Outcome, number: int) -> messages.Variant:
+    values = report.changed_values(look, look.shots[0])
+    reasons = {key: look.plan[key].reason for key in values if key in look.plan}
+    return messages.Variant(values, predictions.variant(number), round(look.loss, 4), reasons)
 
 
 def _drawn(path: Path, shape: tuple[int, int]) -> np.ndarray:

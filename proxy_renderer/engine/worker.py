@@ -162,9 +162,9 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
             wire.send(_file_trouble(request, error))
         except Exception as error:
             traceback.print_exc()
-            said = " ".join(f"{type(error).__name__}: {error}".split())[:300]
+            reason = " ".join(f"{type(error).__name__}: {error}".split())[:300]
             wire.send(
-                messages.Error(f"The engine failed: {said}.", "Please report this with the engine's log.")
+                messages.Error(f"The engine failed: {reason}.", "Please report this with the engine's log.")
             )
 
 

@@ -34,8 +34,8 @@ class Attributes:
 
     def __init__(self, encoder: Encoder, heads: AttributeHeads, targets: Mapping[str, str]) -> None:
         self.encoder, self._heads = encoder, heads
-        known = ((a, c, heads.names.get(a, [])) for a, c in targets.items())
-        self.targets = {a: classes.index(c) for a, c, classes in known if c in classes}
+        pairs = ((a, c, heads.names.get(a, [])) for a, c in targets.items())
+        self.targets = {a: classes.index(c) for a, c, classes in pairs if c in classes}
 
     def look(
         self, display: Tensor, mask: Tensor, count: int, generator: torch.Generator
@@ -50,8 +50,8 @@ class Attributes:
         """Mean over the attributes of how far each is from being there, as far as its head can tell, by features."""
         logits, losses = self._heads.read(whole, subject), []
         for attribute, target in self.targets.items():
-            seen = logits[attribute][:1] if attribute in _FULL_FRAME else logits[attribute]
-            entropy = F.cross_entropy(seen, torch.full((len(seen),), target, device=seen.device))
+            scores = logits[attribute][:1] if attribute in _FULL_FRAME else logits[attribute]
+            entropy = F.cross_entropy(scores, torch.full((len(scores),), target, device=scores.device))
             losses.append(self._heads.skill[attribute] * F.relu(entropy - _SURE))
         return torch.stack(losses).mean()
 

@@ -156,8 +156,8 @@ class PromptGuidance:
             toward = direction_loss(features["whole"], self.start, self.positive["whole"], self.plain)
             terms["direction"] = w.direction * toward
         if self.wanted:
-            seen = self._of_heads(self.wanted, display, mask, features, generator)
-            terms["attributes"] = w.attributes * self.wanted.loss(*seen)
+            for_heads = self._of_heads(self.wanted, display, mask, features, generator)
+            terms["attributes"] = w.attributes * self.wanted.loss(*for_heads)
         lab = lab_from_srgb(display)
         for region, target in self.colors.items():
             terms[f"{region} color"] = w.color * color_loss(
@@ -190,13 +190,13 @@ class PromptGuidance:
         wanted: Attributes,
         display: Tensor,
         mask: Tensor,
-        seen: dict[str, Tensor],
+        features: dict[str, Tensor],
         dice: torch.Generator,
     ) -> tuple[Tensor, Tensor]:
         """Features of the whole and of the subject for the heads; of their own encoder there are some already."""
         if wanted.encoder is not self.encoder:
             return wanted.look(display, mask, self.views.whole, dice)
-        return seen["whole"], seen["subject"][:: regions.EVERY_PLAIN]
+        return features["whole"], features["subject"][:: regions.EVERY_PLAIN]
 
     def _margin(self, features: Tensor, region: str) -> float:
         """How alike this encoder finds the starting picture and the region's phrases on average."""

@@ -37,8 +37,8 @@ class GlobalGuidance:
 
     def __call__(self, display: Tensor, mask: Tensor, generator: torch.Generator) -> dict[str, Tensor]:
         """The one term; the mask is not looked at."""
-        seen = regions.whole_views(display, self.views.whole, generator, self.encoder.size)
-        return {"whole": positive_loss(self.encoder.encode_images(seen), self.text)}
+        views = regions.whole_views(display, self.views.whole, generator, self.encoder.size)
+        return {"whole": positive_loss(self.encoder.encode_images(views), self.text)}
 
     def measure(self, display: Tensor, mask: Tensor) -> dict[str, float]:
         """Nothing: the baseline does not know what the words ask for."""

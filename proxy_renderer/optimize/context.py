@@ -54,8 +54,8 @@ def scene_words(*scenes: SceneData) -> SceneWords:
 def plan_context(proxy: Proxy, values: dict[str, Values], picture: Render) -> PlanContext:
     """What the planner knows: the scene, where its values are now, and what that looks like."""
     scene = proxy.scene
-    seen = _look(proxy, values)
-    world, materials = coverage(scene, *seen)
+    rays = _look(proxy, values)
+    world, materials = coverage(scene, *rays)
     textures = {m.name: m.texture.image for m in scene.materials if m.texture is not None}
     return PlanContext(
         camera_azimuth=values["camera/azimuth"][0] if "camera/azimuth" in values else 0.0,
@@ -68,7 +68,7 @@ def plan_context(proxy: Proxy, values: dict[str, Values], picture: Render) -> Pl
         environment_luminance=_environment_luminance(scene),
         texture_luminance={name: float(arrays.luminance(image).mean()) for name, image in textures.items()},
         values=values,
-        picture=replace(picture_stats(picture), materials=_material_colors(scene, seen[0], picture)),
+        picture=replace(picture_stats(picture), materials=_material_colors(scene, rays[0], picture)),
     )
 
 
@@ -133,13 +133,13 @@ def _material_colors(scene: SceneData, material: Tensor, picture: Render) -> dic
     display = picture.display.detach().cpu().permute(2, 0, 1)[None]
     small = F.interpolate(display, (_GRID, _GRID), mode="area")[0].permute(1, 2, 0)
     lab = lab_from_srgb(small).reshape(-1, 3)
-    found: dict[str, Lab] = {}
+    colors: dict[str, Lab] = {}
     for index, m in enumerate(scene.materials):
         here = material == index
         if int(here.sum()) >= _SEEN:
             light, a, b = lab[here].mean(0).tolist()
-            found[m.name] = (light, a, b)
-    return found
+            colors[m.name] = (light, a, b)
+    return colors
 
 
 def picture_size(resolution: tuple[int, int], longest: int) -> tuple[int, int]:

@@ -16,12 +16,12 @@ _FLAT = 1e-12  # twice the area, seen from above, below which a triangle is a wa
 def elevations(scene: SceneData) -> dict[str, tuple[float, float]]:
     """Light -> lowest and highest elevation in degrees; a lamp that is beyond already is the artist's affair."""
     below, above = _heights(scene)
-    found = {}
+    ranges = {}
     for light in scene.lights:
         limits = _limits(light, scene.pivot, below, above)
         if limits != (-90.0, 90.0):
-            found[light.name] = limits
-    return found
+            ranges[light.name] = limits
+    return ranges
 
 
 def _limits(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The inner loop: Adam inside the feasible box, stabilised (Algorithm 1, steps 8 to 15)."""
+"""The inner loop: Adam inside the feasible box, stabilized (Algorithm 1, lines 8 to 15)."""
 
 from __future__ import annotations
 
@@ -55,13 +55,13 @@ class StepSettings:
 
 @dataclass
 class Descent:
-    """What the inner loop found.
+    """The result of an inner loop.
 
     Attributes:
-        u: The best point seen, judged on the fixed views.
-        loss: Its loss there.
-        start_loss: The loss that the loop started with.
-        steps: Steps taken.
+        u: (N,) the point of least loss on the fixed views.
+        loss: Its loss on them.
+        start_loss: The loss of the loop's start on them.
+        steps: Steps taken, at most T.
         repairs: Times that a non-finite loss or gradient was rolled back.
     """
 
@@ -91,7 +91,7 @@ def descend(
         chosen: (N,) bool, the components that may move.
         lower: (N,) lower corner of the feasible box.
         upper: (N,) upper corner.
-        steps: Most steps.
+        steps: T, the most steps.
         seed: Of the random views.
         settings: Of the loop.
         on_step: Called with (step from 1, loss, picture) after each step; True ends the loop.
@@ -110,16 +110,16 @@ def descend(
         losses = []
         with torch.no_grad():
             for shot in range(objective.shots):
-                seen = picture if shot == drawn else objective.render(point, shot)
-                losses.append(float(objective.loss(seen, point, fixed_views(), shot)))
+                shown = picture if shot == drawn else objective.render(point, shot)
+                losses.append(float(objective.loss(shown, point, fixed_views(), shot)))
         return sum(losses) / len(losses)
 
     best = Descent(u.clone(), math.inf, math.inf)
     position, optimizer = _restart(((u - lower)[chosen] / span).clone(), settings.rate)
     stale = 0
-    for step in range(1, steps + 2):  # the last turn only judges
+    for step in range(1, steps + 2):  # line 8; the last turn only judges
         point, shot = place(position), (step - 1) % objective.shots
-        picture = objective.render(point, shot)
+        picture = objective.render(point, shot)  # line 9
         if (step - 1) % settings.every == 0 or step > steps:
             score = judge(point.detach(), picture, shot)
             best.start_loss = score if step == 1 else best.start_loss
@@ -128,9 +128,9 @@ def descend(
                 best.u, best.loss = point.detach().clone(), score
         if step > steps or stale > settings.patience:
             break
-        loss = objective.loss(picture, point, generator, shot)
+        loss = objective.loss(picture, point, generator, shot)  # lines 10 to 12
         best.steps = step
-        if _backward(loss, position, settings.clip):
+        if _backward(loss, position, settings.clip):  # line 13, and 14: clip, project, repair
             optimizer.param_groups[0]["lr"] = _rate(settings.rate * 0.5**best.repairs, step, steps)
             optimizer.step()
             with torch.no_grad():
@@ -170,7 +170,7 @@ def _backward(loss: Tensor, position: Tensor, clip: float) -> bool:
     return True
 
 
-def promise(objective: Objective, u: Tensor, lower: Tensor, upper: Tensor) -> Tensor:
+def first_order_gain(objective: Objective, u: Tensor, lower: Tensor, upper: Tensor) -> Tensor:
     """(N,) how much the loss could fall, to first order, by moving each component within the box."""
     point = u.clone().requires_grad_()
     for shot in range(objective.shots):

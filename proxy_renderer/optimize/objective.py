@@ -74,14 +74,14 @@ class RoundObjective:
 
     def account(self, u: Tensor) -> dict[str, dict[str, float]]:
         """What u is worth: its weighted terms, and how sure the named attributes are; means over the shots."""
-        terms, seen = [], []
+        terms, probabilities = [], []
         for number, shot in enumerate(self.seen):
             with torch.no_grad():
                 picture = shot.draw(u)
                 terms.append({k: float(v) for k, v in self._terms(picture, fixed_views(), number).items()})
             assert shot.guidance is not None
-            seen.append(shot.guidance.measure(picture.display, picture.mask))
-        return {"terms": _means(terms, 4), "seen": _means(seen, 3)}
+            probabilities.append(shot.guidance.measure(picture.display, picture.mask))
+        return {"terms": _means(terms, 4), "seen": _means(probabilities, 3)}
 
     def _terms(self, picture: Render, generator: torch.Generator, shot: int) -> dict[str, Tensor]:
         guidance = self.seen[shot].guidance

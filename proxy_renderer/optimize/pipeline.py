@@ -36,22 +36,22 @@ CONVERGED = 0.005
 
 @dataclass
 class Outcome:
-    """What a vibe found.
+    """The result of a vibe.
 
     Attributes:
         vector: The parameters of u.
-        u: The values found, see `ParameterVector.values`.
+        u: (N,) the final point, θ^(R); see `ParameterVector.values`.
         plan: The last round's plan.
-        ranges: The last round's (lower, upper) by key, azimuths turned as the values are.
+        ranges: Key -> the last round's (lower, upper) in schema units, azimuths turned as the values are.
         optimized: Keys that some round optimized.
         parsed: The prompt, understood.
         prompts: What the encoder was asked.
         rounds: One record per round: parameters, loss at start and end, its terms, steps, seconds.
-        shots: What drew and judged it.
+        shots: The shots, each with its proxy and guidance.
         anchors: For each shot, the corrections that hold at u.
         loss: Of the last round, at u.
         stopped: Whether the observer ended the loop.
-        variants: All that were found, if several were asked for; the best first.
+        variants: All variants, if several were asked for; the one of least loss first.
     """
 
     vector: ParameterVector
@@ -95,67 +95,72 @@ def run(
         advisor: Parses, composes and confines; None for the offline planner.
 
     Returns:
-        The best of what was found; all of it is in its `variants`, where several were asked for.
+        The outcome of least loss; all of them are in its `variants`, where several were asked for.
 
     Raises:
         VibeError: If no word of the prompt is known, or nothing that the words touch may change.
     """
     search = Search(views, prompt, options, encoder, heads, observer, advisor)
-    found = []
+    outcomes = []
     for start in search.find_starts():
-        found.append(refine(search, start))
-        if found[-1].stopped:
+        outcomes.append(refine(search, start))
+        if outcomes[-1].stopped:
             break
-    found.sort(key=lambda outcome: outcome.loss)
-    best = found[0]
+    outcomes.sort(key=lambda outcome: outcome.loss)
+    best = outcomes[0]
     best.recall()
-    best.variants = found if search.several else []
+    best.variants = outcomes if search.several else []
     return best
 
 
 def refine(search: Search, start: Start) -> Outcome:
-    """The rounds of Algorithm 1 from one start."""
+    """The rounds of Algorithm 1 from one start.
+
+    Where the paper writes θ, this is u: θ on perceptual scales. Comments name the algorithm's lines.
+    """
     u, plan, loss = start.u, Plan(), math.inf
     rounds: list[dict[str, Any]] = []
-    for number in range(search.rounds):
+    for number in range(search.rounds):  # 1: r = 0 … R - 1
         started = time.monotonic()
-        now = search.confine(u, plan, start)
-        u, plan = now.u, now.plan
+        confined = search.confine(u, plan, start)  # 2 to 5 and 7: render, parse, compose, confine, project
+        u, plan = confined.u, confined.plan
         search.renew(u, search.number, slack=STRIDE)
-        chosen, objective = search.objective(now, u)
-        movable = search.vector.mark(chosen) & (now.upper > now.lower)
+        chosen, objective = search.objective(confined, u)  # 6: S_K
+        movable = search.vector.mark(chosen) & (confined.upper > confined.lower)
         seed = search.options.seed * 1000 + search.number
         follow = search.clock.follow(search.number)
         steps = search.options.steps
-        found = descend(objective, u, movable, now.lower, now.upper, steps, seed, StepSettings(), follow)
-        u, loss = found.u, found.loss
+        descent = descend(
+            objective, u, movable, confined.lower, confined.upper, steps, seed, StepSettings(), follow
+        )  # 8 to 15
+        u, loss = descent.u, descent.loss  # 16
         search.number += 1
         rounds.append(
             {
                 "parameters": chosen,
-                "loss": [found.start_loss, found.loss],
+                "loss": [descent.start_loss, descent.loss],
                 **objective.account(u),
-                "steps": found.steps,
-                "repairs": found.repairs,
-                "advice": now.advice.source,
+                "steps": descent.steps,
+                "repairs": descent.repairs,
+                "advice": confined.advice.source,
                 "seconds": round(time.monotonic() - started, 3),
             }
         )
-        gained = found.start_loss - found.loss
-        if search.clock.stopped or not chosen or (number and gained < CONVERGED * abs(found.start_loss)):
+        gained = descent.start_loss - descent.loss
+        if search.clock.stopped or not chosen or (number and gained < CONVERGED * abs(descent.start_loss)):
             break
     search.number += search.rounds - len(rounds)
     search.renew(u, search.number - 1)
     if start.drawn is not None:
         plan = starts.with_reasons(plan, search.vector, u)
-    return Outcome(
+    return Outcome(  # 18
         vector=search.vector,
         u=u,
         plan=plan,
-        ranges=now.ranges,
+        ranges=confined.ranges,
         optimized={key for record in rounds for key in record["parameters"]},
-        parsed=now.advice.parsed,
-        prompts=now.advice.prompts,
+        parsed=confined.advice.parsed,
+        prompts=confined.advice.prompts,
         shots=search.shots,
         anchors=[shot.anchoring.newest for shot in search.shots],
         loss=loss,

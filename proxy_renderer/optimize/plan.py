@@ -15,23 +15,25 @@ _OCTAVE = 1.5
 _FAINTEST = 2.0**-20
 
 
-def top_k(plan: Plan, k: int, movable: Mapping[str, bool], promise: Mapping[str, float]) -> list[str]:
-    """The K most important of the relevant parameters (equation 7), refined by what they promise.
+def top_k(
+    plan: Plan, k: int, movable: Mapping[str, bool], first_order_gain: Mapping[str, float]
+) -> list[str]:
+    """The K most important of the relevant parameters (equation 7), refined by how much they can still lower the loss.
 
     Those without a priority, and those that cannot move, are dropped before anything is ranked.
-    Among the others, promising half as much costs one and a half places: a parameter at the right
+    Among the others, half the gain costs one and a half places: a parameter at the right
     end of its range, or where the loss is flat, makes room for one that still helps.
 
     Args:
         plan: Entries by key; a smaller priority is more important, None is irrelevant.
         k: How many keys at most; a color counts as one.
         movable: Key -> whether its feasible range is more than a point.
-        promise: Key -> how much the loss could fall, to first order, by moving it within its range.
+        first_order_gain: Key -> how much the loss could fall, to first order, by moving it within its range.
     """
-    most = max(promise.values(), default=0.0)
+    most = max(first_order_gain.values(), default=0.0)
 
     def rank(key: str) -> tuple[float, str]:
-        share = promise.get(key, 0.0) / most if most > 0.0 else 1.0
+        share = first_order_gain.get(key, 0.0) / most if most > 0.0 else 1.0
         return (plan[key].priority or 0) - _OCTAVE * math.log2(max(share, _FAINTEST)), key
 
     relevant = [key for key, entry in plan.items() if entry.priority is not None and movable[key]]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the rounds of a vibe share, wherever they start: confiner, guidance, and what a round minimizes."""
+"""What the rounds of Algorithm 1 share: the starts, the confiner (lines 2 to 5 and 7), S_K (line 6) and the objective L."""
 
 from __future__ import annotations
 
@@ -18,14 +18,15 @@ from ..planning.advice import Advice, Advisor, OfflineAdvisor
 from ..prompt.types import Plan, PlanEntry
 from ..render.proxy import Proxy, Render
 from ..scene import SceneData
-from ..schema import Values, VibeError
+from ..schema import Values
 from ..schema.messages import Options
 from . import context, starts
 from .baseline import GlobalGuidance, plan_everything
-from .inner import StepSettings, descend, fixed_views, promise
+from .inner import StepSettings, descend, fixed_views
 from .objective import RoundObjective
-from .plan import carry, feasible_ranges, lock, top_k
+from .plan import carry, feasible_ranges, lock
 from .progress import Clock, Observer
+from .selection import pull, select
 from .shots import ShotInput, ShotState, enter, share
 from .vector import ParameterVector, project
 
@@ -35,7 +36,12 @@ INNER_SIZE, _LEAST_SIZE = 256, 192
 
 @dataclass
 class Start:
-    """Where a refinement starts. `drawn` (N,) are the components that were drawn at random, and stay near u (N,)."""
+    """Where a refinement starts.
+
+    Attributes:
+        u: (N,) the point.
+        drawn: (N,) bool, the components that were drawn at random; they stay near u. None for the artist's scene.
+    """
 
     u: Tensor
     drawn: Tensor | None = None
@@ -43,7 +49,16 @@ class Start:
 
 @dataclass
 class Confined:
-    """A round's parse, prompts and plan (steps 3 to 7 of Algorithm 1), and where they leave u (N,)."""
+    """A round, confined: lines 3 to 5 and 7 of Algorithm 1.
+
+    Attributes:
+        advice: Objects and attributes O, prompts p and negative prompts p⁻.
+        plan: Range and priority π_i of every parameter, by key.
+        ranges: Key -> (l_i, u_i) in schema units, azimuths turned to where the values are.
+        lower: (N,) lower corner of the feasible box in u.
+        upper: (N,) upper corner.
+        u: (N,) the point, projected into the box.
+    """
 
     advice: Advice
     plan: Plan
@@ -59,10 +74,10 @@ class Search:
     Attributes:
         several: Whether variants are wanted.
         vector: The parameters of u.
-        shots: What draws and judges it, one or several; the first one leads: plans are made for it.
-        rounds: How many there are at most from each start.
-        clock: Tells the observer how far all of it is.
-        number: Of the current round, over all starts.
+        shots: One or several, each with its proxy and guidance. Plans are made for the first.
+        rounds: R, the most rounds from each start.
+        clock: Reports progress to the observer.
+        number: Of the current round, counted over all starts.
     """
 
     def __init__(
@@ -95,7 +110,11 @@ class Search:
         self.number = 0
 
     def find_starts(self) -> list[Start]:
-        """The artist's scene; or the best of several starts after a coarse first pass, as different as they can be."""
+        """The artist's scene; with variants or several starts, points drawn in the plan's ranges and tried in a coarse pass.
+
+        Returns:
+            One start for each variant: those of least loss among which the pictures differ most.
+        """
         home = self.vector.encode({})
         number = starts.count(self.options)
         if number == 1:
@@ -119,20 +138,24 @@ class Search:
         return [Start(tried[i][0], own if i else None) for i in chosen]
 
     def _try(self, point: Tensor, now: Confined) -> tuple[Tensor, float, Tensor]:
-        """A few steps from a start on few views: where they lead, its loss on all views, and its picture."""
-        chosen, objective = self.objective(now, point, [_hasty(shot) for shot in self.shots])
+        """A coarse pass: a few steps on few views.
+
+        Returns:
+            The end point (N,), its loss on all views, and the first shot's picture (H, W, 3).
+        """
+        chosen, objective = self.objective(now, point, [_with_few_views(shot) for shot in self.shots])
         movable = self.vector.mark(chosen) & (now.upper > now.lower)
         steps, seed = starts.COARSE_STEPS, self.options.seed
         u = descend(
-            objective, point, movable, now.lower, now.upper, steps, seed, StepSettings(), self._heedful
+            objective, point, movable, now.lower, now.upper, steps, seed, StepSettings(), self._stop_asked
         ).u
         with torch.no_grad():
             pictures = [shot.draw(u) for shot in self.shots]
-            losses = [_worth(shot, seen) for shot, seen in zip(self.shots, pictures, strict=True)]
+            losses = [_loss(shot, picture) for shot, picture in zip(self.shots, pictures, strict=True)]
         return u, sum(losses) / len(losses), pictures[0].display
 
-    def _heedful(self, step: int, loss: float, picture: Render) -> bool:
-        """Ends a loop that nobody follows when the artist says stop."""
+    def _stop_asked(self, step: int, loss: float, picture: Render) -> bool:
+        """Callback of the coarse pass, which reports no progress: True ends it."""
         return self.observer.stopped()
 
     def renew(self, u: Tensor, number: int, **options: float) -> None:
@@ -141,7 +164,13 @@ class Search:
             shot.anchoring.renew(u, number, **options)
 
     def confine(self, u: Tensor, earlier: Plan, start: Start | None) -> Confined:
-        """Parses, composes, confines and projects, at u (N,)."""
+        """Lines 2 to 5 and 7 of Algorithm 1 at u: render, parse, compose, confine, project.
+
+        Args:
+            u: (N,) the point.
+            earlier: The plan of the round before; empty for the first.
+            start: Where this refinement started; None for the artist's scene.
+        """
         self.renew(u, self.number)
         advice, plan = self._advise(u)
         plan = carry(plan, earlier)
@@ -161,7 +190,7 @@ class Search:
         return Confined(advice, plan, ranges, lower, upper, project(u, lower, upper))
 
     def _advise(self, u: Tensor) -> tuple[Advice, Plan]:
-        """What to do at u (N,): as the first shot asks, and for what it does not show, as the others do."""
+        """The advice for the first shot at u (N,), and a plan with entries of the others for what only they have."""
         advice: Advice | None = None
         entries: dict[str, PlanEntry] = {}
         for shot in self.shots:
@@ -169,9 +198,9 @@ class Search:
                 continue
             picture = shot.draw(u)
             now = context.plan_context(shot.proxy, shot.vector.values(u), picture)
-            found = self.advisor.advise(picture.display, shot.vector.instances, now)
-            entries = {shot.names[own]: entry for own, entry in found.plan.items()} | entries
-            advice = advice or found
+            asked = self.advisor.advise(picture.display, shot.vector.instances, now)
+            entries = {shot.names[own]: entry for own, entry in asked.plan.items()} | entries
+            advice = advice or asked
         assert advice is not None
         return advice, Plan({key: entries[key] for key in self.vector.instances}, advice.plan.notes)
 
@@ -179,15 +208,15 @@ class Search:
         self, now: Confined, u: Tensor, shots: Sequence[ShotState] = ()
     ) -> tuple[list[str], RoundObjective]:
         """S_K, and what is minimized over it, in these shots or in all."""
-        seen = shots or self.shots
-        chosen = select(now.plan, self.vector, seen, u, now.lower, now.upper, self.options)
+        judged = shots or self.shots
+        chosen = select(now.plan, self.vector, judged, u, now.lower, now.upper, self.options)
         weight = pull(now.plan, self.vector, chosen)
         return chosen, RoundObjective(
-            seen, self.vector, set(chosen), now.lower, now.upper, weight, self.weights
+            judged, self.vector, set(chosen), now.lower, now.upper, weight, self.weights
         )
 
 
-def _hasty(shot: ShotState) -> ShotState:
+def _with_few_views(shot: ShotState) -> ShotState:
     """The same shot, judged on few views."""
     guidance = copy(shot.guidance)
     assert guidance is not None
@@ -195,7 +224,7 @@ def _hasty(shot: ShotState) -> ShotState:
     return replace(shot, guidance=guidance)
 
 
-def _worth(shot: ShotState, picture: Render) -> float:
+def _loss(shot: ShotState, picture: Render) -> float:
     assert shot.guidance is not None
     terms = shot.guidance(picture.display, picture.mask, fixed_views())
     return float(torch.stack([*terms.values()]).sum())
@@ -204,49 +233,13 @@ def _worth(shot: ShotState, picture: Render) -> float:
 def make_guidance(
     encoder: Encoder, heads: Encoder | None, prompt: str, options: Options, advice: Advice, start: Render
 ) -> Guidance:
-    """The objective's terms, calibrated on the artist's picture."""
+    """The guidance for a prompt, calibrated on the artist's picture `start`; the baseline's is L_pos(I, t) alone."""
     parsed = advice.parsed
     if options.baseline:
         return GlobalGuidance(encoder, prompt, Views())
     silhouette = any(a.entry == "silhouette" and not a.negated for a in parsed.attributes)
     first = (start.display, start.mask)
     return PromptGuidance(encoder, heads, advice.prompts, parsed.targets, parsed.colors, first, silhouette)
-
-
-def select(
-    plan: Plan,
-    vector: ParameterVector,
-    shots: Sequence[ShotState],
-    u: Tensor,
-    lower: Tensor,
-    upper: Tensor,
-    options: Options,
-) -> list[str]:
-    """S_K: the K parameters that gradients go to; the baseline's are all that can move."""
-    movable = {key: bool((upper > lower)[part].any()) for key, part in vector.slices.items()}
-    relevant = {key for key, entry in plan.items() if entry.priority is not None and movable[key]}
-    if all(plan[key].prior > 0.0 for key in relevant):
-        raise VibeError(
-            "Nothing that the words name may change in this scene.",
-            "Unlock something, allow more groups, or use other words.",
-        )
-    if options.baseline:
-        return sorted(relevant)
-    # Moving the camera means tracing everything again: only words are worth that.
-    felt = {k for k in relevant if vector.instances[k].parameter.group != "camera" or plan[k].prior == 0.0}
-    probe = RoundObjective(shots, vector, felt, lower, upper, torch.zeros_like(u), None)
-    gain = promise(probe, u, lower, upper)
-    return top_k(
-        plan, options.top_k, movable, {k: float(gain[part].sum()) for k, part in vector.slices.items()}
-    )
-
-
-def pull(plan: Plan, vector: ParameterVector, chosen: list[str]) -> Tensor:
-    """(N,) weight in [0, 1] of the prior: on what is optimized though no word named it."""
-    weight = torch.zeros(vector.size, dtype=torch.float64)
-    for key in chosen:
-        weight[vector.slices[key]] = plan[key].prior
-    return weight
 
 
 def inner_size(scene: SceneData, options: Options, encoder: Encoder) -> tuple[int, int]:

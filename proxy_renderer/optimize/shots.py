@@ -100,11 +100,11 @@ def share(
             if number > 1 and instance.parameter.group in own:
                 instance = replace(instance, owner=f"shot {number}")
             mine[key] = instance.key
-            known = shared.setdefault(instance.key, instance)
-            moves = files.setdefault(instance.key, view.file) == view.file and not _alike(known, instance)
-            reason = known.locked or instance.locked or (MOVES if moves else "")
-            if reason != known.locked:
-                shared[instance.key] = replace(known, locked=reason)
+            first = shared.setdefault(instance.key, instance)
+            moves = files.setdefault(instance.key, view.file) == view.file and not _alike(first, instance)
+            reason = first.locked or instance.locked or (MOVES if moves else "")
+            if reason != first.locked:
+                shared[instance.key] = replace(first, locked=reason)
         names.append(mine)
     return shared, names
 
@@ -118,8 +118,10 @@ def enter(
     """The shots of a vector; arguments as `share` returns them."""
     shots = []
     for view, mine in zip(views, names, strict=True):
-        seen, renderer = vector.view(mine), proxy(view.scene)
-        shots.append(ShotState(view.scene, mine, seen, renderer, Anchoring(renderer, seen, view.source)))
+        own_vector, renderer = vector.view(mine), proxy(view.scene)
+        shots.append(
+            ShotState(view.scene, mine, own_vector, renderer, Anchoring(renderer, own_vector, view.source))
+        )
     return shots
 
 

@@ -74,7 +74,7 @@ def draw_starts(
 
 def roam(instances: Mapping[str, Instance], plan: Plan) -> Plan:
     """The plan, with ranges to draw from for how the scene is lit where the words leave that open."""
-    found = Plan(dict(plan), plan.notes)
+    roaming = Plan(dict(plan), plan.notes)
     for key, entry in plan.items():
         instance = instances[key]
         reach = _ROAM.get(instance.parameter.family)
@@ -84,8 +84,8 @@ def roam(instances: Mapping[str, Instance], plan: Plan) -> Plan:
         value = instance.value[0]
         low, high = ((value * end if factors else value + end) for end in ends)
         low, high = max(low, instance.lower[0]), min(high, instance.upper[0])
-        found[key] = PlanEntry((low,), (high,), _LAST, VARIED, prior=0.0)
-    return found
+        roaming[key] = PlanEntry((low,), (high,), _LAST, VARIED, prior=0.0)
+    return roaming
 
 
 def with_reasons(plan: Plan, vector: ParameterVector, u: Tensor) -> Plan:

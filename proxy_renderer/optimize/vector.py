@@ -104,8 +104,8 @@ class ParameterVector:
 
     def changes(self, u: Tensor) -> dict[str, Values]:
         """Values of u that differ from the artist's, and those that are taken."""
-        found = self.values(u)
-        return {k: v for k, v in found.items() if k in self.taken or v != self.instances[k].value}
+        values = self.values(u)
+        return {k: v for k, v in values.items() if k in self.taken or v != self.instances[k].value}
 
     def plain(self, u: Tensor) -> dict[str, Values]:
         """Values of u as plain numbers, without regard to the artist's."""

@@ -38,7 +38,7 @@ class Batch:
         flipped: (B,) attribute in which the picture differs from its group's first, -1 for none, -2 for a swap.
         variant: (B,) WHOLE, ALONE or EMPTY.
         maps: (B, CHANNELS, GRID, GRID) what every part shows, see `dense`.
-        told: (B, 1, GRID, GRID) weight of each part of the maps.
+        map_weights: (B, 1, GRID, GRID) weight of each part of the maps.
         lessons: Phrases of the language without a picture: few pictures show all that a phrase says.
         taught: (L, A) class that each of them says, -1 where it says nothing.
         masks: (B, H, W) where the subject is; empty where pictures were cropped.
@@ -51,7 +51,7 @@ class Batch:
     flipped: Tensor
     variant: Tensor
     maps: Tensor
-    told: Tensor
+    map_weights: Tensor
     lessons: list[str]
     taught: Tensor
     masks: Tensor
@@ -83,35 +83,35 @@ def make_batch(
     """
     generator, dice = torch.Generator().manual_seed(seed), random.Random(seed)
     size = size or bank["kind"].shape[-1]
-    made = _looks_of_views(bank, groups, generator, dice, shade, device)
+    drawn = _looks_of_views(bank, groups, generator, dice, shade, device)
     if real is not None:
-        made = made.after(_real_group(real, generator, made))
+        drawn = drawn.after(_real_group(real, generator, drawn))
     odds = torch.tensor([0.66, 0.26, 0.08] if augment else [1.0, 0, 0])
-    variant = torch.multinomial(odds, len(made.pictures), True, generator=generator)
+    variant = torch.multinomial(odds, len(drawn.pictures), True, generator=generator)
     truth, framed = [], []
     for g, kind in enumerate(variant.tolist()):
         pairs = (slice(0, 2), slice(2, 4)) if real is not None and not g else (slice(0, LOOKS),)
         for part in pairs:
-            pictures, maps = made.cut_and_frame(g, part, kind, augment, generator, dice)
+            pictures, maps = drawn.cut_and_frame(g, part, kind, augment, generator, dice)
             framed.append(_resized(pictures, size))
             truth.append(maps)
     maps, pictures = torch.cat(truth), torch.cat(framed)
     if augment:
         pictures = wear(pictures.unflatten(0, (-1, LOOKS)), generator).flatten(0, 1)
-    texts, mentioned = _describe(made.labels, made.flipped, variant, dice, split)
+    texts, mentioned = _describe(drawn.labels, drawn.flipped, variant, dice, split)
     each = variant.repeat_interleave(LOOKS)
     kind = each.to(maps.device)[:, None, None, None]
-    told = torch.where(kind == WHOLE, 1.0, torch.where(kind == ALONE, maps[:, :1], 1 - maps[:, :1]))
+    map_weights = torch.where(kind == WHOLE, 1.0, torch.where(kind == ALONE, maps[:, :1], 1 - maps[:, :1]))
     if real is not None:
-        told[:LOOKS] = 0.0  # nobody traced these
-    labels, flipped = made.labels.flatten(0, 1), made.flipped.flatten()
-    masks = torch.empty(0) if augment else made.masks.flatten(0, 1)
-    return Batch(pictures, labels, texts, mentioned, flipped, each, maps, told, *_lessons(dice), masks)
+        map_weights[:LOOKS] = 0.0  # nobody traced these
+    labels, flipped = drawn.labels.flatten(0, 1), drawn.flipped.flatten()
+    masks = torch.empty(0) if augment else drawn.masks.flatten(0, 1)
+    return Batch(pictures, labels, texts, mentioned, flipped, each, maps, map_weights, *_lessons(dice), masks)
 
 
 @dataclass
 class _Groups:
-    """Pictures in groups, before they are cut and told.
+    """Pictures in groups, before they are cropped and captioned.
 
     Attributes:
         pictures: (G, LOOKS, 3, H, W).

@@ -65,16 +65,16 @@ def skill(sets: Iterable[dict]) -> dict[str, float]:
 
     A set says nothing of an attribute that few of its pictures show, or nearly all in the same class.
     """
-    found: dict[str, float] = {}
+    skills: dict[str, float] = {}
     for one in sets:
         for name, right in one["heads"].items():
             blind = one["commonest"][name]
             if blind > _UNIFORM or one["comparisons"][f"heads/{name}"] < FEW:
                 continue
-            found[name] = min(
-                found.get(name, 1.0), round(max(right - blind, 0.0) / max(1.0 - blind, 1e-6), 3)
+            skills[name] = min(
+                skills.get(name, 1.0), round(max(right - blind, 0.0) / max(1.0 - blind, 1e-6), 3)
             )
-    return found
+    return skills
 
 
 def _write(path: Path, content: dict) -> None:
@@ -94,7 +94,7 @@ class Mistake:
 
 
 Sentence = Callable[[dict[str, str], str, float], str]
-"""Makes a sentence about a thing: attributes that are said, the thing's name, and a number that fixes the wording."""
+"""Makes a sentence about a thing: attributes that are stated, the thing's name, and a number that fixes the wording."""
 
 
 def shaded(bank: dict, batches: int = _BATCHES) -> Iterator[Batch]:
@@ -126,23 +126,23 @@ def judge(
         features, framed = features.cpu(), framed.cpu()
         logits = {name: value.cpu() for name, value in logits.items()}
         for name, value in logits.items():
-            known = batch.labels[:, INDEX[name]] >= 0
-            right[f"heads/{name}"] += (value.argmax(1) == batch.labels[:, INDEX[name]])[known].tolist()
-            shown[name] += batch.labels[known, INDEX[name]].tolist()
+            labeled = batch.labels[:, INDEX[name]] >= 0
+            right[f"heads/{name}"] += (value.argmax(1) == batch.labels[:, INDEX[name]])[labeled].tolist()
+            shown[name] += batch.labels[labeled, INDEX[name]].tolist()
         comparisons = _comparisons(batch, dice, sentence or describe)
         if not comparisons:
             continue
-        true = encoder.encode_texts([said for _, _, said, _ in comparisons]).cpu()
+        true = encoder.encode_texts([stated for _, _, stated, _ in comparisons]).cpu()
         false = encoder.encode_texts([otherwise for _, _, _, otherwise in comparisons]).cpu()
         shown_by = [
             (framed if asked.removeprefix("flip/") in OF_SURFACES else features)[picture]
             for asked, picture, _, _ in comparisons
         ]
         closer = (torch.stack(shown_by) * (true - false)).sum(1) > 0
-        for (asked, picture, said, otherwise), correct in zip(comparisons, closer.tolist(), strict=True):
+        for (asked, picture, stated, otherwise), correct in zip(comparisons, closer.tolist(), strict=True):
             right[asked].append(correct)
             if mistakes is not None and not correct:
-                mistakes.append(Mistake(batch.pictures[picture], asked, said, otherwise))
+                mistakes.append(Mistake(batch.pictures[picture], asked, stated, otherwise))
     share = {key: round(float(np.mean(values)), 4) for key, values in right.items() if values}
     flips = {name: share[f"flip/{name}"] for name in NAMES if f"flip/{name}" in share}
     heads = {name: share[f"heads/{name}"] for name in NAMES if f"heads/{name}" in share}
@@ -167,7 +167,7 @@ def looks_at(encoder: Encoder, batch: Batch) -> tuple[Tensor, Tensor]:
 
 def _comparisons(batch: Batch, dice: random.Random, sentence: Sentence) -> list[tuple[str, int, str, str]]:
     """(what is tested, picture, true sentence, false sentence)."""
-    found, base = [], 0
+    comparisons, base = [], 0
     for i, labels in enumerate(batch.labels.tolist()):
         noun = dice.choice(NOUNS)
         flip = int(batch.flipped[i])
@@ -175,26 +175,29 @@ def _comparisons(batch: Batch, dice: random.Random, sentence: Sentence) -> list[
         first = batch.labels[base].tolist()
         if flip >= 0 and labels[flip] >= 0 and first[flip] >= 0 and labels[flip] != first[flip]:
             name, wording = NAMES[flip], dice.random()
-            said, otherwise = (sentence(_named({name: c[flip]}), noun, wording) for c in (labels, first))
-            if said != otherwise:
-                found += [(f"flip/{name}", i, said, otherwise), (f"flip/{name}", base, otherwise, said)]
+            stated, otherwise = (sentence(_named({name: c[flip]}), noun, wording) for c in (labels, first))
+            if stated != otherwise:
+                comparisons += [
+                    (f"flip/{name}", i, stated, otherwise),
+                    (f"flip/{name}", base, otherwise, stated),
+                ]
         a, b = labels[INDEX["subject_color"]], labels[INDEX["surroundings_color"]]
         if a >= 0 and b >= 0 and a != b:
             wording = dice.random()
             pairs = ({"subject_color": x, "surroundings_color": y} for x, y in ((a, b), (b, a)))
-            said, otherwise = (sentence(_named(pair), noun, wording) for pair in pairs)
-            found.append(("swap", i, said, otherwise))
-    return found
+            stated, otherwise = (sentence(_named(pair), noun, wording) for pair in pairs)
+            comparisons.append(("swap", i, stated, otherwise))
+    return comparisons
 
 
 def _named(classes: dict[str, int]) -> dict[str, str]:
     return {name: ATTRIBUTES[name][value] for name, value in classes.items()}
 
 
-def describe(known: dict[str, str], noun: str, wording: float, split: WordingSplit = TRAINED) -> str:
+def describe(classes: dict[str, str], noun: str, wording: float, split: WordingSplit = TRAINED) -> str:
     """The attributes about one thing; the same number gives the same choices of words, as far as there are as many."""
-    said = caption(known, random.Random(wording), split=split)
-    return said if "subject_color" in known else f"{noun}, {said}"
+    stated = caption(classes, random.Random(wording), split=split)
+    return stated if "subject_color" in classes else f"{noun}, {stated}"
 
 
 def bank_of(meshes: list[Path], size: int, views: int = 24) -> dict[str, np.ndarray]:

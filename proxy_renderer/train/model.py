@@ -74,9 +74,9 @@ class Student(nn.Module):
 
     def _forget_unseen(self, captions: list[str]) -> None:
         """Zeroes the embeddings of tokens that these captions lack: an unknown word then says nothing."""
-        seen = torch.unique(self.tokenizer(captions))
+        used = torch.unique(self.tokenizer(captions))
         keep = torch.zeros(self.tokenizer.vocab_size, 1)
-        keep[seen] = 1
+        keep[used] = 1
         with torch.no_grad():
             self.clip.token_embedding.weight.mul_(keep)
 
@@ -109,11 +109,11 @@ class Student(nn.Module):
             for prefix, name in (("clip.", "open_clip_model.safetensors"), ("heads.", "heads.safetensors"))
             for key, value in load_file(folder / name).items()
         }
-        known = SimpleTokenizer(str(folder / MERGES)).encoder
+        token_ids = SimpleTokenizer(str(folder / MERGES)).encoder
         rows = self.clip.token_embedding.weight.detach().clone()
         for token, row in self.tokenizer.encoder.items():
-            if token in known:
-                rows[row] = weights["clip.token_embedding.weight"][known[token]]
+            if token in token_ids:
+                rows[row] = weights["clip.token_embedding.weight"][token_ids[token]]
         weights["clip.token_embedding.weight"] = rows
         left = self.load_state_dict(weights, strict=False)
         assert not left.unexpected_keys, left
@@ -129,9 +129,9 @@ class Student(nn.Module):
         tokens = self.tokenizer([*batch.captions[:read], *batch.lessons]).to(device)
         with torch.autocast(device.type, torch.bfloat16):
             image = self.clip.encode_image(pictures)
-            said = self.clip.encode_text(tokens)
-        image, said = F.normalize(image.float(), dim=-1), F.normalize(said.float(), dim=-1)
-        text = said[:read]
+            sentences = self.clip.encode_text(tokens)
+        image, sentences = F.normalize(image.float(), dim=-1), F.normalize(sentences.float(), dim=-1)
+        text = sentences[:read]
         labels, mentioned = batch.labels.to(device), batch.mentioned[:read].to(device)
         scale = self.clip.logit_scale.exp().clamp(max=60)
         logits = scale * image[:read] @ text.T
@@ -142,24 +142,24 @@ class Student(nn.Module):
         claims = torch.cat([mentioned, taught])
         speaks = (mentioned >= 0).any(1)
         self._count(image.detach(), batch.labels)
-        truth, weight, stress = batch.maps.to(device), batch.told.to(device), STRESS.to(device)
+        truth, weight, stress = batch.maps.to(device), batch.map_weights.to(device), STRESS.to(device)
         return {
             "dense": self.dense.loss(truth, weight),
             "contrast": (
                 F.cross_entropy(logits[speaks], own[speaks]) + F.cross_entropy(logits.T[speaks], own[speaks])
             )
             / 2,
-            "choice": _choice(scale * image @ said[read:].T, labels, taught),
+            "choice": _choice(scale * image @ sentences[read:].T, labels, taught),
             "heads": self.heads.loss(image, labels, stress),
-            "words": self.heads.loss(said, claims.masked_fill(claims < 0, -100), stress),
+            "words": self.heads.loss(sentences, claims.masked_fill(claims < 0, -100), stress),
         }
 
     @torch.no_grad()
     def _count(self, image: Tensor, labels: Tensor) -> None:
         for i, (name, logits) in enumerate(self.heads.logits(image).items()):
-            known = labels[:, i] >= 0
-            self.tally[name][0] += int((logits.argmax(1).cpu() == labels[:, i])[known].sum())
-            self.tally[name][1] += int(known.sum())
+            labeled = labels[:, i] >= 0
+            self.tally[name][0] += int((logits.argmax(1).cpu() == labels[:, i])[labeled].sum())
+            self.tally[name][1] += int(labeled.sum())
 
 
 def _choice(logits: Tensor, labels: Tensor, taught: Tensor) -> Tensor:

@@ -202,14 +202,14 @@ def train(
     elif start:
         trainer.start_from(start)
         print(f"goes on from {start}", flush=True)
-    started, seconds, seen = time.monotonic(), 60 * minutes, trainer.pictures
+    started, seconds, counted = time.monotonic(), 60 * minutes, trainer.pictures
     last = started
     while (done := (time.monotonic() - started) / seconds) < 1:
         losses = trainer.advance(_share(done))
         if trainer.step % _LOGGED == 0:
             now = time.monotonic()
-            speed = (trainer.pictures - seen) / (now - last)
-            last, seen = now, trainer.pictures
+            speed = (trainer.pictures - counted) / (now - last)
+            last, counted = now, trainer.pictures
             row = {
                 "step": trainer.step,
                 "pictures": trainer.pictures,

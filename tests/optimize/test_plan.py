@@ -34,12 +34,12 @@ def test_what_cannot_move_does_not_use_up_the_budget():
     assert top_k(plan, 2, {"a": False, "b": True, "c": True}, {}) == ["b", "c"]
 
 
-def test_promise_decides_among_equals():
+def test_gain_decides_among_equals():
     plan = Plan({"a": entry(1), "b": entry(1), "c": entry(0)})
     assert top_k(plan, 3, dict.fromkeys(plan, True), {"a": 0.5, "b": 0.6, "c": 0.6}) == ["c", "b", "a"]
 
 
-def test_what_promises_little_makes_room():
+def test_what_gains_little_makes_room():
     plan = Plan({"a": entry(0), "b": entry(5), "c": entry(9)})
     assert top_k(plan, 2, dict.fromkeys(plan, True), {"a": 1e-6, "b": 0.3, "c": 0.2}) == ["b", "c"]
     assert top_k(plan, 2, dict.fromkeys(plan, True), {"a": 0.1, "b": 0.3, "c": 0.2}) == ["a", "b"]

@@ -193,7 +193,7 @@ def test_cycles_pictures_come_first_and_in_pairs(bank: dict[str, np.ndarray]) ->
     assert len(batch.pictures) == 3 * LOOKS
     assert [float(p.std()) == 0 for p in batch.pictures] == [True] * 4 + [False] * 8
     assert torch.equal(batch.pictures[0], batch.pictures[1])
-    assert batch.told[:LOOKS].sum() == 0 < batch.told[LOOKS:].sum()
+    assert batch.map_weights[:LOOKS].sum() == 0 < batch.map_weights[LOOKS:].sum()
     assert batch.flipped[:LOOKS].tolist() in (
         [-1, 3, -1, 3],
         [-1, 3, -1, -2],

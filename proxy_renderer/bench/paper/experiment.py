@@ -153,12 +153,12 @@ def _record(pair: Pair, reading: verdict.Reading, score: verdict.Score) -> dict[
 
 def _rows(planned: Sequence[Run], group: str) -> list[tuple[Pair, Path, Path]]:
     """The pairs of a group with both folders of the first seed; an ablation's second one is its first."""
-    found = []
+    rows = []
     for pair in dict.fromkeys(r.pair for r in planned if r.pair.group == group):
         folders = {r.baseline: r.folder for r in planned if r.pair == pair and r.seed == 0 and r.done}
         if OURS in folders and (BASELINE in folders or group not in COMPARED):
-            found.append((pair, folders[OURS], folders.get(BASELINE, folders[OURS])))
-    return found
+            rows.append((pair, folders[OURS], folders.get(BASELINE, folders[OURS])))
+    return rows
 
 
 def _figures(planned: Sequence[Run], out: Path) -> None:

@@ -29,11 +29,11 @@ def save_benchmark(rows: Sequence[tuple[Pair, Path, Path]], path: Path) -> None:
 
 def save_ablation(rows: Sequence[tuple[Pair, Path]], path: Path) -> None:
     """Figures 3 and 4: the artist's picture above what each prompt made of it."""
-    made = [
+    columns = [
         judge.Column(pair.name, pair.prompt, picture(folder), picture(folder, "before"))
         for pair, folder in rows
     ]
-    save_image(judge.figure(made, ("Ours", "Before")), path)
+    save_image(judge.figure(columns, ("Ours", "Before")), path)
 
 
 def picture(folder: Path, which: str = "after") -> Image.Image:

@@ -30,8 +30,8 @@ class Judge:
         """How much nearer to the prompt the picture has come: a difference of cosines."""
         with torch.no_grad():
             batch = torch.from_numpy(np.stack([before, after])).float().permute(0, 3, 1, 2)
-            seen = self._encoder.encode_images(augment.whole(batch, self._encoder.size))
-            earlier, later = (seen @ self._encoder.encode_texts([prompt]).T)[:, 0].tolist()
+            features = self._encoder.encode_images(augment.whole(batch, self._encoder.size))
+            earlier, later = (features @ self._encoder.encode_texts([prompt]).T)[:, 0].tolist()
         return round(later - earlier, 4)
 
 

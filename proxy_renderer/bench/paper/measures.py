@@ -94,8 +94,8 @@ def fog(shot: FinishedPicture, region: str) -> float:
     """
     if shot.clear is None:
         return 0.0
-    seen, clear = (_detail(luminance(p), shot.region(region)) for p in (shot.display, shot.clear))
-    return 1.0 - seen / clear if clear > 1e-4 else 0.0
+    detail, clear = (_detail(luminance(p), shot.region(region)) for p in (shot.display, shot.clear))
+    return 1.0 - detail / clear if clear > 1e-4 else 0.0
 
 
 def _detail(light: FloatArray, where: np.ndarray) -> float:
@@ -118,15 +118,15 @@ def vignette(shot: FinishedPicture, region: str) -> float:
     y, x = (y + 0.5) / height * 2 - 1, (x + 0.5) / width * 2 - 1
     radius = np.hypot(x * width, y * height) / math.hypot(width, height)
     light, free = shot.lab[..., 0], shot.region("surroundings")
-    found = []
+    falloffs = []
     for up in (y < 0, y >= 0):
         for left in (x < 0, x >= 0):
             here = up & left & free
             middle = here & (radius > _RINGS[0]) & (radius < _RINGS[1])
             corner = here & (radius > _RINGS[2])
             if middle.sum() > 8 and corner.sum() > 8:
-                found.append(float(light[middle].mean() - light[corner].mean()))
-    return sorted(found)[min(1, len(found) - 1)] if found else 0.0
+                falloffs.append(float(light[middle].mean() - light[corner].mean()))
+    return sorted(falloffs)[min(1, len(falloffs) - 1)] if falloffs else 0.0
 
 
 def _shading(shot: FinishedPicture, region: str) -> np.ndarray:

@@ -68,10 +68,10 @@ def _hero(results: Mapping[str, Any]) -> str:
 
 def _model(results: Mapping[str, Any]) -> str:
     """The vision-language model's word on the paper's figure; nothing without one."""
-    said = results["judge"].get("figure", {})
-    if not said:
+    verdict = results["judge"].get("figure", {})
+    if not verdict:
         return ""
-    text = f"{said['winner']}. {said['reason']}" if "winner" in said else said["error"]
+    text = f"{verdict['winner']}. {verdict['reason']}" if "winner" in verdict else verdict["error"]
     return f'<section><h2>The judge</h2><p class="lead">{escape(results["judge"]["model"])}: {escape(text)}</p></section>'
 
 
@@ -96,10 +96,10 @@ def _card(pair: Pair, row: Mapping[str, Any], results: Mapping[str, Any], planne
         for label, folder, which in panels
     )
     badge = f'<span class="badge {row["verdict"]}">{_SAID[row["verdict"]]}</span>' if compared else ""
-    said = results["judge"].get("pairs", {}).get(pair.name, {}) if compared else {}
+    verdict = results["judge"].get("pairs", {}).get(pair.name, {}) if compared else {}
     model = (
-        f'<p class="said">The model: {escape(said.get("winner", ""))}. {escape(said.get("reason", ""))}</p>'
-        if "winner" in said
+        f'<p class="said">The model: {escape(verdict.get("winner", ""))}. {escape(verdict.get("reason", ""))}</p>'
+        if "winner" in verdict
         else ""
     )
     return (
@@ -134,10 +134,10 @@ def _chip(ask: Ask) -> str:
     return f'<i class="chip" style="background:rgb({red} {green} {blue})"></i>'
 
 
-def _cell(found: Sequence[Mapping[str, Any]], unit: str) -> str:
+def _cell(entries: Sequence[Mapping[str, Any]], unit: str) -> str:
     """The mean over the seeds, as a bar, with the measured amounts."""
-    score = sum(entry["score"] for entry in found) / len(found)
-    amounts = [entry["amount"] for entry in found]
+    score = sum(entry["score"] for entry in entries) / len(entries)
+    amounts = [entry["amount"] for entry in entries]
     if isinstance(amounts[0], Mapping):
         text = " × ".join(f"{sum(a[k] for a in amounts) / len(amounts):.2f}" for k in amounts[0])
     else:

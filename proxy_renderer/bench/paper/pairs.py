@@ -103,15 +103,15 @@ def read_pairs(pattern: str = "*") -> list[Pair]:
         VibeError: There are none.
     """
     rows = tomllib.loads((_HERE / "pairs.toml").read_text("utf-8"))["pair"]
-    found = [
+    chosen = [
         Pair(**{**row, "group": row.get("group", WIDER), "asks": tuple(map(read_ask, row["asks"]))})
         for row in rows
         if fnmatchcase(row["name"], pattern)
     ]
-    if not found:
+    if not chosen:
         names = ", ".join(row["name"] for row in rows)
         raise VibeError(f"No pair has a name like {pattern!r}.", f"There are: {names}.")
-    return found
+    return chosen
 
 
 def read_ask(text: str) -> Ask:
@@ -131,6 +131,6 @@ def read_ask(text: str) -> Ask:
 @cache
 def _traits() -> dict[str, Trait]:
     rows = tomllib.loads((_HERE / "traits.toml").read_text("utf-8"))["traits"]
-    found = {name: Trait(**row) for name, row in rows.items()}
-    assert all(trait.measure in MEASURES for trait in found.values())
-    return found
+    traits = {name: Trait(**row) for name, row in rows.items()}
+    assert all(trait.measure in MEASURES for trait in traits.values())
+    return traits

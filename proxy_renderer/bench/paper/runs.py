@@ -68,14 +68,14 @@ class Run:
 def plan(pairs: Sequence[Pair], budget: RunBudget, out: Path, meshes: Path | None) -> list[Run]:
     """All runs, both methods of a pair side by side; all pairs with the first seed come first."""
     code = _fingerprint()
-    found = []
+    planned = []
     for seed in range(budget.seeds):
         for pair in pairs:
             for baseline in (OURS, BASELINE) if pair.group in COMPARED else (OURS,):
                 what = [pair.set, _content(meshes, pair), *arguments(pair, baseline, seed, budget), code]
                 name = hashlib.sha256("\n".join(what).encode()).hexdigest()[:20]
-                found.append(Run(pair, baseline, seed, out / "runs" / name))
-    return found
+                planned.append(Run(pair, baseline, seed, out / "runs" / name))
+    return planned
 
 
 def arguments(pair: Pair, baseline: str, seed: int, budget: RunBudget) -> list[str]:
@@ -115,12 +115,12 @@ def carry_out(runs: Sequence[Run], budget: RunBudget, out: Path, meshes: Path | 
             continue
         run = todo[event["name"]]
         done += 1
-        said = f"{event['seconds']:.0f} s"
+        outcome = f"{event['seconds']:.0f} s"
         if event["type"] == "failed":
             failed[run.folder] = event["message"]
-            said = f"FAILED: {event['message']}"
+            outcome = f"FAILED: {event['message']}"
         method = "CLIP-only" if run.baseline else "ours"
-        print(f"[{done}/{len(runs)}] {run.pair.name}, {method}, seed {run.seed}: {said}", flush=True)
+        print(f"[{done}/{len(runs)}] {run.pair.name}, {method}, seed {run.seed}: {outcome}", flush=True)
     return failed
 
 

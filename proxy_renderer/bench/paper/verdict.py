@@ -79,11 +79,11 @@ def compare(pair: Pair, ours: Reading, theirs: Reading) -> tuple[Score, Score]:
     judged = list(columns)
     if ours.judge is not None and theirs.judge is not None:
         judged.append(_pair_of(0.0, _JUDGE_FULL, _JUDGE_NOTICE, ours.judge, theirs.judge))
-    found = []
+    scores = []
     for side, reading in enumerate((ours, theirs)):
         mean = sum(column[side] for column in judged) / len(judged)
-        found.append(Score(tuple(column[side] for column in columns), mean * reading.visible.whole))
-    return found[0], found[1]
+        scores.append(Score(tuple(column[side] for column in columns), mean * reading.visible.whole))
+    return scores[0], scores[1]
 
 
 def alone(pair: Pair, reading: Reading) -> Score:

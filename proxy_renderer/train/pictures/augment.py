@@ -28,8 +28,8 @@ def cut(
     """Leaves one region of the pictures (LOOKS, 3, H, W), and only the labels that it can show."""
     if variant == WHOLE:
         return pictures, labels
-    seen = _SEEN_ALONE if variant == ALONE else _SEEN_EMPTY
-    hidden = torch.tensor([name not in seen for name in looks.NAMES])
+    visible = _SEEN_ALONE if variant == ALONE else _SEEN_EMPTY
+    hidden = torch.tensor([name not in visible for name in looks.NAMES])
     labels = labels.masked_fill(hidden, looks.UNKNOWN)
     rest = (~mask).float()
     mean = (pictures * rest).sum((2, 3), keepdim=True) / rest.sum().clamp_min(1)

@@ -111,18 +111,18 @@ def _trace(subject: Shape, rng: Random, size: int) -> dict[str, np.ndarray]:
     everything, alone = _scene(parts), _scene([subject])
 
     hit = everything.run(np.broadcast_to(origin, rays.shape).astype(np.float32), rays, output=1)
-    seen = hit["geomID"] >= 0
-    which, face = hit["geomID"][seen], hit["primID"][seen]
-    weights = np.stack([1 - hit["u"] - hit["v"], hit["u"], hit["v"]], -1)[seen]
+    hit_rays = hit["geomID"] >= 0
+    which, face = hit["geomID"][hit_rays], hit["primID"][hit_rays]
+    weights = np.stack([1 - hit["u"] - hit["v"], hit["u"], hit["v"]], -1)[hit_rays]
     normals = np.concatenate([p.normals for p in parts])
     start = np.cumsum([0] + [len(p.normals) for p in parts])
     normal = np.einsum("nc,ncd->nd", weights, normals[start[which] + face])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True) + 1e-9
-    ray = rays[seen]
-    geometric = hit["Ng"][seen] / (np.linalg.norm(hit["Ng"][seen], axis=1, keepdims=True) + 1e-12)
+    ray = rays[hit_rays]
+    geometric = hit["Ng"][hit_rays] / (np.linalg.norm(hit["Ng"][hit_rays], axis=1, keepdims=True) + 1e-12)
     geometric *= -np.sign((geometric * ray).sum(1, keepdims=True))
     normal *= np.where((normal * geometric).sum(1, keepdims=True) < 0, -1.0, 1.0)
-    point = (origin + hit["tfar"][seen][:, None] * ray + _OFFSET * geometric).astype(np.float32)
+    point = (origin + hit["tfar"][hit_rays][:, None] * ray + _OFFSET * geometric).astype(np.float32)
 
     lights = np.stack([
         direction(azimuth + rng.uniform(-spread, spread), elevation + rng.uniform(-tilt, tilt))
@@ -131,7 +131,7 @@ def _trace(subject: Shape, rng: Random, size: int) -> dict[str, np.ndarray]:
 
     def image(values: np.ndarray, empty: float) -> np.ndarray:
         out = np.full((size * size, *values.shape[1:]), empty, np.float32)
-        out[seen] = values
+        out[hit_rays] = values
         return out.reshape(size, size, *values.shape[1:])
 
     def light(ways: np.ndarray, reach: float = 1e3) -> np.ndarray:  # the cyclorama's wall shades nothing
@@ -151,7 +151,9 @@ def _trace(subject: Shape, rng: Random, size: int) -> dict[str, np.ndarray]:
     return {
         "kind": image(which + 1.0, VOID),
         "normal": np.moveaxis(image(normal, 0.0), -1, 0),
-        "depth": image(np.minimum(hit["tfar"][seen] / np.linalg.norm(origin - _pivot(subject)), FAR), FAR),
+        "depth": image(
+            np.minimum(hit["tfar"][hit_rays] / np.linalg.norm(origin - _pivot(subject)), FAR), FAR
+        ),
         "occlusion": np.rint(255 * uniform_filter(image(free, 1.0), 3)),
         "shadow": np.rint(255 * shadow),
         "mirror": image(blocked, 0.0),

@@ -59,12 +59,12 @@ def build(folder: Path, pairs: int, first_seed: int, size: int, samples: int = S
         rows += _pair(part, seed, size, samples)
     plain = [{k: v for k, v in row.items() if not isinstance(v, Tensor)} for row in rows]
     (part / "looks.json").write_text(json.dumps(plain), encoding="utf-8")
-    made = _render(part)
+    rendered = _render(part)
     whole = [
         row
         for a in range(0, len(rows), 2)
         for row in rows[a : a + 2]
-        if {rows[a]["name"], rows[a + 1]["name"]} <= made
+        if {rows[a]["name"], rows[a + 1]["name"]} <= rendered
     ]
     if not whole:
         raise VibeError("Blender rendered no training pictures.", "Run `vibe doctor`.")
@@ -86,12 +86,12 @@ def _render(folder: Path) -> set[str]:
         encoding="utf-8", errors="replace", env=environment(),
     )  # fmt: skip
     try:
-        made = {event["name"] for event in events(process, deque(maxlen=40)) if event["type"] == "scene"}
+        rendered = {event["name"] for event in events(process, deque(maxlen=40)) if event["type"] == "scene"}
         process.wait()
     finally:
         process.kill()
         process.wait()
-    return made
+    return rendered
 
 
 def _pair(folder: Path, seed: int, size: int, samples: int) -> list[dict[str, Any]]:

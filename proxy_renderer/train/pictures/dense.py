@@ -85,10 +85,10 @@ class MapReader(nn.Module):
             truth: The maps.
             weight: (B, 1, GRID, GRID) how much each cell counts.
         """
-        told = F.pixel_shuffle(self.layer(self._grid.pop().float()), 2)
-        size = (told.shape[-2], told.shape[-1])
+        maps = F.pixel_shuffle(self.layer(self._grid.pop().float()), 2)
+        size = (maps.shape[-2], maps.shape[-1])
         truth, weight = F.adaptive_avg_pool2d(truth, size), F.adaptive_avg_pool2d(weight, size)
         spread = truth.var((0, 2, 3), keepdim=True).clamp_min(
             1e-2
         )  # or light, which varies little, is never learned
-        return (weight * (told - truth) ** 2 / spread).mean() / weight.mean().clamp_min(1e-3)
+        return (weight * (maps - truth) ** 2 / spread).mean() / weight.mean().clamp_min(1e-3)

@@ -94,8 +94,10 @@ def _surface(
 
     mirror = rays + 2 * facing * normal
     fresnel = f0 + ((1 - rough).clamp_min(0) * (1 - f0)).clamp_min(0) * (1 - facing) ** 5
-    seen = _mirrored(view, look, mirror, rough) * (1 - 0.75 * view["mirror"][:, :, None]) * (0.3 + 0.7 * free)
-    return diffuse, subject * (highlight + fresnel * seen)
+    mirrored = (
+        _mirrored(view, look, mirror, rough) * (1 - 0.75 * view["mirror"][:, :, None]) * (0.3 + 0.7 * free)
+    )
+    return diffuse, subject * (highlight + fresnel * mirrored)
 
 
 def _mirrored(view: Buffers, look: dict[str, Tensor], way: Tensor, rough: Tensor) -> Tensor:

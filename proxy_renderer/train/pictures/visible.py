@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which attributes a finished picture shows: only what can be seen is said, learned and asked for."""
+"""Labels for training pictures: an attribute that the picture does not visibly show is marked `UNKNOWN`.
+
+A look is drawn at random, so darkness, fog or a tinted light may hide what it asked for. Captions and labels that name
+a hidden attribute would teach the encoder noise.
+"""
 
 import torch
 import torch.nn.functional as F
@@ -11,15 +15,15 @@ from .bank import SUBJECT
 from .looks import INDEX, NAMES, UNKNOWN
 
 _NOTICED = 0.02
-"""Mean difference of display values from which a change of one attribute can be seen."""
+"""Least mean difference of display values between two pictures that differ in one attribute."""
 _GLEAMS = 0.1
-"""Standard deviation over the subject of the gleam's brightness from which a finish can be seen."""
+"""Least standard deviation of the gleam's brightness over the subject that shows its finish."""
 _STEP, _BENDS = 3, (0.015, 0.45)
 """Pixels between two normals, and angles between them (radians) at which a surface bends."""
 MIN_CURVED = 0.3
-"""Share of a subject that bends, below which its finish cannot be told: a flat face mirrors one direction, whatever it is."""
+"""Least share of a subject's surface that is curved. A flat face mirrors one direction, whatever its finish."""
 _EDGES = 0.02
-"""Mean difference between hard and soft shadows from which the light's softness can be seen."""
+"""Least mean difference between hard and soft shadows that shows the light's softness."""
 _HUES = {
     "brown": 60,
     "red": 36,
@@ -41,22 +45,22 @@ _WINDOWS = {
     "contrast": ((0, 9), (11, 19), (21, 101)),
     "saturation": ((0, 10), (14, 40), (44, 200)),
 }
-"""Mean L*, standard deviation of L*, and mean chroma of the pictures that are called by each class."""
+"""Range of mean L*, of the standard deviation of L*, and of mean chroma for each class."""
 
 
 def visible_classes(classes: Tensor, look: dict[str, Tensor], picture: Tensor, mask: Tensor) -> Tensor:
-    """The classes that the picture shows; `UNKNOWN` where it does not bear out what was asked for.
+    """Labels of pictures: the classes that were drawn, or `UNKNOWN` where the picture hides them.
 
-    A red thing in the dark is not red to anybody who looks: only what can be seen is said and learned.
+    A color is relabeled where the picture clearly shows another one.
 
     Args:
-        classes: (n, A) classes asked for.
-        look: Their parameters (n, ...).
-        picture: (n, 3, H, W) display picture, on any device.
-        mask: (n, H, W) subject coverage, on the same.
+        classes: (n, A) classes that the looks were drawn from.
+        look: Parameters of the looks, each (n, ...).
+        picture: (n, 3, H, W) display pictures in [0, 1], on any device.
+        mask: (n, H, W) subject coverage in [0, 1], on the same device.
 
     Returns:
-        (n, A) classes or `UNKNOWN`.
+        (n, A) classes or `UNKNOWN`, on the CPU.
     """
     small, share = (
         F.interpolate(field, (32, 32), mode="area").cpu() for field in (picture, mask[:, None].float())
@@ -112,7 +116,7 @@ def visible_classes(classes: Tensor, look: dict[str, Tensor], picture: Tensor, m
 
 
 def _modeled(lightness: Tensor, share: Tensor) -> Tensor:
-    """Whether subjects tell of their surface and light (n,): not mostly black or blown out, and with some shading.
+    """Whether subjects show shading (n,): not mostly black or blown out, and not one flat tone.
 
     Args:
         lightness: L* (n, 1, H, W).
@@ -127,7 +131,17 @@ def _modeled(lightness: Tensor, share: Tensor) -> Tensor:
 
 
 def color_class(color: Tensor, lab: Tensor, tinted: Tensor) -> Tensor:
-    """The color class that a mean Lab color (n, 3) is called: the one asked for (n,), or what anybody would say."""
+    """Color labels of mean Lab colors.
+
+    Args:
+        color: (n,) classes that were drawn.
+        lab: (n, 3) mean colors.
+        tinted: (n,) whether the light is warm or cool.
+
+    Returns:
+        (n,) the class that was drawn where the color still fits it; else the only class of which the color is a
+        typical example; else `UNKNOWN`.
+    """
     every = torch.arange(len(COLORS))
     evident = is_typical(every[None, :], lab[:, None, :])
     named = torch.where(evident.sum(1) == 1, evident.float().argmax(1), UNKNOWN)
@@ -135,7 +149,7 @@ def color_class(color: Tensor, lab: Tensor, tinted: Tensor) -> Tensor:
 
 
 def is_typical(color: Tensor, lab: Tensor) -> Tensor:
-    """Whether Lab colors are textbook examples of color classes, by narrow bounds; broadcasts."""
+    """Whether Lab colors (..., 3) are typical examples of color classes (...): narrow bounds; the two broadcast."""
     bounds = torch.tensor([_EVIDENT.get(name, _LIGHTNESS[name]) for name in COLORS])[color]
     hue = torch.tensor([_HUES.get(name, -1) for name in COLORS])[color]
     chroma, lightness = lab[..., 1:].norm(dim=-1), lab[..., 0]
@@ -145,7 +159,7 @@ def is_typical(color: Tensor, lab: Tensor) -> Tensor:
 
 
 def can_be_called(color: Tensor, lab: Tensor, tinted: Tensor) -> Tensor:
-    """Whether a mean Lab color (n, 3) can be called by the color classes (n,); white stays white in tinted light."""
+    """Whether mean Lab colors (n, 3) fit color classes (n,): wide bounds, wider in tinted light (n,)."""
     bounds = torch.tensor([_LIGHTNESS[name] for name in COLORS])[color]
     hue = torch.tensor([_HUES.get(name, -1) for name in COLORS])[color]
     chroma = lab[:, 1:].norm(dim=1)
@@ -159,7 +173,17 @@ def can_be_called(color: Tensor, lab: Tensor, tinted: Tensor) -> Tensor:
 
 
 def visible_by_light(view: dict[str, Tensor], classes: Tensor, gleam: Tensor) -> dict[str, Tensor]:
-    """Attribute → (G, LOOKS) whether a finish gleams anywhere on bent surfaces, and whether the edge of a shadow is in the picture."""
+    """Whether pictures show the attributes that only light on a surface shows.
+
+    Args:
+        view: Traced views, see `bank`: kind (G, H, W), normal (G, 3, H, W), shadow (G, sides, 2, H, W) hard and soft.
+        classes: (G, LOOKS, A) classes of the looks.
+        gleam: (G, LOOKS, H, W) how bright the reflections are.
+
+    Returns:
+        Attribute -> (G, LOOKS) bool. "subject_finish": the subject is curved, and matte or unevenly bright;
+        "light_softness": a shadow's edge is in the picture.
+    """
     finish, side = classes[..., INDEX["subject_finish"]], classes[..., INDEX["light_side"]]
     mask = (view["kind"] == SUBJECT)[:, None].float()
     count = mask.sum((2, 3)).clamp_min(1)
@@ -174,7 +198,7 @@ def visible_by_light(view: dict[str, Tensor], classes: Tensor, gleam: Tensor) ->
 
 
 def _curved(view: dict[str, Tensor]) -> Tensor:
-    """Share of the subjects (G,) whose surface bends."""
+    """Share of each subject's surface that is curved, (G,)."""
     normal, inside = view["normal"].float(), view["kind"] == SUBJECT
     shares = []
     for axis in (-1, -2):
@@ -188,7 +212,17 @@ def _curved(view: dict[str, Tensor]) -> Tensor:
 
 
 def drop_unnoticed(pictures: Tensor, masks: Tensor, labels: Tensor, flipped: Tensor) -> Tensor:
-    """The labels (G, K, A) of groups without flipped attributes whose change hardly shows, in the flip and in its base."""
+    """Labels without the flips that make no visible difference, in the flipped picture and in the one it is compared with.
+
+    Args:
+        pictures: (G, K, 3, H, W) groups; the first of each is the base.
+        masks: (G, H, W) subject coverage.
+        labels: (G, K, A) classes.
+        flipped: (G, K) index of the attribute that was flipped; negative for none.
+
+    Returns:
+        (G, K, A) classes or `UNKNOWN`.
+    """
     labels, unlike = labels.clone(), (pictures - pictures[:, :1]).abs().mean(2)
     inside = masks[:, None].float()
     of_subject = (unlike * inside).sum((2, 3)) / inside.sum((2, 3)).clamp_min(1)

@@ -156,7 +156,7 @@ def _words(*words: str) -> str:
     return " ".join(word for word in words if word)
 
 
-def mention(known: AttributeClasses, flipped: str | None, dice: random.Random) -> AttributeClasses:
+def mention(classes: AttributeClasses, flipped: str | None, dice: random.Random) -> AttributeClasses:
     """Which of the known attributes a caption says: few or many, nearly always the flipped one."""
     dull = {
         "fog": "none",
@@ -166,21 +166,24 @@ def mention(known: AttributeClasses, flipped: str | None, dice: random.Random) -
         "vignette": "none",
     }
     names = [
-        name for name in known if dull.get(name) != known[name] or dice.random() < 0.3 or name == flipped
+        name for name in classes if dull.get(name) != classes[name] or dice.random() < 0.3 or name == flipped
     ]
     if not names:
         return {}
     count = min(len(names), dice.choice((1, 1, 2, 2, 2, 3, 3, 4, 5, 7)))
     chosen = set(dice.sample(names, count))
-    if flipped in known and dice.random() < 0.9:
+    if flipped in classes and dice.random() < 0.9:
         chosen.add(flipped)
-    return {name: known[name] for name in ATTRIBUTES if name in chosen}
+    return {name: classes[name] for name in ATTRIBUTES if name in chosen}
 
 
 def samples(count: int, seed: int, split: WordingSplit = TRAINED) -> list[str]:
     """Captions of random attributes, and every name and phrase: the words that training will use."""
     dice = random.Random(seed)
     drawn = ({name: dice.choice(classes) for name, classes in ATTRIBUTES.items()} for _ in range(count))
-    said = [caption(mention(known, None, dice) or known, dice, dice.random() < 0.2, split) for known in drawn]
+    sentences = [
+        caption(mention(classes, None, dice) or classes, dice, dice.random() < 0.2, split)
+        for classes in drawn
+    ]
     colors = [name for names in color_names().values() for name in split.of(names)]
-    return [*said, *NOUNS, *colors, *(phrase for phrase, _ in phrases())]
+    return [*sentences, *NOUNS, *colors, *(phrase for phrase, _ in phrases())]

@@ -27,7 +27,7 @@ class MiniLM:
     @torch.no_grad()
     def encode(self, texts: list[str]) -> np.ndarray:
         """(N, 384) unit vectors."""
-        found = np.zeros((len(texts), 384), np.float32)
+        vectors = np.zeros((len(texts), 384), np.float32)
         ids = [e.ids for e in self._tokens.encode_batch(texts)]
         order = sorted(range(len(ids)), key=lambda i: len(ids[i]))
         for start in range(0, len(order), 256):
@@ -35,8 +35,8 @@ class MiniLM:
             longest = max(len(ids[i]) for i in batch)
             tokens = torch.tensor([ids[i] + [0] * (longest - len(ids[i])) for i in batch])
             lengths = torch.tensor([len(ids[i]) for i in batch])
-            found[batch] = self._forward(tokens, lengths).numpy()
-        return found
+            vectors[batch] = self._forward(tokens, lengths).numpy()
+        return vectors
 
     def _forward(self, tokens: torch.Tensor, lengths: torch.Tensor) -> torch.Tensor:
         w, count = self._w, tokens.shape[1]
@@ -52,8 +52,8 @@ class MiniLM:
                 self._dense(x, at + f"attention.self.{n}").unflatten(-1, (12, 32)).transpose(1, 2)
                 for n in ("query", "key", "value")
             )
-            seen = F.scaled_dot_product_attention(q, k, v, attn_mask=used[:, None, None])
-            mixed = self._dense(seen.transpose(1, 2).flatten(2), at + "attention.output.dense")
+            attended = F.scaled_dot_product_attention(q, k, v, attn_mask=used[:, None, None])
+            mixed = self._dense(attended.transpose(1, 2).flatten(2), at + "attention.output.dense")
             x = self._norm(x + mixed, at + "attention.output.LayerNorm")
             more = self._dense(F.gelu(self._dense(x, at + "intermediate.dense")), at + "output.dense")
             x = self._norm(x + more, at + "output.LayerNorm")

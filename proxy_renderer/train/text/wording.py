@@ -179,12 +179,12 @@ def lessons_by_class() -> dict[str, dict[str, list[tuple[str, AttributeClasses]]
 
     Under "" is what asks for several attributes.
     """
-    found: dict[str, dict[str, list[tuple[str, AttributeClasses]]]] = {}
+    by_class: dict[str, dict[str, list[tuple[str, AttributeClasses]]]] = {}
     for entry in _asking():
         (name, value), *more = entry.heads.items()
         name, value = ("", "") if more else (name, value)
-        found.setdefault(name, {}).setdefault(value, []).append((entry.phrase, entry.heads))
-    return found
+        by_class.setdefault(name, {}).setdefault(value, []).append((entry.phrase, entry.heads))
+    return by_class
 
 
 def _asking() -> list[VocabularyEntry]:

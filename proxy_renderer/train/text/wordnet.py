@@ -134,7 +134,7 @@ def _plain(lemma: str) -> str:
 def candidates(net: WordNet, common: Sequence[str], known: Container[str]) -> dict[str, int]:
     """Word -> index into KINDS, for words that may speak of a look; names of things are among them only where
     WordNet has look words beside them ("masonry": stonework)."""
-    found = {}
+    kinds = {}
     for word, senses in net.senses.items():
         if not word.replace(" ", "").isalpha() or len(word) < 3 or word.count(" ") > 1:
             continue
@@ -146,17 +146,17 @@ def candidates(net: WordNet, common: Sequence[str], known: Container[str]) -> di
         if " " in word and adjective < 0.5 and not matter:
             continue
         if adjective > 0.3:
-            found[word] = KINDS.index("adjective")
+            kinds[word] = KINDS.index("adjective")
         elif looks > 0.25 or matter:
-            found[word] = KINDS.index("noun")
+            kinds[word] = KINDS.index("noun")
     for word in common:
-        if word not in found and word.isalpha() and (verb := _verb(net, word)):
+        if word not in kinds and word.isalpha() and (verb := _verb(net, word)):
             net.senses.setdefault(word, [pair for pair in net.senses[verb] if pair[0][0] == "v"])
-            found[word] = KINDS.index("adjective")
+            kinds[word] = KINDS.index("adjective")
     for word in common[:_FREQUENT]:
-        if word not in found and word.isalpha() and len(word) > 3 and _beside(net, word, known):
-            found[word] = KINDS.index("noun")
-    return found
+        if word not in kinds and word.isalpha() and len(word) > 3 and _beside(net, word, known):
+            kinds[word] = KINDS.index("noun")
+    return kinds
 
 
 def _beside(net: WordNet, word: str, looks: Container[str]) -> bool:

@@ -53,7 +53,7 @@ _LINKS = {"&": 0.8, "@": 0.35, "+": 0.6, "\\": 0.7, "<": 0.7, "^": 0.3, "=": 0.4
 def neighbors(net: WordNet, words: dict[str, int]) -> list[dict[int, float]]:
     """For every word, the other words near it in WordNet, with weights."""
     index = {word: i for i, word in enumerate(words)}
-    found: list[dict[int, float]] = [{} for _ in words]
+    hits: list[dict[int, float]] = [{} for _ in words]
     for word, i in index.items():
         senses = net.senses.get(word, [])
         total = sum(weight for _, weight in senses) or 1.0
@@ -64,8 +64,8 @@ def neighbors(net: WordNet, words: dict[str, int]) -> list[dict[int, float]]:
             for strength, other in reach:
                 j = index.get(other, i)
                 if j != i and strength:
-                    found[i][j] = max(found[i].get(j, 0.0), strength * weight / total)
-    return found
+                    hits[i][j] = max(hits[i].get(j, 0.0), strength * weight / total)
+    return hits
 
 
 def retrofit(vectors: np.ndarray, near: list[dict[int, float]]) -> np.ndarray:
@@ -100,9 +100,9 @@ def features(
     gloss[without] = name[without]
     places = np.zeros((len(words), 100), np.float32)
     for row, word in zip(places, words, strict=True):
-        found = [glove[part][:100] for part in word.split() if part in glove]
-        if found:
-            row[:] = np.mean(found, 0)
+        hits = [glove[part][:100] for part in word.split() if part in glove]
+        if hits:
+            row[:] = np.mean(hits, 0)
     return np.hstack(
         [weight * unit(v - v.mean(0)) for weight, v in ((0.9, name), (0.9, gloss), (0.8, unit(places)))]
     )
