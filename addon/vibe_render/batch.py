@@ -22,7 +22,7 @@ if not __package__:
         sys.path.insert(1, str(here.parents[1]))
 
 from vibe_render.core import files
-from vibe_render.core.schema_import import schema
+from vibe_render.core.schema_import import atomic, schema
 from vibe_render.headless.arguments import arguments_of_process, parse
 from vibe_render.headless.reporter import Reporter
 
@@ -43,7 +43,7 @@ def main() -> int:
     except schema.VibeError as error:
         reporter.error(error)
     except OSError as error:
-        if not files.is_full(error):
+        if not atomic.is_full(error):
             raise
         reporter.error(files.unwritable(Path(tempfile.gettempdir(), "vibe"), error, ""))
     return 2

@@ -6,14 +6,13 @@ from __future__ import annotations
 import csv
 import html
 import json
-import os
 import time
-import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TextIO
 
+from ..schema import atomic
 from .plan import Plan
 from .store import Row, Store, unwritable
 
@@ -106,12 +105,8 @@ def _in_script(row: Row) -> str:
 @contextmanager
 def _file(path: Path) -> Iterator[TextIO]:
     """A text file that appears whole or not at all."""
-    part = path.with_name(f".part-{uuid.uuid4().hex[:8]}-{path.name}")
     try:
-        with part.open("w", encoding="utf-8", newline="") as file:
+        with atomic.replacing(path) as part, part.open("w", encoding="utf-8", newline="") as file:
             yield file
-        os.replace(part, path)
     except OSError as error:
         raise unwritable(path, error) from error
-    finally:
-        part.unlink(missing_ok=True)

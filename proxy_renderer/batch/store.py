@@ -9,8 +9,6 @@ DIR/index.html, results.csv, results.jsonl
 
 from __future__ import annotations
 
-import contextlib
-import errno
 import json
 import os
 import platform
@@ -22,7 +20,7 @@ from typing import Any
 
 from filelock import FileLock, Timeout
 
-from ..schema import VibeError
+from ..schema import VibeError, atomic
 from ..schema.options import checks
 from .plan import Job
 
@@ -153,21 +151,15 @@ def write_bytes(path: Path, content: bytes) -> None:
     Raises:
         VibeError: It cannot be written.
     """
-    part = path.with_name(f".part-{uuid.uuid4().hex[:8]}-{path.name}")
     try:
-        part.write_bytes(content)
-        os.replace(part, path)
+        atomic.write_bytes(path, content)
     except OSError as error:
         raise unwritable(path, error) from error
-    finally:
-        with contextlib.suppress(OSError):
-            part.unlink(missing_ok=True)
 
 
 def unwritable(path: Path, error: OSError) -> VibeError:
     """What to say where nothing can be written."""
-    full = error.errno in (errno.ENOSPC, errno.EDQUOT)
-    reason = "no space is left" if full else error.strerror or type(error).__name__
+    reason = "no space is left" if atomic.is_full(error) else error.strerror or type(error).__name__
     return VibeError(
         f"{path} cannot be written: {reason}.",
         "Make room there; then run the same command again: it continues.",

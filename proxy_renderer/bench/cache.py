@@ -3,25 +3,11 @@
 
 from __future__ import annotations
 
-import os
-import sys
 from pathlib import Path
 
-VARIABLE = "VIBE_CACHE"
+from ..folders import cache_folder
 
 
 def folder(chosen: str = "") -> Path:
-    """The folder chosen, else that of the environment variable VIBE_CACHE, else one in the user's cache."""
-    named = chosen or os.environ.get(VARIABLE, "")
-    if named:
-        return Path(named).expanduser().resolve() / ("" if chosen else "fidelity")
-    return _of_user() / "vibe-render" / "fidelity"
-
-
-def _of_user() -> Path:
-    home = Path.home()
-    if sys.platform == "darwin":
-        return home / "Library" / "Caches"
-    if os.name == "nt":
-        return Path(os.environ.get("LOCALAPPDATA") or home / "AppData" / "Local")
-    return Path(os.environ.get("XDG_CACHE_HOME") or home / ".cache")
+    """The folder chosen, else the user's for reference pictures."""
+    return Path(chosen).expanduser().resolve() if chosen else cache_folder("fidelity")

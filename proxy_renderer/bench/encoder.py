@@ -26,7 +26,7 @@ from ..prompt.lexicon.vocabulary import normalize, shipped_vocabulary
 from ..prompt.parser import parse
 from ..prompt.prompts import compose
 from ..prompt.types import SceneWords
-from ..schema import VibeError
+from ..schema import VibeError, atomic
 from ..train.data import LOOKS, Batch
 from ..train.evaluate import FEW, Mistake, cost, judge, shaded, skill
 from ..train.pictures import bank, cycles
@@ -72,9 +72,7 @@ def run(
     _print(results)
     out.mkdir(parents=True, exist_ok=True)
     save_mistakes(mistakes, out / "mistakes.png")
-    part = out / "results.json.part"
-    part.write_text(json.dumps(results, indent=1), encoding="utf-8")
-    os.replace(part, out / "results.json")
+    atomic.write_text(out / "results.json", json.dumps(results, indent=1))
     return results
 
 

@@ -8,7 +8,6 @@ reference with Cycles; this side renders the job folder with the proxy and compa
 from __future__ import annotations
 
 import json
-import os
 import time
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -23,6 +22,7 @@ from ..engine.report import load_picture, save_picture
 from ..render.cycles.pictures import CyclesPicture
 from ..render.proxy import Proxy
 from ..scene import load_scene
+from ..schema import atomic
 from . import blender, cache, eevee, table
 from .metrics import Difference, difference
 from .sheet import Strip, error_picture, save_sheets
@@ -84,7 +84,7 @@ def run(
         eevee.measure(eevee_blender, measured, work, size, failed)
     results = table.summary(measured, failed) | {"size": size, "samples": samples, "seed": seed}
     save_sheets([_strip(name, row, work / name) for name, row in measured.items()], out)
-    _write(results, out / "results.json")
+    atomic.write_text(out / "results.json", json.dumps(results, indent=1))
     table.show(results)
     return results
 
@@ -165,9 +165,3 @@ def _strip(name: str, row: dict[str, Any], folder: Path) -> Strip:
     title = f"{name}   {row['delta_e']:.2f}, anchored {row['anchored_delta_e']:.2f}"
     note = f"p95 {row['p95']:.1f}, {row['lighter']:+.1f} L*, PSNR {row['psnr']:.1f}; {', '.join(row['features'])}"
     return Strip(title, note[:130], panels)
-
-
-def _write(results: dict[str, Any], path: Path) -> None:
-    part = path.with_name(f"{path.name}.part")
-    part.write_text(json.dumps(results, indent=1), encoding="utf-8")
-    os.replace(part, path)

@@ -10,7 +10,6 @@ derivative of the proxy's, both of the same functionals: mean luminance and Lab 
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -29,6 +28,7 @@ from ..guidance.encoder import Encoder, load_encoder
 from ..guidance.regions import mean
 from ..render.proxy import Proxy
 from ..scene import load_scene
+from ..schema import atomic
 from . import blender, cache
 
 _CELLS = 6
@@ -68,7 +68,7 @@ def run(
             print(f"{event['name']}: {event.get('message', 'measured')}", flush=True)
     results = summary(keys) | {"failed": failed, "size": size, "samples": samples}
     _show(results)
-    _write(results, out / "results.json")
+    atomic.write_text(out / "results.json", json.dumps(results, indent=1))
     return results
 
 
@@ -189,9 +189,3 @@ def _show(results: Mapping[str, Any]) -> None:
         figures = [f"{row[name]:.2f}" for name in ("cosine", "image_cosine", "sign", "length", "change")]
         table.add_row(family, *figures, row["note"])
     Console().print(table)
-
-
-def _write(results: Mapping[str, Any], path: Path) -> None:
-    part = path.with_name(f"{path.name}.part")
-    part.write_text(json.dumps(results, indent=1), encoding="utf-8")
-    os.replace(part, path)

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import json
-import os
 import statistics
 import sys
 import time
@@ -16,6 +15,7 @@ import torch
 
 from ..render.proxy import Proxy
 from ..scene import SceneData
+from ..schema import atomic
 from . import mitsuba_comparison
 from .scenes import balls, outdoors
 
@@ -78,9 +78,7 @@ def run(out: Path, mitsuba: bool = False) -> dict[str, Any]:
             out, _SIZE, lambda scene, keys, size: _step(scene, keys, size=size)
         )
     out.mkdir(parents=True, exist_ok=True)
-    part = out / "results.json.part"
-    part.write_text(json.dumps(results, indent=1), encoding="utf-8")
-    os.replace(part, out / "results.json")
+    atomic.write_text(out / "results.json", json.dumps(results, indent=1))
     return results
 
 

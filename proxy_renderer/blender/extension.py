@@ -8,7 +8,6 @@ engine is a process of its own, for which the add-on's *Set Up Engine* makes an 
 from __future__ import annotations
 
 import importlib.util
-import os
 import shutil
 import subprocess
 import sys
@@ -17,7 +16,7 @@ import tomllib
 from importlib import metadata
 from pathlib import Path
 
-from ..schema import VibeError
+from ..schema import VibeError, atomic
 
 _IGNORED = shutil.ignore_patterns(
     "__pycache__",
@@ -153,9 +152,8 @@ def _deliver(made: Path, out: Path) -> Path:
     """Moves the zip into place in one step, so that a broken one is never found there."""
     try:
         out.mkdir(parents=True, exist_ok=True)
-        part = out / f".{made.name}.part"
-        shutil.copyfile(made, part)
-        os.replace(part, out / made.name)
+        with atomic.replacing(out / made.name) as part:
+            shutil.copyfile(made, part)
     except OSError as error:
         raise VibeError(
             f"Cannot write to {out}: {error.strerror}.", "Choose another folder with --out."

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import os
 import platform
 import textwrap
 from collections.abc import Sequence
@@ -15,7 +14,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from .. import __version__
-from ..schema import Values
+from ..schema import Values, atomic
 
 if TYPE_CHECKING:
     from torch import Tensor
@@ -95,12 +94,8 @@ def save_picture(picture: Tensor, path: Path) -> None:
 
 def save_image(image: Image.Image, path: Path) -> None:
     """Writes a PNG, all at once or not at all."""
-    part = path.with_name(f".{path.name}.part")
-    try:
+    with atomic.replacing(path) as part:
         image.save(part, format="PNG")
-        os.replace(part, path)
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def load_picture(path: Path) -> np.ndarray:

@@ -5,7 +5,6 @@ Every comparison is between two sentences, so chance is one half; heads are comp
 """
 
 import json
-import os
 import random
 import time
 from collections import Counter, defaultdict
@@ -21,6 +20,7 @@ from torch import Tensor
 from ..guidance import regions
 from ..guidance.encoder import OF_SURFACES, Encoder, load_encoder
 from ..prompt.lexicon.attributes import ATTRIBUTES
+from ..schema import atomic
 from .data import Batch, make_batch
 from .pictures import bank as banks
 from .pictures.looks import INDEX, NAMES
@@ -78,9 +78,7 @@ def skill(sets: Iterable[dict]) -> dict[str, float]:
 
 
 def _write(path: Path, content: dict) -> None:
-    temporary = path.with_suffix(".part")
-    temporary.write_text(json.dumps(content, indent=1) + "\n")
-    os.replace(temporary, path)
+    atomic.write_text(path, json.dumps(content, indent=1) + "\n")
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 
 import gzip
 import json
-import os
 import tempfile
 from itertools import pairwise
 from pathlib import Path
@@ -19,7 +18,7 @@ from torch import Tensor, nn
 from ..guidance import network
 from ..guidance.encoder import MERGES, AttributeHeads
 from ..prompt.lexicon.attributes import ATTRIBUTES
-from ..schema import VibeError
+from ..schema import VibeError, atomic
 from .data import LOOKS, Batch, choices, contradicts
 from .pictures.dense import MapReader
 from .pictures.looks import STRESS
@@ -217,14 +216,12 @@ def export(student: Student, weights: dict[str, Tensor], folder: Path) -> None:
     half = {name: (w.half() if w.is_floating_point() else w).contiguous() for name, w in weights.items()}
     for prefix, name in (("clip.", "open_clip_model.safetensors"), ("heads.", "heads.safetensors")):
         part = {key.removeprefix(prefix): w.clone() for key, w in half.items() if key.startswith(prefix)}
-        save_file(part, folder / f".{name}", metadata={"format": "pt"})
-        (folder / f".{name}").chmod(0o644)
-        os.replace(folder / f".{name}", folder / name)
+        with atomic.replacing(folder / name) as file:
+            save_file(part, file, metadata={"format": "pt"})
+            file.chmod(0o644)
     _write_merges(student.merges, folder)
     for name, content in (
         ("open_clip_config.json", {"model_cfg": student.config, "preprocess_cfg": PREPROCESS}),
         ("heads.json", student.heads.names),
     ):
-        temporary = folder / f".{name}"
-        temporary.write_text(json.dumps(content, indent=1) + "\n")
-        os.replace(temporary, folder / name)
+        atomic.write_text(folder / name, json.dumps(content, indent=1) + "\n")

@@ -8,7 +8,6 @@ ends with weights worth having.
 import copy
 import json
 import math
-import os
 import time
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import asdict, dataclass
@@ -16,7 +15,7 @@ from pathlib import Path
 
 import torch
 
-from ..schema import VibeError
+from ..schema import VibeError, atomic
 from .data import Batch, make_batch
 from .model import CONFIG, Student, export
 from .pictures import bank as banks
@@ -137,9 +136,8 @@ class Trainer:
         """Writes a checkpoint; a crash leaves the old one."""
         state = {"step": self.step, "pictures": self.pictures, "student": self.student.state_dict(), "average": self.average,
                  "optimizer": self.optimizer.state_dict(), "config": self.student.config, "recipe": asdict(self.recipe)}  # fmt: skip
-        temporary = path.with_suffix(".part")
-        torch.save(state, temporary)
-        os.replace(temporary, path)
+        with atomic.replacing(path) as part:
+            torch.save(state, part)
 
     def load(self, path: Path) -> None:
         """Goes on from a checkpoint of the same architecture and vocabulary.

@@ -7,39 +7,24 @@ import contextlib
 import hashlib
 import json
 import os
-import sys
-import tempfile
 from pathlib import Path
 from typing import Any
 
+from ..folders import cache_folder
+from ..schema import atomic
+
 _MOST = 500  # answers that are kept; the ones used longest ago go first
-
-
-def cache_folder() -> Path:
-    """The user's own folder for what can be made again; VIBE_CACHE or XDG_CACHE_HOME decide where set."""
-    if named := os.environ.get("VIBE_CACHE"):
-        return Path(named).expanduser() / "vlm"
-    home = Path.home()
-    if chosen := os.environ.get("XDG_CACHE_HOME"):
-        base = Path(chosen)
-    elif sys.platform == "win32":
-        base = Path(os.environ.get("LOCALAPPDATA") or home / "AppData" / "Local")
-    elif sys.platform == "darwin":
-        base = home / "Library" / "Caches"
-    else:
-        base = home / ".cache"
-    return base / "vibe-render" / "vlm"
 
 
 class Cache:
     """One small JSON file for each answer. What cannot be read or written is as if it were not there.
 
     Args:
-        folder: Made when needed.
+        folder: Made when needed; None for the user's cache folder.
     """
 
     def __init__(self, folder: Path | None = None) -> None:
-        self.folder = folder or cache_folder()
+        self.folder = folder or cache_folder("vlm")
 
     @staticmethod
     def key(*parts: Any) -> str:
@@ -64,13 +49,9 @@ class Cache:
         """Keeps an answer, all at once or not at all, readable by its owner only."""
         with contextlib.suppress(OSError, RuntimeError):
             self.folder.mkdir(parents=True, exist_ok=True)
-            handle, part = tempfile.mkstemp(dir=self.folder, suffix=".part")
-            try:
-                with os.fdopen(handle, "w", encoding="utf-8") as file:
-                    json.dump({"answer": answer}, file)
-                os.replace(part, self.folder / f"{key}.json")
-            except OSError:
-                os.unlink(part)
+            with atomic.replacing(self.folder / f"{key}.json") as part:
+                part.touch(mode=0o600)
+                part.write_text(json.dumps({"answer": answer}), encoding="utf-8")
             self._prune()
 
     def _prune(self) -> None:

@@ -6,6 +6,7 @@ import math
 import pytest
 import torch
 
+from proxy_renderer import folders
 from proxy_renderer.bench import cache, metrics, table
 from proxy_renderer.bench.sheet import error_picture
 
@@ -82,8 +83,8 @@ def test_anchored_figures_have_the_names_that_the_readme_quotes():
 
 
 def test_the_cache_follows_the_option_then_the_variable(monkeypatch, tmp_path):
-    monkeypatch.setenv(cache.VARIABLE, str(tmp_path / "variable"))
+    monkeypatch.setenv(folders.CACHE, str(tmp_path / "variable"))
     assert cache.folder(str(tmp_path / "option")) == tmp_path / "option"
     assert cache.folder() == tmp_path / "variable" / "fidelity"
-    monkeypatch.delenv(cache.VARIABLE)
+    monkeypatch.delenv(folders.CACHE)
     assert cache.folder().parts[-2:] == ("vibe-render", "fidelity")

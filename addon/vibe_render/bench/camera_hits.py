@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
+from ..core.schema_import import atomic
 from ..export.analysis import SceneAnalysis
 from ..scene.geometry.visibility import ray_camera, rays
 
@@ -52,7 +52,5 @@ def save_camera_hits(analysis: SceneAnalysis, path: Path, count: int) -> None:
         "objects": np.array([name for name, _ in geometry.objects]),
         "materials": np.array(geometry.materials),
     }
-    part = path.with_name(f".{path.name}.part")
-    with part.open("wb") as file:
+    with atomic.replacing(path) as part, part.open("wb") as file:
         np.savez_compressed(file, **{k: v[::-1] for k, v in found.items()}, **names)
-    os.replace(part, path)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import random
 import time
 from pathlib import Path
@@ -16,7 +15,7 @@ from typing import Any
 
 import bpy
 
-from ..core.schema_import import schema
+from ..core.schema_import import atomic, schema
 from ..export import reading
 from ..export.job_folder import SceneJob
 from ..render import anchors, final_render
@@ -87,9 +86,7 @@ def _anchor(
         groups = anchors.render_anchor(
             found.scene, path, values, found.objects, found.pivot, ANCHOR_SIZE, ANCHOR_SAMPLES
         )
-        part = path.with_suffix(".json.part")
-        part.write_text(json.dumps(groups), encoding="utf-8")
-        os.replace(part, notes)
+        atomic.write_text(notes, json.dumps(groups))
     return {"values": values, "picture": str(path), "groups": groups}
 
 

@@ -1,17 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files that appear whole or not at all, and what to say where they cannot be written. No bpy here."""
+"""Files of Blender's that appear whole or not at all, and what to say where they cannot be written. No bpy here."""
 
 from __future__ import annotations
 
 import errno
 import os
 import shutil
-import uuid
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 
-from .schema_import import schema
+from .schema_import import atomic, schema
 
 _LEAST = 4096  # bytes: with fewer left, what was written last may have been cut off
 
@@ -27,29 +26,20 @@ def whole(path: Path, remedy: str = "Choose another folder.") -> Iterator[Path]:
     Raises:
         VibeError: It cannot be written. (What Blender cannot write is a RuntimeError, or an empty file.)
     """
-    part = path.with_name(f".{path.stem}-{uuid.uuid4().hex[:8]}{path.suffix}")
     try:
-        yield part
-        _check(part)
-        os.replace(part, path)
+        with atomic.replacing(path) as part:
+            yield part
+            _check(part)
     except (OSError, RuntimeError) as error:
         raise unwritable(path, error, remedy) from error
-    finally:
-        with suppress(OSError):
-            part.unlink(missing_ok=True)
 
 
 def unwritable(path: Path, error: Exception, remedy: str) -> schema.VibeError:
     """What to say where a file cannot be written, for whichever reason Blender or Python gives."""
-    if is_full(error):
+    if atomic.is_full(error):
         return schema.VibeError(f"There is no room left on the disk, in {path.parent}.", "Make room there.")
-    said = getattr(error, "strerror", None) or str(error).strip().removeprefix("Error: ")
-    return schema.VibeError(f"{path} cannot be written: {said.rstrip('.')}.", remedy)
-
-
-def is_full(error: Exception) -> bool:
-    """Whether the disk is full."""
-    return getattr(error, "errno", 0) in (errno.ENOSPC, errno.EDQUOT) or "No space left" in str(error)
+    reason = getattr(error, "strerror", None) or str(error).strip().removeprefix("Error: ")
+    return schema.VibeError(f"{path} cannot be written: {reason.rstrip('.')}.", remedy)
 
 
 def _check(part: Path) -> None:

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -14,7 +13,7 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from ..core.schema_import import schema
+from ..core.schema_import import atomic, schema
 from ..scene import bindings, fog, scene_context
 from ..scene.nodes import shaders
 from . import measured, sanitize, view, world_light
@@ -80,10 +79,8 @@ def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
         "parameters": {key: _parameter(instance) for key, instance in instances.items()},
     }
     _write_meshes(analysis, folder)
-    temporary = folder / "scene.json.part"
     content = sanitize.content(content, "", warnings)
-    temporary.write_text(json.dumps(content, indent=1, allow_nan=False), encoding="utf-8")
-    os.replace(temporary, folder / "scene.json")
+    atomic.write_text(folder / "scene.json", json.dumps(content, indent=1, allow_nan=False))
     return SceneJob(folder, analysis, instances, list(dict.fromkeys(w for w in (*warnings, note) if w)))
 
 

@@ -13,8 +13,8 @@ from typing import TypeVar, cast
 
 import bpy
 
-from ..core import background, files
-from ..core.schema_import import messages, schema
+from ..core import background
+from ..core.schema_import import atomic, messages, schema
 from ..engine.process import Engine
 from ..export import reading
 from ..render import anchors
@@ -78,7 +78,7 @@ class Session(SessionStatus):
         try:
             return next(self._steps, None) is not None
         except OSError as error:
-            if not files.is_full(error):
+            if not atomic.is_full(error):
                 raise
             raise schema.VibeError(
                 f"There is no room left on the disk, in {bpy.app.tempdir}.",

@@ -4,13 +4,12 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from ...schema import VibeError
+from ...schema import VibeError, atomic
 from ...schema.messages import Options
 from ...vlm.client import Client
 from ...vlm.endpoint import find_endpoint
@@ -57,9 +56,9 @@ def run(
             if r.folder in broken
         }
     }
-    _write(json.dumps(results, indent=1, ensure_ascii=False), out / "results.json")
+    atomic.write_text(out / "results.json", json.dumps(results, indent=1, ensure_ascii=False))
     _figures(planned, out)
-    _write(page.render(results, planned, out), out / "report.html")
+    atomic.write_text(out / "report.html", page.render(results, planned, out))
     _print(results)
     return results
 
@@ -212,9 +211,3 @@ def _print(results: Mapping[str, Any]) -> None:
         f"Ours against CLIP-only: {results['win']} won, {results['tie']} tied, {results['loss']} lost of {results['pairs']}; "
         f"win rate {results['win_rate']:.0%} (95 % interval {low:.0%} to {high:.0%})."
     )
-
-
-def _write(text: str, path: Path) -> None:
-    part = path.with_name(f"{path.name}.part")
-    part.write_text(text, encoding="utf-8")
-    os.replace(part, path)

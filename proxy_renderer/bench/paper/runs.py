@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +12,7 @@ from pathlib import Path
 import proxy_renderer
 
 from ...blender.launch import blender_side
-from ...schema import VibeError
+from ...schema import VibeError, atomic
 from .. import blender
 from .pairs import COMPARED, Pair
 
@@ -107,7 +106,7 @@ def carry_out(runs: Sequence[Run], budget: RunBudget, out: Path, meshes: Path | 
         rows.append(
             {"name": name, "folder": str(run.folder), "clear": pair.foggy, "arguments": given} | scene
         )
-    _write(work, json.dumps(rows, indent=1))
+    atomic.write_text(work, json.dumps(rows, indent=1))
     failed = {}
     done = len(runs) - len(todo)
     for event in blender.scenes("*", [f"--work={work}"], "paper"):
@@ -164,9 +163,3 @@ def _fingerprint() -> str:
             digest.update(path.name.encode())
             digest.update(path.read_bytes())
     return digest.hexdigest()
-
-
-def _write(path: Path, text: str) -> None:
-    part = path.with_name(f"{path.name}.part")
-    part.write_text(text, encoding="utf-8")
-    os.replace(part, path)

@@ -6,7 +6,6 @@ words.safetensors holds a small vector for every English word that may speak of 
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
@@ -135,23 +134,17 @@ class WordTable:
 def table() -> WordTable:
     """The table that is shipped."""
     import numpy as np
+    from safetensors import safe_open
 
-    data = FILE.read_bytes()
-    start = 8 + int.from_bytes(data[:8], "little")
-    header = json.loads(data[8:start])
-    words, things, common = (
-        header["__metadata__"][name].split("\n") for name in ("words", "things", "common")
-    )
-
-    def tensor(name: str, kind: str) -> np.ndarray:
-        first, last = header[name]["data_offsets"]
-        return np.frombuffer(data, kind, last - first, start + first).reshape(header[name]["shape"])
+    with safe_open(FILE, framework="numpy") as file:
+        words, things, common = (file.metadata()[name].split("\n") for name in ("words", "things", "common"))
+        tensors = {name: file.get_tensor(name) for name in ("vectors", "things", "kinds")}
 
     def directions(name: str) -> np.ndarray:
-        vectors = tensor(name, "int8").astype(np.float32)
+        vectors = tensors[name].astype(np.float32)
         return vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-9)
 
-    kinds = tensor("kinds", "uint8")
+    kinds = tensors["kinds"]
     stems: dict[str, int] = {}
     for i in np.argsort(kinds, kind="stable"):
         if " " not in words[i]:

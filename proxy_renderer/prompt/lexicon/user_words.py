@@ -17,7 +17,6 @@ from __future__ import annotations
 
 import os
 import re
-import sys
 import tomllib
 from dataclasses import replace
 from functools import cache
@@ -25,6 +24,7 @@ from pathlib import Path
 from typing import Any
 
 from ...color.floats import srgb_from_hex
+from ...folders import config_folder
 from ...schema import VibeError
 from .vocabulary import Vocabulary, VocabularyEntry, normalize, read_entry, shipped_vocabulary
 
@@ -63,15 +63,6 @@ def user_file() -> Path | None:
         return path
     path = config_folder() / "vocabulary.toml"
     return path if path.is_file() else None
-
-
-def config_folder() -> Path:
-    """Where this user's settings for Vibe Render are kept; it need not exist."""
-    if sys.platform == "win32":
-        return Path(os.environ.get("APPDATA", "~")).expanduser() / "vibe-render"
-    if sys.platform == "darwin":
-        return Path("~/Library/Application Support/vibe-render").expanduser()
-    return Path(os.environ.get("XDG_CONFIG_HOME") or "~/.config").expanduser() / "vibe-render"
 
 
 def extend(base: Vocabulary, path: Path) -> Vocabulary:

@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where the engine keeps a user's files: settings, and what can be made again."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from platformdirs import user_cache_path, user_config_path
+
+_NAME = "vibe-render"
+CACHE = "VIBE_CACHE"
+"""The environment variable that names another cache folder."""
+
+
+def config_folder() -> Path:
+    """The user's settings for Vibe Render; the folder need not exist."""
+    return user_config_path(_NAME, appauthor=False, roaming=True)
+
+
+def cache_folder(part: str) -> Path:
+    """The user's folder for what can be made again; it need not exist.
+
+    Args:
+        part: "vlm" for the answers of models, "fidelity" for reference pictures.
+    """
+    if named := os.environ.get(CACHE):
+        return Path(named).expanduser().resolve() / part
+    return user_cache_path(_NAME, appauthor=False, opinion=False) / part
