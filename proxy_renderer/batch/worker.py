@@ -16,13 +16,14 @@ import sys
 import threading
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TextIO
 
 import psutil
 
 from ..blender.launch import blender_side, environment
+from ..blender.meshes import prepared
 from ..schema import VibeError
 from .manifest.manifest import Limits
 from .outcome import leave, leave_frames
@@ -80,8 +81,8 @@ class Worker:
         tidy(folder)
         watch = _Watch(self._setup.limits)
         try:
-            with (folder / LOG).open("a", encoding="utf-8") as log:
-                for order in _orders(job, folder):
+            with prepared(job.source) as source, (folder / LOG).open("a", encoding="utf-8") as log:
+                for order in _orders(replace(job, source=source), folder):
                     self._carry_out(order, log, watch)
             complete = leave if job.frames is None else leave_frames
             return complete(job, folder, watch.peak_gb, time.monotonic() - start)

@@ -29,7 +29,7 @@ def examine() -> int:
         ("Python", _python),
         ("Blender", lambda: _blender(config)),
         ("torch", _torch),
-        ("rays", _embree),
+        ("rays", _rays),
         ("color", lambda: _ocio(config)),
         ("encoder", _encoder),
         ("folders", _folders),
@@ -88,13 +88,16 @@ def _torch() -> str:
     )
 
 
-def _embree() -> str:
+def _rays() -> str:
     try:
+        import DracoPy  # noqa: F401
         import embreex  # noqa: F401
         import trimesh  # noqa: F401
     except (ImportError, OSError) as error:
-        raise VibeError(f"Embree cannot be imported: {error}", "pip install embreex trimesh") from error
-    return f"embreex {metadata.version('embreex')}"
+        raise VibeError(
+            f"What reads meshes cannot be imported: {error}", "pip install embreex trimesh dracopy"
+        ) from error
+    return ", ".join(f"{name} {metadata.version(name)}" for name in ("embreex", "trimesh", "dracopy"))
 
 
 def _ocio(config: list[str]) -> str:

@@ -45,10 +45,11 @@ def account(prompt: str, as_json: bool, scene: Path | None = None, subject: Sequ
 def _read(scene: Path, subject: Sequence[str]) -> tuple[SceneWords, dict[str, Instance], PlanContext]:
     """A scene as the first round of a vibe sees it: its names, its parameters, and the picture that they give."""
     from ..blender.launch import launch
+    from ..blender.meshes import prepared
     from ..blender.view import View
 
-    with tempfile.TemporaryDirectory(prefix="vibe-explain-") as folder:
-        launch(["export", str(scene), f"--out={folder}", *subject], scene, View(sys.stderr))
+    with tempfile.TemporaryDirectory(prefix="vibe-explain-") as folder, prepared(scene) as place:
+        launch(["export", str(place), f"--out={folder}", *subject], scene, View(sys.stderr))
         from ..optimize import context
         from ..optimize.drawing import draw
         from ..optimize.plan import lock

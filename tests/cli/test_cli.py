@@ -1,36 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """Bad input to the real command: one clear line with the remedy, exit code 2, nothing left behind."""
 
-import os
-import subprocess
-import sys
 import time
 from pathlib import Path
 
 import pytest
+from command_line import assert_refused, vibe
 
 from proxy_renderer.cli.main import parser
 from proxy_renderer.inputs import check
 from proxy_renderer.schema import BUDGETS, VibeError
 from proxy_renderer.schema.options import checks
 
-ROOT = Path(__file__).parents[2]
 MESH = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n"
-
-
-def vibe(*arguments, cwd):
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "addon")])}
-    command = [sys.executable, "-m", "proxy_renderer.cli", *map(str, arguments)]
-    return subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True, timeout=60)
-
-
-def assert_refused(done, *words):
-    """Exit code 2, one line on stderr that holds the words, and no traceback anywhere."""
-    assert done.returncode == 2, done.stderr
-    assert len(done.stderr.strip().splitlines()) == 1, done.stderr
-    assert "Traceback" not in done.stdout + done.stderr
-    for word in words:
-        assert word in done.stderr
 
 
 @pytest.fixture

@@ -32,8 +32,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def act(a: argparse.Namespace) -> int:
     """Carries out the command."""
     from ...blender.launch import launch
+    from ...blender.meshes import prepared
 
     checks.numbers(a)
     preset, scene = check.preset(a.preset), check.scene(a.scene)
     out = checks.folder(a.out)
-    return launch(["apply", preset, str(scene), f"--out={out}", *command_line.to_arguments(a)], out)
+    with prepared(scene) as place:
+        return launch(["apply", preset, str(place), f"--out={out}", *command_line.to_arguments(a)], out)

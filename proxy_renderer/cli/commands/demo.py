@@ -25,4 +25,4 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def act(a: argparse.Namespace) -> int:
     """Carries out the command."""
-    return carry_out(a, ["demo"])
+    return carry_out(a, "demo")

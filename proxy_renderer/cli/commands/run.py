@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 
 from ...inputs import check
@@ -41,15 +43,16 @@ def act(a: argparse.Namespace) -> int:
     if a.stage and scene.suffix.lower() == ".blend":
         raise VibeError("--stage is for bare meshes; a .blend brings its own.", "Leave --stage out.")
     scenes = check.shots([scene, *map(check.scene, a.more)], a)
-    return carry_out(a, ["run", *map(str, scenes)])
+    return carry_out(a, "run", scenes)
 
 
-def carry_out(a: argparse.Namespace, words: list[str]) -> int:
+def carry_out(a: argparse.Namespace, what: str, scenes: Sequence[Path] = ()) -> int:
     """Checks everything that can be checked without Blender, then starts it.
 
     Args:
         a: The command line.
-        words: What Blender's side is to do, and with which scenes.
+        what: The command of Blender's side.
+        scenes: Its scenes.
     """
     checks.prompt(a.prompt)
     check.vocabulary(a.vocabulary)
@@ -61,5 +64,8 @@ def carry_out(a: argparse.Namespace, words: list[str]) -> int:
     check.device(a.device)
     out = checks.folder(a.out)
     from ...blender.launch import launch
+    from ...blender.meshes import prepared
 
-    return launch([*words, f"--out={out}", *command_line.to_arguments(a)], out)
+    with ExitStack() as stack:
+        places = [str(stack.enter_context(prepared(scene))) for scene in scenes]
+        return launch([what, *places, f"--out={out}", *command_line.to_arguments(a)], out)
