@@ -10,8 +10,8 @@ from pathlib import Path
 
 from proxy_renderer.batch import schedule
 from proxy_renderer.batch.local import LocalPool
-from proxy_renderer.batch.manifest.manifest import Limits, Shot
-from proxy_renderer.batch.plan import Plan
+from proxy_renderer.batch.manifest.manifest import Limits, SceneGroup
+from proxy_renderer.batch.plan import BatchPlan
 from proxy_renderer.batch.sheet import Sheet
 from proxy_renderer.batch.store import Store
 from proxy_renderer.batch.worker import Setup, Worker
@@ -24,7 +24,9 @@ OPTIONS = ("--rounds=1", "--steps=2", "--size=48", "--samples=2")
 
 def plan_of(*prompts, scenes=("a.blend",), seeds=(0,)):
     """A plan of scenes that need not exist."""
-    return Plan([Shot(name, Path(name), "digest", tuple(prompts), tuple(seeds), OPTIONS) for name in scenes])
+    return BatchPlan(
+        [SceneGroup(name, Path(name), "digest", tuple(prompts), tuple(seeds), OPTIONS) for name in scenes]
+    )
 
 
 def local(store, setup, workers=1):

@@ -20,7 +20,7 @@ from ..schema import VibeError
 from .local import PER_GPU
 from .manifest.manifest import Limits
 from .plan import Job
-from .store import TOKEN, Row, Store, read_json
+from .store import TOKEN, JobRow, Store, read_json
 from .worker import Interrupted, Setup, Worker
 
 _LOOK = 2.0  # seconds between two looks at the cluster's nodes
@@ -48,7 +48,7 @@ class Station:
         """Whether this machine sees the results folder."""
         return self._shares
 
-    def run(self, job: Job, *scenes: bytes) -> tuple[Row, dict[str, bytes]]:
+    def run(self, job: Job, *scenes: bytes) -> tuple[JobRow, dict[str, bytes]]:
         """Carries out a job; its files are returned where they could not be put into the results folder.
 
         Args:
@@ -64,7 +64,7 @@ class Station:
             raise Interrupted
         return row, files
 
-    def _carry_out(self, job: Job, *scenes: bytes) -> tuple[Row, dict[str, bytes]]:
+    def _carry_out(self, job: Job, *scenes: bytes) -> tuple[JobRow, dict[str, bytes]]:
         if self._shares:
             return self._worker.run(job, self._jobs / job.name), {}
         with tempfile.TemporaryDirectory(prefix="vibe-batch-") as place:
@@ -117,7 +117,7 @@ class RayPool:
         sources = () if self._ready[station] else (job.source, *job.more)
         self._out[station.run.remote(job, *map(self._scene, sources))] = (station, job)
 
-    def wait(self, seconds: float) -> list[tuple[Job, Row | None]]:
+    def wait(self, seconds: float) -> list[tuple[Job, JobRow | None]]:
         self._look()
         waiting = [*self._coming, *self._out]
         if not waiting:
@@ -204,7 +204,7 @@ class RayPool:
         if station in self._idle:
             self._idle.remove(station)
 
-    def _end(self, reference: Any) -> tuple[Job, Row | None]:
+    def _end(self, reference: Any) -> tuple[Job, JobRow | None]:
         """Takes in a job that has ended; None for its row if its station has died."""
         station, job = self._out.pop(reference)
         try:

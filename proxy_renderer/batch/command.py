@@ -18,10 +18,10 @@ from .estimate import account
 from .finals import Finals
 from .local import Pool, fitting, local_pool
 from .manifest import manifest
-from .plan import Job, Jobs, Plan
-from .progress import Progress
+from .plan import BatchPlan, Job, Jobs
+from .progress import BatchProgress
 from .sheet import Sheet
-from .store import Row, Store
+from .store import JobRow, Store
 from .worker import Setup
 
 
@@ -33,7 +33,7 @@ def run(a: argparse.Namespace) -> int:
         KeyboardInterrupt: It was interrupted; what is done stays, and the next run continues.
     """
     wanted = manifest.load(a.manifest, a.out)
-    plan = Plan(wanted.shots)
+    plan = BatchPlan(wanted.groups)
     if a.workers < 0:
         raise VibeError(f"--workers {a.workers} is out of range.", "Use 1 or more, or leave it out.")
     if a.final and not re.fullmatch(r"\d+(-\d+)?", a.final):
@@ -47,7 +47,7 @@ def run(a: argparse.Namespace) -> int:
         return _carry_out(a, plan, store, wanted.limits)
 
 
-def _carry_out(a: argparse.Namespace, plan: Plan, store: Store, limits: manifest.Limits) -> int:
+def _carry_out(a: argparse.Namespace, plan: BatchPlan, store: Store, limits: manifest.Limits) -> int:
     sheet = Sheet(a.manifest.stem, plan, store)
     sheet.write()
     print(f"{len(plan)} jobs. Watch {store.folder / 'index.html'}", flush=True)
@@ -66,17 +66,17 @@ def _carry_out(a: argparse.Namespace, plan: Plan, store: Store, limits: manifest
 
 def _pass(jobs: Jobs, store: Store, pool: Pool, limits: manifest.Limits, sheet: Sheet) -> int:
     """Carries out jobs with their progress shown; returns how many have failed."""
-    known = store.known(jobs)
-    progress = Progress(len(known), sum(known))
+    finished = store.finished(jobs)
+    progress = BatchProgress(len(finished), sum(finished))
 
-    def tell(what: str, job: Job, row: Row) -> None:
+    def tell(what: str, job: Job, row: JobRow) -> None:
         progress.tell(what, job, row)
         if what in ("done", "failed"):
             sheet.update()
 
     try:
         with progress:
-            schedule.run(jobs, store, pool, limits, tell, known)
+            schedule.run(jobs, store, pool, limits, tell, finished)
     finally:
         progress.note(progress.summary())
     return progress.counts["failed"]

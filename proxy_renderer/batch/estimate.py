@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections import Counter
 from pathlib import Path
 
-from .plan import Job, Plan
+from .plan import BatchPlan, Job
 from .progress import duration
 from .store import DONE, FAILED, read_json
 
@@ -17,7 +17,7 @@ _MEASURED = 50  # finished jobs that an estimate looks at
 _FIXED, _ROUND, _STEP, _RENDERS = 5.0, 3.0, 0.14, 12.0
 
 
-def account(plan: Plan, out: Path, workers: int) -> str:
+def account(plan: BatchPlan, out: Path, workers: int) -> str:
     """The plan as text.
 
     Args:
@@ -25,23 +25,23 @@ def account(plan: Plan, out: Path, workers: int) -> str:
         out: The results folder; it need not exist.
         workers: Jobs at a time; 0 if a cluster decides.
     """
-    known = {True: 0, False: 0}
+    counts = {True: 0, False: 0}
     scenes: Counter[str] = Counter()
     seconds: list[float] = []
     guessed, failed = 0.0, 0
     for job in plan:
         folder = out / "jobs" / job.name
         done = (folder / DONE).is_file()
-        known[done] += 1
+        counts[done] += 1
         scenes[job.scene] += 1
         failed += not done and (folder / FAILED).is_file()
         if done and len(seconds) < _MEASURED:
             seconds.append((read_json(folder / DONE) or {}).get("seconds", 0.0))
         if not done:
             guessed += guess(job)
-    to_do = known[False]
+    to_do = counts[False]
     lines = [
-        f"{len(plan)} jobs: {known[True]} done, {to_do} to do"
+        f"{len(plan)} jobs: {counts[True]} done, {to_do} to do"
         + (f", of which {failed} had failed." * bool(failed) or ".")
     ]
     lines += [f"  {count:5}  {scene}" for scene, count in list(scenes.items())[:_LISTED]]

@@ -35,8 +35,8 @@ class Finals:
             shots = (read_json(folder / "report.json") or {}).get("shots", [])
             blends = list(dict.fromkeys(shot["blend"] for shot in shots)) or ["vibed.blend"]
             first, *more = (folder / name for name in blends)
-            found = takes(shots, blends, self._frames)
-            yield replace(job, source=first, more=tuple(more), frames=self._frames, takes=found)
+            takes_of_job = takes(shots, blends, self._frames)
+            yield replace(job, source=first, more=tuple(more), frames=self._frames, takes=takes_of_job)
 
 
 def takes(shots: list[dict[str, Any]], blends: list[str], frames: str) -> tuple[Take, ...]:
@@ -54,14 +54,14 @@ def takes(shots: list[dict[str, Any]], blends: list[str], frames: str) -> tuple[
         grouped.setdefault((shot["blend"], shot["camera"]), []).append(shot)
     keys = ("scene", "camera") if len({shot["scene"] for shot in shots}) > 1 else ("camera",)
     labels = [_label(*(some[0][key] for key in keys)) for some in grouped.values()]
-    found = []
+    grouped_takes = []
     for ((blend, camera), some), label in zip(grouped.items(), labels, strict=True):
         own = [str(shot["frame"]) for shot in some if shot["frame"] is not None]
         if labels.count(label) > 1:  # each frame has a grade, and so a .blend, of its own
             label = _label(label, *own[:1])
         folder = label if len(grouped) > 1 else ""
-        found.append(Take(blends.index(blend), camera, frames or ",".join(own), folder))
-    return tuple(found)
+        grouped_takes.append(Take(blends.index(blend), camera, frames or ",".join(own), folder))
+    return tuple(grouped_takes)
 
 
 def _label(*parts: str) -> str:

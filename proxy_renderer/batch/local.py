@@ -16,7 +16,7 @@ import psutil
 
 from .manifest.manifest import Limits
 from .plan import Job
-from .store import Row
+from .store import JobRow
 from .worker import Interrupted, Setup, Worker
 
 PER_GPU = 4  # engines that share a graphics card
@@ -31,7 +31,7 @@ class Pool(Protocol):
     def submit(self, job: Job) -> None:
         """Hands out a job."""
 
-    def wait(self, seconds: float) -> list[tuple[Job, Row | None]]:
+    def wait(self, seconds: float) -> list[tuple[Job, JobRow | None]]:
         """Jobs that have ended, with their rows; None for a job whose worker is lost."""
 
     def close(self) -> None:
@@ -41,7 +41,7 @@ class Pool(Protocol):
 class Carrier(Protocol):
     """What carries out jobs: a `Worker`, or what stands for one in measurements."""
 
-    def run(self, job: Job, folder: Path) -> Row: ...
+    def run(self, job: Job, folder: Path) -> JobRow: ...
 
     def close(self) -> None: ...
 
@@ -60,7 +60,7 @@ class LocalPool:
         for worker in workers:
             self._idle.put(worker)
         self._threads = ThreadPoolExecutor(len(workers))
-        self._out: dict[Future[Row], Job] = {}
+        self._out: dict[Future[JobRow], Job] = {}
 
     def capacity(self) -> int:
         return len(self._workers)
@@ -68,7 +68,7 @@ class LocalPool:
     def submit(self, job: Job) -> None:
         self._out[self._threads.submit(self._run, job)] = job
 
-    def wait(self, seconds: float) -> list[tuple[Job, Row | None]]:
+    def wait(self, seconds: float) -> list[tuple[Job, JobRow | None]]:
         ended, _ = wait(self._out, seconds, FIRST_COMPLETED)
         return [(self._out.pop(future), future.result()) for future in ended]
 
@@ -77,7 +77,7 @@ class LocalPool:
             worker.close()
         self._threads.shutdown(wait=True, cancel_futures=True)
 
-    def _run(self, job: Job) -> Row:
+    def _run(self, job: Job) -> JobRow:
         worker = self._idle.get()
         try:
             return worker.run(job, self._jobs / job.name)
@@ -107,8 +107,8 @@ def fitting(limits: Limits, cards: Callable[[], int] | None = None) -> int:
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     memory = psutil.virtual_memory().total / 1e9
     fits = [cores // limits.cores, int(memory // limits.memory_gb)]
-    if found := (cards or graphics_cards)():
-        fits.append(found * PER_GPU)
+    if card_count := (cards or graphics_cards)():
+        fits.append(card_count * PER_GPU)
     return max(1, min(fits))
 
 

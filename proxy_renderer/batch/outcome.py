@@ -12,14 +12,14 @@ from PIL import Image
 
 from ..schema import VibeError, labels
 from .plan import Job
-from .store import DONE, FINAL, FRAMES, Row, head, read_json, write_bytes, write_json
+from .store import DONE, FINAL, FRAMES, JobRow, head, read_json, write_bytes, write_json
 
 _THUMB = 480  # pixels, the longer side
 _PICTURES = ("before", "after")
 _ENGINE, _CYCLES = "engine: loop", ("render before", "render after")
 
 
-def leave(job: Job, folder: Path, memory_gb: float, seconds: float) -> Row:
+def leave(job: Job, folder: Path, memory_gb: float, seconds: float) -> JobRow:
     """Completes a job's folder after Blender has written its files; the mark that it is done comes last.
 
     Raises:
@@ -49,7 +49,7 @@ def leave(job: Job, folder: Path, memory_gb: float, seconds: float) -> Row:
     return row
 
 
-def leave_frames(job: Job, folder: Path, memory_gb: float, seconds: float) -> Row:
+def leave_frames(job: Job, folder: Path, memory_gb: float, seconds: float) -> JobRow:
     """Completes a job's folder after its final frames have been rendered."""
     count = sum(1 for _ in (folder / FRAMES).rglob("*.png"))
     row = head(job) | {"status": "done", "wanted": job.frames, "frames": count}
@@ -75,7 +75,7 @@ def _details(job: Job, report: dict[str, Any]) -> bytes:
     """What the sheet shows of a job on demand: a script, because pages from disk may load nothing else."""
     parameters = report.get("parameters", {})
     largest_first = sorted(parameters.items(), key=lambda item: -item[1].get("moved", 0.0))
-    rows = [row for key, found in largest_first if (row := _changed(key, found))]
+    rows = [row for key, change in largest_first if (row := _changed(key, change))]
     understood = report.get("understood", {})
     content = {
         "parameters": rows,
@@ -90,11 +90,11 @@ def _details(job: Job, report: dict[str, Any]) -> bytes:
     return f"vibeDetails({json.dumps(job.name)}, {json.dumps(content, ensure_ascii=False)});\n".encode()
 
 
-def _changed(key: str, found: dict[str, Any]) -> list[Any] | None:
+def _changed(key: str, change: dict[str, Any]) -> list[Any] | None:
     """A parameter's name, old value, new value and reason, for people; None if the values read the same."""
-    before, after = (tuple(v) if isinstance(v, list) else (v,) for v in (found["before"], found["after"]))
+    before, after = (tuple(v) if isinstance(v, list) else (v,) for v in (change["before"], change["after"]))
     if labels.same(key, before, after):
         return None
     if len(after) == 1:
-        return [labels.title(key), labels.bare(key, before), labels.text(key, after), found["reason"]]
-    return [labels.title(key), before, after, found["reason"]]
+        return [labels.title(key), labels.bare(key, before), labels.text(key, after), change["reason"]]
+    return [labels.title(key), before, after, change["reason"]]

@@ -14,7 +14,7 @@ from typing import Protocol
 
 from .. import __version__
 from ..schema import schema_hash
-from .manifest.manifest import Shot
+from .manifest.manifest import SceneGroup
 
 _WORDS, _DIGEST = 32, 12  # letters of a prompt, and of the digest, in a folder's name
 
@@ -71,28 +71,28 @@ class Jobs(Protocol):
     def __iter__(self) -> Iterator[Job]: ...
 
 
-class Plan:
+class BatchPlan:
     """All jobs, in the order of the manifest; a new iteration makes them anew."""
 
-    def __init__(self, shots: Sequence[Shot]) -> None:
-        self.shots = shots
+    def __init__(self, groups: Sequence[SceneGroup]) -> None:
+        self.groups = groups
 
     def __len__(self) -> int:
-        return sum(len(shot.prompts) * len(shot.seeds) for shot in self.shots)
+        return sum(len(group.prompts) * len(group.seeds) for group in self.groups)
 
     def __iter__(self) -> Iterator[Job]:
         version = f"{__version__} {schema_hash()}"
-        for shot in self.shots:
-            base = hashlib.sha256(json.dumps([shot.name, shot.digest, shot.arguments, version]).encode())
-            stem = _slug(Path(shot.name).stem)
-            for prompt in shot.prompts:
+        for group in self.groups:
+            base = hashlib.sha256(json.dumps([group.name, group.digest, group.arguments, version]).encode())
+            stem = _slug(Path(group.name).stem)
+            for prompt in group.prompts:
                 words = _slug(prompt)[:_WORDS].strip("-")
-                for seed in shot.seeds:
+                for seed in group.seeds:
                     digest = base.copy()
                     digest.update(f" {seed} {prompt}".encode())
-                    arguments = (f"--prompt={prompt}", f"--seed={seed}", *shot.arguments)
+                    arguments = (f"--prompt={prompt}", f"--seed={seed}", *group.arguments)
                     name = f"{stem}-{words}-{seed}-{digest.hexdigest()[:_DIGEST]}"
-                    yield Job(name, shot.name, shot.source, prompt, seed, arguments, shot.more)
+                    yield Job(name, group.name, group.source, prompt, seed, arguments, group.more)
 
 
 @lru_cache(4096)

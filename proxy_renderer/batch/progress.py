@@ -9,10 +9,10 @@ from types import TracebackType
 from typing import Any, TextIO
 
 from .plan import Job
-from .store import Row
+from .store import JobRow
 
 
-class Progress:
+class BatchProgress:
     """Counts jobs and shows them. Use it as a context manager around the batch.
 
     Args:
@@ -32,7 +32,7 @@ class Progress:
         self._bar: Any = None
         self._task: Any = None
 
-    def __enter__(self) -> Progress:
+    def __enter__(self) -> BatchProgress:
         if self._stream.isatty():
             from rich.console import Console
             from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
@@ -56,7 +56,7 @@ class Progress:
             self._bar.stop()
             self._bar = None
 
-    def tell(self, what: str, job: Job, row: Row) -> None:
+    def tell(self, what: str, job: Job, row: JobRow) -> None:
         """Something has happened to a job: "started", "done", "failed", "again" or "lost"."""
         self.counts["running"] += 1 if what == "started" else -1
         if what in ("done", "failed"):
@@ -84,7 +84,7 @@ class Progress:
         parts += [f"{waiting} wait"] if waiting else []
         return ", ".join(parts) + "."
 
-    def _line(self, what: str, job: Job, row: Row) -> str:
+    def _line(self, what: str, job: Job, row: JobRow) -> str:
         ended = self.counts["done"] + self.counts["failed"]
         who = f"{job.scene} · {job.prompt} · {job.seed}"
         if what == "done" and job.frames is not None:

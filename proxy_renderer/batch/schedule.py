@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from .local import Pool
 from .manifest.manifest import Limits
 from .plan import Job, Jobs
-from .store import Row, Store, head
+from .store import JobRow, Store, head
 
 _LOSSES = 5
 """Times that a worker may be lost in a job before the job is blamed for it."""
@@ -20,8 +20,8 @@ def run(
     store: Store,
     pool: Pool,
     limits: Limits,
-    tell: Callable[[str, Job, Row], None],
-    known: bytearray | None = None,
+    tell: Callable[[str, Job, JobRow], None],
+    finished: bytearray | None = None,
 ) -> None:
     """Carries out what is not done yet. Jobs are made only when there is a worker for them.
 
@@ -31,13 +31,13 @@ def run(
         pool: The workers.
         limits: How often a failed job is tried again, and how much disk space must be free.
         tell: Hears of "started", "done", "again", "lost" and "failed" jobs.
-        known: Which jobs are done, if that has been looked up; see `Store.known`.
+        finished: Which jobs are done, if that has been looked up; see `Store.finished`.
 
     Raises:
         VibeError: Nothing can be written any more.
     """
-    known = store.known(plan) if known is None else known
-    fresh: Iterator[Job] = (job for job, done in zip(plan, known, strict=True) if not done)
+    finished = store.finished(plan) if finished is None else finished
+    fresh: Iterator[Job] = (job for job, done in zip(plan, finished, strict=True) if not done)
     again: deque[Job] = deque()
     attempts: Counter[str] = Counter()
     losses: Counter[str] = Counter()
@@ -79,10 +79,10 @@ def run(
                 tell("failed", job, row)
 
 
-def _lost(job: Job) -> Row:
-    said = f"The machine that worked on it was lost {_LOSSES + 1} times."
+def _lost(job: Job) -> JobRow:
+    message = f"The machine that worked on it was lost {_LOSSES + 1} times."
     return head(job) | {
         "status": "failed",
-        "error": said,
+        "error": message,
         "remedy": "Give it more memory: [limits] memory_gb.",
     }

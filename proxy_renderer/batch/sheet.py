@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import TextIO
 
 from ..schema import atomic
-from .plan import Plan
-from .store import Row, Store, unwritable
+from .plan import BatchPlan
+from .store import JobRow, Store, unwritable
 
 FIELDS = (
     "name", "scene", "prompt", "seed", "status", "similarity", "similarity_before", "delta_e",
@@ -43,7 +43,7 @@ class Sheet:
         title: Of the page.
     """
 
-    def __init__(self, title: str, plan: Plan, store: Store) -> None:
+    def __init__(self, title: str, plan: BatchPlan, store: Store) -> None:
         self._title, self._plan, self._store = title, plan, store
         self._next = 0.0
 
@@ -79,7 +79,7 @@ class Sheet:
         self._next = now + max(_SOONEST, (now - start) / _SHARE)
 
 
-def complete(row: Row) -> Row:
+def complete(row: JobRow) -> JobRow:
     """A row with all fields, in their order, and with the paths of its files from the results folder."""
     files = (
         {kind: f"{row['folder']}/{name}" for kind, name in FILES.items()} if row["status"] == "done" else {}
@@ -96,7 +96,7 @@ def _page(title: str) -> tuple[str, str]:
     return before, after
 
 
-def _in_script(row: Row) -> str:
+def _in_script(row: JobRow) -> str:
     """A row for the page; nothing in it can end the script that it is in."""
     short = {k: row[k] for k in FIELDS if row.get(k) not in (None, "")}
     return json.dumps(short, ensure_ascii=False).replace("<", "\\u003c").replace("\u2028", "\\u2028")

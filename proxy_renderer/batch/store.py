@@ -24,7 +24,7 @@ from ..schema import VibeError, atomic
 from ..schema.options import checks
 from .plan import Job
 
-Row = dict[str, Any]
+JobRow = dict[str, Any]
 DONE, FAILED, LOG = "done.json", "failed.json", "log.txt"
 FINAL, FRAMES = "final.json", "frames"
 TOKEN = "batch.json"
@@ -58,8 +58,8 @@ class Store:
                 "Wait for it, end it, or choose another --out.",
             ) from error
         self.jobs.mkdir(exist_ok=True)
-        known = read_json(self.folder / TOKEN) or {}
-        self.token = known.get("token") or uuid.uuid4().hex
+        before = read_json(self.folder / TOKEN) or {}
+        self.token = before.get("token") or uuid.uuid4().hex
         holder = f"process {os.getpid()} on {platform.node()}"
         write_json(self.folder / TOKEN, {"token": self.token, "holder": holder})
         return self
@@ -77,17 +77,17 @@ class Store:
         except OSError:
             return False
 
-    def known(self, plan: Iterable[Job]) -> bytearray:
+    def finished(self, plan: Iterable[Job]) -> bytearray:
         """For each job 1 if it is done, else 0."""
-        with os.scandir(self.jobs) as found:
-            empty = not any(found)
+        with os.scandir(self.jobs) as entries:
+            empty = not any(entries)
         return bytearray(not empty and self.done(job) for job in plan)
 
     def count(self, plan: Iterable[Job]) -> int:
         """How many jobs are done."""
-        return sum(self.known(plan))
+        return sum(self.finished(plan))
 
-    def row(self, job: Job) -> Row:
+    def row(self, job: Job) -> JobRow:
         """What is known of a job: its result, its failure, or that it waits."""
         for name in (DONE, FAILED):
             if row := read_json(self.jobs / job.name / name):
@@ -95,11 +95,11 @@ class Store:
                 return row | {key: final[key] for key in ("frames", "final_error") if key in final}
         return head(job) | {"status": "waiting"}
 
-    def rows(self, plan: Iterable[Job]) -> Iterator[Row]:
+    def rows(self, plan: Iterable[Job]) -> Iterator[JobRow]:
         """Those of all jobs, read as they are needed."""
         return map(self.row, plan)
 
-    def fail(self, job: Job, row: Row) -> None:
+    def fail(self, job: Job, row: JobRow) -> None:
         """Records that an attempt has failed."""
         folder = self.jobs / job.name
         folder.mkdir(exist_ok=True)
@@ -126,13 +126,13 @@ class Store:
             )
 
 
-def head(job: Job) -> Row:
+def head(job: Job) -> JobRow:
     """The fields that say which job it is."""
     folder = f"jobs/{job.name}"
     return {"name": job.name, "scene": job.scene, "prompt": job.prompt, "seed": job.seed, "folder": folder}
 
 
-def read_json(path: Path) -> Row | None:
+def read_json(path: Path) -> JobRow | None:
     """What a file holds; None if there is no such file, or if it was cut off."""
     try:
         return json.loads(path.read_bytes())

@@ -28,7 +28,7 @@ from ..schema import VibeError
 from .manifest.manifest import Limits
 from .outcome import leave, leave_frames
 from .plan import Job
-from .store import FRAMES, LOG, Row, head, tidy
+from .store import FRAMES, LOG, JobRow, head, tidy
 
 _MARK = "VIBE "
 _TICK = 0.5
@@ -68,7 +68,7 @@ class Worker:
         self._lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()
         self._closed = False
 
-    def run(self, job: Job, folder: Path) -> Row:
+    def run(self, job: Job, folder: Path) -> JobRow:
         """Carries out a job; everything that it leaves is in the folder, and last of all `done.json`.
 
         Returns:
@@ -90,8 +90,8 @@ class Worker:
             if self._closed:
                 raise Interrupted from error
             seconds = round(time.monotonic() - start, 2)
-            said = {"error": error.message, "remedy": error.remedy}
-            return head(job) | {"status": "failed", "seconds": seconds, "memory_gb": watch.peak_gb} | said
+            failure = {"error": error.message, "remedy": error.remedy}
+            return head(job) | {"status": "failed", "seconds": seconds, "memory_gb": watch.peak_gb} | failure
 
     def close(self) -> None:
         """Ends the process and all of its children now; a job that is under way is interrupted."""
@@ -115,8 +115,10 @@ class Worker:
             if line is None:
                 code = process.wait()
                 self._kill()
-                said = f" It said last: {last[:200]}" if last else ""
-                raise VibeError(f"Blender ended unexpectedly (exit code {code}).{said}", "See the job's log.")
+                last_line = f" It said last: {last[:200]}" if last else ""
+                raise VibeError(
+                    f"Blender ended unexpectedly (exit code {code}).{last_line}", "See the job's log."
+                )
             event = _event(line)
             if event.get("type") != "progress" and line:
                 log.write(line)

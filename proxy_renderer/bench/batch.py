@@ -20,10 +20,10 @@ from rich.table import Table
 from ..batch import schedule
 from ..batch.local import LocalPool, local_pool
 from ..batch.manifest import manifest
-from ..batch.manifest.manifest import Limits, Shot
-from ..batch.plan import Job, Plan
+from ..batch.manifest.manifest import Limits, SceneGroup
+from ..batch.plan import BatchPlan, Job
 from ..batch.sheet import Sheet
-from ..batch.store import DONE, Row, Store, head, read_json, tidy, write_json
+from ..batch.store import DONE, JobRow, Store, head, read_json, tidy, write_json
 from ..batch.worker import Setup
 from ..schema import VibeError
 
@@ -99,7 +99,7 @@ def run(out: Path, jobs: int = 8, workers: str = "1,2,4", simulated: str = "10,1
     return results
 
 
-def _table(columns: dict[str, str], rows: dict[int, Row]) -> Table:
+def _table(columns: dict[str, str], rows: dict[int, JobRow]) -> Table:
     """The same figures for people."""
     table = Table(*columns.values(), box=SIMPLE)
     for column in table.columns:
@@ -116,7 +116,7 @@ def _numbers(text: str) -> Sequence[int]:
 class _Simulated:
     """A worker whose vibes take no time; it leaves what marks a job as done."""
 
-    def run(self, job: Job, folder: Path) -> Row:
+    def run(self, job: Job, folder: Path) -> JobRow:
         tidy(folder)
         row = head(job) | {"status": "done", "similarity": 0.2, "similarity_before": 0.1, "delta_e": 1.0}
         row |= {"seconds": 60.0, "seconds_loop": 40.0, "seconds_cycles": 10.0, "memory_gb": 2.0}
@@ -127,17 +127,20 @@ class _Simulated:
         pass
 
 
-def _simulated(count: int) -> Row:
+def _simulated(count: int) -> JobRow:
     """A batch of simulated jobs in a fresh folder."""
     prompts = tuple(f"a look of which there are many, number {i}" for i in range(min(_PROMPTS, count)))
     scenes = count // len(prompts)
-    plan = Plan(
-        [Shot(f"{i}.blend", Path("x.blend"), str(i), prompts, (0,), ("--rounds=6",)) for i in range(scenes)]
+    plan = BatchPlan(
+        [
+            SceneGroup(f"{i}.blend", Path("x.blend"), str(i), prompts, (0,), ("--rounds=6",))
+            for i in range(scenes)
+        ]
     )
     process, began = psutil.Process(), [0.0]
     before, start, worked = process.memory_info().rss, time.monotonic(), time.process_time()
 
-    def tell(what: str, job: Job, row: Row) -> None:
+    def tell(what: str, job: Job, row: JobRow) -> None:
         began[0] = began[0] or time.monotonic() - start
 
     def carry_out(store: Store) -> float:
@@ -163,13 +166,13 @@ def _simulated(count: int) -> Row:
     }  # fmt: skip
 
 
-def _real(out: Path, jobs: int, workers: int) -> Row:
+def _real(out: Path, jobs: int, workers: int) -> JobRow:
     """A batch of quick vibes of a ball, by as many workers; the first job of each warms it, and is left out."""
     folder = Path(tempfile.mkdtemp(prefix=f"batch-{workers}-", dir=out))
     trimesh.creation.icosphere(4).export(folder / "ball.obj")
     (folder / "m.toml").write_text(_MANIFEST.format(seeds=list(range(-(-jobs // 4)))))
     wanted = manifest.load(folder / "m.toml", folder / "out")
-    plan, ended = Plan(wanted.shots), []
+    plan, ended = BatchPlan(wanted.groups), []
     with Store(folder / "out") as store:
         pool = local_pool(store.jobs, Setup(wanted.limits), workers)
         try:

@@ -47,8 +47,8 @@ def build(out: Path) -> Path:
         _assemble(package)
         _ask(tool, "validate", str(package))
         _ask(tool, "build", "--source-dir", str(package), "--output-dir", scratch)
-        _ask(tool, "validate", str(made := next(Path(scratch).glob("*.zip"))))
-        return _deliver(made, out)
+        _ask(tool, "validate", str(archive := next(Path(scratch).glob("*.zip"))))
+        return _deliver(archive, out)
 
 
 def install(blender: str = "") -> str:
@@ -65,34 +65,43 @@ def install(blender: str = "") -> str:
     """
     program = _blender(blender)
     with tempfile.TemporaryDirectory() as scratch:
-        made = build(Path(scratch))
-        command = [program, "--command", "extension", "install-file", "-r", "user_default", "-e", str(made)]
+        archive = build(Path(scratch))
+        command = [
+            program,
+            "--command",
+            "extension",
+            "install-file",
+            "-r",
+            "user_default",
+            "-e",
+            str(archive),
+        ]
         try:
             done = subprocess.run(command, capture_output=True, text=True, errors="replace")
         except OSError as error:
             raise VibeError(
                 f"{program} does not start: {error.strerror}.", "Choose another --blender."
             ) from error
-    said = (done.stdout + done.stderr).strip()
-    if done.returncode or "Error" in said:
-        line = next((line for line in said.splitlines() if "rror" in line), said.rpartition("\n")[2])
+    output = (done.stdout + done.stderr).strip()
+    if done.returncode or "Error" in output:
+        line = next((line for line in output.splitlines() if "rror" in line), output.rpartition("\n")[2])
         raise VibeError(
             f"Blender refused to install the extension: {line}", "Blender 4.2 or later is needed."
         )
-    return f"{made.name} is installed and enabled in {program}."
+    return f"{archive.name} is installed and enabled in {program}."
 
 
 def _blender(chosen: str) -> str:
     """The Blender program at a place."""
     if not chosen:
-        if found := shutil.which("blender"):
-            return found
+        if program := shutil.which("blender"):
+            return program
         raise VibeError("There is no `blender` on the PATH.", "Name it: --blender /path/to/blender.")
     place = Path(chosen).expanduser()
     inside = ("blender", "blender.exe", "Contents/MacOS/Blender")
-    for program in (place, *(place / name for name in inside)):
-        if program.is_file():
-            return str(program.absolute())
+    for candidate in (place, *(place / name for name in inside)):
+        if candidate.is_file():
+            return str(candidate.absolute())
     raise VibeError(f"There is no Blender in {chosen}.", "Name the program: --blender /path/to/blender.")
 
 
@@ -142,20 +151,20 @@ def _ask(tool: Path, *arguments: str) -> None:
     """Runs Blender's tool; its complaint becomes the error."""
     done = subprocess.run([sys.executable, str(tool), *arguments], capture_output=True, text=True)
     if done.returncode:
-        said = (done.stderr or done.stdout).strip().rpartition("\n")[2]
+        complaint = (done.stderr or done.stdout).strip().rpartition("\n")[2]
         raise VibeError(
-            f"Blender's tool refused to {arguments[0]} the extension: {said}", "Report this as a bug."
+            f"Blender's tool refused to {arguments[0]} the extension: {complaint}", "Report this as a bug."
         )
 
 
-def _deliver(made: Path, out: Path) -> Path:
+def _deliver(archive: Path, out: Path) -> Path:
     """Moves the zip into place in one step, so that a broken one is never found there."""
     try:
         out.mkdir(parents=True, exist_ok=True)
-        with atomic.replacing(out / made.name) as part:
-            shutil.copyfile(made, part)
+        with atomic.replacing(out / archive.name) as part:
+            shutil.copyfile(archive, part)
     except OSError as error:
         raise VibeError(
             f"Cannot write to {out}: {error.strerror}.", "Choose another folder with --out."
         ) from error
-    return out / made.name
+    return out / archive.name

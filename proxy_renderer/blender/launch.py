@@ -19,18 +19,18 @@ from pathlib import Path
 from typing import Any
 
 from ..schema import VibeError
-from .view import View
+from .progress import VibeProgress
 
 _MARK = "VIBE "
 
 
-def launch(arguments: list[str], out: Path, view: View | None = None) -> int:
+def launch(arguments: list[str], out: Path, progress: VibeProgress | None = None) -> int:
     """Runs batch.py with these arguments to its end and returns the command's exit code.
 
     Args:
         arguments: For batch.py.
         out: What the artist is told to open at the end.
-        view: Shows how it goes; standard output if None.
+        progress: Shows how it goes; standard output if None.
 
     Ctrl-C is passed on once, and Blender's side then finishes with the best so far; a second one
     ends it at once.
@@ -38,32 +38,32 @@ def launch(arguments: list[str], out: Path, view: View | None = None) -> int:
     Raises:
         VibeError: What Blender's side reports, or that it died.
     """
-    told = view is None
-    view = view or View()
-    view.stage("starting Blender")
+    told = progress is None
+    progress = progress or VibeProgress()
+    progress.stage("starting Blender")
     process = start([str(blender_side()), "--events", *arguments], **_own_group())
-    presses = _forward_interrupts(process, view)
+    presses = _forward_interrupts(process, progress)
     tail: deque[str] = deque(maxlen=40)
     failure: VibeError | None = None
-    with view:
+    with progress:
         for event in events(process, tail):
             if event.get("type") == "error":
                 failure = VibeError(event.get("message", "It failed."), event.get("remedy", ""))
             else:
-                view.show(event)
+                progress.show(event)
     code = process.wait()
     if failure:
         raise failure
     if len(presses) > 1:
         return 130
     if code != 0:
-        said = next((line for line in reversed(tail) if line.strip()), "nothing")
+        last_line = next((line for line in reversed(tail) if line.strip()), "nothing")
         raise VibeError(
-            f"Blender ended unexpectedly (exit code {code}). It said last: {said.strip()[:200]}",
+            f"Blender ended unexpectedly (exit code {code}). It said last: {last_line.strip()[:200]}",
             "Run `vibe doctor`.",
         )
     if told:
-        view.end(out)
+        progress.end(out)
     return 0
 
 
@@ -98,14 +98,14 @@ def events(process: subprocess.Popen[str], tail: deque[str]) -> Iterator[dict[st
         tail.append(line)
 
 
-def _forward_interrupts(process: subprocess.Popen[str], view: View) -> list[int]:
+def _forward_interrupts(process: subprocess.Popen[str], progress: VibeProgress) -> list[int]:
     """Lets Ctrl-C and termination reach Blender's side; returns the list of presses, as it grows."""
     presses: list[int] = []
 
     def on_signal(number: int, frame: Any) -> None:
         presses.append(number)
         if len(presses) == 1:
-            view.note("Stopping with the best so far … (Ctrl-C again to give up)")
+            progress.note("Stopping with the best so far … (Ctrl-C again to give up)")
             _send(process, signal.SIGINT)
         else:
             process.kill()
@@ -146,5 +146,5 @@ def environment() -> dict[str, str]:
     """For Blender's side: this process's environment, with a clone's own packages first."""
     root = Path(__file__).resolve().parents[2]
     paths = [str(root), str(root / "addon")] if (root / "addon").is_dir() else []
-    known = filter(None, [os.environ.get("PYTHONPATH", "")])
-    return {**os.environ, "PYTHONPATH": os.pathsep.join([*paths, *known]), "PYTHONUNBUFFERED": "1"}
+    inherited = filter(None, [os.environ.get("PYTHONPATH", "")])
+    return {**os.environ, "PYTHONPATH": os.pathsep.join([*paths, *inherited]), "PYTHONUNBUFFERED": "1"}

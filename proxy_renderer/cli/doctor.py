@@ -62,8 +62,8 @@ def _blender(config: list[str]) -> str:
         done = subprocess.run([sys.executable, "-c", _BLENDER], capture_output=True, text=True, timeout=120)
     except subprocess.TimeoutExpired as error:
         raise VibeError("Blender's module does not start within two minutes.", _AGAIN) from error
-    said = [line for line in done.stdout.splitlines() if line.startswith("BLENDER ")]
-    if not said:
+    lines = [line for line in done.stdout.splitlines() if line.startswith("BLENDER ")]
+    if not lines:
         reason = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]
         raise VibeError(
             f"Blender's module does not start: {reason[:150]}",
@@ -72,7 +72,7 @@ def _blender(config: list[str]) -> str:
         )
     import json
 
-    version, path = json.loads(said[0].removeprefix("BLENDER "))
+    version, path = json.loads(lines[0].removeprefix("BLENDER "))
     config.append(path)
     return f"{version} (the bpy module)"
 

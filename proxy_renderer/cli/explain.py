@@ -46,10 +46,10 @@ def _read(scene: Path, subject: Sequence[str]) -> tuple[SceneWords, dict[str, In
     """A scene as the first round of a vibe sees it: its names, its parameters, and the picture that they give."""
     from ..blender.launch import launch
     from ..blender.meshes import prepared
-    from ..blender.view import View
+    from ..blender.progress import VibeProgress
 
     with tempfile.TemporaryDirectory(prefix="vibe-explain-") as folder, prepared(scene) as place:
-        launch(["export", str(place), f"--out={folder}", *subject], scene, View(sys.stderr))
+        launch(["export", str(place), f"--out={folder}", *subject], scene, VibeProgress(sys.stderr))
         from ..optimize import context
         from ..optimize.drawing import draw
         from ..optimize.plan import lock
@@ -57,12 +57,12 @@ def _read(scene: Path, subject: Sequence[str]) -> tuple[SceneWords, dict[str, In
         from ..render.proxy import Proxy
         from ..scene import load_scene
 
-        found = load_scene(Path(folder))
-        vector = ParameterVector(lock(found.instances, (), (), scene.suffix.lower() != ".blend"))
-        proxy = Proxy(found, context.picture_size(found.resolution, _LOOK), device="cpu", seed=0)
+        data = load_scene(Path(folder))
+        vector = ParameterVector(lock(data.instances, (), (), scene.suffix.lower() != ".blend"))
+        proxy = Proxy(data, context.picture_size(data.resolution, _LOOK), device="cpu", seed=0)
         u = vector.encode({})
         now = context.plan_context(proxy, vector.values(u), draw(proxy, vector, u))
-        return context.scene_words(found), dict(vector.instances), now
+        return context.scene_words(data), dict(vector.instances), now
 
 
 def _plain() -> tuple[SceneWords, dict[str, Instance], PlanContext]:
@@ -73,10 +73,10 @@ def _plain() -> tuple[SceneWords, dict[str, Instance], PlanContext]:
 
 def _plain_scene() -> dict[str, Instance]:
     """Every parameter at its default; lengths are in units of the scene's own."""
-    found = [
+    instances = [
         Instance(p, owner, (p.default,) * p.components, role=role)
         for p in PARAMETERS
         for owner, kind, role in _OWNERS.get(p.group, (("", "", ""),))
         if p.name not in _LINKED and (not p.only or kind in p.only)
     ]
-    return {i.key: i for i in found}
+    return {i.key: i for i in instances}

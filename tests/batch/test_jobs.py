@@ -18,8 +18,8 @@ from batch_parts import carry_out, contents, plan_of
 
 from proxy_renderer.batch.finals import Finals, takes
 from proxy_renderer.batch.local import fitting
-from proxy_renderer.batch.manifest.manifest import Limits, Shot
-from proxy_renderer.batch.plan import Plan, Take
+from proxy_renderer.batch.manifest.manifest import Limits, SceneGroup
+from proxy_renderer.batch.plan import BatchPlan, Take
 from proxy_renderer.batch.store import Store
 from proxy_renderer.schema import VibeError
 
@@ -77,7 +77,9 @@ def test_final_frames_are_those_of_the_shots(shots, wanted, expected):
 
 
 def test_final_frames_of_shots_that_share_a_look(tmp_path):
-    plan = Plan([Shot("kitchen", Path("a.blend"), "digest", ("noir",), (0,), ("--cameras=Wide,Close",))])
+    plan = BatchPlan(
+        [SceneGroup("kitchen", Path("a.blend"), "digest", ("noir",), (0,), ("--cameras=Wide,Close",))]
+    )
     limits = Limits(free_gb=0.0, retries=0)
     carry_out(tmp_path, plan, limits)
     with Store(tmp_path) as store:

@@ -11,7 +11,7 @@ import pytest
 
 from proxy_renderer.batch.estimate import guess
 from proxy_renderer.batch.manifest.manifest import load
-from proxy_renderer.batch.plan import Plan
+from proxy_renderer.batch.plan import BatchPlan
 from proxy_renderer.schema import VibeError
 
 ROOT = Path(__file__).parents[2]
@@ -43,7 +43,7 @@ def place(tmp_path):
 
 def read(place, text):
     (place / "m.toml").write_text(text)
-    return list(Plan(load(place / "m.toml", place / "out").shots))
+    return list(BatchPlan(load(place / "m.toml", place / "out").groups))
 
 
 def test_scenes_times_prompts_times_seeds(place):
@@ -216,7 +216,7 @@ def test_a_group_alone_needs_no_scenes_and_its_shots_take_their_time(place, scen
     times = []
     for cameras in ("", 'cameras = ["Wide", "Close"]\n'):
         (place / "m.toml").write_text(f'{scenes}prompts = ["noir"]\n{group}{cameras}')
-        (job,) = Plan(load(place / "m.toml", place / "out").shots)
+        (job,) = BatchPlan(load(place / "m.toml", place / "out").groups)
         assert job.scene == "g"
         times.append(guess(job))
     assert times[1] > 1.5 * times[0]

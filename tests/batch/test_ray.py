@@ -11,8 +11,8 @@ import pytest
 from batch_parts import COMMAND, SMALL, carry_out, contents, on_cluster, plan_of
 
 from proxy_renderer.batch import schedule
-from proxy_renderer.batch.manifest.manifest import Shot
-from proxy_renderer.batch.plan import Plan
+from proxy_renderer.batch.manifest.manifest import SceneGroup
+from proxy_renderer.batch.plan import BatchPlan
 from proxy_renderer.batch.store import Store
 from proxy_renderer.batch.worker import Setup
 
@@ -61,8 +61,8 @@ def test_nodes_that_do_not_see_the_folder_send_their_files(cluster, tmp_path):
     scenes = [tmp_path / name for name in ("a.blend", "b.blend")]
     for scene in scenes:
         scene.write_bytes(b"a scene")
-    shot = Shot("a.blend", scenes[0], "digest", ("noir", "fails"), (0,), (), (scenes[1],))
-    plan = Plan([shot])
+    shot = SceneGroup("a.blend", scenes[0], "digest", ("noir", "fails"), (0,), (), (scenes[1],))
+    plan = BatchPlan([shot])
     with Store(tmp_path / "out") as store:
         store.token = "a folder that no node sees"
         told = run(cluster, plan, store)

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from batch_parts import carry_out, plan_of
 
-from proxy_renderer.batch.manifest.manifest import Limits, Shot
-from proxy_renderer.batch.plan import Plan
+from proxy_renderer.batch.manifest.manifest import Limits, SceneGroup
+from proxy_renderer.batch.plan import BatchPlan
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 HOSTILE = "noir </script><script>document.title = 'broken'</script> & <b>bold</b>"
@@ -144,8 +144,10 @@ def test_the_keyboard_does_everything(page):
 
 def test_shots_that_share_a_look_are_all_shown_and_slide_together(browser, tmp_path):
     """A card with four pictures, and one slider for all of them."""
-    shot = Shot("kitchen", Path("a.blend"), "digest", ("noir",), (0,), ("--cameras=Wide,Close,Top,Door",))
-    carry_out(tmp_path, Plan([shot]), Limits(free_gb=0))
+    shot = SceneGroup(
+        "kitchen", Path("a.blend"), "digest", ("noir",), (0,), ("--cameras=Wide,Close,Top,Door",)
+    )
+    carry_out(tmp_path, BatchPlan([shot]), Limits(free_gb=0))
     page = browser.new_context(viewport={"width": 1400, "height": 900}, offline=True).new_page()
     page.goto((tmp_path / "index.html").as_uri())
     assert page.locator(".card .shots .name").all_inner_texts() == ["Wide", "Close", "Top", "Door"]

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 import pytest
 
 from proxy_renderer.batch.manifest.options import OptionReader
-from proxy_renderer.batch.manifest.toml_source import Source
+from proxy_renderer.batch.manifest.toml_source import TomlSource
 from proxy_renderer.cli.main import parser
 from proxy_renderer.schema import VibeError
 from proxy_renderer.schema.options import checks, command_line
@@ -58,7 +58,7 @@ def test_the_message_has_it():
 
 def test_a_manifest_has_it(tmp_path):
     (tmp_path / "m.toml").write_text("[options]\nsparkle = 4\n")
-    source = Source(tmp_path / "m.toml")
+    source = TomlSource(tmp_path / "m.toml")
     reader = OptionReader(source, tmp_path, LONGER)
     assert reader.read({"sparkle": 4}, ("options",)) == {"sparkle": 4}
     for wrong, words in (("much", "sparkle = 3"), (10, "Use 1 to 9")):

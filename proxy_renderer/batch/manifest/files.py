@@ -14,7 +14,7 @@ from ...inputs import check
 from ...prompt.lexicon.user_words import user_file
 from ...schema import VibeError
 from .options import texts
-from .toml_source import Source
+from .toml_source import TomlSource
 
 
 class Files:
@@ -28,7 +28,7 @@ class Files:
         base: The manifest's folder.
     """
 
-    def __init__(self, source: Source, out: Path) -> None:
+    def __init__(self, source: TomlSource, out: Path) -> None:
         self.base = source.path.parent.resolve()
         self._problem, self._out = source.problem, out
 
@@ -46,10 +46,10 @@ class Files:
                 raise self._problem(f"No scene matches {pattern!r}.", remedy, *keys, quoted=pattern)
             for place in places:
                 try:
-                    found = check.scene(str(self.base / place))
+                    scene = check.scene(str(self.base / place))
                 except VibeError as error:
                     raise self._problem(error.message, error.remedy, *keys, quoted=pattern) from error
-                yield Path(os.path.relpath(self.base / place, self.base)).as_posix(), found
+                yield Path(os.path.relpath(self.base / place, self.base)).as_posix(), scene
 
     def common(self, patterns: Any, vocabulary: str) -> str:
         """Digest of what every result depends on: linked files and the artist's own words."""
@@ -57,9 +57,9 @@ class Files:
             raise self._problem("These are not files.", 'Write files = ["textures/**"].', "files")
         linked = []
         for pattern in patterns:
-            found = sorted(glob.glob(pattern, root_dir=self.base, recursive=True))
-            linked += [p for p in found if (self.base / p).is_file()]
-            if not found:
+            matches = sorted(glob.glob(pattern, root_dir=self.base, recursive=True))
+            linked += [p for p in matches if (self.base / p).is_file()]
+            if not matches:
                 remedy = f"It is looked for from {self.base}."
                 raise self._problem(f"No file matches {pattern!r}.", remedy, "files", quoted=pattern)
         if vocabulary:

@@ -40,7 +40,7 @@ from ...schema import VibeError
 from ...schema.limits import LARGEST_SEED
 from .files import Files, digest
 from .options import OptionReader, texts
-from .toml_source import Source
+from .toml_source import TomlSource
 
 _KNOWN = ("scenes", "prompts", "seeds", "files", "options", "limits", "scene", "shots")
 
@@ -65,7 +65,7 @@ class Limits:
 
 
 @dataclass(frozen=True)
-class Shot:
+class SceneGroup:
     """A scene of the manifest, or several that are to share a look.
 
     Attributes:
@@ -89,9 +89,9 @@ class Shot:
 
 @dataclass(frozen=True)
 class Manifest:
-    """What is wanted."""
+    """What is wanted of which scenes, and what the jobs may use."""
 
-    shots: tuple[Shot, ...]
+    groups: tuple[SceneGroup, ...]
     limits: Limits
 
 
@@ -102,11 +102,11 @@ def load(path: Path, out: Path) -> Manifest:
         VibeError: Something in it is wrong; names the file, the line and the remedy.
     """
     check.file(str(path), "manifest")
-    return _Reader(Source(path.expanduser()), out.expanduser().resolve()).manifest()
+    return _Reader(TomlSource(path.expanduser()), out.expanduser().resolve()).manifest()
 
 
 class _Reader:
-    def __init__(self, source: Source, out: Path) -> None:
+    def __init__(self, source: TomlSource, out: Path) -> None:
         self._problem, self._content = source.problem, source.content
         self._files = Files(source, out)
         self._options = OptionReader(source, self._files.base)
@@ -119,27 +119,27 @@ class _Reader:
         limits = self._limits(content.get("limits", {}))
         common = self._options.read(self._table(content, "options"), ("options",))
         everything = self._files.common(content.get("files", []), common.get("vocabulary", ""))
-        shots = [*self._single(common, everything), *self._together(common, everything)]
-        return Manifest(tuple(shots), limits)
+        groups = [*self._single(common, everything), *self._together(common, everything)]
+        return Manifest(tuple(groups), limits)
 
-    def _single(self, common: dict[str, Any], everything: str) -> Iterator[Shot]:
+    def _single(self, common: dict[str, Any], everything: str) -> Iterator[SceneGroup]:
         """The scenes, each for itself."""
         if self._content.get("scenes", []) == [] and "shots" in self._content:
             return
-        found = dict(self._files.scenes(self._content.get("scenes"), "scenes"))
+        scenes = dict(self._files.scenes(self._content.get("scenes"), "scenes"))
         named = self._table(self._content, "scene")
         for pattern in named:
-            if not fnmatch.filter(found, pattern):
-                remedy = f"Scenes are named as in {next(iter(found))}."
+            if not fnmatch.filter(scenes, pattern):
+                remedy = f"Scenes are named as in {next(iter(scenes))}."
                 raise self._problem(f"No scene matches {pattern!r}.", remedy, "scene", pattern)
-        for name, place in found.items():
+        for name, place in scenes.items():
             own: dict[str, Any] = {}
             for pattern, table in named.items():
                 if fnmatch.fnmatch(name, pattern):
                     own |= self._own(table, common, "scene", pattern)
-            yield self._shot(name, [place], common, own, everything)
+            yield self._group(name, [place], common, own, everything)
 
-    def _together(self, common: dict[str, Any], everything: str) -> Iterator[Shot]:
+    def _together(self, common: dict[str, Any], everything: str) -> Iterator[SceneGroup]:
         """The groups of shots that share a look."""
         names: set[str] = set()
         for number, table in enumerate(self._content.get("shots", [])):
@@ -154,19 +154,19 @@ class _Reader:
             rest = {k: v for k, v in table.items() if k not in ("name", "scenes")}
             own = self._own(rest, common, *keys)
             try:
-                yield self._shot(name, scenes, common, own, everything)
+                yield self._group(name, scenes, common, own, everything)
             except VibeError as error:
                 raise self._problem(error.message, error.remedy, *keys) from error
 
-    def _shot(
+    def _group(
         self, name: str, scenes: list[Path], common: dict[str, Any], own: dict[str, Any], everything: str
-    ) -> Shot:
+    ) -> SceneGroup:
         arguments = self._options.arguments(common | own, scenes)
         prompts = own.get("prompts") or self._prompts(self._content.get("prompts"), common, "prompts")
         seeds = own.get("seeds") or self._seeds(self._content.get("seeds", [0]), "seeds")
         content = " ".join([*map(digest, scenes), everything])
         mark = hashlib.sha256(content.encode()).hexdigest()
-        return Shot(name, scenes[0], mark, prompts, seeds, arguments, tuple(scenes[1:]))
+        return SceneGroup(name, scenes[0], mark, prompts, seeds, arguments, tuple(scenes[1:]))
 
     def _table(self, content: dict[str, Any], key: str) -> dict[str, Any]:
         table = content.get(key, {})
@@ -189,7 +189,7 @@ class _Reader:
         return tuple(dict.fromkeys(given))
 
     def _prompts_of_file(self, path: Path, options: dict[str, Any]) -> tuple[str, ...]:
-        found: dict[str, None] = {}
+        prompts: dict[str, None] = {}
         for number, line in enumerate(path.read_text("utf-8").splitlines(), 1):
             prompt = line.strip()
             if not prompt or prompt.startswith("#"):
@@ -198,10 +198,10 @@ class _Reader:
                 self._options.prompt(prompt, options)
             except VibeError as error:
                 raise VibeError(f"{path}, line {number}: {error.message}", error.remedy) from error
-            found[prompt] = None
-        if not found:
+            prompts[prompt] = None
+        if not prompts:
             raise VibeError(f"{path} holds no prompt.", "Write one on each line.")
-        return tuple(found)
+        return tuple(prompts)
 
     def _seeds(self, given: Any, *keys: str) -> tuple[int, ...]:
         whole = (
@@ -228,15 +228,15 @@ class _Reader:
         return own
 
     def _limits(self, table: Any) -> Limits:
-        known = {f.name: f.default for f in fields(Limits)}
+        defaults = {f.name: f.default for f in fields(Limits)}
         for key, value in table.items() if isinstance(table, dict) else ():
-            if key not in known:
-                raise self._problem(f"Unknown limit {key!r}.", f"Use {', '.join(known)}.", "limits", key)
-            whole = isinstance(known[key], int)
+            if key not in defaults:
+                raise self._problem(f"Unknown limit {key!r}.", f"Use {', '.join(defaults)}.", "limits", key)
+            whole = isinstance(defaults[key], int)
             if (
                 type(value) not in ((int,) if whole else (int, float))
                 or value < (key in ("minutes", "cores")) * 0.01
             ):
-                remedy = f"Write a {'whole number' if whole else 'number'}, as in {key} = {known[key]}."
+                remedy = f"Write a {'whole number' if whole else 'number'}, as in {key} = {defaults[key]}."
                 raise self._problem(f"{key} cannot be {value!r}.", remedy, "limits", key)
         return Limits(**self._table({"limits": table}, "limits"))

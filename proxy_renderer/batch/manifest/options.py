@@ -13,7 +13,7 @@ from ...schema import VibeError, frame_numbers
 from ...schema.options import checks, command_line
 from ...schema.options.option import Option
 from ...schema.options.table import TABLE
-from .toml_source import Source
+from .toml_source import TomlSource
 
 _ELSEWHERE = {"seed": "Write seeds = [0, 1] at the top."}
 
@@ -27,7 +27,7 @@ class OptionReader:
         options: The rows that there are.
     """
 
-    def __init__(self, source: Source, base: Path, options: Iterable[Option] = TABLE) -> None:
+    def __init__(self, source: TomlSource, base: Path, options: Iterable[Option] = TABLE) -> None:
         self._problem, self._base = source.problem, base
         self._rows = {row.name: row for row in options}
         self._defaults = {row.name: row.command_default for row in self._rows.values() if row.name != "stage"}

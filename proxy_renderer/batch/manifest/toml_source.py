@@ -15,7 +15,7 @@ _KEY = re.compile(r"\s*([^=#\[\]{},]+?)\s*=")
 _TABLE = re.compile(r"\s*\[.*\]\s*(#.*)?$")
 
 
-class Source:
+class TomlSource:
     """A TOML file.
 
     Attributes:
@@ -36,8 +36,8 @@ class Source:
         except tomllib.TOMLDecodeError as error:
             line = re.search(r"line (\d+)", str(error))
             where = f"line {line.group(1)}" if line else "its last line"
-            said = re.sub(r" \(at .*\)$", "", str(error))
-            raise VibeError(f"{path}, {where}: this is not TOML ({said}).", "Mend that line.") from error
+            reason = re.sub(r" \(at .*\)$", "", str(error))
+            raise VibeError(f"{path}, {where}: this is not TOML ({reason}).", "Mend that line.") from error
         self._lines = text.splitlines()
 
     def line(self, *keys: str, quoted: str = "") -> int:
@@ -46,18 +46,18 @@ class Source:
         Tables of a list, [[shots]], are counted: ("shots", "0", "frames").
         """
         table: tuple[str, ...] = ()
-        seen: Counter[tuple[str, ...]] = Counter()
+        counts: Counter[tuple[str, ...]] = Counter()
         for number, line in enumerate(self._lines):
             if _TABLE.match(line):
-                table = found = _names(line)
+                table = place = _names(line)
                 if line.lstrip().startswith("[["):
-                    table = found = (*table, str(seen[table]))
-                    seen[table[:-1]] += 1
+                    table = place = (*table, str(counts[table]))
+                    counts[table[:-1]] += 1
             elif key := _KEY.match(line):
-                found = table + _names(f"{key.group(1)} = 0")
+                place = table + _names(f"{key.group(1)} = 0")
             else:
                 continue
-            if found[: len(keys)] == keys:
+            if place[: len(keys)] == keys:
                 return 1 + self._of_text(quoted, number)
         return 1
 
@@ -75,12 +75,12 @@ class Source:
 def _names(line: str) -> tuple[str, ...]:
     """The names in a table's head, or in a key; none if it is something else after all."""
     try:
-        found = tomllib.loads(line)
+        content = tomllib.loads(line)
     except tomllib.TOMLDecodeError:
         return ()
     names = []
-    while isinstance(found, dict) and found:
-        names.append(next(iter(found)))
-        found = found[names[-1]]
-        found = found[0] if isinstance(found, list) and found else found
+    while isinstance(content, dict) and content:
+        names.append(next(iter(content)))
+        content = content[names[-1]]
+        content = content[0] if isinstance(content, list) and content else content
     return tuple(names)

@@ -20,16 +20,16 @@ def add_option(container: argparse._ActionsContainer, option: Option, **changes:
         **changes: What this command has otherwise: `default`, `required`, `help`.
     """
     default = changes.get("default", option.command_default)
-    known: dict[str, Any] = {"dest": option.name, "default": default, "help": option.text(default)}
+    keywords: dict[str, Any] = {"dest": option.name, "default": default, "help": option.text(default)}
     if isinstance(option.default, bool):
-        known["action"] = "store_false" if option.default else "store_true"
+        keywords["action"] = "store_false" if option.default else "store_true"
     elif isinstance(option.default, tuple):
-        known |= {"action": "append", "metavar": option.unit}
+        keywords |= {"action": "append", "metavar": option.unit}
     elif isinstance(option.default, int):
-        known |= {"type": int, "metavar": option.unit}
+        keywords |= {"type": int, "metavar": option.unit}
     else:
-        known |= {"choices": option.choices} if option.choices else {"metavar": option.unit}
-    container.add_argument(option.flag, **(known | changes))
+        keywords |= {"choices": option.choices} if option.choices else {"metavar": option.unit}
+    container.add_argument(option.flag, **(keywords | changes))
 
 
 def add_options(
@@ -58,18 +58,18 @@ def to_arguments(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> 
         given: A command line, or a part of one; what the budget decides is filled in, and the budget said thereby.
         table: The options.
     """
-    found: list[str] = []
+    arguments: list[str] = []
     for option in table:
         value = getattr(given, option.name, None)
         if not option.blender or option.name == "budget" or value is None:
             continue
         if isinstance(option.default, bool):
-            found += [option.flag] if value is not option.default else []
+            arguments += [option.flag] if value is not option.default else []
         elif isinstance(option.default, tuple):
-            found += [f"{option.flag}={one}" for one in value]
+            arguments += [f"{option.flag}={one}" for one in value]
         elif value != "":
-            found.append(f"{option.flag}={value}")
-    return found
+            arguments.append(f"{option.flag}={value}")
+    return arguments
 
 
 def engine_options(given: argparse.Namespace, camera: bool, online: bool) -> Options:

@@ -10,11 +10,11 @@ from ..errors import VibeError
 
 def frame_numbers(text: str) -> list[int]:
     """Frames from "1,50,100-110"; none from ""."""
-    found: dict[int, None] = {}
+    numbers: dict[int, None] = {}
     for part in filter(None, re.split(r"[,\s]+", text)):
         match = re.fullmatch(r"(\d+)(?:-(\d+))?", part)
         if not match:
             raise VibeError(f"{part!r} names no frames.", "Write them as in 1,50,100 or 1-24.")
         first = int(match[1])
-        found |= dict.fromkeys(range(first, int(match[2] or first) + 1))
-    return list(found)
+        numbers |= dict.fromkeys(range(first, int(match[2] or first) + 1))
+    return list(numbers)

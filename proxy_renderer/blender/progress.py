@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the command shows: a progress bar in a terminal, plain lines elsewhere."""
+"""How a vibe gets on, for people: a progress bar in a terminal, plain lines elsewhere."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from types import TracebackType
 from typing import Any, TextIO
 
 
-class View:
+class VibeProgress:
     """Shows events as they come. Use it as a context manager around them.
 
     Args:
@@ -25,7 +25,7 @@ class View:
         self._task: Any = None
         self._result: dict[str, Any] = {}
 
-    def __enter__(self) -> View:
+    def __enter__(self) -> VibeProgress:
         if self._stream.isatty():
             from rich.console import Console
             from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
