@@ -26,24 +26,24 @@ def test_the_command_measures_caches_and_survives_a_broken_scene(tmp_path):
     out, cache = tmp_path / "out", tmp_path / "cache"
     first = bench("fidelity", out, cache, *SMALL, "--only=[cg]l[ao][yb]*")
     assert first.returncode == 0, first.stdout + first.stderr
-    found = json.loads((out / "results.json").read_text())
-    assert sorted(found["scenes"]) == ["clay_head", "globe"]
-    for row in found["scenes"].values():
+    results = json.loads((out / "results.json").read_text())
+    assert sorted(results["scenes"]) == ["clay_head", "globe"]
+    for row in results["scenes"].values():
         assert not row["cached"]
         assert 0 < row["delta_e"] < 6  # so small a picture is all edges and noise
         assert row["delta_e"] < row["p95"]
         assert row["ssim"] > 0.5
         assert 0 < row["anchored_still_delta_e"] < row["delta_e"]
         assert 0 < row["anchored_delta_e"] < row["delta_e"] + 1
-    assert found["mean_delta_e"] == pytest.approx(
-        sum(row["delta_e"] for row in found["scenes"].values()) / 2, abs=1e-3
+    assert results["mean_delta_e"] == pytest.approx(
+        sum(row["delta_e"] for row in results["scenes"].values()) / 2, abs=1e-3
     )
-    assert found["features"]["image texture"]["delta_e"] == found["scenes"]["globe"]["delta_e"]
+    assert results["features"]["image texture"]["delta_e"] == results["scenes"]["globe"]["delta_e"]
     with Image.open(out / "contact.png") as sheet:
         assert sheet.width > 3 * 256
 
     # One reference cannot be written: that scene fails, the other one comes from the cache.
-    broken = cache / found["scenes"]["clay_head"]["reference"]
+    broken = cache / results["scenes"]["clay_head"]["reference"]
     broken.unlink()
     broken.mkdir()
     second = bench("fidelity", out, cache, *SMALL, "--only=[cg]l[ao][yb]*")
@@ -52,7 +52,7 @@ def test_the_command_measures_caches_and_survives_a_broken_scene(tmp_path):
     again = json.loads((out / "results.json").read_text())
     assert list(again["failed"]) == ["clay_head"]
     assert again["scenes"]["globe"]["cached"]
-    assert again["scenes"]["globe"]["delta_e"] == found["scenes"]["globe"]["delta_e"]
+    assert again["scenes"]["globe"]["delta_e"] == results["scenes"]["globe"]["delta_e"]
 
 
 def test_a_name_that_no_scene_has(tmp_path):
@@ -64,13 +64,13 @@ def test_a_name_that_no_scene_has(tmp_path):
 
 def test_the_set_covers_what_the_issue_names():
     assert len(CATALOG) == len(BY_NAME) >= 40
-    found = {f for recipe in CATALOG for f in features(recipe, SHAPES[recipe.shape][1])}
+    covered = {f for recipe in CATALOG for f in features(recipe, SHAPES[recipe.shape][1])}
     wanted = """open,closed,thin,many objects,200k triangles,floor,no floor,dielectric,metal,coat,sheen,emission,glass,
         roughness 0,roughness 0.1,roughness 0.25,roughness 0.5,roughness 0.8,roughness 1,point light,sun light,
         spot light,area light,1 light,2 lights,3 lights,4 lights,constant world,HDRI world,no fog,thin fog,medium fog,
         thick fog,low fog,image texture,procedural texture,AgX,Filmic,Standard,Khronos PBR Neutral,grade,
         transparent film,alpha"""
-    assert {" ".join(name.split()) for name in wanted.split(",")} <= found
+    assert {" ".join(name.split()) for name in wanted.split(",")} <= covered
     assert {recipe.world.picture for recipe in CATALOG} - {""} == set(WORLDS)
 
 

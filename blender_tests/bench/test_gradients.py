@@ -18,10 +18,10 @@ def test_the_command_compares_with_cycles_and_keeps_its_pictures(tmp_path):
     out, cache = tmp_path / "out", tmp_path / "cache"
     done = bench("gradients", out, cache, *SUN)
     assert done.returncode == 0, done.stdout + done.stderr
-    found = json.loads((out / "results.json").read_text())
-    assert set(found["parameters"]) == {f"light/{n}" for n in ("strength", "azimuth", "elevation", "angle")}
-    assert found["parameters"]["light/strength"]["cosine"] > 0.95
-    assert found["parameters"]["light/strength"]["length"] == pytest.approx(1.0, abs=0.2)
+    results = json.loads((out / "results.json").read_text())
+    assert set(results["parameters"]) == {f"light/{n}" for n in ("strength", "azimuth", "elevation", "angle")}
+    assert results["parameters"]["light/strength"]["cosine"] > 0.95
+    assert results["parameters"]["light/strength"]["length"] == pytest.approx(1.0, abs=0.2)
     pictures = sorted(cache.glob("*.png"))
     assert len(pictures) == 8
     written = [p.stat().st_mtime_ns for p in pictures]

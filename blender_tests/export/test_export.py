@@ -40,10 +40,10 @@ def cube(name="Cube", location=(0, 0, 0), size=2.0):
 
 
 def material(name, thing):
-    made = bpy.data.materials.new(name)
-    made.use_nodes = True
-    thing.data.materials.append(made)
-    return made, made.node_tree, made.node_tree.nodes["Principled BSDF"]
+    new_material = bpy.data.materials.new(name)
+    new_material.use_nodes = True
+    thing.data.materials.append(new_material)
+    return new_material, new_material.node_tree, new_material.node_tree.nodes["Principled BSDF"]
 
 
 def contents():

@@ -26,14 +26,14 @@ def test_from_the_panel(addon, disk, tmp_path):
     bpy.ops.wm.open_mainfile(filepath=str(shot))
     before = contents()
     assert bpy.ops.vibe.run() == {"FINISHED"}
-    found = {change.name: change.values() for change in bpy.context.scene.vibe.changes}
-    assert found
+    changes = {change.name: change.values() for change in bpy.context.scene.vibe.changes}
+    assert changes
     with pytest.raises(RuntimeError, match="not writable"):  # Blender's own words
         bpy.ops.wm.save_mainfile()
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "mine.blend"))
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "mine.blend"))
     scene = bpy.context.scene
-    assert {change.name: change.values() for change in scene.vibe.changes} == found
+    assert {change.name: change.values() for change in scene.vibe.changes} == changes
     assert snapshot.exists(scene)
     assert bpy.ops.vibe.revert() == {"FINISHED"}
     assert difference(before, contents()) == {}
@@ -45,24 +45,24 @@ def test_from_the_panel(addon, disk, tmp_path):
 def test_from_the_command_line(disk, tmp_path):
     shot = save_scene(disk.folder / "shot.blend")
     held = shot.read_bytes()
-    code, said = run_headless(
+    code, printed = run_headless(
         "run", shot, "--prompt=red box", f"--out={disk.folder / 'out'}", "--no-anchor", *QUICK
     )
-    assert code == 0, said
+    assert code == 0, printed
     vibed = (disk.folder / "out" / "vibed.blend").read_bytes()
     disk.protect()
     for arguments, words in (
         (("run", shot, "--prompt=red box", f"--out={disk.folder / 'more'}"), "Choose another with --out."),
         (("revert", disk.folder / "out" / "vibed.blend"), "vibed.blend is read-only. Make it writable"),
     ):
-        code, said = run_headless(*arguments, *QUICK)
-        assert code == 2, said
-        assert words in said.splitlines()[-1]
-        assert "Traceback" not in said
-    code, said = run_headless(
+        code, printed = run_headless(*arguments, *QUICK)
+        assert code == 2, printed
+        assert words in printed.splitlines()[-1]
+        assert "Traceback" not in printed
+    code, printed = run_headless(
         "run", shot, "--prompt=red box", f"--out={tmp_path / 'out'}", "--no-anchor", *QUICK
     )
-    assert code == 0, said
+    assert code == 0, printed
     assert {path.name for path in (tmp_path / "out").iterdir()} == FILES
     assert shot.read_bytes() == held
     assert (disk.folder / "out" / "vibed.blend").read_bytes() == vibed

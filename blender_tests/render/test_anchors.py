@@ -153,12 +153,12 @@ def test_an_anchored_proxy_shows_what_cycles_renders(scene, tmp_path):
     """Other powers, colors and materials than the anchor's: nearer to Cycles than without it."""
     scenes.studio(scene)
     scene.render.resolution_x = scene.render.resolution_y = 64
-    found = reading.export_scene(scene, tmp_path, SubjectChoice(objects=("Subject",))).analysis
+    analysis = reading.export_scene(scene, tmp_path, SubjectChoice(objects=("Subject",))).analysis
     data = load_scene(tmp_path)
     path = tmp_path / "a.exr"
-    groups = anchors.render_anchor(scene, path, {}, found.objects, found.pivot, 64, 64)
+    groups = anchors.render_anchor(scene, path, {}, analysis.objects, analysis.pivot, 64, 64)
     values = {"light/Area/power": [300.0], "light/Sun/color": [1.0, 0.6, 0.3], "film/exposure": [-1.0]}
-    with bindings.trial(scene, values, found.objects, found.pivot):
+    with bindings.trial(scene, values, analysis.objects, analysis.pivot):
         final_render.render(scene, tmp_path / "after.png", 64, 256)
     from proxy_renderer.engine.report import load_picture
 

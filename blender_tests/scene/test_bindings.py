@@ -23,11 +23,11 @@ def test_every_schema_row_has_exactly_one_binding():
 
 
 def test_the_scenes_of_these_tests_have_every_parameter(scene):
-    found = {i.parameter.family for i in instances(scene, scenes.studio(scene)).values()}
+    families = {i.parameter.family for i in instances(scene, scenes.studio(scene)).values()}
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
-    found |= {i.parameter.family for i in instances(scene, scenes.textured(scene)).values()}
-    assert found == set(schema.FAMILIES)
+    families |= {i.parameter.family for i in instances(scene, scenes.textured(scene)).values()}
+    assert families == set(schema.FAMILIES)
 
 
 @pytest.mark.parametrize("name", scenes.ALL)
@@ -120,11 +120,11 @@ def test_roles(scene):
         lamp.energy = 1.0
     bpy.data.objects["Spot"].location = (0.0, 4.0, 1.0)
     bpy.data.lights["Point"].energy = 5000.0
-    found = instances(scene, subject)
-    assert found["light/Point/power"].role == "key"
-    assert found["light/Spot/power"].role == "rim"
-    assert found["material/Body/roughness"].role == "subject"
-    assert found["material/Ground/roughness"].role == "surroundings"
+    parameters = instances(scene, subject)
+    assert parameters["light/Point/power"].role == "key"
+    assert parameters["light/Spot/power"].role == "rim"
+    assert parameters["material/Body/roughness"].role == "subject"
+    assert parameters["material/Ground/roughness"].role == "surroundings"
 
 
 def test_what_the_camera_does_not_see_has_no_parameters(scene):

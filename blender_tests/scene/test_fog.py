@@ -64,11 +64,11 @@ def test_extinction(wall, tmp_path, values):
         scene, subject, color=(0.0, 0.0, 0.0), **values
     )  # absorbs only; but there was no fog to have a color
     write(scene, subject, color=(0.0, 0.0, 0.0))
-    seen = rendered(scene, tmp_path, samples=64).mean(axis=(1, 2))
+    transmitted = rendered(scene, tmp_path, samples=64).mean(axis=(1, 2))
     height = ((np.arange(SIZE) + 0.5) / SIZE - 0.5) * VIEW
     above = np.maximum(height - (-1.0) - values.get("offset", 0.0), 0.0)  # the subject's base is at -1
     extinction = values["density"] * np.exp(-values.get("falloff", 0.0) * above)
-    np.testing.assert_allclose(seen, np.exp(-extinction * DISTANCE), atol=0.02)
+    np.testing.assert_allclose(transmitted, np.exp(-extinction * DISTANCE), atol=0.02)
 
 
 def test_color_is_the_albedo(wall, tmp_path):
@@ -111,13 +111,13 @@ def test_the_box_holds_camera_and_subject_and_is_out_of_the_artists_way(scene):
     write(scene, subject, density=0.1, color=(0.1, 0.2, 0.3))
     box = fog.find(scene)
     assert (box.display_type, box.hide_select, box.name, box.hide_render) == ("WIRE", True, "Vibe Fog", False)
-    made = fog.domain(context)
-    for a, b in zip(planned.center, made.center, strict=True):
+    box_domain = fog.domain(context)
+    for a, b in zip(planned.center, box_domain.center, strict=True):
         assert a == pytest.approx(b, abs=1e-4)
-    for a, b in zip(planned.half_size, made.half_size, strict=True):
+    for a, b in zip(planned.half_size, box_domain.half_size, strict=True):
         assert a == pytest.approx(b, abs=1e-4)
-    assert made.base == planned.base == pytest.approx(0.0, abs=1e-6)
-    low, high = made.center - made.half_size, made.center + made.half_size
+    assert box_domain.base == planned.base == pytest.approx(0.0, abs=1e-6)
+    low, high = box_domain.center - box_domain.half_size, box_domain.center + box_domain.half_size
     for point in (
         scene.camera.location,
         *(subject[0].matrix_world @ Vector(c) for c in subject[0].bound_box),
@@ -140,9 +140,9 @@ def test_density_0_hides_the_box_and_density_shows_it_again(scene):
 
 def test_the_artists_world_volume_is_used(scene):
     subject = scenes.foggy(scene)
-    found = bindings.instances(scene, subject, PIVOT)
-    assert found["volume/density"].value == pytest.approx((0.03,))
-    assert "volume/falloff" not in found
+    parameters = bindings.instances(scene, subject, PIVOT)
+    assert parameters["volume/density"].value == pytest.approx((0.03,))
+    assert "volume/falloff" not in parameters
     write(scene, subject, density=0.2, anisotropy=0.4)
     volume = scene.world.node_tree.nodes["Principled Volume"]
     assert volume.inputs["Density"].default_value == pytest.approx(0.2)

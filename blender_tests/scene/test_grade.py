@@ -168,6 +168,6 @@ def test_compositing_that_was_switched_off_stays_out(scene, tmp_path):
 def test_an_output_without_a_picture_is_locked(scene):
     tree = scenes.compositor(scene)
     tree.links.clear()
-    found = bindings.instances(scene, (), PIVOT)
-    assert "no picture" in found["film/vignette"].locked
-    assert found["film/exposure"].locked == ""
+    parameters = bindings.instances(scene, (), PIVOT)
+    assert "no picture" in parameters["film/vignette"].locked
+    assert parameters["film/exposure"].locked == ""

@@ -38,8 +38,8 @@ def test_what_is_rendered_is_exported_changed_and_reverted(layered, tmp_path):
     power = bpy.data.lights["Area"].energy
     vibe_render.register()
     try:
-        found = messages.Result({"light/Area/power": [7.0]}, {}, "")
-        result.apply(layered, "dark", found, job.analysis.objects, job.analysis.pivot)
+        look = messages.Result({"light/Area/power": [7.0]}, {}, "")
+        result.apply(layered, "dark", look, job.analysis.objects, job.analysis.pivot)
         assert bpy.data.lights["Area"].energy == 7.0
         assert snapshot.revert(layered) == []
     finally:

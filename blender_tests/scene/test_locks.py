@@ -105,11 +105,11 @@ def test_library_overrides(scene, tmp_path):
 def test_computed_values(scene):
     subject = scenes.textured(scene)
     assert_left_alone(scene, subject, "material/Painted/roughness", (0.9,), "Image Texture")
-    found = bindings.instances(scene, subject, PIVOT)
-    assert "material/Painted/base_color" not in found
-    assert found["material/Painted/tint"].locked == ""
-    assert "world/color" not in found
-    assert {"world/tint", "world/rotation"} <= found.keys()
+    parameters = bindings.instances(scene, subject, PIVOT)
+    assert "material/Painted/base_color" not in parameters
+    assert parameters["material/Painted/tint"].locked == ""
+    assert "world/color" not in parameters
+    assert {"world/tint", "world/rotation"} <= parameters.keys()
 
 
 def test_a_value_node_is_followed_and_a_shared_one_is_not(scene):
@@ -174,5 +174,5 @@ def test_other_shaders_have_what_they_share_with_the_principled_one(scene):
     tree.links.new(diffuse.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
     bindings.write(scene, {"material/Body/base_color": (0.1, 0.2, 0.3)}, subject, PIVOT)
     assert tuple(diffuse.inputs["Color"].default_value)[:3] == pytest.approx((0.1, 0.2, 0.3))
-    found = bindings.instances(scene, subject, PIVOT)
-    assert [i.parameter.name for i in found.values() if i.owner == "Body"] == ["base_color"]
+    parameters = bindings.instances(scene, subject, PIVOT)
+    assert [i.parameter.name for i in parameters.values() if i.owner == "Body"] == ["base_color"]

@@ -20,9 +20,9 @@ def test_a_bare_mesh_gets_everything(scene):
     assert scene.world
     assert owned.is_owned(scene.camera)
     assert subject[0].material_slots[0].material
-    found = bindings.instances(scene, subject, PIVOT)
-    assert found["light/Vibe Key/power"].role == "key"
-    assert found["light/Vibe Key/power"].value[0] > 0.0
+    parameters = bindings.instances(scene, subject, PIVOT)
+    assert parameters["light/Vibe Key/power"].role == "key"
+    assert parameters["light/Vibe Key/power"].value[0] > 0.0
     assert prepare.prepare(scene, subject) == []
 
 
@@ -32,13 +32,13 @@ def test_the_new_camera_sees_the_whole_subject(scene, size, scale):
     scene.render.resolution_x, scene.render.resolution_y = size
     subject = scenes.cube(scene, "Cube", (3.0, 2.0, 1.0), scale)
     prepare.prepare(scene, [subject])
-    seen = [
+    corners = [
         world_to_camera_view(scene, scene.camera, subject.matrix_world @ Vector(c)) for c in subject.bound_box
     ]
-    assert all(0.0 < p.x < 1.0 and 0.0 < p.y < 1.0 for p in seen)
-    assert max(p.x for p in seen) - min(p.x for p in seen) > 0.2
+    assert all(0.0 < p.x < 1.0 and 0.0 < p.y < 1.0 for p in corners)
+    assert max(p.x for p in corners) - min(p.x for p in corners) > 0.2
     data = scene.camera.data
-    assert all(data.clip_start < p.z < data.clip_end for p in seen)
+    assert all(data.clip_start < p.z < data.clip_end for p in corners)
 
 
 def test_a_new_key_light_exposes_a_gray_subject_well(scene, tmp_path):
@@ -69,9 +69,9 @@ def test_a_rim_light_comes_when_values_are_for_it_and_goes_with_revert(scene):
     subject = scenes.studio(scene)
     values = {"light/Vibe Rim/power": (77.0,), "light/Vibe Rim/color": (0.1, 0.2, 1.0)}
     assert bindings.write(scene, values, subject, PIVOT) == {}
-    found = bindings.instances(scene, subject, PIVOT)
-    assert found["light/Vibe Rim/power"].value == (77.0,)
-    assert found["light/Vibe Rim/power"].role == "rim"
+    parameters = bindings.instances(scene, subject, PIVOT)
+    assert parameters["light/Vibe Rim/power"].value == (77.0,)
+    assert parameters["light/Vibe Rim/power"].role == "rim"
     snapshot.revert(scene)
     assert "Vibe Rim" not in bpy.data.objects
     assert "Vibe Rim" not in bpy.data.lights

@@ -17,7 +17,7 @@ def sharing(scene):
 
 
 def names(subject):
-    return {m.name: [o.name for o in users] for m, users in shared_materials.found(subject).items()}
+    return {m.name: [o.name for o in users] for m, users in shared_materials.shared(subject).items()}
 
 
 def test_other_things_and_other_scenes_count_and_the_subject_does_not(scene):

@@ -42,12 +42,12 @@ def write_mesh(path):
 @pytest.mark.parametrize("suffix", [".obj", ".ply", ".stl", ".glb"])
 def test_every_format_stands_on_the_stage_and_fills_the_picture(tmp_path, suffix):
     scene = stage.build_stage(write_mesh(tmp_path / f"thing{suffix}"))
-    found = analysis.analyze(scene, SubjectChoice(selected=True))
-    low, high = np.array(found.low), np.array(found.high)
+    staged = analysis.analyze(scene, SubjectChoice(selected=True))
+    low, high = np.array(staged.low), np.array(staged.high)
     assert low[2] == pytest.approx(0.0, abs=1e-5)
     assert np.linalg.norm(high - low) / 2 == pytest.approx(1.0, abs=1e-4)
     np.testing.assert_allclose((low + high)[:2], 0.0, atol=1e-5)
-    rows, columns = np.nonzero(np.isin(found.visible.object, np.nonzero(found.is_subject)[0]))
+    rows, columns = np.nonzero(np.isin(staged.visible.object, np.nonzero(staged.is_subject)[0]))
     assert min(rows.min(), columns.min()) >= 2  # within the frame, and large in it
     assert max(rows.max(), columns.max()) <= 45
     assert max(np.ptp(rows), np.ptp(columns)) >= 24
@@ -56,14 +56,14 @@ def test_every_format_stands_on_the_stage_and_fills_the_picture(tmp_path, suffix
 @pytest.mark.parametrize("kind", stage.KINDS)
 def test_the_stage_is_not_the_subject_and_fills_the_frame(tmp_path, kind):
     scene = stage.build_stage(write_mesh(tmp_path / "thing.obj"), kind)
-    found = analysis.analyze(scene, SubjectChoice())
+    staged = analysis.analyze(scene, SubjectChoice())
     names = [
-        name for (name, _), chosen in zip(found.geometry.objects, found.is_subject, strict=True) if chosen
+        name for (name, _), chosen in zip(staged.geometry.objects, staged.is_subject, strict=True) if chosen
     ]
     assert names == ["thing"]
-    assert ("Stage" in found.geometry.materials) == (kind != "none")
+    assert ("Stage" in staged.geometry.materials) == (kind != "none")
     if kind == "cyclorama":
-        assert (found.visible.object >= 0).all()
+        assert (staged.visible.object >= 0).all()
     assert scene.view_settings.view_transform == "AgX"
 
 
@@ -82,17 +82,17 @@ def test_the_picture_is_well_exposed(tmp_path):
 
 def test_the_mask_shows_the_subject_alone(tmp_path):
     scene = stage.build_stage(write_mesh(tmp_path / "thing.obj"))
-    found = analysis.analyze(scene, SubjectChoice(selected=True))
+    staged = analysis.analyze(scene, SubjectChoice(selected=True))
     settings = scene.render.film_transparent, scene.cycles.samples, scene.world
-    final_render.render_mask(scene, tmp_path / "mask.png", 48, found.objects)
+    final_render.render_mask(scene, tmp_path / "mask.png", 48, staged.objects)
     assert (scene.render.film_transparent, scene.cycles.samples, scene.world) == settings
     assert not any(thing.is_holdout for thing in scene.objects)
     image = bpy.data.images.load(str(tmp_path / "mask.png"))
     values = np.empty(48 * 48 * 4, np.float32)
     image.pixels.foreach_get(values)
     mask = values.reshape(48, 48, 4)[..., 0]
-    seen = np.isin(found.visible.object, np.nonzero(found.is_subject)[0])
-    assert np.abs(mask - seen).mean() < 0.02
+    on_subject = np.isin(staged.visible.object, np.nonzero(staged.is_subject)[0])
+    assert np.abs(mask - on_subject).mean() < 0.02
     assert ((mask > 0.02) & (mask < 0.98)).any()  # antialiased
 
 
@@ -122,9 +122,9 @@ def test_a_missing_file_and_an_unknown_stage(tmp_path):
 
 def test_the_demo_has_what_a_demo_needs():
     scene = demo.build_demo()
-    found = analysis.analyze(scene, SubjectChoice((demo.SUBJECT,)))
-    assert [o.name for o in found.objects] == [demo.SUBJECT]
-    assert len(found.geometry.materials) >= 4
+    staged = analysis.analyze(scene, SubjectChoice((demo.SUBJECT,)))
+    assert [o.name for o in staged.objects] == [demo.SUBJECT]
+    assert len(staged.geometry.materials) >= 4
     assert sum(o.type == "LIGHT" for o in scene.objects) == 2
-    share = np.isin(found.visible.object, np.nonzero(found.is_subject)[0]).mean()
+    share = np.isin(staged.visible.object, np.nonzero(staged.is_subject)[0]).mean()
     assert 0.08 < share < 0.5

@@ -36,7 +36,9 @@ def test_rays_meet_what_blenders_own_meet(kind, lens, shift):
     camera.type, camera.shift_x = kind, shift
     camera.lens, camera.ortho_scale = lens, lens
     bpy.context.view_layer.update()
-    found = analysis.capture(scene).visible_scene()
-    names = np.array([name for name, _ in found.geometry.objects] + [""], object)[found.visible.object]
+    visible_scene = analysis.capture(scene).visible_scene()
+    names = np.array([name for name, _ in visible_scene.geometry.objects] + [""], object)[
+        visible_scene.visible.object
+    ]
     assert len(set(names.ravel())) > 2
     assert (names == blenders(scene)).mean() > 0.99  # edges are rounded otherwise

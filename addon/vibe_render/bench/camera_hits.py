@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the camera sees where: distance, normal, object and material, as a file for measurements of a picture."""
+"""Camera hits: distance, normal, object and material at every ray of a picture, as a file for measurements."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from ..scene.geometry.visibility import ray_camera, rays
 
 
 def save_camera_hits(analysis: SceneAnalysis, path: Path, count: int) -> None:
-    """Casts a ray through every cell of a grid and writes what it meets; fog is not met.
+    """Casts a ray through every cell of a grid and writes its first hit; fog is ignored.
 
     The file holds, row 0 at the top: `depth` (N, N), meters, infinite for nothing; `normal` (N, N, 3), in the
     camera's space: x to the right, y up, z towards the camera; `subject` (N, N) bool; `object` and `material`
     (N, N), numbers in `objects` and `materials`, -1 for nothing.
 
     Args:
-        survey: The scene; its camera is taken as it is now.
+        analysis: The scene; its camera is taken as it is now.
         path: An .npz.
         count: Rays along each side of the picture.
     """
@@ -41,7 +41,7 @@ def save_camera_hits(analysis: SceneAnalysis, path: Path, count: int) -> None:
     toward = np.array(analysis.scene.camera.matrix_world.normalized())[:3, :3]
     normal = np.append(mean, np.zeros((1, 3)), 0)[face] @ toward
     normal *= np.where(np.sum(normal * (directions @ toward), -1, keepdims=True) > 0, -1.0, 1.0)  # two-sided
-    found: dict[str, Any] = {
+    grids: dict[str, Any] = {
         "depth": depth,
         "normal": normal.astype(np.float16),
         "subject": np.append(analysis.is_subject, False)[np.append(geometry.object, -1)[face]],
@@ -53,4 +53,4 @@ def save_camera_hits(analysis: SceneAnalysis, path: Path, count: int) -> None:
         "materials": np.array(geometry.materials),
     }
     with atomic.replacing(path) as part, part.open("wb") as file:
-        np.savez_compressed(file, **{k: v[::-1] for k, v in found.items()}, **names)
+        np.savez_compressed(file, **{k: v[::-1] for k, v in grids.items()}, **names)

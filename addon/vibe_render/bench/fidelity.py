@@ -34,14 +34,14 @@ ANCHOR_SIZE, ANCHOR_SAMPLES = 192, 32
 
 
 def make(recipe: SceneRecipe, a: argparse.Namespace) -> dict[str, Any]:
-    """One scene: its job folder, its reference, and what is known about it."""
+    """Makes one scene: its job folder, its reference and its anchors."""
     scene, subject = build(recipe, a.seed)
     folder = a.work / recipe.name
     job = reading.export_scene(scene, folder / "job", SubjectChoice(tuple(o.name for o in subject)))
     start = time.monotonic()
     mark = fingerprint(scene)
     reference, cached = _reference(scene, mark, a)
-    found: dict[str, Any] = {
+    measurement: dict[str, Any] = {
         "features": features(recipe, SHAPES[recipe.shape][1]),
         "job": str(folder / "job"),
         "reference": str(reference),
@@ -51,8 +51,8 @@ def make(recipe: SceneRecipe, a: argparse.Namespace) -> dict[str, Any]:
         "anchors": _anchors(job, mark, recipe, a),
     }
     if a.blend:
-        found["blend"] = str(_save(folder / "scene.blend"))
-    return found
+        measurement["blend"] = str(_save(folder / "scene.blend"))
+    return measurement
 
 
 def _reference(scene: bpy.types.Scene, mark: str, a: argparse.Namespace) -> tuple[Path, bool]:
@@ -67,7 +67,7 @@ def _reference(scene: bpy.types.Scene, mark: str, a: argparse.Namespace) -> tupl
 def _anchors(
     job: SceneJob, mark: str, recipe: SceneRecipe, a: argparse.Namespace
 ) -> dict[str, dict[str, Any]]:
-    """What a round of a vibe would give the engine: small pictures of the scene's own values, and of a step away."""
+    """The anchors of a round: of the scene's own values, and of values a small step away."""
     moved = move(job.instances, random.Random(f"{a.seed}/{recipe.name}/move"))
     return {name: _anchor(job, mark, values, a) for name, values in (("still", {}), ("moved", moved))}
 
@@ -75,16 +75,16 @@ def _anchors(
 def _anchor(
     job: SceneJob, mark: str, values: dict[str, schema.Values], a: argparse.Namespace
 ) -> dict[str, Any]:
-    """One small picture and what it was rendered at, from the cache if it is there."""
+    """One anchor with its values, from the cache if it is there."""
     settings = ANCHOR_SIZE, ANCHOR_SAMPLES, bpy.app.version_string, ANCHOR_VERSION
     path = side.cached(a, ".exr", mark, values, *settings)
     notes = path.with_suffix(".json")
     if path.is_file() and notes.is_file():
         groups = json.loads(notes.read_text(encoding="utf-8"))
     else:
-        found = job.analysis
+        analysis = job.analysis
         groups = anchors.render_anchor(
-            found.scene, path, values, found.objects, found.pivot, ANCHOR_SIZE, ANCHOR_SAMPLES
+            analysis.scene, path, values, analysis.objects, analysis.pivot, ANCHOR_SIZE, ANCHOR_SAMPLES
         )
         atomic.write_text(notes, json.dumps(groups))
     return {"values": values, "picture": str(path), "groups": groups}

@@ -58,9 +58,9 @@ def fingerprint(scene: Scene) -> str:
     return digest.hexdigest()
 
 
-def _walk(struct: bpy_struct, path: str, seen: set[int]) -> Iterator[tuple[str, Any]]:
+def _walk(struct: bpy_struct, path: str, visited: set[int]) -> Iterator[tuple[str, Any]]:
     """Path and value of everything that belongs to a data-block and can be set."""
-    seen.add(struct.as_pointer())
+    visited.add(struct.as_pointer())
     for prop in struct.bl_rna.properties:
         name = prop.identifier
         if name in _IGNORED:
@@ -69,13 +69,13 @@ def _walk(struct: bpy_struct, path: str, seen: set[int]) -> Iterator[tuple[str, 
         if prop.type == "COLLECTION":
             if name in _OWNED:
                 for number, item in enumerate(getattr(struct, name)):
-                    yield from _walk(item, f"{here}[{number}]", seen)
+                    yield from _walk(item, f"{here}[{number}]", visited)
         elif prop.type == "POINTER":
             value = getattr(struct, name)
             if isinstance(value, ID) and not value.is_embedded_data:
                 yield here, value.name_full
-            elif value is not None and value.as_pointer() not in seen:
-                yield from _walk(value, here, seen)
+            elif value is not None and value.as_pointer() not in visited:
+                yield from _walk(value, here, visited)
             elif isinstance(value, bpy_struct):
                 yield here, _named(value)
         elif not prop.is_readonly:

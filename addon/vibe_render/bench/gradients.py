@@ -50,15 +50,15 @@ def _step(
 ) -> dict[str, Any]:
     """Pictures of the scene with one value lower and higher than it is, which it is again afterwards."""
     low, middle, high, du = ends(instance)
-    found: dict[str, Any] = {"key": key, "family": instance.parameter.family, "middle": middle, "du": du}
+    step: dict[str, Any] = {"key": key, "family": instance.parameter.family, "middle": middle, "du": du}
     for name, value in (("low", low), ("high", high)):
         path = side.cached(a, ".png", base, key, [f"{v:.6g}" for v in value])
         if not path.is_file():
             _write(scene, job, key, value)
             final_render.render(scene, path, a.size, a.samples, exact=True)
             _write(scene, job, key, instance.value)
-        found |= {name: value, f"{name}_picture": str(path)}
-    return found
+        step |= {name: value, f"{name}_picture": str(path)}
+    return step
 
 
 def _write(scene: bpy.types.Scene, job: SceneJob, key: str, value: schema.Values) -> None:

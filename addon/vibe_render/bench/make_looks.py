@@ -80,10 +80,12 @@ def make(
         build_stage(stage)
     words = ["run", str(stage), f"--prompt={prompt}", f"--groups={GROUPS}", f"--subject={demo.SUBJECT}"]
     commands.carry_out(arguments.parse([*words, f"--out={folder}", *options]), reporter, talk)
-    found = take.load(folder / "preset.json")
+    look_preset = take.load(folder / "preset.json")
     path = library.path_for(out, name)
     thumbnail.shrink(folder / "after.png", path.with_suffix(thumbnail.SUFFIX))
-    path.write_text(preset.Preset(name, found.roles, found.kinds, prompt).dumps() + "\n", encoding="utf-8")
+    path.write_text(
+        preset.Preset(name, look_preset.roles, look_preset.kinds, prompt).dumps() + "\n", encoding="utf-8"
+    )
 
 
 def build_stage(path: Path) -> None:

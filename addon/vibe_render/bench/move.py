@@ -36,15 +36,15 @@ def move(instances: Mapping[str, schema.Instance], chance: random.Random) -> dic
 def _candidates(
     instances: Mapping[str, schema.Instance], group: str, chance: random.Random
 ) -> list[schema.Instance]:
-    found = []
+    candidates = []
     for _, instance in sorted(instances.items()):
         name, value = instance.parameter.name, max(instance.value)
         if instance.parameter.group != group or name not in _MOVED[group] or instance.locked:
             continue
         if not (name in _OFF and value == 0.0):
-            found.append(instance)
-    chance.shuffle(found)
-    return found
+            candidates.append(instance)
+    chance.shuffle(candidates)
+    return candidates
 
 
 def _moved(instance: schema.Instance, chance: random.Random) -> schema.Values:

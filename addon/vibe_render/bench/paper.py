@@ -34,14 +34,14 @@ CAMERA_HITS = 192
 
 
 class _Quiet(Reporter):
-    """Nobody reads how a single run gets on."""
+    """Prints nothing about single runs."""
 
     def _print(self, event: dict[str, Any], line: str) -> None:
         pass
 
 
 class PaperRuns:
-    """An engine that stays warm between runs, and is replaced after one that went wrong."""
+    """Runs with one warm engine, which is replaced after a run that failed."""
 
     def __init__(self) -> None:
         self._reporter = _Quiet(events=False)
@@ -49,23 +49,23 @@ class PaperRuns:
         self._talk: Conversation | None = None
 
     def vibe(self, run: dict[str, Any]) -> None:
-        """Carries one run out: all that `vibe run` writes, and what the camera saw, before and after."""
+        """Carries out one run: all files of `vibe run`, and the camera hits before and after."""
         folder = Path(run["folder"])
         given = ["run", run.get("mesh", ""), f"--out={folder}", *run["arguments"]]
         if "set" in run:
             given += [f"--subject={name}" for name in build_set(run["set"])]
         try:
-            found = commands.carry_out(parse(given), self._reporter, self._conversation())
+            analysis = commands.carry_out(parse(given), self._reporter, self._conversation())
         except BaseException:
             self.close()
             raise
-        save_camera_hits(found, folder / "after.npz", CAMERA_HITS)
+        save_camera_hits(analysis, folder / "after.npz", CAMERA_HITS)
         size, samples = (_number(run, name) for name in ("size", "samples"))
         if run["clear"]:
-            final_render.render_clear(found.scene, folder / "clear.png", size, samples)
-        snapshot.revert(found.scene)
-        save_camera_hits(found, folder / "before.npz", CAMERA_HITS)
-        final_render.render_mask(found.scene, folder / "mask_before.png", size, found.objects)
+            final_render.render_clear(analysis.scene, folder / "clear.png", size, samples)
+        snapshot.revert(analysis.scene)
+        save_camera_hits(analysis, folder / "before.npz", CAMERA_HITS)
+        final_render.render_mask(analysis.scene, folder / "mask_before.png", size, analysis.objects)
 
     def close(self) -> None:
         """Ends the engine."""

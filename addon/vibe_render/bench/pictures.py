@@ -25,7 +25,7 @@ from .side import say
 
 
 def main(folder: Path) -> None:
-    """Renders every row; what goes wrong with one is told and the next one comes."""
+    """Renders every row; a failure of one is reported and the next one follows."""
     for row in json.loads((folder / "looks.json").read_text(encoding="utf-8")):
         try:
             scene, subject = _build(row, folder)

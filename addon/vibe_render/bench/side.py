@@ -21,43 +21,45 @@ T = TypeVar("T")
 
 
 def main(
-    known: Mapping[str, T] | Callable[[argparse.Namespace], Mapping[str, T]],
+    scenes: Mapping[str, T] | Callable[[argparse.Namespace], Mapping[str, T]],
     make: Callable[[T, argparse.Namespace], dict[str, Any]],
 ) -> NoReturn:
-    """Makes the scenes one after another; what goes wrong with one is told and the next one comes.
+    """Makes the scenes one after another; a failure of one is reported and the next one follows.
 
     Args:
-        known: All scenes of this measurement by name, or what finds them by the options.
-        make: Makes one and returns what is told of it.
+        scenes: All scenes of this measurement by name, or what finds them by the options.
+        make: Makes one scene and returns its report.
     """
     options = _arguments()
-    status = _run(known(options) if callable(known) else known, make, options)
+    status = _run(scenes(options) if callable(scenes) else scenes, make, options)
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(status)  # Blender 4.5's own exit handlers may wait for ever
 
 
 def cached(a: argparse.Namespace, suffix: str, *settings: Any) -> Path:
-    """Where a picture that depends on these settings is kept."""
+    """The cache path of a picture that depends on these settings."""
     a.cache.mkdir(parents=True, exist_ok=True)
     text = " ".join(map(str, settings))
     return a.cache / f"{hashlib.sha256(text.encode()).hexdigest()[:32]}{suffix}"
 
 
 def _run(
-    known: Mapping[str, T], make: Callable[[T, argparse.Namespace], dict[str, Any]], a: argparse.Namespace
+    scenes: Mapping[str, T], make: Callable[[T, argparse.Namespace], dict[str, Any]], a: argparse.Namespace
 ) -> int:
-    chosen = [name for name in known if fnmatchcase(name, a.only)]
+    chosen = [name for name in scenes if fnmatchcase(name, a.only)]
     if not chosen:
         say(
-            "error", message=f"No scene has a name like {a.only!r}.", remedy=f"There are: {', '.join(known)}."
+            "error",
+            message=f"No scene has a name like {a.only!r}.",
+            remedy=f"There are: {', '.join(scenes)}.",
         )
         return 2
     say("names", names=chosen)
     for name in (n for n in chosen if n not in a.skip.split(",")):
         say("begin", name=name)
         try:
-            say("scene", name=name, **make(known[name], a))
+            say("scene", name=name, **make(scenes[name], a))
         except Exception as error:
             traceback.print_exc()
             say("failed", name=name, message=f"{type(error).__name__}: {error}")
@@ -65,7 +67,7 @@ def _run(
 
 
 def say(kind: str, **content: Any) -> None:
-    """Tells the engine's side of something."""
+    """Prints a message for the engine's side."""
     print(f"VIBE {json.dumps({'type': kind, **content})}", flush=True)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Work that goes on beside Blender in a thread of its own, which ends with Blender. No bpy here."""
+"""Background work: a function in a daemon thread while Blender stays usable. No bpy here."""
 
 from __future__ import annotations
 
@@ -12,7 +12,14 @@ T = TypeVar("T")
 
 
 def begin(act: Callable[[], T]) -> Future[T]:
-    """Starts a function in a thread; the future has what it returned or raised."""
+    """Starts a function in a daemon thread.
+
+    Args:
+        act: The function; it must not touch Blender's data.
+
+    Returns:
+        Its result or its exception.
+    """
     future: Future[T] = Future()
 
     def work() -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All that depends on the version of Blender: chosen by what is there, not by number, wherever possible."""
+"""All that depends on the version of Blender; decided by what is present rather than by number where possible."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ GAMMA_NODE = "ShaderNodeGamma" if COMPOSITOR_IS_GROUP else "CompositorNodeGamma"
 
 
 def set_option(node: Node, prop: str, socket: str, identifier: str, label: str) -> None:
-    """Chooses from a menu: a property with identifiers in Blender 4, a socket with labels in Blender 5."""
+    """Sets a menu: a property with identifiers in Blender 4, a socket with labels in Blender 5."""
     if prop in node.bl_rna.properties:
         setattr(node, prop, identifier)
     else:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What panels share: text in lines, durations and sizes in words, drawing anew."""
+"""What panels share: wrapped text, durations and sizes in words, redrawing."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def paragraph(
     faint: bool = False,
     letters: int = 0,
 ) -> None:
-    """Text in as many lines as the region is wide for, or in lines of some letters; an icon is before the first."""
+    """Draws text wrapped to the region's width or to `letters`, with an icon before its first line."""
     column = layout.column(align=True)
     column.scale_y, column.active = 0.8, not faint
     width = (letters or columns(context)) - (3 if icon != "NONE" else 0)
@@ -59,7 +59,7 @@ def size(count: float) -> str:
 
 
 def redraw() -> None:
-    """Draws the regions anew that our panels are in, and nothing else."""
+    """Redraws the regions that our panels are in, and no others."""
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             for region in area.regions:

@@ -17,7 +17,7 @@ _LEAST = 4096  # bytes: with fewer left, what was written last may have been cut
 
 @contextmanager
 def whole(path: Path, remedy: str = "Choose another folder.") -> Iterator[Path]:
-    """A path beside it to write to, which takes its place in the end; on a failure, nothing has happened.
+    """A temporary path beside a file, moved onto the file at the end of the block; removed after a failure.
 
     Args:
         path: Of the file.
@@ -35,7 +35,7 @@ def whole(path: Path, remedy: str = "Choose another folder.") -> Iterator[Path]:
 
 
 def unwritable(path: Path, error: Exception, remedy: str) -> schema.VibeError:
-    """What to say where a file cannot be written, for whichever reason Blender or Python gives."""
+    """The error for a file that cannot be written, with the reason that Blender or Python gives."""
     if atomic.is_full(error):
         return schema.VibeError(f"There is no room left on the disk, in {path.parent}.", "Make room there.")
     reason = getattr(error, "strerror", None) or str(error).strip().removeprefix("Error: ")

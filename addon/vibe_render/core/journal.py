@@ -30,7 +30,7 @@ class Journal:
         self.ids: list[ID | None] = ids if ids is not None else []
 
     def refer(self, block: ID) -> int:
-        """The place of a data-block in `ids`."""
+        """The index of a data-block in `ids`."""
         if block not in self.ids:
             self.ids.append(block)
         return self.ids.index(block)
@@ -43,7 +43,7 @@ class Journal:
         setattr(owner, name, value)
 
     def link(self, source: NodeSocket, target: NodeSocket) -> None:
-        """Links two sockets of a tree, in place of the link that went into the target."""
+        """Links two sockets of a tree; replaces the target's former link."""
         tree = target.id_data
         block, path = address(tree)
         old = _end(target.links[0].from_socket) if target.is_linked else None
@@ -91,20 +91,20 @@ class Journal:
         return value if isinstance(value, bool | int | float | str | None) else list(value)
 
     def undo(self, first: int = 0) -> list[str]:
-        """Takes back the entries from number `first` on, the last one first.
+        """Undoes the entries from index `first` on, last one first.
 
         Returns:
             What could not be restored because the artist has removed it meanwhile.
         """
         lost: list[str] = []
-        made: list[tuple[str, ID]] = []
+        added: list[tuple[str, ID]] = []
         for entry in reversed(self.entries[first:]):
             block = self.ids[entry["id"]]
             try:
                 if block is None:
                     raise LookupError
                 if entry["op"] == "new":
-                    made.append((entry["collection"], block))
+                    added.append((entry["collection"], block))
                 else:
                     _UNDO[entry["op"]](self, block, entry)
             except (
@@ -117,25 +117,27 @@ class Journal:
             ):  # one thing that is not as it was must not keep the rest from coming back
                 lost.append(_said(block, entry))
         del self.entries[first:]
-        self._remove(made)
+        self._remove(added)
         return lost
 
-    def _remove(self, made: list[tuple[str, ID]]) -> None:
-        """Removes what nobody uses any more; objects anyway, for their collections always use them."""
-        while free := [pair for pair in made if isinstance(pair[1], bpy.types.Object) or not _users(pair[1])]:
+    def _remove(self, added: list[tuple[str, ID]]) -> None:
+        """Removes data-blocks without users; objects always, because their collections use them."""
+        while free := [
+            pair for pair in added if isinstance(pair[1], bpy.types.Object) or not _users(pair[1])
+        ]:
             for collection, block in free:
                 self.ids[self.ids.index(block)] = None
                 getattr(bpy.data, collection).remove(block)
-            made = [pair for pair in made if pair not in free]
+            added = [pair for pair in added if pair not in free]
 
     def extend(self, later: Journal) -> None:
         """Appends a later journal. Values that this one has already recorded keep their first record."""
         number = {i: self.refer(block) for i, block in enumerate(later.ids) if block is not None}
-        known = {_slot(entry) for entry in self.entries if entry["op"] == "set"}
+        recorded = {_slot(entry) for entry in self.entries if entry["op"] == "set"}
         for entry in later.entries:
             entry = {**entry, "id": number[entry["id"]]}
             if entry["op"] == "set":
-                if _slot(entry) in known:
+                if _slot(entry) in recorded:
                     continue
                 if isinstance(entry["old"], dict):
                     entry["old"] = {"id": number[entry["old"]["id"]]}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether a stored journal is one that we have written: files come from other people, and may be damaged.
+"""Validates a stored journal: files come from other people, and may be damaged.
 
 Nothing that it may do goes beyond taking back a vibe: numbers, flags, data-blocks, links and nodes.
 """
@@ -13,18 +13,18 @@ _TEXTS = {"link": {"DATA", "OBJECT"}}
 """The only properties that hold text, and what it may be."""
 
 
-def entries(found: Any, count: int) -> list[dict[str, Any]]:
+def entries(raw: Any, count: int) -> list[dict[str, Any]]:
     """The entries of a journal of `count` data-blocks.
 
     Raises:
         ValueError: They are not what a journal writes.
     """
-    if not isinstance(found, list):
+    if not isinstance(raw, list):
         raise ValueError("no list")
-    for entry in found:
+    for entry in raw:
         if not (isinstance(entry, dict) and _number(entry.get("id"), count) and _sound(entry, count)):
             raise ValueError(f"a strange entry: {str(entry)[:80]}")
-    return found
+    return raw
 
 
 def _sound(entry: dict[str, Any], count: int) -> bool:
@@ -42,8 +42,8 @@ def _sound(entry: dict[str, Any], count: int) -> bool:
         ends = [entry.get("source"), entry.get("target")]
         return all(map(_end, ends)) and (entry.get("old") is None or _end(entry["old"]))
     name = entry.get("name")
-    known = op == "set" and isinstance(name, str) and name.isidentifier() and not name.startswith("_")
-    return known and "old" in entry and _value(str(name), entry["old"], count)
+    is_property = op == "set" and isinstance(name, str) and name.isidentifier() and not name.startswith("_")
+    return is_property and "old" in entry and _value(str(name), entry["old"], count)
 
 
 def _value(name: str, old: Any, count: int) -> bool:

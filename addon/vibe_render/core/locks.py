@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Why a value must be left alone, in words for the artist; "" where it may change."""
+"""Locks: the reason, in words for the artist, why a value must be left alone; "" where it may change."""
 
 from __future__ import annotations
 
@@ -11,7 +11,15 @@ from .journal import address
 
 
 def of_property(owner: bpy_struct, name: str) -> str:
-    """The reason for one property of a data-block or node socket."""
+    """The reason for one property of a data-block or node socket.
+
+    Args:
+        owner: The data-block or a struct in it.
+        name: The property's identifier.
+
+    Returns:
+        "" where it may change.
+    """
     block, path = address(owner)
     if block.library:
         return f'"{block.name}" is linked from {bpy.path.basename(block.library.filepath)}'
@@ -28,7 +36,7 @@ def of_property(owner: bpy_struct, name: str) -> str:
 
 
 def of_pose(obj: Object) -> str:
-    """The reason for the place and rotation of an object."""
+    """The reason for an object's location and rotation."""
     if obj.parent:
         return f'"{obj.name}" follows its parent "{obj.parent.name}"'
     if any(not c.mute and c.influence > 0.0 for c in obj.constraints):
@@ -43,7 +51,7 @@ def of_pose(obj: Object) -> str:
 
 
 def of_socket(socket: NodeSocket, source: NodeSocket | None) -> str:
-    """The reason for a node input whose value comes from `source`, if that is not None."""
+    """The reason for a node input; `source` is the output that computes it, None where none does."""
     if source is not None:
         return f'{socket.name} comes from "{source.node.label or source.node.name}"'
     tree = socket.id_data

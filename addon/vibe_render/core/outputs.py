@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files of a run that appear together when it has succeeded, or not at all. No bpy here."""
+"""The output files of a run: all of them are moved into place when it succeeds, none otherwise. No bpy here."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Outputs:
         self._names: list[str] = []
 
     def path(self, name: str) -> Path:
-        """Where to write a file for now."""
+        """The temporary path of a file; it is moved to its own name in the end."""
         if name not in self._names:
             self._names.append(name)
         return self.folder / f".part-{self._run}-{name}"

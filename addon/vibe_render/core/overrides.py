@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings that are changed for a moment."""
+"""Temporary changes of settings."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import bpy
 
 @contextmanager
 def changed(owner: bpy.types.bpy_struct, **values: Any) -> Iterator[None]:
-    """Sets properties, and puts the old values back afterwards, in reverse order.
+    """Sets properties inside the block and restores the old values afterwards, in reverse order.
 
     Properties that this version of Blender does not have are left out.
     """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The schema, from wherever it is: copied into a built extension, beside the add-on in a clone."""
+"""Schema import: from the copy inside a built extension, or from the engine's package in a clone."""
 
 from typing import TYPE_CHECKING
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The folder that Blender gives an extension for files of its user, which updates leave alone."""
+"""The extension's folder for the user's files; updates of the extension leave it alone."""
 
 from __future__ import annotations
 

@@ -61,7 +61,7 @@ def socket_slot(socket: NodeSocket, locked: str = "") -> PropertySlot:
 
 @dataclass
 class LazySlot:
-    """A value of something of ours that is made only when a value is written that changes the picture.
+    """A value of a node or object of ours, which is made only when a value is written that changes the picture.
 
     Attributes:
         find: The slot, if what holds it is there.
@@ -80,7 +80,7 @@ class LazySlot:
         return slot.get() if slot else self.identity
 
     def set(self, journal: Journal, raw: Any) -> None:
-        """Sets it, making it if need be."""
+        """Sets it; makes what holds it if that is missing and the value changes the picture."""
         slot = self.find()
         if slot is None and not same(raw, self.identity):
             slot = self.make(journal)

@@ -25,11 +25,11 @@ FORMAT = 1
 
 @dataclass
 class SceneJob:
-    """What has been exported.
+    """A job folder and what Blender knows about its scene.
 
     Attributes:
         folder: Where it is.
-        survey: The scene as it was looked at.
+        analysis: The scene's analysis.
         instances: Its parameters, by key.
         warnings: What the engine sees only approximately, in words for the artist.
     """
@@ -44,14 +44,14 @@ def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
     """Writes the job folder; `scene.json` comes last and atomically.
 
     Args:
-        survey: What is known about the scene.
+        analysis: The scene's geometry, subject and visible surfaces.
         folder: Made if it does not exist.
     """
     folder.mkdir(parents=True, exist_ok=True)
     scene, geometry = analysis.scene, analysis.geometry
-    found = bindings.instances(scene, analysis.objects, analysis.pivot)
+    bound = bindings.instances(scene, analysis.objects, analysis.pivot)
     materials = measured.materials(analysis)
-    instances, mended = sanitize.instances(_with_materials(found, analysis, materials))
+    instances, mended = sanitize.instances(_with_materials(bound, analysis, materials))
     warnings = [*geometry.warnings, *(m.row["warning"] for m in materials.values() if m.row["warning"])]
     warnings += [*view.ignored(scene), *mended]
     image, note = world_light.environment(scene.world)
@@ -85,9 +85,9 @@ def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
 
 
 def parameters(analysis: SceneAnalysis) -> dict[str, schema.Instance]:
-    """The scene's parameters by key, without what the engine alone needs: nothing is rendered or written."""
-    found = bindings.instances(analysis.scene, analysis.objects, analysis.pivot)
-    return sanitize.instances(_with_materials(found, analysis, {}))[0]
+    """The scene's parameters by key; unlike `write_job`, renders and writes nothing."""
+    bound = bindings.instances(analysis.scene, analysis.objects, analysis.pivot)
+    return sanitize.instances(_with_materials(bound, analysis, {}))[0]
 
 
 def _scaled(scene: bpy.types.Scene, pixels: int) -> int:
@@ -105,13 +105,13 @@ def _roles(analysis: SceneAnalysis) -> dict[str, str]:
 
 
 def _with_materials(
-    found: Mapping[str, schema.Instance], analysis: SceneAnalysis, materials: Mapping[str, ExportedMaterial]
+    bound: Mapping[str, schema.Instance], analysis: SceneAnalysis, materials: Mapping[str, ExportedMaterial]
 ) -> dict[str, schema.Instance]:
-    """The parameters, with roles as the render sees them and what bindings cannot know as locked values."""
+    """The bound parameters with the roles that the render shows, and locked ones for what bindings cannot read."""
     roles = _roles(analysis)
     instances = {
         key: replace(i, role=roles.get(i.owner, i.role)) if i.parameter.group == "material" else i
-        for key, i in found.items()
+        for key, i in bound.items()
     }
     for exported in materials.values():
         owner = exported.row["name"]
@@ -120,8 +120,8 @@ def _with_materials(
             before = instances.get(parameter.key(owner))
             if before is None or before.locked:
                 reason = before.locked if before else exported.reason
-                made = schema.Instance(parameter, owner, value, role=roles[owner], locked=reason)
-                instances[made.key] = made
+                instance = schema.Instance(parameter, owner, value, role=roles[owner], locked=reason)
+                instances[instance.key] = instance
     return instances
 
 

@@ -81,7 +81,7 @@ _COLORS = ("base_color", "emission_color", "specular_tint")
 
 @dataclass(frozen=True)
 class MeasuredChannel:
-    """What nodes give for an input: its mean (1 or 3,), and a picture of it if there is one."""
+    """A computed input as it was measured: its mean (1,) or (3,), and its picture if it varies."""
 
     mean: np.ndarray
     picture: ExportedTexture | None = None
@@ -112,16 +112,16 @@ def uv_of(material: bpy.types.Material) -> tuple[str, np.ndarray]:
 
 
 def computed(material: bpy.types.Material | None) -> dict[str, bpy.types.NodeSocket | None]:
-    """The outputs that compute a material's inputs, without our own tint; None is the normal of its bumps."""
+    """The outputs that compute a material's inputs, before our tint; None for the normal that Displacement makes."""
     if material is None or shaders.surface(material) is None:
         return {}
     sources = {name: _input(material, socket)[1] for name, socket in _COMPUTED.items()}
-    found = {name: untinted(source) for name, source in sources.items() if source}
+    outputs = {name: untinted(source) for name, source in sources.items() if source}
     cut = shaders.cutout(material)
     if cut and cut.source:
-        found["alpha"] = cut.source
+        outputs["alpha"] = cut.source
     bumps = shaders.bumps(material)
-    return {**found, "normal": None} if bumps and "normal" not in found else found
+    return {**outputs, "normal": None} if bumps and "normal" not in outputs else outputs
 
 
 def export(material: bpy.types.Material | None, measured: Mapping[str, MeasuredChannel]) -> ExportedMaterial:
@@ -133,27 +133,27 @@ def export(material: bpy.types.Material | None, measured: Mapping[str, MeasuredC
     if material is None:
         values = {**_DEFAULTS, **_APPROXIMATE["ShaderNodeBsdfDiffuse"]}
         return ExportedMaterial(_row(NO_MATERIAL, "approximate"), {}, values, "it has no material")
-    tree, found = compat.node_tree(material), shaders.surface(material)
+    tree, shader = compat.node_tree(material), shaders.surface(material)
     if tree is None:
         values = {"metallic": (material.metallic,), "roughness": (material.roughness,)}
         return ExportedMaterial(_row(material.name_full, "approximate"), {}, values, "its nodes are off")
     notes = _foreign(material)
-    if found is None:
+    if shader is None:
         black = not _has_shader(tree)  # as Cycles shows what it has no shader for
         notes.append(f"its shader is not known; it is shown {'black' if black else 'grey'}")
         row = _row(material.name_full, "approximate", f"{material.name}: {'; '.join(notes)}.")
         values = {**_DEFAULTS, **(_BLACK if black else {})}
         return ExportedMaterial(row, {}, values, "its shader is not known")
     result = ExportedMaterial(_row(material.name_full, "principled"))
-    kind = found.node.bl_idname
+    kind = shader.node.bl_idname
     if kind != "ShaderNodeBsdfPrincipled":
-        result.row["model"], result.reason = "approximate", f"its shader is a {found.node.bl_label}"
+        result.row["model"], result.reason = "approximate", f"its shader is a {shader.node.bl_label}"
         result.values.update(mix_shader.plastic(material) or _APPROXIMATE[kind])
         mixed = mix_shader.plastic(material) is not None
-        notes.append(f"{'its mix of shaders' if mixed else found.node.bl_label} is approximated")
-    elif not _is_output(material, found.node) and not shaders.cutout(material):
+        notes.append(f"{'its mix of shaders' if mixed else shader.node.bl_label} is approximated")
+    elif not _is_output(material, shader.node) and not shaders.cutout(material):
         notes.append("its mix of shaders is shown as its Principled BSDF alone")
-    _constants(found, result.row)
+    _constants(shader, result.row)
     notes += _rare(result.row["constants"])
     cut = shaders.cutout(material)
     if cut and cut.share is not None:
@@ -193,9 +193,9 @@ def _row(name: str, model: str, warning: str = "") -> dict[str, Any]:
 
 def _input(material: bpy.types.Material, name: str) -> tuple[Any, bpy.types.NodeSocket | None]:
     """The socket that holds an input of the surface's shader, and the output that computes it."""
-    found = shaders.surface(material)
-    entry = found.input(name) if found else None
-    return shaders.resolve(entry, found.inside) if found and entry else (None, None)
+    shader = shaders.surface(material)
+    entry = shader.input(name) if shader else None
+    return shaders.resolve(entry, shader.inside) if shader and entry else (None, None)
 
 
 def _is_output(material: bpy.types.Material, node: bpy.types.Node) -> bool:
@@ -209,16 +209,16 @@ def _is_output(material: bpy.types.Material, node: bpy.types.Node) -> bool:
     return bool(links) and links[0].from_node == node
 
 
-def _constants(found: shaders.NodeInGroups, row: dict[str, Any]) -> None:
+def _constants(shader: shaders.NodeInGroups, row: dict[str, Any]) -> None:
     """Inputs that no vibe changes."""
     for name, socket in _CONSTANTS.items():
-        entry = found.input(socket)
+        entry = shader.input(socket)
         if entry is not None:
             value = entry.default_value
             row["constants"][name] = (
                 [float(v) for v in value[:3]] if hasattr(value, "__len__") else float(value)
             )
-    alpha = found.node.inputs.get("Alpha")
+    alpha = shader.node.inputs.get("Alpha")
     if alpha:
         row["alpha"] = float(alpha.default_value)
 
@@ -227,8 +227,8 @@ def _varying(
     result: ExportedMaterial, measured: Mapping[str, MeasuredChannel], inverted: bool, notes: list[str]
 ) -> None:
     """Takes over what nodes compute: pictures where the engine takes them, means of the others."""
-    for name, found in measured.items():
-        picture, mean = found.picture, found.mean
+    for name, channel in measured.items():
+        picture, mean = channel.picture, channel.mean
         if name == "alpha" and inverted:
             mean = 1 - mean
             picture = replace(picture, image=1 - picture.image) if picture else None

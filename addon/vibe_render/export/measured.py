@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the nodes of a scene's materials compute: as textures where one is enough, else measured on small renders."""
+"""Computed inputs of a scene's materials: as textures over UVs where possible, else measured on small renders."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from .materials import ExportedMaterial, MeasuredChannel, computed, export, uv_o
 def materials(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
     """All materials of a scene by name, with what their nodes compute."""
     geometry = analysis.geometry
-    known = {m.name_full: m for m in bpy.data.materials}
-    chosen = {name: known.get(name) for name in geometry.materials}
-    found: dict[str, dict[str, MeasuredChannel]] = {name: {} for name in chosen}
+    by_name = {m.name_full: m for m in bpy.data.materials}
+    chosen = {name: by_name.get(name) for name in geometry.materials}
+    channels: dict[str, dict[str, MeasuredChannel]] = {name: {} for name in chosen}
     wanted = []
     for name, material in chosen.items():
         if material is None:
@@ -26,22 +26,22 @@ def materials(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
         for channel, source in computed(material).items():
             picture = _over_uvs(material, channel, source, uvs)
             if picture:
-                found[name][channel] = MeasuredChannel(picture.image.mean((0, 1)), picture)
+                channels[name][channel] = MeasuredChannel(picture.image.mean((0, 1)), picture)
             else:
                 wanted.append(baked_passes.PassRequest(material, channel, source))
-    seen = baked_passes.measure(analysis.scene, wanted)
+    baked = baked_passes.measure(analysis.scene, wanted)
     for w in wanted:
         name = w.material.name_full
-        view = seen.get((name, w.channel))
+        view = baked.get((name, w.channel))
         if view:
             picture = textures.ExportedTexture(view.image, "EXTEND", "", view.window)
-            found[name][w.channel] = MeasuredChannel(view.mean, picture)
+            channels[name][w.channel] = MeasuredChannel(view.mean, picture)
             far = _straight_on(analysis, w) if w.channel == "base_color" else None
             if far:
-                found[name]["far"] = MeasuredChannel(view.mean, far)
+                channels[name]["far"] = MeasuredChannel(view.mean, far)
         elif w.source is not None and w.channel != "normal":
-            found[name][w.channel] = MeasuredChannel(_mean(analysis, w))
-    return {name: export(material, found[name]) for name, material in chosen.items()}
+            channels[name][w.channel] = MeasuredChannel(_mean(analysis, w))
+    return {name: export(material, channels[name]) for name, material in chosen.items()}
 
 
 def _over_uvs(

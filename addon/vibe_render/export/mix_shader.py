@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The oldest recipe for plastic, a mix of a Diffuse and a Glossy BSDF, in the words of the Principled BSDF."""
+"""A mix of a Diffuse and a Glossy BSDF, the oldest recipe for plastic, as inputs of a Principled BSDF."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ _HEAD_ON = 0.04  # what a dielectric with the default IOR of 1.5 reflects at Spe
 
 
 def plastic(material: bpy.types.Material) -> dict[str, schema.Values] | None:
-    """Values of the dielectric layer that comes nearest; None if the material is no such mix.
+    """Inputs of the nearest dielectric layer; None if the material is no such mix.
 
     A constant share f of a glossy color c becomes a reflectance of f·c seen head on, a Fresnel node its IOR.
     """
-    found = shaders.last_mix(material)
-    if found is None:
+    mix = shaders.last_mix(material)
+    if mix is None:
         return None
-    sides = [[link.from_node for link in shaders.active_links(s)] for s in found.node.inputs[1:3]]
+    sides = [[link.from_node for link in shaders.active_links(s)] for s in mix.node.inputs[1:3]]
     kinds = [side[0].bl_idname if side else "" for side in sides]
     if "ShaderNodeBsdfDiffuse" not in kinds or not set(_GLOSSY) & set(kinds):
         return None
@@ -33,7 +33,7 @@ def plastic(material: bpy.types.Material) -> dict[str, schema.Values] | None:
         "roughness": (0.3 if rough.is_linked else float(rough.default_value),),
         "specular_tint": tuple(float(c) / strongest for c in tint),
     }
-    socket, source = shaders.resolve(found.node.inputs[0], found.inside)
+    socket, source = shaders.resolve(mix.node.inputs[0], mix.inside)
     if source is not None and source.node.bl_idname == "ShaderNodeFresnel":
         return {
             **values,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mends what is not a number before it reaches the engine; scripts and drivers leave such values in scenes."""
+"""Sanitizes an export: replaces values that are not finite, which scripts and drivers leave in scenes."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from ..core.schema_import import labels, schema
 _REASON = "it is not a number in Blender"
 
 
-def instances(found: Mapping[str, schema.Instance]) -> tuple[dict[str, schema.Instance], list[str]]:
+def instances(read: Mapping[str, schema.Instance]) -> tuple[dict[str, schema.Instance], list[str]]:
     """The parameters, with default values (locked) for those that are not finite, and warnings that name them."""
     mended, warnings = {}, []
-    for key, instance in found.items():
+    for key, instance in read.items():
         if not all(map(math.isfinite, instance.value)):
             parameter = instance.parameter
             default = (parameter.default * instance.reference,) * parameter.components

@@ -200,13 +200,13 @@ def _mapping_matrix(node: bpy.types.Node) -> np.ndarray | None:
 
 def _upstream(source: bpy.types.NodeSocket) -> list[bpy.types.Node]:
     """All nodes that an output depends on."""
-    found, pending = [], [source.node]
+    upstream, pending = [], [source.node]
     while pending:
         node = pending.pop()
-        if node not in found:
-            found.append(node)
+        if node not in upstream:
+            upstream.append(node)
             pending += [link.from_node for entry in node.inputs for link in active_links(entry)]
-    return found
+    return upstream
 
 
 def _reads_uv_only(source: bpy.types.NodeSocket) -> bool:

@@ -32,7 +32,11 @@ def camera(analysis: SceneAnalysis) -> dict[str, Any]:
 
 
 def lights(analysis: SceneAnalysis) -> list[dict[str, Any]]:
-    """The lights' entries in scene.json."""
+    """The lights' entries in scene.json.
+
+    Raises:
+        VibeError: A light's type is unknown.
+    """
     pivot = Vector(analysis.pivot)
     context = scene_context.SceneContext(analysis.scene, analysis.objects, pivot)
     return [_light(thing, role, pivot) for thing, role in scene_context.light_roles(context).items()]
@@ -57,7 +61,7 @@ def _light(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, Any]:
 
 
 def _glow(data: bpy.types.Light) -> tuple[float, float, float] | None:
-    """What a light's nodes multiply it by: its Emission's color times strength; None if they do anything else."""
+    """The factor (3,) of a light's nodes, Emission color times strength; None if they do anything else."""
     tree = compat.node_tree(data)
     if tree is None:
         return 1.0, 1.0, 1.0

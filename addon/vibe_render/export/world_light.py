@@ -18,29 +18,29 @@ _SAMPLES = 32
 
 
 def environment(world: bpy.types.World | None) -> tuple[np.ndarray | None, str]:
-    """The picture of a world's surroundings, and what is only approximate about it.
+    """The world's environment picture (None for one color), and a note about what is approximated.
 
     Returns:
         (H, 2H, 3) float32 linear, laid out as Blender's equirectangular mapping without rotation, row
         0 straight down; None for a world of one color. And a warning, or "".
     """
-    found = shaders.background(world) if world else None
-    if world is None or found is None:
+    background = shaders.background(world) if world else None
+    if world is None or background is None:
         return None, ""
-    _, source = shaders.resolve(found.node.inputs["Color"], found.inside)
+    _, source = shaders.resolve(background.node.inputs["Color"], background.inside)
     if source is None:
-        return None, _mixed(world, found.node)
+        return None, _mixed(world, background.node)
     source = untinted(source)
     node = source.node
     if node.bl_idname == "ShaderNodeTexEnvironment" and node.projection == "EQUIRECTANGULAR":
         image = image_colors(node.image)
         if image is None:
             return np.array([[[1.0, 0.0, 1.0]]], np.float32), "the world's image is missing"
-        return image, _mixed(world, found.node)
+        return image, _mixed(world, background.node)
     if source.id_data != world.node_tree:
         return None, "the world's color is computed inside a node group and is shown as one color"
     with _plain(world, source) as twin:
-        return bake.panorama_of(twin, _HEIGHT, _SAMPLES), _mixed(world, found.node)
+        return bake.panorama_of(twin, _HEIGHT, _SAMPLES), _mixed(world, background.node)
 
 
 def _mixed(world: bpy.types.World, background: bpy.types.Node) -> str:

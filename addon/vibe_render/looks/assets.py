@@ -62,7 +62,7 @@ def export(
     """Writes the look that a scene has now.
 
     Args:
-        survey: What is known about the scene.
+        analysis: The scene and its subject.
         name: The look's name.
         words: Its prompt: the assets' description.
         materials: The materials that belong to the look.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Anchors: small Cycles pictures of values that are still being looked for, which the engine corrects itself by.
+"""Anchors: small Cycles pictures of the values of a round, by which the engine corrects its prediction.
 
 The scene is the artist's again as soon as the picture is done. A render is linear in the power of every light, so
 each of them, and the world, is rendered into a light group of its own as well.
@@ -24,7 +24,7 @@ from . import bake, final_render
 def answer(
     scene: Scene, folder: Path, request: messages.Anchor, subject: Sequence[Object], pivot: Sequence[float]
 ) -> messages.Anchored:
-    """Renders what the engine asks for; a failure becomes the answer instead of ending the vibe.
+    """Renders the anchor that the engine requests; a failure becomes its answer and does not end the vibe.
 
     Args:
         scene: The scene that was exported.
@@ -42,8 +42,8 @@ def answer(
             scene, folder / name, request.values, subject, pivot, request.size, request.samples, request.seed
         )
     except Exception as error:  # whatever it is, the vibe can do without this picture
-        said = error.message if isinstance(error, schema.VibeError) else f"{type(error).__name__}: {error}"
-        return messages.Anchored(request.number, error=" ".join(said.split()) or "it failed")
+        text = error.message if isinstance(error, schema.VibeError) else f"{type(error).__name__}: {error}"
+        return messages.Anchored(request.number, error=" ".join(text.split()) or "it failed")
     return messages.Anchored(request.number, name, groups, round(time.monotonic() - start, 3))
 
 
@@ -100,10 +100,10 @@ def _light_groups(scene: Scene, layer: bpy.types.ViewLayer) -> Iterator[dict[str
 
 
 def _emitters(scene: Scene) -> list[tuple[str, list[bpy.types.ID]]]:
-    """Whose light, and what it comes from: lights that share their data have their values together."""
-    found: dict[bpy.types.ID, list[bpy.types.ID]] = {}
+    """The light groups: a key and its lights; lights that share their data are one group."""
+    sharing: dict[bpy.types.ID, list[bpy.types.ID]] = {}
     for light in scene_context.lights(scene):
-        found.setdefault(light.data, []).append(light)
-    lights = [(f"light/{members[0].name_full}", members) for members in found.values()]
+        sharing.setdefault(light.data, []).append(light)
+    lights = [(f"light/{members[0].name_full}", members) for members in sharing.values()]
     world = [("world", [scene.world])] if scene.world else []
     return [(owner, members) for owner, members in [*lights, *world] if all(m.is_editable for m in members)]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Linear pictures rendered by Cycles in a scene of our own, to measure what node networks give."""
+"""Linear pictures that Cycles renders in a scene of ours, to measure the values of node networks."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ..core.overrides import changed
 
 @contextmanager
 def copied_scene(scene: bpy.types.Scene, **render: Any) -> Iterator[bpy.types.Scene]:
-    """A copy of the scene that shares its objects, without compositor and sequencer, removed afterwards.
+    """A copy of the scene that shares its objects, without compositor and sequencer; removed after the block.
 
     Passes and the picture of a render belong to a scene: the artist's compositor, whose sockets follow the
     passes, and the artist's last render are left alone this way.
@@ -89,7 +89,7 @@ def pixels(image: bpy.types.Image) -> np.ndarray:
 
 @contextmanager
 def emitting(material: bpy.types.Material, source: bpy.types.NodeSocket) -> Iterator[bpy.types.Material]:
-    """A copy of a material that glows with what one of its outputs gives; removed afterwards.
+    """A copy of a material that emits the value of one of its outputs; removed after the block.
 
     Args:
         source: An output of a node in the material's own tree.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What node networks give at every pixel of the camera's picture, from one render of Cycles.
+"""Baked passes: the values of node networks at every pixel of the camera's picture, from one Cycles render.
 
 Each computed input of a material is sent to an AOV output for a moment, so every network that Cycles knows arrives,
 wherever it gets its coordinates from, for all materials at once.
@@ -31,7 +31,7 @@ _INDEX, _SQUARE = "Vibe Index", "Vibe Square"
 
 @dataclass(frozen=True)
 class PassRequest:
-    """A computed input: of which material, in whose words, and the output that computes it.
+    """A computed input to bake: its material, its channel, and the output that computes it.
 
     `source` is None for the normal that Displacement makes where it is rendered as bump.
     """
@@ -59,14 +59,16 @@ class BakedPicture:
 def measure(
     scene: bpy.types.Scene, wanted: Sequence[PassRequest], plane: CapturePlane | None = None
 ) -> dict[tuple[str, str], BakedPicture]:
-    """Renders computed inputs; by material's full name and channel.
-
-    What the camera does not see, and materials of linked libraries, are missing from the answer.
+    """Bakes computed inputs with one render.
 
     Args:
         scene: The scene.
         wanted: The inputs.
-        plane: Seen straight on instead of what the scene's camera sees.
+        plane: Captured straight on, instead of what the scene's camera sees.
+
+    Returns:
+        By full name of the material and channel; without inputs that the camera does not see, and without
+        materials of linked libraries.
     """
     wanted = [w for w in wanted if _editable(w)]
     if not wanted:
@@ -96,14 +98,14 @@ def measure(
         passes = _render(twin, channels, _FAR_SAMPLES if plane else _SAMPLES)
     index, square = passes[_INDEX][..., 0], passes[_SQUARE][..., 0]
     alone = np.abs(square - index * index) < 1e-3 * (1 + square)
-    found = {}
+    baked = {}
     for w in wanted:
         number = names.index(w.material.name_full) + 1
         shown = alone & (np.abs(index - number) < 1e-3)
         values = passes[f"Vibe {w.channel}"][..., : 3 if w.channel in COLORS else 1]
         if shown.any():
-            found[w.material.name_full, w.channel] = _cropped(values, shown)
-    return found
+            baked[w.material.name_full, w.channel] = _cropped(values, shown)
+    return baked
 
 
 def _editable(w: PassRequest) -> bool:
@@ -154,18 +156,18 @@ def _render(twin: bpy.types.Scene, channels: Sequence[str], samples: int) -> dic
 def _sent(w: PassRequest, name: str) -> Iterator[None]:
     """An AOV output for a value, in the tree that computes it."""
     tree = _tree(w)
-    made = []
+    added = []
     try:
         output = tree.nodes.new("ShaderNodeOutputAOV")
-        made.append(output)
+        added.append(output)
         output.aov_name = name
         source = w.source
         if w.channel == "normal":
             if source is None:
-                made.append(tree.nodes.new("ShaderNodeNewGeometry"))
-                source = made[-1].outputs["Normal"]
+                added.append(tree.nodes.new("ShaderNodeNewGeometry"))
+                source = added[-1].outputs["Normal"]
             half = tree.nodes.new("ShaderNodeVectorMath")
-            made.append(half)
+            added.append(half)
             half.operation = "MULTIPLY_ADD"  # AOVs lose what is negative
             half.inputs[1].default_value = half.inputs[2].default_value = (0.5, 0.5, 0.5)
             tree.links.new(source, half.inputs[0])
@@ -173,7 +175,7 @@ def _sent(w: PassRequest, name: str) -> Iterator[None]:
         tree.links.new(source, output.inputs["Color" if w.channel in COLORS else "Value"])
         yield
     finally:
-        for node in made:
+        for node in added:
             tree.nodes.remove(node)
 
 
@@ -181,15 +183,15 @@ def _sent(w: PassRequest, name: str) -> Iterator[None]:
 def _marked(material: bpy.types.Material, number: float) -> Iterator[None]:
     """AOV outputs that tell where a material is seen, and where it is seen alone."""
     nodes = material.node_tree.nodes
-    made = []
+    added = []
     try:
         for name, value in ((_INDEX, number), (_SQUARE, number * number)):
-            made.append(nodes.new("ShaderNodeOutputAOV"))
-            made[-1].aov_name = name
-            made[-1].inputs["Value"].default_value = value
+            added.append(nodes.new("ShaderNodeOutputAOV"))
+            added[-1].aov_name = name
+            added[-1].inputs["Value"].default_value = value
         yield
     finally:
-        for node in made:
+        for node in added:
             nodes.remove(node)
 
 
@@ -199,25 +201,25 @@ def _cropped(values: np.ndarray, shown: np.ndarray) -> BakedPicture:
     rows, columns = shown.any(1).nonzero()[0], shown.any(0).nonzero()[0]
     bottom, top = max(0, rows[0] - _GROWN), min(height, rows[-1] + 1 + _GROWN)
     left, right = max(0, columns[0] - _GROWN), min(width, columns[-1] + 1 + _GROWN)
-    part, known = values[bottom:top, left:right], shown[bottom:top, left:right]
-    mean = part[known].mean(0)
-    image = _grown(part, known, mean)
+    part, covered = values[bottom:top, left:right], shown[bottom:top, left:right]
+    mean = part[covered].mean(0)
+    image = _grown(part, covered, mean)
     window = (left / width, bottom / height, right / width, top / height)
     return BakedPicture(image.astype(np.float32), window, mean)
 
 
-def _grown(values: np.ndarray, known: np.ndarray, rest: np.ndarray) -> np.ndarray:
+def _grown(values: np.ndarray, covered: np.ndarray, rest: np.ndarray) -> np.ndarray:
     """Fills unknown pixels (h, w, C) with the mean of known neighbors, from the edges outwards."""
-    values = np.where(known[..., None], values, 0.0)
+    values = np.where(covered[..., None], values, 0.0)
     for _ in range(_GROWN):
-        total, count = np.zeros_like(values), np.zeros(known.shape)
-        padded = np.pad(values, ((1, 1), (1, 1), (0, 0))), np.pad(known, 1)
+        total, count = np.zeros_like(values), np.zeros(covered.shape)
+        padded = np.pad(values, ((1, 1), (1, 1), (0, 0))), np.pad(covered, 1)
         for dy in range(3):
             for dx in range(3):
-                place = slice(dy, dy + known.shape[0]), slice(dx, dx + known.shape[1])
+                place = slice(dy, dy + covered.shape[0]), slice(dx, dx + covered.shape[1])
                 total += padded[0][place] * padded[1][place][..., None]
                 count += padded[1][place]
-        fresh = ~known & (count > 0)
+        fresh = ~covered & (count > 0)
         values[fresh] = total[fresh] / count[fresh][:, None]
-        known = known | fresh
-    return np.where(known[..., None], values, rest)
+        covered = covered | fresh
+    return np.where(covered[..., None], values, rest)

@@ -29,15 +29,15 @@ def passes_of(scene: bpy.types.Scene) -> dict[str, np.ndarray]:
         path = Path(folder) / "passes.exr"
         final_render.write_layers(scene, layer, path, exr_codec="NONE", use_exr_interleave=True)
         channels = read(path)
-    found: dict[str, dict[str, np.ndarray]] = {}
+    passes: dict[str, dict[str, np.ndarray]] = {}
     for name, values in channels.items():
         owner, _, letter = name.rpartition(".")
         if owner.startswith(f"{layer.name}."):
-            found.setdefault(owner[len(layer.name) + 1 :], {})[letter] = values
+            passes.setdefault(owner[len(layer.name) + 1 :], {})[letter] = values
     order = "RGBAXYZW"
     return {
         name: np.stack([letters[k] for k in sorted(letters, key=order.index)], -1)
-        for name, letters in found.items()
+        for name, letters in passes.items()
     }
 
 
@@ -65,14 +65,14 @@ def read(path: Path) -> dict[str, np.ndarray]:
 
 def _header(data: bytes) -> tuple[dict[str, bytes], int]:
     """The attributes by name, and where they end."""
-    found, at = {}, 8
+    attributes, at = {}, 8
     while data[at]:
         name_end = data.index(b"\0", at)
         kind_end = data.index(b"\0", name_end + 1)
         size = struct.unpack_from("<i", data, kind_end + 1)[0]
-        found[data[at:name_end].decode()] = data[kind_end + 5 : kind_end + 5 + size]
+        attributes[data[at:name_end].decode()] = data[kind_end + 5 : kind_end + 5 + size]
         at = kind_end + 5 + size
-    return found, at + 1
+    return attributes, at + 1
 
 
 def _channels(table: bytes) -> list[str]:

@@ -156,7 +156,7 @@ def _can_denoise() -> bool:
 
 @contextmanager
 def _quiet_outputs(scene: bpy.types.Scene) -> Iterator[None]:
-    """File Output nodes of the artist's compositor write nothing meanwhile."""
+    """Mutes the File Output nodes of the artist's compositor inside the block."""
     tree = compat.compositor(scene)
     nodes = [n for n in (tree.nodes if tree else ()) if n.bl_idname == "CompositorNodeOutputFile"]
     with ExitStack() as stack:
@@ -183,7 +183,7 @@ def _write_as(scene: bpy.types.Scene, path: Path, kind: dict[str, Any], **option
 
 @contextmanager
 def _kind(picture: bpy.types.ImageFormatSettings, kind: dict[str, Any]) -> Iterator[None]:
-    """Another file format for a moment. What comes later in `kind` is valid only after what comes before it."""
+    """Temporarily sets another file format; later settings in `kind` are valid only after the earlier ones."""
     names = [name for name in kind if name in picture.bl_rna.properties]
     old = [getattr(picture, name) for name in names]
     try:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Flat grounds and walls, seen straight on: what mirrors show of their patterns may be outside the camera's picture."""
+"""Planar captures: flat grounds and walls rendered straight on, because mirrors show parts outside the picture."""
 
 from __future__ import annotations
 
@@ -31,12 +31,15 @@ class CapturePlane:
 
 
 def plane_of(corners: np.ndarray, pivot: np.ndarray, distance: float) -> CapturePlane | None:
-    """The plane of triangles (F, 3, 3); None if they do not lie in one.
+    """The square that triangles of one plane fill.
 
     Args:
-        corners: World-space corners.
-        pivot: (3,) the middle of what is looked at.
-        distance: Of the camera from it.
+        corners: (F, 3, 3), world space, meters.
+        pivot: (3,), the pivot of the scene's orbits.
+        distance: From the camera to the pivot, meters.
+
+    Returns:
+        None if the triangles do not lie in one plane.
     """
     edges = corners[:, 1:] - corners[:, :1]
     areas = np.cross(edges[:, 0], edges[:, 1])
@@ -62,7 +65,7 @@ def plane_of(corners: np.ndarray, pivot: np.ndarray, distance: float) -> Capture
 
 @contextmanager
 def straight_on(scene: bpy.types.Scene, plane: CapturePlane) -> Iterator[None]:
-    """A camera of a scene's own that sees a plane and nothing that stands before or behind it."""
+    """Gives a scene a camera that sees a plane and nothing in front of or behind it, inside the block."""
     data = bpy.data.cameras.new("Vibe Bake")
     camera = bpy.data.objects.new("Vibe Bake", data)
     scene.collection.objects.link(camera)

@@ -97,7 +97,7 @@ BINDINGS: tuple[ParameterBinding, ...] = (
 # fmt: on
 
 
-def _found(
+def _slots(
     context: scene_context.SceneContext,
 ) -> Iterator[tuple[ParameterBinding, scene_context.Owner, ValueSlot]]:
     """Every value that the scene has, group by group, owner by owner, in the order of the rows."""
@@ -122,13 +122,13 @@ def instances(scene: Scene, subject: Sequence[Object], pivot: Sequence[float]) -
     """
     context = scene_context.SceneContext(scene, tuple(subject), Vector(pivot))
     lengths = scene_context.references(context)
-    found = {}
-    for row, owner, slot in _found(context):
+    by_key = {}
+    for row, owner, slot in _slots(context):
         reference = {"": 1.0, **lengths, **owner.references}[row.parameter.reference]
         value = row.codec.decode(slot.get())
         instance = schema.Instance(row.parameter, owner.name, value, reference, owner.role, slot.locked)
-        found[instance.key] = instance
-    return found
+        by_key[instance.key] = instance
+    return by_key
 
 
 def references(scene: Scene, subject: Sequence[Object], pivot: Sequence[float]) -> dict[str, float]:
@@ -170,7 +170,10 @@ def write(
 def trial(
     scene: Scene, values: Mapping[str, Sequence[float]], subject: Sequence[Object], pivot: Sequence[float]
 ) -> Iterator[dict[str, str]]:
-    """Values in the scene for a moment; it is exactly as it was afterwards. Otherwise like `write`."""
+    """Writes values for the duration of the block; afterwards the scene is exactly as it was.
+
+    Arguments and errors as for `write`; yields the keys that were left alone, and why.
+    """
     journal = Journal()
     try:
         rest = _put(journal, scene, values, subject, pivot)
@@ -193,7 +196,7 @@ def _put(
     rest = dict.fromkeys(values, "there is nothing of that name in this scene")
     _add_lights(journal, scene, values, subject)
     context = scene_context.SceneContext(scene, tuple(subject), Vector(pivot), everything=True)
-    for row, owner, slot in list(_found(context)):
+    for row, owner, slot in list(_slots(context)):
         key = row.parameter.key(owner.name)
         if key not in values:
             continue
@@ -206,7 +209,7 @@ def _put(
 def _add_lights(
     journal: Journal, scene: Scene, values: Mapping[str, Sequence[float]], subject: Sequence[Object]
 ) -> None:
-    """Adds those of our own lights that values are for and the scene lacks."""
+    """Adds those of our lights that have values here and are missing from the scene."""
     owners = {owner for group, owner, _ in map(schema.split_key, values) if group == "light"}
     missing = [name for name in prepare.LIGHTS if name in owners and name not in scene.objects]
     if missing:

@@ -56,17 +56,17 @@ _PLANNED: dict[int, FogDomain] = {}
 
 
 def plan(scene: Scene, shape: FogDomain) -> None:
-    """Has this be the box that is made, whatever the camera and the frame are then."""
+    """Sets the box that will be made, whatever the camera and the frame are by then."""
     _PLANNED[scene.session_uid] = shape
 
 
 def planned(scene: Scene) -> FogDomain | None:
-    """The box that `plan` has been told; None if it has not."""
+    """The box that `plan` has set; None without one."""
     return _PLANNED.get(scene.session_uid)
 
 
 def domain(context: scene_context.SceneContext, eyes: Sequence[Vector] = ()) -> FogDomain:
-    """The box that is there, or the one that would be made.
+    """The scene's box of fog, or the one that would be made.
 
     It holds the camera, and as much of the visible scene as lies within four camera distances:
     beyond, fog would hide it, but a longer way through fog would put out the world's light.
@@ -98,7 +98,7 @@ def _each(pick: Callable, *vectors: Vector) -> Vector:
 
 @dataclass
 class FogDensitySlot:
-    """Value slot: the density, together with whether renders see the box, for fog of no density costs time too."""
+    """Value slot: the density, and whether renders see the box: fog of density 0 would cost time too."""
 
     box: Object
     input: ValueSlot
@@ -127,8 +127,8 @@ def slot(context: scene_context.SceneContext, name: str) -> ValueSlot:
         if box is None or not nodes:
             return None
         socket = nodes[0].inputs[name]
-        found = socket_slot(socket, locks.of_socket(socket, None))
-        return FogDensitySlot(box, found) if name == "Density" else found
+        density = socket_slot(socket, locks.of_socket(socket, None))
+        return FogDensitySlot(box, density) if name == "Density" else density
 
     # Measured now: the box that was exported must not depend on a camera that is moved meanwhile.
     shape = domain(context) if name == "Density" else None

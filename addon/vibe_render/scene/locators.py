@@ -114,11 +114,11 @@ def shader(name: str) -> Locator:
     """
 
     def locate(context: SceneContext, material: Material) -> ValueSlot | None:
-        found = shaders.surface(material)
-        entry = found.input(name) if found else None
-        if not found or not entry:
+        principled = shaders.surface(material)
+        entry = principled.input(name) if principled else None
+        if not principled or not entry:
             return None
-        socket, source = shaders.resolve(entry, found.inside)
+        socket, source = shaders.resolve(entry, principled.inside)
         if source and name == "Base Color":
             return None
         return socket_slot(socket, locks.of_socket(socket, source))
@@ -137,9 +137,9 @@ def material_tint(name: str) -> Locator:
     """An input of the owned tint on a computed base color."""
 
     def locate(context: SceneContext, material: Material) -> ValueSlot | None:
-        found = shaders.surface(material)
-        entry = found and found.input("Base Color")
-        return tint.slot(entry, found.inside, name) if found and entry else None
+        principled = shaders.surface(material)
+        entry = principled and principled.input("Base Color")
+        return tint.slot(entry, principled.inside, name) if principled and entry else None
 
     return locate
 
@@ -148,11 +148,11 @@ def background(name: str) -> Locator:
     """An input of a world's background; a computed color has a tint instead."""
 
     def locate(context: SceneContext, world: World) -> ValueSlot | None:
-        found = shaders.background(world)
-        if found is None:
+        node = shaders.background(world)
+        if node is None:
             plain = name == "Color" and compat.node_tree(world) is None
             return PropertySlot(world, "color", locks.of_property(world, "color")) if plain else None
-        socket, source = shaders.resolve(found.node.inputs[name], found.inside)
+        socket, source = shaders.resolve(node.node.inputs[name], node.inside)
         if source and name == "Color":
             return None
         return socket_slot(socket, locks.of_socket(socket, source))
@@ -162,8 +162,12 @@ def background(name: str) -> Locator:
 
 def world_tint(context: SceneContext, world: World) -> ValueSlot | None:
     """The owned tint on a computed background."""
-    found = shaders.background(world)
-    return tint.slot(found.node.inputs["Color"], found.inside, "Tint") if found else None
+    background_node = shaders.background(world)
+    return (
+        tint.slot(background_node.node.inputs["Color"], background_node.inside, "Tint")
+        if background_node
+        else None
+    )
 
 
 def world_rotation(context: SceneContext, world: World) -> ValueSlot | None:
@@ -175,12 +179,12 @@ def volume(name: str) -> Locator:
     """A value of the fog: of the artist's world volume if there is one, else of the owned box."""
 
     def locate(context: SceneContext, scene: Scene) -> ValueSlot | None:
-        found = shaders.world_volume(scene.world) if scene.world else None
-        if found is None:
+        node = shaders.world_volume(scene.world) if scene.world else None
+        if node is None:
             return fog.slot(context, name)
-        if name not in found.node.inputs:
+        if name not in node.node.inputs:
             return None
-        socket, source = shaders.resolve(found.node.inputs[name], found.inside)
+        socket, source = shaders.resolve(node.node.inputs[name], node.inside)
         return socket_slot(socket, locks.of_socket(socket, source))
 
     return locate

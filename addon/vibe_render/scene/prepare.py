@@ -126,10 +126,10 @@ def light_distance(low: Vector, high: Vector) -> float:
 
 
 def _is_lit(scene: Scene) -> bool:
-    found = shaders.background(scene.world) if scene.world else None
-    if found is None:
+    background = shaders.background(scene.world) if scene.world else None
+    if background is None:
         return False
-    color, strength = found.node.inputs["Color"], found.node.inputs["Strength"]
+    color, strength = background.node.inputs["Color"], background.node.inputs["Strength"]
     if shaders.active_links(color) or shaders.active_links(strength):
         return True
     return max(color.default_value[:3]) * strength.default_value > 0.1

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Who is in a scene: its camera, lights, materials and world, with their roles and the scene's lengths."""
+"""Scene context: a scene's camera, lights, materials and world, with their roles and the scene's lengths."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Owner:
 
 @dataclass(frozen=True)
 class SceneContext:
-    """A scene as seen from its subject.
+    """A scene, its subject, and the pivot of its orbits.
 
     Attributes:
         scene: The scene.
@@ -78,8 +78,8 @@ def depsgraph(scene: Scene) -> bpy.types.Depsgraph:
 
 def lights(scene: Scene) -> list[Object]:
     """The lights that a render sees, by name; those whose place is not a number light nothing."""
-    found = [o for o in scene.objects if o.type == "LIGHT" and visible(scene, o) and placed(o)]
-    return sorted(found, key=lambda o: o.name_full)
+    objects = [o for o in scene.objects if o.type == "LIGHT" and visible(scene, o) and placed(o)]
+    return sorted(objects, key=lambda o: o.name_full)
 
 
 def placed(obj: Object) -> bool:
@@ -89,8 +89,8 @@ def placed(obj: Object) -> bool:
 
 def meshes(scene: Scene) -> list[Object]:
     """The objects with a surface that a render sees, by name; fog boxes of ours are none."""
-    found = [o for o in scene.objects if o.type in GEOMETRY and visible(scene, o) and not owned.is_fog(o)]
-    return sorted(found, key=lambda o: o.name_full)
+    objects = [o for o in scene.objects if o.type in GEOMETRY and visible(scene, o) and not owned.is_fog(o)]
+    return sorted(objects, key=lambda o: o.name_full)
 
 
 def materials(scene: Scene, subject: Sequence[Object], everything: bool = False) -> dict[Material, str]:
@@ -196,16 +196,20 @@ def _light_lengths(obj: Object, pivot: Vector) -> dict[str, float]:
 
 
 def light_roles(context: SceneContext) -> dict[Object, str]:
-    """What each light does: "rim" from behind the subject, the brightest other one "key", the rest "fill"."""
-    found = lights(context.scene)
-    rims = {o for o in found if _from_behind(o, context)}
-    front = [o for o in found if o not in rims] or found
+    """Assigns roles to the lights: "rim" from behind the subject, the brightest other one "key", the rest "fill".
+
+    Raises:
+        VibeError: A light's type is unknown.
+    """
+    objects = lights(context.scene)
+    rims = {o for o in objects if _from_behind(o, context)}
+    front = [o for o in objects if o not in rims] or objects
     key = max(front, key=lambda o: _brightness(o, context.pivot), default=None)
-    return {o: "key" if o is key else "rim" if o in rims else "fill" for o in found}
+    return {o: "key" if o is key else "rim" if o in rims else "fill" for o in objects}
 
 
 def towards_light(obj: Object, pivot: Vector) -> Vector:
-    """Unit vector from the subject to where the light comes from."""
+    """Unit vector (3,), world space, from the pivot toward where the light comes from."""
     offset = type_of(obj).offset(obj, pivot, obj.matrix_world.to_3x3().normalized())
     return offset.normalized() if offset.length > 1e-6 else Vector((0.0, 0.0, 1.0))
 

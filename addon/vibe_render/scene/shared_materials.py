@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials that the subject shares with other things: found, so that the artist can be asked, and separated."""
+"""Materials that the subject shares with other objects: finds them for a question to the artist, and separates them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from . import snapshot
 from .nodes import owned
 
 
-def found(subject: Sequence[Object]) -> dict[Material, list[Object]]:
+def shared(subject: Sequence[Object]) -> dict[Material, list[Object]]:
     """The subject's materials that things outside of it use too, and those things, in this or other scenes.
 
     Those from a library are left out: nobody may change them.
@@ -32,7 +32,7 @@ def separate(scene: Scene, subject: Sequence[Object]) -> None:
     """Gives the subject copies of its own, recorded in the scene's snapshot."""
     inside = set(subject)
     with snapshot.transaction(scene) as journal:
-        for material in found(subject):
+        for material in shared(subject):
             twin = journal.copy("materials", material)
             for obj in subject:
                 if obj.is_editable:

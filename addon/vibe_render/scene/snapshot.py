@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a scene was like before a vibe, kept inside the .blend so that Revert works after saving and reopening.
+"""Snapshot: a scene's values before a vibe, kept inside the .blend so that Revert works after reopening.
 
 Only what was touched is kept: a journal (see `core/journal.py`) in a custom property of the scene.
 """
@@ -23,7 +23,7 @@ _MOST = 100_000  # data-blocks that a stored snapshot may speak of
 
 
 def take(scene: Scene) -> None:
-    """Starts a snapshot: `revert` comes back to here. One that has been started already stays."""
+    """Starts a snapshot, which `revert` returns to; one that exists already stays."""
     if not exists(scene):
         _store(scene, Journal())
 
@@ -57,12 +57,12 @@ def revert(scene: Scene) -> list[str]:
 
 
 def mark(scene: Scene) -> int:
-    """How much has been recorded until now, for `rollback`."""
+    """The number of recorded entries, for `rollback`."""
     return len(_load(scene).entries) if exists(scene) else 0
 
 
 def rollback(scene: Scene, first: int) -> None:
-    """Takes back what has been recorded since `mark`; a snapshot that is empty then is forgotten."""
+    """Undoes everything recorded since `mark`; removes a snapshot that is then empty."""
     journal = _load(scene)
     forget(scene)
     journal.undo(first)
@@ -72,7 +72,7 @@ def rollback(scene: Scene, first: int) -> None:
 
 @contextmanager
 def transaction(scene: Scene) -> Iterator[Journal]:
-    """A journal to change the scene with. Ends in the snapshot, or on an exception as if nothing had been."""
+    """A journal for changes inside the block: kept in the snapshot, or undone after an exception."""
     whole = _load(scene) if exists(scene) else Journal()  # first: a damaged one stops us here
     journal = Journal()
     try:

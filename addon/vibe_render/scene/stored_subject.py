@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The subject that was chosen for the last vibe or preset, kept in the .blend: later ones mean the same.
+"""Stored subject: the subject of the last vibe or preset, kept in the .blend for the next ones.
 
 Without it, a look that was found for one thing would go onto everything prominent when it is applied again.
 """
@@ -15,12 +15,12 @@ KEY = "vibe_subject"
 
 
 def remember(scene: Scene, subject: Iterable[Object]) -> None:
-    """Keeps a choice that was made by somebody, not by us."""
+    """Stores a subject that the artist has chosen."""
     scene[KEY] = json.dumps([thing.name_full for thing in subject])
 
 
 def recall(scene: Scene) -> list[Object]:
-    """What is left of the last choice; nothing if there was none."""
+    """The stored subject's objects that still exist; empty without a stored subject."""
     try:
         names = json.loads(scene.get(KEY, "[]"))
     except (TypeError, ValueError):  # somebody else's file
@@ -30,6 +30,6 @@ def recall(scene: Scene) -> list[Object]:
 
 
 def forget(scene: Scene) -> None:
-    """From now on the choice is ours again."""
+    """Forgets the stored subject: the next one is found automatically."""
     if KEY in scene:
         del scene[KEY]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a picture is about: named objects, a collection, what is selected, or what the camera is pointed at."""
+"""Subject of a picture: named objects, a collection, the selection, or the most prominent things in view."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ class SubjectChoice:
 
     @property
     def explicit(self) -> bool:
-        """Whether somebody chose."""
+        """Whether the artist has chosen."""
         return self.selected or bool(self.objects)
 
 
 def choose(
-    scene: bpy.types.Scene, geometry: SceneGeometry, seen: VisibleSurfaces, choice: SubjectChoice
+    scene: bpy.types.Scene, geometry: SceneGeometry, surfaces: VisibleSurfaces, choice: SubjectChoice
 ) -> np.ndarray:
     """Which objects of the geometry are the subject: (number of objects,) bool, at least one True.
 
@@ -45,11 +45,11 @@ def choose(
     """
     names = {o.name_full for o in named(scene, choice)}
     if not names:
-        return automatic(scene, geometry, seen)
+        return automatic(scene, geometry, surfaces)
     chosen = np.array([name in names or parent in names for name, parent in geometry.objects])
     if not chosen.any():
         if not choice.explicit:  # what was chosen once is not in the picture now
-            return automatic(scene, geometry, seen)
+            return automatic(scene, geometry, surfaces)
         raise schema.VibeError(
             "The chosen subject has no mesh that a render shows.", "Choose another object."
         )
@@ -57,7 +57,7 @@ def choose(
 
 
 def named(scene: bpy.types.Scene, choice: SubjectChoice) -> list[bpy.types.Object]:
-    """The chosen objects, or those of the last choice, and everything below them; none if the choice is ours.
+    """The chosen or stored objects with their children; empty if the subject is to be found automatically.
 
     Raises:
         VibeError: A name is unknown, or nothing is selected.
@@ -78,8 +78,8 @@ def named(scene: bpy.types.Scene, choice: SubjectChoice) -> list[bpy.types.Objec
     return list(dict.fromkeys(o for thing in chosen for o in (thing, *thing.children_recursive)))
 
 
-def automatic(scene: bpy.types.Scene, geometry: SceneGeometry, seen: VisibleSurfaces) -> np.ndarray:
-    """The prominent things in view, without what they stand on or in front of: (number of objects,) bool.
+def automatic(scene: bpy.types.Scene, geometry: SceneGeometry, surfaces: VisibleSurfaces) -> np.ndarray:
+    """Finds the prominent things in view, without their grounds and backdrops: (number of objects,) bool.
 
     Surroundings are things that reach three sides of the picture, that enclose the camera, or that
     are flat and leave the picture or carry another thing.
@@ -88,19 +88,19 @@ def automatic(scene: bpy.types.Scene, geometry: SceneGeometry, seen: VisibleSurf
         VibeError: The camera sees nothing.
     """
     count = len(geometry.objects)
-    weight = np.array([(_centrality() * (seen.object == i)).sum() for i in range(count)])
+    weight = np.array([(_centrality() * (surfaces.object == i)).sum() for i in range(count)])
     if not weight.any():
         raise schema.VibeError("The camera sees no mesh.", "Point the scene's camera at something.")
     visible = weight > 0
-    apart = visible & ~_enclosing(scene, geometry.boxes) & (_borders(seen.object, count) < 3)
-    apart &= ~_grounds(geometry.boxes, visible, _borders(seen.object, count))
+    apart = visible & ~_enclosing(scene, geometry.boxes) & (_borders(surfaces.object, count) < 3)
+    apart &= ~_grounds(geometry.boxes, visible, _borders(surfaces.object, count))
     if not apart.any():  # a close-up fills the picture, and is what it is about
         apart = weight == weight.max()
     return apart & (weight >= _PROMINENT * weight[apart].max())
 
 
 def _centrality() -> np.ndarray:
-    """(R, R): how much a place in the picture matters, 1 in the middle."""
+    """(R, R): weight of each ray for prominence, 1 in the middle of the picture."""
     u = (np.arange(RAYS) + 0.5) / RAYS * 2 - 1
     return np.exp(-1.5 * (u[:, None] ** 2 + u**2))
 

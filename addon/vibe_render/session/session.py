@@ -159,7 +159,7 @@ class Session(SessionStatus):
     def _ask_about_shared(self) -> Generator[str]:
         """Asks about materials that other things use too, unless that is settled; may export anew."""
         scene = self._find_scene()
-        shared = shared_materials.found(self.subject(scene))
+        shared = shared_materials.shared(self.subject(scene))
         if not shared:
             return
         if self.shared == "ASK":

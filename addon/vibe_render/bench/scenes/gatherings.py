@@ -35,7 +35,7 @@ def pebbles(chance: random.Random) -> list[Object]:
 
 def bolts(chance: random.Random) -> list[Object]:
     """Screws that stand and lie about."""
-    made = []
+    parts = []
     for i in range(12):
         x, y = (
             0.72 * (i % 4 - 1.5) + chance.uniform(-0.1, 0.1),
@@ -44,23 +44,23 @@ def bolts(chance: random.Random) -> list[Object]:
         bpy.ops.mesh.primitive_cylinder_add(
             vertices=6, radius=0.27, depth=0.2, location=(x, y, 0.1), rotation=(0, 0, chance.uniform(0, 1))
         )
-        made.append(making.made(f"Nut {i}", 30.0, bevel={"width": 0.03, "segments": 2}))
+        parts.append(making.finish_active(f"Nut {i}", 30.0, bevel={"width": 0.03, "segments": 2}))
         bpy.ops.mesh.primitive_cylinder_add(vertices=32, radius=0.14, depth=0.7, location=(x, y, 0.5))
-        made.append(making.made(f"Bolt {i}", 40.0, bevel={"width": 0.02, "segments": 2}))
-    return made
+        parts.append(making.finish_active(f"Bolt {i}", 40.0, bevel={"width": 0.02, "segments": 2}))
+    return parts
 
 
 def columns(_: random.Random) -> list[Object]:
     """Two rows of columns, a pedestal with a head between them."""
-    made = []
+    parts = []
     for i in range(8):
         bpy.ops.mesh.primitive_cylinder_add(
             vertices=48, radius=0.22, depth=2.6, location=(-1.3 if i % 2 else 1.3, -0.6 + 1.5 * (i // 2), 1.3)
         )
-        made.append(making.made(f"Column {i}"))
-    made.append(making.box("Pedestal", (0.7, 0.7, 0.7), (0, 0.5, 0.35)))
+        parts.append(making.finish_active(f"Column {i}"))
+    parts.append(making.box("Pedestal", (0.7, 0.7, 0.7), (0, 0.5, 0.35)))
     bpy.ops.mesh.primitive_monkey_add(size=0.9, location=(0, 0.5, 1.12), rotation=(-0.2, 0, 0.2))
-    return [*made, making.made("Bust", 40.0, subsurf={"levels": 2, "render_levels": 2})]
+    return [*parts, making.finish_active("Bust", 40.0, subsurf={"levels": 2, "render_levels": 2})]
 
 
 def chair(_: random.Random) -> list[Object]:
@@ -89,7 +89,7 @@ def house(_: random.Random) -> list[Object]:
         [(0, 1, 5), (0, 5, 4), (2, 3, 4), (2, 4, 5), (1, 2, 5), (3, 0, 4), (0, 3, 2), (0, 2, 1)],
     )
     roof.data.shade_flat()
-    made = [
+    parts = [
         making.box("Walls", (1.7, 1.3, 0.9), (0, 0, 0.45), bevel=0.0),
         roof,
         making.box("Chimney", (0.22, 0.22, 0.7), (0.55, 0.2, 1.6), bevel=0.0),
@@ -98,18 +98,18 @@ def house(_: random.Random) -> list[Object]:
         bpy.ops.mesh.primitive_cone_add(
             vertices=32, radius1=0.45, depth=height, location=(x, y, 0.2 + height / 2)
         )
-        made.append(making.made(f"Fir {i}"))
-    return made
+        parts.append(making.finish_active(f"Fir {i}"))
+    return parts
 
 
 def city(chance: random.Random) -> list[Object]:
     """Sixty-four blocks."""
-    made = []
+    parts = []
     for i in range(64):
         x, y = 0.36 * (i % 8 - 3.5), 0.36 * (i // 8 - 3.5)
         height = 0.25 + 1.5 * chance.random() ** 2 * math.exp(-0.5 * (x * x + y * y))
-        made.append(making.box(f"Block {i}", (0.26, 0.26, height), (x, y, height / 2), bevel=0.0))
-    return made
+        parts.append(making.box(f"Block {i}", (0.26, 0.26, height), (x, y, height / 2), bevel=0.0))
+    return parts
 
 
 def letters(_: random.Random) -> list[Object]:
@@ -123,7 +123,7 @@ def letters(_: random.Random) -> list[Object]:
 def car(_: random.Random) -> list[Object]:
     """A toy car."""
     soft = {"bevel": {"width": 0.16, "segments": 6}}
-    made = []
+    parts = []
     for name, size, place in (
         ("Body", (2.4, 1.0, 0.5), (0.0, 0.0, 0.5)),
         ("Cabin", (1.2, 0.85, 0.5), (0.1, 0, 0.92)),
@@ -131,14 +131,14 @@ def car(_: random.Random) -> list[Object]:
         bpy.ops.mesh.primitive_cube_add(size=1.0, location=place)
         bpy.context.object.scale = size
         bpy.ops.object.transform_apply(location=False, rotation=False, scale=True)
-        made.append(making.made(name, 40.0, **soft))
+        parts.append(making.finish_active(name, 40.0, **soft))
     for i in range(4):
         at = (0.75 if i % 2 else -0.75, 0.5 if i // 2 else -0.5, 0.28)
         bpy.ops.mesh.primitive_cylinder_add(
             vertices=48, radius=0.28, depth=0.2, location=at, rotation=(math.pi / 2, 0, 0)
         )
-        made.append(making.made(f"Wheel {i}", 40.0, bevel={"width": 0.04, "segments": 3}))
-    return made
+        parts.append(making.finish_active(f"Wheel {i}", 40.0, bevel={"width": 0.04, "segments": 3}))
+    return parts
 
 
 def lantern(_: random.Random) -> list[Object]:
@@ -156,7 +156,7 @@ def lantern(_: random.Random) -> list[Object]:
         making.ball("Bulb", 0.3, (0, 0, 0.75)),
         making.box("Base", (1.1, 1.1, 0.1), (0, 0, 0.05)),
         *posts,
-        making.made("Roof", None),
+        making.finish_active("Roof", None),
     ]
 
 

@@ -13,7 +13,7 @@ from bpy.types import Object
 from . import fields
 
 
-def made(name: str, smooth: float | None = 40.0, **modifiers: dict) -> Object:
+def finish_active(name: str, smooth: float | None = 40.0, **modifiers: dict) -> Object:
     """Names the active object, gives it modifiers ("Bevel": {...}) and smooth shading up to an angle."""
     thing = bpy.context.object
     thing.name = name
@@ -58,7 +58,7 @@ def box(
     thing = bpy.context.object
     thing.scale = size
     bpy.ops.object.transform_apply(location=False, rotation=False, scale=True)
-    return made(name, 40.0, **({"bevel": {"width": bevel, "segments": 3}} if bevel else {}))
+    return finish_active(name, 40.0, **({"bevel": {"width": bevel, "segments": 3}} if bevel else {}))
 
 
 def lathe(name: str, profile: list[tuple[float, float]], thickness: float = 0.0) -> Object:

@@ -30,7 +30,7 @@ def _tube(
         location=place,
         rotation=turn,
     )
-    return making.made(name, 40.0, bevel={"width": 0.15 * min(radius, length), "segments": 3})
+    return making.finish_active(name, 40.0, bevel={"width": 0.15 * min(radius, length), "segments": 3})
 
 
 def _ring(
@@ -44,7 +44,7 @@ def _ring(
         location=place,
         rotation=(turn, 0.0, 0.0),
     )
-    return making.made(name)
+    return making.finish_active(name)
 
 
 def _soft_box(name: str, size: tuple[float, float, float], place: tuple[float, float, float]) -> Object:

@@ -159,21 +159,21 @@ def features(recipe: SceneRecipe, mesh: tuple[str, ...]) -> list[str]:
     Args:
         mesh: What the shape is, from `shapes.SHAPES`.
     """
-    found = [*mesh, "no floor" if recipe.stage == "none" else "floor"]
+    names = [*mesh, "no floor" if recipe.stage == "none" else "floor"]
     for finish in recipe.finishes:
-        found += finish.features()
+        names += finish.features()
     textures = {f.texture for f in (*recipe.finishes, recipe.ground)} - {""}
-    found += ["image texture" if t in IMAGES else "procedural texture" for t in sorted(textures)]
-    found += [f"{lamp.kind.lower()} light" for lamp in recipe.lamps]
+    names += ["image texture" if t in IMAGES else "procedural texture" for t in sorted(textures)]
+    names += [f"{lamp.kind.lower()} light" for lamp in recipe.lamps]
     count = len(recipe.lamps)
-    found += [
+    names += [
         f"{count} light{'' if count == 1 else 's'}",
         "HDRI world" if recipe.world.picture else "constant world",
     ]
-    found += [recipe.fog.feature if recipe.fog else "no fog", recipe.transform]
-    found += ["grade"] if set(recipe.film) - set(_GRADE_ONLY) else []
-    found += ["transparent film"] if recipe.transparent else []
-    return list(dict.fromkeys(found))
+    names += [recipe.fog.feature if recipe.fog else "no fog", recipe.transform]
+    names += ["grade"] if set(recipe.film) - set(_GRADE_ONLY) else []
+    names += ["transparent film"] if recipe.transparent else []
+    return list(dict.fromkeys(names))
 
 
 IMAGES = ("map", "weave", "crate", "cut-out")

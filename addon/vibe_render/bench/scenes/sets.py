@@ -89,5 +89,5 @@ _SETS = (
 )
 # fmt: on
 
-SETS = {made.recipe.name: made for made in _SETS}
+SETS = {each.recipe.name: each for each in _SETS}
 """By name."""

@@ -19,7 +19,7 @@ ShapeBuilder = Callable[[random.Random], list[Object]]
 def head(_: random.Random) -> list[Object]:
     """Suzanne."""
     bpy.ops.mesh.primitive_monkey_add(size=2.0, location=(0, 0, 0.98), rotation=(-0.24, 0, 0.1))
-    return [making.made("Head", 40.0, subsurf={"levels": 2, "render_levels": 2})]
+    return [making.finish_active("Head", 40.0, subsurf={"levels": 2, "render_levels": 2})]
 
 
 def ball(_: random.Random) -> list[Object]:
@@ -33,7 +33,7 @@ def trio(_: random.Random) -> list[Object]:
 
 def rings(_: random.Random) -> list[Object]:
     """Three tori that lean on each other."""
-    made = []
+    parts = []
     for i, (place, turn) in enumerate(
         [
             ((-0.55, 0, 0.62), (1.35, 0, 0.5)),
@@ -49,8 +49,8 @@ def rings(_: random.Random) -> list[Object]:
             location=place,
             rotation=turn,
         )
-        made.append(making.made(f"Ring {i}"))
-    return made
+        parts.append(making.finish_active(f"Ring {i}"))
+    return parts
 
 
 def vase(_: random.Random) -> list[Object]:
@@ -123,7 +123,7 @@ def curtain(_: random.Random) -> list[Object]:
 def cage(_: random.Random) -> list[Object]:
     """A ball in a cage of thin wires."""
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=3, radius=1.0, location=(0, 0, 1.0))
-    wires = making.made("Cage", None, wireframe={"thickness": 0.035})
+    wires = making.finish_active("Cage", None, wireframe={"thickness": 0.035})
     return [wires, making.ball("Core", 0.45, (0, 0, 1.0))]
 
 
@@ -143,19 +143,19 @@ def tree(chance: random.Random) -> list[Object]:
 def cushion(_: random.Random) -> list[Object]:
     bpy.ops.mesh.primitive_cube_add(size=1.6, location=(0, 0, 0.55), rotation=(0, 0, 0.35))
     bpy.context.object.scale = (1.0, 1.0, 0.62)
-    return [making.made("Cushion", 180.0, subsurf={"levels": 4, "render_levels": 4})]
+    return [making.finish_active("Cushion", 180.0, subsurf={"levels": 4, "render_levels": 4})]
 
 
 def crystal(_: random.Random) -> list[Object]:
     bpy.ops.mesh.primitive_ico_sphere_add(
         subdivisions=1, radius=1.0, location=(0, 0, 0.95), rotation=(0.3, 0.2, 0)
     )
-    return [making.made("Crystal", None)]
+    return [making.finish_active("Crystal", None)]
 
 
 def tubes(_: random.Random) -> list[Object]:
     """Glowing rings around a dark ball."""
-    made = []
+    parts = []
     for i, radius in enumerate((0.95, 0.75)):
         bpy.ops.mesh.primitive_torus_add(
             major_radius=radius,
@@ -165,8 +165,8 @@ def tubes(_: random.Random) -> list[Object]:
             location=(0, 0, 1.05),
             rotation=(1.2 - 0.9 * i, 0.3, 0),
         )
-        made.append(making.made(f"Tube {i}"))
-    return [*made, making.ball("Core", 0.45, (0, 0, 1.05))]
+        parts.append(making.finish_active(f"Tube {i}"))
+    return [*parts, making.ball("Core", 0.45, (0, 0, 1.05))]
 
 
 def knot(_: random.Random) -> list[Object]:

@@ -19,8 +19,8 @@ TextureBuilder = Callable[[NodeTree, Color], NodeSocket]
 
 def material(name: str, finish: FinishRecipe, chance: random.Random) -> Material:
     """A Principled material; its color is shifted a little by chance."""
-    made = bpy.data.materials.new(name)
-    tree = compat.enable_nodes(made)
+    new_material = bpy.data.materials.new(name)
+    tree = compat.enable_nodes(new_material)
     shader = next(n for n in tree.nodes if n.bl_idname == "ShaderNodeBsdfPrincipled")
     color = shifted(finish.color, chance)
     shader.inputs["Base Color"].default_value = (*color, 1.0)
@@ -33,7 +33,7 @@ def material(name: str, finish: FinishRecipe, chance: random.Random) -> Material
         tree.links.new(TEXTURES[finish.texture](tree, color), shader.inputs["Base Color"])
     if finish.texture == "worn":
         _worn(tree, shader)
-    return made
+    return new_material
 
 
 def shifted(color: Color, chance: random.Random, by: float = 0.15) -> Color:
@@ -44,12 +44,12 @@ def shifted(color: Color, chance: random.Random, by: float = 0.15) -> Color:
 def picture(name: str, pixels: np.ndarray) -> bpy.types.Image:
     """A packed image of (H, W, 3 or 4) sRGB-encoded values, row 0 at the bottom."""
     height, width, channels = pixels.shape
-    made = bpy.data.images.new(name, width, height, alpha=channels == 4)
+    new_image = bpy.data.images.new(name, width, height, alpha=channels == 4)
     if channels == 3:
         pixels = np.concatenate([pixels, np.ones((height, width, 1))], -1)
-    made.pixels.foreach_set(np.clip(pixels, 0, 1).astype(np.float32).ravel())
-    made.pack()
-    return made
+    new_image.pixels.foreach_set(np.clip(pixels, 0, 1).astype(np.float32).ravel())
+    new_image.pack()
+    return new_image
 
 
 def _square(side: int) -> tuple[np.ndarray, np.ndarray]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads the meshes that a final render shows. Only Blender's own part of the work; see `geometry` for the rest."""
+"""Reads the meshes that a final render shows; `triangles` assembles them without Blender."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ def collect(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[list[Place
     """Reads the evaluated meshes and instances of a final render's dependency graph.
 
     Returns:
-        What it shows, and what could not be brought along, in words.
+        The meshes that the render shows, and notes about what could not be read.
     """
     meshes: dict[tuple, SourceMesh] = {}
-    found: list[PlacedMesh] = []
+    placed: list[PlacedMesh] = []
     warnings: dict[str, None] = {}
     for instance in depsgraph.object_instances:
         thing = instance.object
@@ -44,23 +44,23 @@ def collect(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[list[Place
         mesh = meshes.get(key) or meshes.setdefault(key, _read(thing.data, slots, uv_of))
         parent = instance.parent.original.name_full if instance.parent else ""
         owner = (thing.original.name_full, parent)
-        found.append(PlacedMesh(mesh, names, np.array(instance.matrix_world), owner))
-    return found, list(warnings)
+        placed.append(PlacedMesh(mesh, names, np.array(instance.matrix_world), owner))
+    return placed, list(warnings)
 
 
 def _special(thing: bpy.types.Object) -> list[str]:
-    """Ways of being rendered that the prediction does not know, in words."""
-    found = []
+    """Notes about ray visibility and holdouts that the prediction leaves out."""
+    notes = []
     if not thing.visible_camera:
-        found.append(
+        notes.append(
             f"{thing.name} is hidden from the camera: the prediction leaves it out, shadows and all."
         )
     elif thing.is_holdout or thing.is_shadow_catcher:
         kind = "a holdout" if thing.is_holdout else "a shadow catcher"
-        found.append(f"{thing.name} is {kind}: the prediction shows it as a plain surface.")
+        notes.append(f"{thing.name} is {kind}: the prediction shows it as a plain surface.")
     elif not all((thing.visible_diffuse, thing.visible_glossy, thing.visible_shadow)):
-        found.append(f"{thing.name} is hidden from some rays: the prediction shows it to all.")
-    return found
+        notes.append(f"{thing.name} is hidden from some rays: the prediction shows it to all.")
+    return notes
 
 
 def _materials(thing: bpy.types.Object) -> list[bpy.types.Material | None]:
@@ -77,7 +77,7 @@ def has_surface(material: bpy.types.Material | None) -> bool:
 
 
 def _read(mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None], uv_of: UvLookup) -> SourceMesh:
-    """Attributes come as blocks of memory; the same by loops and triangles takes a hundred times as long."""
+    """Copies a mesh. It reads attributes as blocks of memory, a hundred times faster than loops and triangles."""
     mesh.calc_loop_triangles()
     count, corners = len(mesh.loop_triangles), len(mesh.loops)
     polygon = _array(mesh.loop_triangle_polygons, "value", (count,), np.int32)
@@ -97,7 +97,7 @@ def _read(mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None], uv_of: U
 def _uvs(
     mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None], uv_of: UvLookup
 ) -> list[tuple[np.ndarray, np.ndarray]]:
-    """See `geometry.Mesh`; slots that read the same map share it."""
+    """See `SourceMesh.uvs`; slots that read the same map share one array."""
     if not mesh.uv_layers:
         return []
     active = next((layer for layer in mesh.uv_layers if layer.active_render), mesh.uv_layers[0])
@@ -109,8 +109,8 @@ def _uvs(
 
 def _attribute(mesh: bpy.types.Mesh, name: str, shape: tuple[int, ...]) -> np.ndarray:
     """Whole numbers of an attribute; zeros where the mesh has none of that name."""
-    found = mesh.attributes.get(name)
-    return _array(found.data, "value", shape, np.int32) if found else np.zeros(shape, np.int32)
+    layer = mesh.attributes.get(name)
+    return _array(layer.data, "value", shape, np.int32) if layer else np.zeros(shape, np.int32)
 
 
 def _array(collection, attribute: str, shape: tuple[int, ...], kind: type) -> np.ndarray:

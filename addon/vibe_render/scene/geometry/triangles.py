@@ -37,10 +37,10 @@ class SourceMesh:
 
 @dataclass(frozen=True)
 class PlacedMesh:
-    """A mesh where it stands.
+    """A mesh at its place in the world.
 
     Attributes:
-        mesh: It; instances share it.
+        mesh: The mesh, which instances share.
         materials: A name for each slot.
         matrix: (4, 4), to world space.
         owner: Name, and name of the object that it is an instance of or for, otherwise "".
@@ -66,7 +66,7 @@ class SceneGeometry:
         materials: Names; "" for faces without one.
         objects: (name, name of the object that it is an instance of or for, otherwise "").
         boxes: (N, 2, 3), the least and the greatest corner of each object.
-        warnings: What could not be brought along.
+        warnings: Notes about what was left out, in words for the artist.
     """
 
     vertices: np.ndarray
@@ -86,7 +86,7 @@ def assembled(things: list[PlacedMesh], warnings: list[str]) -> SceneGeometry:
 
     Args:
         things: What a picture shows.
-        warnings: What is known already not to come along.
+        warnings: Notes about what could not be read.
     """
     parts: dict[int, _Part] = {}
     result = _Builder(dict.fromkeys(warnings))
@@ -164,8 +164,8 @@ class _Builder:
         if number == len(self.boxes):
             self.boxes.append(box)
         else:
-            known = self.boxes[number]
-            self.boxes[number] = np.stack([np.minimum(known[0], box[0]), np.maximum(known[1], box[1])])
+            before = self.boxes[number]
+            self.boxes[number] = np.stack([np.minimum(before[0], box[0]), np.maximum(before[1], box[1])])
         return number
 
     def geometry(self) -> SceneGeometry:
@@ -176,8 +176,8 @@ class _Builder:
             arrays = [np.zeros(shape, np.float32) for shape in shapes]
         vertices, faces, normals, uvs, material, owner = arrays
         boxes = np.array(self.boxes).reshape(-1, 2, 3)
-        known = list(self.materials), list(self.objects), boxes, list(self.warnings)
-        return SceneGeometry(vertices, faces, normals, uvs, material, owner, *known)
+        rest = list(self.materials), list(self.objects), boxes, list(self.warnings)
+        return SceneGeometry(vertices, faces, normals, uvs, material, owner, *rest)
 
 
 def _has_area(corners: np.ndarray) -> np.ndarray:

@@ -60,7 +60,7 @@ class LightType(Protocol):
     extent_property: str
 
     def offset(self, obj: Object, pivot: Vector, rotation: Matrix) -> Vector:
-        """A vector from the pivot towards where the light comes from, world space; its orbit's angles are its.
+        """A vector from the pivot toward where the light comes from, world space; it gives the orbit's angles.
 
         Args:
             obj: The light.
@@ -70,7 +70,7 @@ class LightType(Protocol):
 
     @property
     def has_position(self) -> bool:
-        """Whether its position matters, and not its direction alone."""
+        """Whether its position matters; of a light at infinity only the direction does."""
 
     def extent_slot(self, light: Light, locked: str) -> ValueSlot:
         """The slot of how large it is.

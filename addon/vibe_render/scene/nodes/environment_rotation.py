@@ -45,8 +45,8 @@ class EnvironmentTurnSlot:
 
 def slot(world: World) -> ValueSlot | None:
     """The turn of the environment texture that a world's background comes from; None without one."""
-    found = shaders.background(world)
-    texture = found and shaders.environment(found.node.inputs["Color"])
+    background = shaders.background(world)
+    texture = background and shaders.environment(background.node.inputs["Color"])
     if not texture:
         return None
     vector = texture.node.inputs["Vector"]

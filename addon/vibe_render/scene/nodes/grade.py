@@ -48,9 +48,9 @@ def slot(scene: Scene, name: str) -> LazySlot | None:
 
     def make(journal: Journal) -> ValueSlot:
         chain(journal, scene)
-        found = find()
-        assert found
-        return found
+        node_slot = find()
+        assert node_slot
+        return node_slot
 
     return LazySlot(find, make, _INPUTS[name][0], _lock(tree))
 

@@ -86,15 +86,15 @@ class Cutout:
 
 def cutout(material: Material) -> Cutout | None:
     """The mix with a plain Transparent BSDF that a material's surface ends in, if it does."""
-    found = last_mix(material)
-    if found is None:
+    mix = last_mix(material)
+    if mix is None:
         return None
-    sides = [[link.from_node.bl_idname for link in active_links(s)] for s in found.node.inputs[1:3]]
+    sides = [[link.from_node.bl_idname for link in active_links(s)] for s in mix.node.inputs[1:3]]
     clear = [side == ["ShaderNodeBsdfTransparent"] for side in sides]
     if sum(clear) != 1:
         return None
     inverted = clear[1]
-    socket, source = resolve(found.node.inputs[0], found.inside)
+    socket, source = resolve(mix.node.inputs[0], mix.inside)
     if source is not None:
         return Cutout(None, source, inverted)
     share = min(max(float(socket.default_value), 0.0), 1.0)
@@ -104,10 +104,8 @@ def cutout(material: Material) -> Cutout | None:
 def last_mix(material: Material) -> NodeInGroups | None:
     """The Mix Shader that a material's surface ends in, reroutes and groups aside."""
     kinds = ("ShaderNodeMixShader", "ShaderNodeAddShader", *ALIASES)
-    found = _from_output(
-        compat.node_tree(material), "ShaderNodeOutputMaterial", "Surface", kinds, nearest=True
-    )
-    return found if found and found.node.bl_idname == "ShaderNodeMixShader" else None
+    mix = _from_output(compat.node_tree(material), "ShaderNodeOutputMaterial", "Surface", kinds, nearest=True)
+    return mix if mix and mix.node.bl_idname == "ShaderNodeMixShader" else None
 
 
 def bumps(material: Material) -> bool:
@@ -140,8 +138,8 @@ def _from_output(
         return None
     if nearest:
         return _search(node.inputs[entry], (), kinds)
-    found = (_search(node.inputs[entry], (), (kind,)) for kind in kinds)
-    return next(filter(None, found), None)
+    matches = (_search(node.inputs[entry], (), (kind,)) for kind in kinds)
+    return next(filter(None, matches), None)
 
 
 def _search(socket: NodeSocket, inside: tuple[Node, ...], kinds: tuple[str, ...]) -> NodeInGroups | None:
@@ -152,18 +150,18 @@ def _search(socket: NodeSocket, inside: tuple[Node, ...], kinds: tuple[str, ...]
             return NodeInGroups(node, inside)
         if node.type == "GROUP" and node.node_tree:
             entry = next((s for s in _group_output(node) if s.identifier == exit_.identifier), None)
-            found = entry and _search(entry, (*inside, node), kinds)
+            match = entry and _search(entry, (*inside, node), kinds)
         elif node.type == "GROUP_INPUT":
             outer = (
                 next((s for s in inside[-1].inputs if s.identifier == exit_.identifier), None)
                 if inside
                 else None
             )
-            found = outer and _search(outer, inside[:-1], kinds)
+            match = outer and _search(outer, inside[:-1], kinds)
         else:
-            found = next(filter(None, (_search(s, inside, kinds) for s in node.inputs)), None)
-        if found:
-            return found
+            match = next(filter(None, (_search(s, inside, kinds) for s in node.inputs)), None)
+        if match:
+            return match
     return None
 
 
@@ -186,13 +184,13 @@ def _is_foreign(node: Node) -> bool:
 
 def foreign(material: Material) -> list[Node]:
     """The nodes of a material, its groups included, that Cycles takes for absent."""
-    tree, found = compat.node_tree(material), []
+    tree, nodes = compat.node_tree(material), []
     trees = [tree] if tree else []
     for tree in trees:
-        found += [n for n in tree.nodes if _is_foreign(n) and any(s.is_linked for s in n.outputs)]
+        nodes += [n for n in tree.nodes if _is_foreign(n) and any(s.is_linked for s in n.outputs)]
         inner = (n.node_tree for n in tree.nodes if n.type == "GROUP" and n.node_tree)
         trees += [t for t in inner if t not in trees]
-    return found
+    return nodes
 
 
 def resolve(socket: NodeSocket, inside: tuple[Node, ...]) -> tuple[NodeSocket, NodeSocket | None]:

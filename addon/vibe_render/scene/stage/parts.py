@@ -18,14 +18,21 @@ Point = Sequence[float] | np.ndarray
 
 
 def material(name: str, color: Color, roughness: float = 0.5, metallic: float = 0.0) -> bpy.types.Material:
-    """A Principled material with these constants."""
-    made = bpy.data.materials.new(name)
-    shader = next(n for n in enable_nodes(made).nodes if n.bl_idname == "ShaderNodeBsdfPrincipled")
+    """A Principled material with constant inputs.
+
+    Args:
+        name: Its name.
+        color: Base color, linear Rec.709.
+        roughness: In [0, 1].
+        metallic: In [0, 1].
+    """
+    new_material = bpy.data.materials.new(name)
+    shader = next(n for n in enable_nodes(new_material).nodes if n.bl_idname == "ShaderNodeBsdfPrincipled")
     shader.inputs["Base Color"].default_value = (*color, 1.0)
     shader.inputs["Roughness"].default_value = roughness
     shader.inputs["Metallic"].default_value = metallic
-    made.diffuse_color = (*color, 1.0)
-    return made
+    new_material.diffuse_color = (*color, 1.0)
+    return new_material
 
 
 def world(scene: bpy.types.Scene, color: Color, strength: float = 1.0) -> None:
@@ -37,7 +44,14 @@ def world(scene: bpy.types.Scene, color: Color, strength: float = 1.0) -> None:
 
 
 def pose(pivot: Point, azimuth: float, elevation: float, distance: float) -> Matrix:
-    """World matrix of a camera or lamp that stands at these angles and looks at the pivot."""
+    """World matrix of a camera or light on an orbit, looking at the pivot.
+
+    Args:
+        pivot: World space, meters.
+        azimuth: Degrees, as in `schema.orbit`.
+        elevation: Degrees.
+        distance: From the pivot, meters.
+    """
     rotation = Matrix(schema.orbit.frame(azimuth, elevation)).to_4x4()
     place = Vector(pivot) + distance * Vector(schema.orbit.direction(azimuth, elevation))
     return Matrix.Translation(place) @ rotation
@@ -64,10 +78,10 @@ def area_light(
     lamp = bpy.data.lights.new(name, "AREA")
     lamp.shape, lamp.size, lamp.color = "SQUARE", size, color
     lamp.energy = radiance * schema.radiometry.unit_energy(lamp.type, distance)
-    made = bpy.data.objects.new(name, lamp)
-    made.matrix_world = pose(pivot, *angles, distance)
-    scene.collection.objects.link(made)
-    return made
+    light = bpy.data.objects.new(name, lamp)
+    light.matrix_world = pose(pivot, *angles, distance)
+    scene.collection.objects.link(light)
+    return light
 
 
 def camera(
@@ -96,11 +110,11 @@ def camera(
     data = bpy.data.cameras.new("Camera")
     data.angle = math.radians(fov)
     data.clip_start, data.clip_end = distance * 0.01, distance * 100
-    made = bpy.data.objects.new("Camera", data)
-    made.matrix_world = pose(middle, *angles, distance)
-    scene.collection.objects.link(made)
-    scene.camera = made
-    return made
+    obj = bpy.data.objects.new("Camera", data)
+    obj.matrix_world = pose(middle, *angles, distance)
+    scene.collection.objects.link(obj)
+    scene.camera = obj
+    return obj
 
 
 def mesh_object(
@@ -111,9 +125,9 @@ def mesh_object(
     mesh.from_pydata(vertices.tolist(), [], faces)
     mesh.shade_smooth()
     mesh.materials.append(stuff)
-    made = bpy.data.objects.new(name, mesh)
-    scene.collection.objects.link(made)
-    return made
+    obj = bpy.data.objects.new(name, mesh)
+    scene.collection.objects.link(obj)
+    return obj
 
 
 def floor(scene: bpy.types.Scene, half_size: float, stuff: bpy.types.Material) -> bpy.types.Object:
