@@ -140,7 +140,7 @@ def export(material: bpy.types.Material | None, measured: Mapping[str, MeasuredC
     notes = _foreign(material)
     if shader is None:
         black = not _has_shader(tree)  # as Cycles shows what it has no shader for
-        notes.append(f"its shader is not known; it is shown {'black' if black else 'grey'}")
+        notes.append(f"its shader is not known; it is shown {'black' if black else 'gray'}")
         row = _row(material.name_full, "approximate", f"{material.name}: {'; '.join(notes)}.")
         values = {**_DEFAULTS, **(_BLACK if black else {})}
         return ExportedMaterial(row, {}, values, "its shader is not known")
