@@ -38,6 +38,7 @@ def arguments(line):
     return [sys.executable, "-m", "proxy_renderer.cli", *words, *more]
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(1800)
 def test_the_tutorial_runs_from_the_first_command_to_the_last(tmp_path):
     (tmp_path / "out").mkdir()
