@@ -3,8 +3,21 @@
 
 import os
 
+from jaxtyping import install_import_hook
+
 os.environ.pop("VIBE_VLM_MODEL", None)
 if workers := int(
     os.environ.get("PYTEST_XDIST_WORKER_COUNT", 0)
 ):  # before torch is imported, and for the engines
     os.environ.setdefault("OMP_NUM_THREADS", str(max(1, (os.cpu_count() or 1) // workers)))
+# Shapes of what has jaxtyping's annotations are checked in tests, not in the product.
+install_import_hook(
+    [
+        "proxy_renderer.color.differences",
+        "proxy_renderer.color.tensors",
+        "proxy_renderer.render.film.grade",
+        "proxy_renderer.render.material.albedo",
+        "proxy_renderer.render.transport.refraction",
+    ],
+    "beartype.beartype",
+)

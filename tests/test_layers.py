@@ -14,12 +14,12 @@ PACKAGES = {"proxy_renderer": ROOT / "proxy_renderer", "vibe_render": ROOT / "ad
 # Folders of each package, lowest first: a module imports from its own folder and from those above it in this list.
 LAYERS = {
     "proxy_renderer": """
-        schema . blender color scene
+        schema schema.options . blender color scene
         prompt.lexicon prompt planning vlm options batch.manifest batch
         render.film render.geometry render.material render.lights render.transport render.edges render.surface
         render.cycles render
         train.pictures train.text guidance train optimize engine
-        bench bench.mitsuba bench.paper cli
+        bench bench.mitsuba bench.paper cli.commands cli
     """,
     "vibe_render": """
         core engine scene.geometry scene.lights scene.nodes scene.stage scene render export session looks

@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from .tensors import lab_from_srgb
@@ -28,7 +29,7 @@ def _hue(b: Tensor, a: Tensor) -> Tensor:
     return torch.where(angle < 0, angle + 2 * math.pi, angle)
 
 
-def ciede2000(lab1: Tensor, lab2: Tensor) -> Tensor:
+def ciede2000(lab1: Float[Tensor, "*pixels 3"], lab2: Float[Tensor, "*pixels 3"]) -> Float[Tensor, "*pixels"]:
     """Perceived difference (...) of two colors in Lab (..., 3): 1 is just visible.
 
     Source: Sharma, Wu, Dalal, "The CIEDE2000 color-difference formula", 2005; kL = kC = kH = 1.
@@ -66,6 +67,8 @@ def ciede2000(lab1: Tensor, lab2: Tensor) -> Tensor:
     return torch.where(squared > _TINY, squared.clamp_min(_TINY).sqrt(), torch.zeros_like(squared))
 
 
-def mean_difference(display1: Tensor, display2: Tensor) -> Tensor:
+def mean_difference(
+    display1: Float[Tensor, "*pixels 3"], display2: Float[Tensor, "*pixels 3"]
+) -> Float[Tensor, ""]:
     """Mean CIEDE2000 (a scalar) of two sRGB-encoded pictures (..., 3) in [0, 1]."""
     return ciede2000(lab_from_srgb(display1), lab_from_srgb(display2)).mean()

@@ -7,29 +7,30 @@ Every function is differentiable, and its gradient is finite everywhere.
 from __future__ import annotations
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from . import constants as c
 
 
-def luminance(linear: Tensor) -> Tensor:
+def luminance(linear: Float[Tensor, "*pixels 3"]) -> Float[Tensor, "*pixels 1"]:
     """Luminance (..., 1) of linear Rec.709 (..., 3)."""
     return (linear * linear.new_tensor(c.LUMINANCE_WEIGHTS)).sum(-1, keepdim=True)
 
 
-def srgb_from_linear(linear: Tensor) -> Tensor:
+def srgb_from_linear(linear: Float[Tensor, "*any"]) -> Float[Tensor, "*any"]:
     """Encodes linear light (any shape, ≥ 0) with the sRGB curve (IEC 61966-2-1); unbounded above."""
     curved = c.SRGB_SCALE * linear.clamp_min(c.SRGB_LINEAR_END) ** (1 / c.SRGB_EXPONENT) - c.SRGB_OFFSET
     return torch.where(linear <= c.SRGB_LINEAR_END, linear * c.SRGB_SLOPE, curved)
 
 
-def linear_from_srgb(encoded: Tensor) -> Tensor:
+def linear_from_srgb(encoded: Float[Tensor, "*any"]) -> Float[Tensor, "*any"]:
     """Inverse of `srgb_from_linear`."""
     curved = ((encoded.clamp_min(c.SRGB_ENCODED_END) + c.SRGB_OFFSET) / c.SRGB_SCALE) ** c.SRGB_EXPONENT
     return torch.where(encoded <= c.SRGB_ENCODED_END, encoded / c.SRGB_SLOPE, curved)
 
 
-def lab_from_linear(linear: Tensor) -> Tensor:
+def lab_from_linear(linear: Float[Tensor, "*pixels 3"]) -> Float[Tensor, "*pixels 3"]:
     """CIE Lab, white D65, of linear Rec.709 (..., 3) in [0, 1]: L in [0, 100], a and b about ±110."""
     matrix = linear.new_tensor(c.XYZ_FROM_REC709)
     white = matrix.sum(1)
@@ -40,6 +41,6 @@ def lab_from_linear(linear: Tensor) -> Tensor:
     return torch.stack((116 * fy - 16, 500 * (fx - fy), 200 * (fy - fz)), -1)
 
 
-def lab_from_srgb(display: Tensor) -> Tensor:
+def lab_from_srgb(display: Float[Tensor, "*pixels 3"]) -> Float[Tensor, "*pixels 3"]:
     """CIE Lab (D65) of sRGB-encoded pictures (..., 3) in [0, 1]."""
     return lab_from_linear(linear_from_srgb(display))

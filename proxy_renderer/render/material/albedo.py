@@ -11,6 +11,7 @@ from __future__ import annotations
 import functools
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from .microfacets import mirrored, unshadowed, visible_normals
@@ -23,7 +24,7 @@ COSINES = tuple((torch.linspace(0.0, 1.0, 24) ** 1.25 * 0.99 + 0.01).tolist())
 """Cosines that `fit` wants functions at: denser towards grazing angles, where albedos bend."""
 
 
-def basis(cosine: Tensor) -> Tensor:
+def basis(cosine: Float[Tensor, " n"]) -> Float[Tensor, "7 n"]:
     """(7, N) powers of 1 - cosine (N,)."""
     x = (1 - cosine).clamp(0.0, 1.0)
     x2 = x * x

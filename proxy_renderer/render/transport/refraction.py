@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from ..geometry.directions import above, reflect
@@ -13,7 +14,9 @@ from ..material.textures import Maps
 from .secondary_hits import Far
 
 
-def refract(toward: Tensor, normal: Tensor, ratio: float) -> tuple[Tensor, Tensor]:
+def refract(
+    toward: Float[Tensor, "3 n"], normal: Float[Tensor, "3 n"], ratio: float
+) -> tuple[Float[Tensor, "3 n"], Tensor]:
     """Snell's law.
 
     Args:
