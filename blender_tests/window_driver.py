@@ -232,7 +232,7 @@ def second_window(screen, addon_state):
     yield 1.0
     other = next(w for w in bpy.context.window_manager.windows if w != screen.window)
     with bpy.context.temp_override(window=other):
-        observed["second_window_greys_it_out"] = not bpy.ops.vibe.run.poll() and bpy.ops.vibe.stop.poll()
+        observed["second_window_grays_it_out"] = not bpy.ops.vibe.run.poll() and bpy.ops.vibe.stop.poll()
         screen.shoot("second_window")
         bpy.ops.wm.window_close()
     yield 1.0

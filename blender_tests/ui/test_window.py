@@ -195,7 +195,7 @@ def test_shared_materials_are_asked_about(walk):
 def test_windows_files_and_the_end(walk):
     """A second window may come and go; another file, or the end of Blender, ends the vibe, and no engine stays."""
     observed = walk("ends")
-    assert observed["second_window_greys_it_out"]
+    assert observed["second_window_grays_it_out"]
     assert observed["closing_it_changes_nothing"]
     assert observed["load_ends_it"]
     until = time.monotonic() + 60.0

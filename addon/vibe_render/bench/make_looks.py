@@ -27,7 +27,7 @@ import numpy as np
 from vibe_render.core.schema_import import preset, schema
 from vibe_render.engine.conversation import Conversation
 from vibe_render.engine.process import Engine
-from vibe_render.headless import arguments, commands, scenes
+from vibe_render.headless import arguments, scenes, vibe
 from vibe_render.headless.reporter import Reporter
 from vibe_render.looks import library, take, thumbnail
 from vibe_render.scene.stage import demo, parts
@@ -79,7 +79,7 @@ def make(
     if not stage.exists():
         build_stage(stage)
     words = ["run", str(stage), f"--prompt={prompt}", f"--groups={GROUPS}", f"--subject={demo.SUBJECT}"]
-    commands.carry_out(arguments.parse([*words, f"--out={folder}", *options]), reporter, talk)
+    vibe.run_with_engine(arguments.parse([*words, f"--out={folder}", *options]), reporter, talk)
     look_preset = take.load(folder / "preset.json")
     path = library.path_for(out, name)
     thumbnail.shrink(folder / "after.png", path.with_suffix(thumbnail.SUFFIX))

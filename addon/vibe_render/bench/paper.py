@@ -19,7 +19,7 @@ import bpy
 
 from ..engine.conversation import Conversation
 from ..engine.process import Engine
-from ..headless import commands
+from ..headless import vibe
 from ..headless.arguments import parse
 from ..headless.reporter import Reporter
 from ..render import final_render
@@ -55,7 +55,7 @@ class PaperRuns:
         if "set" in run:
             given += [f"--subject={name}" for name in build_set(run["set"])]
         try:
-            analysis = commands.carry_out(parse(given), self._reporter, self._conversation())
+            analysis = vibe.run_with_engine(parse(given), self._reporter, self._conversation())
         except BaseException:
             self.close()
             raise

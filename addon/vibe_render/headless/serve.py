@@ -16,7 +16,7 @@ import threading
 from ..core.schema_import import schema
 from ..engine.conversation import Conversation
 from ..engine.process import Engine
-from . import commands
+from . import commands, vibe
 from .arguments import parse
 from .reporter import Reporter
 
@@ -38,7 +38,7 @@ def serve() -> None:
                 engine.start()
                 conversation = Conversation(engine, reporter.engine)
             try:
-                _carry_out(json.loads(line), reporter, conversation)
+                _run_command(json.loads(line), reporter, conversation)
             except schema.VibeError as error:
                 reporter.error(error)
                 engine.stop(patience=0.1)  # it may be in the middle of something
@@ -46,10 +46,10 @@ def serve() -> None:
         engine.stop()
 
 
-def _carry_out(arguments: list[str], reporter: Reporter, conversation: Conversation) -> None:
+def _run_command(arguments: list[str], reporter: Reporter, conversation: Conversation) -> None:
     args = parse(arguments)
     if args.command == "run":
-        commands.carry_out(args, reporter, conversation)
+        vibe.run_with_engine(args, reporter, conversation)
     else:
         commands.COMMANDS[args.command](args, reporter)
 

@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A headless vibe: opens and exports the shots, asks the engine, renders, measures and saves."""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from ..core.outputs import Outputs
+from ..core.schema_import import command_line, messages, schema
+from ..engine.conversation import Conversation, on_interrupt
+from ..engine.process import Engine
+from ..export.analysis import SceneAnalysis
+from ..looks import take
+from ..render import anchors, final_render
+from ..scene import bindings, stored_subject
+from ..session import preferences
+from . import summary
+from .reporter import Reporter
+from .scenes import save_blend
+from .shots import ShotList
+from .summary import Stopwatch, numbered
+
+
+def run(args: argparse.Namespace, reporter: Reporter) -> None:
+    """Runs one vibe with an engine of its own, from opening the scene to the saved files."""
+    engine = Engine(args.engine)
+    engine.start()  # first, so that engine and scene load at the same time
+    conversation = Conversation(engine, reporter.engine)
+    on_interrupt(conversation.stop)
+    try:
+        run_with_engine(args, reporter, conversation)
+    except BaseException:
+        engine.stop(patience=0.1)  # it may be busy
+        raise
+    engine.stop()
+
+
+def run_with_engine(
+    args: argparse.Namespace, reporter: Reporter, conversation: Conversation
+) -> SceneAnalysis:
+    """Runs one vibe with an engine that is running, and keeps running: another vibe can follow.
+
+    Args:
+        args: The command line, from `arguments.parse`.
+        reporter: Hears of every stage, and of the result.
+        conversation: With the engine.
+
+    Returns:
+        What is known about the last shot's scene, which has its new values now.
+
+    Raises:
+        VibeError: A mistake in what was asked for, or the engine's error.
+    """
+    temporary = tempfile.TemporaryDirectory(prefix="vibe-", ignore_cleanup_errors=True)
+    with temporary as folder, Outputs(args.out) as out:
+        shot_list = ShotList(args, Path(folder), reporter)
+        vibe = _Run(args, shot_list, conversation, out, reporter, Stopwatch())
+        result = vibe.search()
+        measured, skipped = vibe.finish(result)
+        fields = summary.report_fields(args, shot_list, result, measured, skipped, vibe.stopwatch)
+        out.write_json("report.json", fields)
+    reporter.result(summary.closing_lines(shot_list, result, measured, skipped), result.stopped)
+    return shot_list.jobs[-1].analysis
+
+
+@dataclass(frozen=True)
+class _Run:
+    """One vibe, and what every step of it needs."""
+
+    args: argparse.Namespace
+    shot_list: ShotList
+    conversation: Conversation
+    out: Outputs
+    reporter: Reporter
+    stopwatch: Stopwatch
+
+    def search(self) -> messages.Result:
+        """Exports the shots, and renders them while the engine looks for their look."""
+        self.shot_list.export()
+        self.stopwatch.lap("open and export")
+        self.conversation.ask(self._request())
+        for number in reversed(range(len(self.shot_list))):  # the last one is still open
+            self._render(number, "before.png")
+        self.stopwatch.lap("render before")
+        result = self.conversation.wait(messages.Result, self._anchor)
+        self.stopwatch.lap("wait for the engine")
+        return result
+
+    def finish(self, result: messages.Result) -> tuple[list[messages.Finished], dict[str, str]]:
+        """Writes the values into every shot's scene, renders, measures and saves it.
+
+        Returns:
+            The engine's measurements of each shot; and by key, why a value was not written.
+        """
+        measured: list[messages.Finished] = []
+        skipped: dict[str, str] = {}
+        for number in range(len(self.shot_list)):
+            skipped |= self._write(number, result)
+            self._render_after(number)
+            compared = self._ask_to_measure(number)
+            if number == 0:
+                look = take.extract(self.args.prompt, self.shot_list.jobs[0], result.values)
+                self.out.write_text("preset.json", look.dumps())
+                _write_variants(self.out, self.args.prompt, self.shot_list, result.variants)
+            self._save(number)
+            measured.append(self.conversation.wait(messages.Finished))
+            self.out.copy("compare.png", compared)
+            self.stopwatch.lap("save and measure")
+        return measured, skipped
+
+    def _request(self) -> messages.Vibe:
+        several = len(self.shot_list) > 1
+        shots = [
+            messages.Shot(str(job.folder), shot.name, shot.scene)
+            for job, shot in zip(self.shot_list.jobs, self.shot_list.shots, strict=True)
+        ]
+        free_camera = self.shot_list.bare and not several
+        options = command_line.engine_options(self.args, camera=free_camera, online=preferences.online())
+        return messages.Vibe(
+            schema.schema_hash(),
+            shots[0].job,
+            self.args.prompt,
+            asdict(options),
+            shots=shots if several else [],
+        )
+
+    def _anchor(self, request: messages.Anchor) -> messages.Anchored:
+        """Renders an anchor of one shot."""
+        name = self.shot_list.shots[request.shot].name
+        self.reporter.stage(f"rendering anchor {request.number}{f', {name}' if name else ''}")
+        job = self.shot_list.show(request.shot)
+        analysis = job.analysis
+        return anchors.answer(analysis.scene, job.folder, request, analysis.objects, analysis.pivot)
+
+    def _render(self, number: int, name: str) -> None:
+        scene, args = self.shot_list.show(number).analysis.scene, self.args
+        path = self.out.path(numbered(name, number))
+        final_render.render(scene, path, args.size, args.samples, args.seed)
+
+    def _write(self, number: int, result: messages.Result) -> dict[str, str]:
+        """Writes the values, once for each .blend unless every shot has a grade of its own."""
+        analysis = self.shot_list.show(number).analysis
+        if not (self.args.grade_each or number == self.shot_list.siblings(number)[0]):
+            return {}
+        values = _values(self.shot_list, result, number, self.args.grade_each)
+        skipped = bindings.write(analysis.scene, values, analysis.objects, analysis.pivot)
+        if self.shot_list.choice.explicit:
+            stored_subject.remember(analysis.scene, analysis.objects)
+        return skipped
+
+    def _render_after(self, number: int) -> None:
+        self.reporter.stage("rendering with Cycles")
+        self._render(number, "after.png")
+        analysis = self.shot_list.jobs[number].analysis
+        mask = self.out.path(numbered("mask.png", number))
+        final_render.render_mask(analysis.scene, mask, self.args.size, analysis.objects)
+        self.stopwatch.lap("render after")
+
+    def _ask_to_measure(self, number: int) -> Path:
+        """Asks the engine to measure a shot; returns the file that it will draw the comparison into.
+
+        It is not in `out`: a failure deletes that while the engine may still write.
+        """
+        before, after = (str(self.out.path(numbered(name, number))) for name in ("before.png", "after.png"))
+        compared = Path(self.shot_list.jobs[number].folder) / "compare.png"
+        self.conversation.ask(messages.Finish(before, after, str(compared), shot=number))
+        return compared
+
+    def _save(self, number: int) -> None:
+        """Saves the .blend after its last shot, or of every shot that has a grade of its own."""
+        if not (self.args.grade_each or number == self.shot_list.siblings(number)[-1]):
+            return
+        if not self.args.grade_each:
+            self.shot_list.restore()
+        save_blend(self.out.path(summary.blend_of(self.args, self.shot_list, number)))
+
+
+def _values(shot_list: ShotList, result: messages.Result, number: int, grade_each: bool) -> dict[str, Any]:
+    """The values to write into a shot's scene, with those of the other shots of the same .blend.
+
+    With a grade for each, grade and exposure are this shot's own: they replace what an earlier shot has left.
+    """
+    if not result.shots:
+        return result.values
+    values = {key: value for i in shot_list.siblings(number) for key, value in result.shots[i].items()}
+    if not grade_each:
+        return values
+    instances = shot_list.jobs[number].instances
+    film = {key: list(instance.value) for key, instance in instances.items() if key.startswith("film/")}
+    return values | {key: value for key, value in film.items() if key in values} | result.shots[number]
+
+
+def _write_variants(
+    out: Outputs, prompt: str, shot_list: ShotList, variants: Sequence[messages.Variant]
+) -> None:
+    """Writes a preset of every variant, and their contact sheet."""
+    job = shot_list.jobs[0]
+    for number, variant in enumerate(variants, start=1):
+        look = take.extract(prompt, job, variant.values, f"{number}: {prompt}")
+        out.write_text(f"preset-{number}.json", look.dumps())
+    if variants:
+        out.copy(messages.VARIANTS, Path(job.folder) / messages.VARIANTS)
