@@ -10,9 +10,7 @@ from __future__ import annotations
 import contextlib
 import os
 import socket
-import tempfile
 import time
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,71 +18,14 @@ from ..schema import VibeError
 from .local import PER_GPU
 from .manifest.manifest import Limits
 from .plan import Job
-from .store import TOKEN, JobRow, Store, read_json
-from .worker import Interrupted, Setup, Worker
+from .station import Station
+from .store import JobRow, Store
+from .worker import Interrupted, Setup
 
 _LOOK = 2.0  # seconds between two looks at the cluster's nodes
 _KEPT = 8  # scenes that are kept in the object store
 _PATIENCE = 5  # looks at a head that does not answer
 _FAREWELL = 10.0  # seconds that workers get to end their processes
-
-
-class Station:
-    """A worker in an actor's process.
-
-    Args:
-        setup: Of the worker.
-        out: Where the results folder is on the head.
-        token: Its name: this machine sees the same folder if it finds it there.
-    """
-
-    def __init__(self, setup: Setup, out: Path, token: str) -> None:
-        self._worker = Worker(setup)
-        self._jobs = out / "jobs"
-        self._shares = (read_json(out / TOKEN) or {}).get("token") == token
-        self._node = os.getppid()  # the node's own process has started this one
-
-    def shares(self) -> bool:
-        """Whether this machine sees the results folder."""
-        return self._shares
-
-    def run(self, job: Job, *scenes: bytes) -> tuple[JobRow, dict[str, bytes]]:
-        """Carries out a job; its files are returned where they could not be put into the results folder.
-
-        Args:
-            job: The job.
-            scenes: What is in its scenes' files, if this machine does not see them.
-
-        Raises:
-            Interrupted: The node has died. Ray kills this process's Blender before the process itself, and that must
-                not pass for a failure of the job.
-        """
-        row, files = self._carry_out(job, *scenes)
-        if row["status"] == "failed" and os.getppid() != self._node:
-            raise Interrupted
-        return row, files
-
-    def _carry_out(self, job: Job, *scenes: bytes) -> tuple[JobRow, dict[str, bytes]]:
-        if self._shares:
-            return self._worker.run(job, self._jobs / job.name), {}
-        with tempfile.TemporaryDirectory(prefix="vibe-batch-") as place:
-            folder = Path(place) / "out"
-            sources = [_put(Path(place) / str(i), job, i, content) for i, content in enumerate(scenes)]
-            row = self._worker.run(replace(job, source=sources[0], more=tuple(sources[1:])), folder)
-            files = [p for p in folder.rglob("*") if p.is_file() and not p.name.startswith(".")]
-            return row, {p.relative_to(folder).as_posix(): p.read_bytes() for p in files}
-
-    def close(self) -> None:
-        """Ends what is under way."""
-        self._worker.close()
-
-
-def _put(folder: Path, job: Job, number: int, content: bytes) -> Path:
-    """A scene that has been sent, under its own name."""
-    path = folder / (job.source, *job.more)[number].name
-    path.parent.mkdir()
-    path.write_bytes(content)
-    return path
 
 
 class RayPool:

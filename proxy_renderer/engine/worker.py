@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, BinaryIO
 
 from .. import __version__
 from ..schema import VibeError, messages, schema_hash
+from ..schema.wire import check_schema, encode, read
 
 if TYPE_CHECKING:
     from torch import Tensor
@@ -55,14 +56,14 @@ class Wire:
         """Writes one message; quietly gives up when nobody listens any more."""
         try:
             with self._lock:
-                self._sink.write(messages.encode(message))
+                self._sink.write(encode(message))
                 self._sink.flush()
         except (BrokenPipeError, OSError):
             self.stop.set()
 
     def _listen(self) -> None:
         try:
-            for message in messages.read(self._source):
+            for message in read(self._source):
                 if isinstance(message, messages.Vibe):
                     self.stop.clear()
                     self.anchored = queue.Queue()  # what comes in it belongs to an earlier vibe
@@ -182,7 +183,7 @@ def _file_trouble(request: object, error: OSError) -> messages.Error:
 
 def _vibe(wire: Wire, request: messages.Vibe) -> EngineSession:
     """Carries out one vibe and sends its result."""
-    messages.check_schema(request.schema, "add-on")
+    check_schema(request.schema, "add-on")
     options = messages.Options.from_dict(request.options)
     job = Path(request.job)
     observer = RemoteObserver(wire, job)

@@ -16,15 +16,15 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO, TypeAlias, cast
 
-from ..core.schema_import import messages as wire
-from ..core.schema_import import schema
+from ..core.schema_import import messages as message_types
+from ..core.schema_import import schema, wire
 from .find import engine_environment, find_python, own_group
 
 _ABANDON_TIMEOUT = 10.0  # seconds that an engine may take to end a vibe that was given up
 
-_ANSWERS = (wire.Result, wire.Finished, wire.Error)
+_ANSWERS = (message_types.Result, message_types.Finished, message_types.Error)
 
-_Item: TypeAlias = wire.Message | schema.VibeError | None  # None: the engine's output has ended
+_Item: TypeAlias = message_types.Message | schema.VibeError | None  # None: the engine's output has ended
 
 
 class Engine:
@@ -83,7 +83,7 @@ class Engine:
         threading.Thread(target=_receive, args=(output, self._inbox), daemon=True).start()
         atexit.register(self.stop)
 
-    def send(self, message: wire.Message) -> None:
+    def send(self, message: message_types.Message) -> None:
         """Sends one message.
 
         Raises:
@@ -96,11 +96,11 @@ class Engine:
         try:
             process.stdin.write(wire.encode(message))
             process.stdin.flush()
-            self._busy = self._busy or isinstance(message, wire.Vibe | wire.Finish)
+            self._busy = self._busy or isinstance(message, message_types.Vibe | message_types.Finish)
         except (OSError, ValueError) as error:
             raise self._report_exit() from error
 
-    def poll(self) -> list[wire.Message]:
+    def poll(self) -> list[message_types.Message]:
         """The messages that have arrived since the last call; never waits.
 
         Raises:
@@ -113,7 +113,7 @@ class Engine:
             except queue.Empty:
                 return arrived
 
-    def messages(self) -> Iterator[wire.Message]:
+    def messages(self) -> Iterator[message_types.Message]:
         """Waits for messages without end; raises as `poll` does."""
         while True:
             # A timeout in the wait lets Ctrl-C through on every platform.
@@ -128,7 +128,7 @@ class Engine:
             self.stop(patience=0.2)
             return
         with contextlib.suppress(schema.VibeError):
-            self.send(wire.Stop())
+            self.send(message_types.Stop())
             self._abandoned, self._abandoned_at = True, time.monotonic()
 
     def settle(self) -> bool:
@@ -145,7 +145,9 @@ class Engine:
                     self.stop(patience=0.02)
                     self._abandoned = False
                 return not self._abandoned
-            self._abandoned = self._busy = isinstance(item, wire.Message) and not isinstance(item, _ANSWERS)
+            self._abandoned = self._busy = isinstance(item, message_types.Message) and not isinstance(
+                item, _ANSWERS
+            )
         return True
 
     def stop(self, patience: float = 3.0) -> None:
@@ -155,7 +157,7 @@ class Engine:
         if process is None:
             return
         with contextlib.suppress(OSError, ValueError):
-            process.stdin.write(wire.encode(wire.Quit()))  # type: ignore[union-attr]
+            process.stdin.write(wire.encode(message_types.Quit()))  # type: ignore[union-attr]
             process.stdin.close()  # type: ignore[union-attr]
         for end in (lambda: None, process.terminate, process.kill):
             end()
@@ -163,16 +165,16 @@ class Engine:
                 process.wait(patience)
                 return
 
-    def _checked(self, item: _Item) -> wire.Message:
+    def _checked(self, item: _Item) -> message_types.Message:
         if item is None:
             raise self._report_exit()
         if isinstance(item, _ANSWERS):
             self._busy = False
         if isinstance(item, schema.VibeError):
             raise item
-        if isinstance(item, wire.Error):
+        if isinstance(item, message_types.Error):
             raise schema.VibeError(item.message, item.remedy)
-        if isinstance(item, wire.Ready):
+        if isinstance(item, message_types.Ready):
             try:
                 wire.check_schema(item.schema, "engine")
             except schema.VibeError:
