@@ -23,6 +23,7 @@ def main(path: Path) -> None:
     """Builds the scene and saves it."""
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True, load_ui=False)
     scene = bpy.context.scene
+    scene.render.engine, scene.cycles.samples = "CYCLES", 128
     scene.render.resolution_x, scene.render.resolution_y = 960, 720
     turned("Vase", VASE, (0.0, 0.0, 0.0), material("Glaze", 0.5, 0.5))
     turned("Bowl", BOWL, (0.52, -0.16, 0.0), material("Stoneware", 0.45, 0.6))
