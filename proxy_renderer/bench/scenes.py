@@ -11,13 +11,24 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from ..scene import Camera, FilmSettings, Light, Material, Mesh, SceneData, SceneObject, Volume, World
+from ..render.lights.types import LIGHT_TYPES
+from ..scene import (
+    Camera,
+    FilmSettings,
+    FogBounds,
+    Light,
+    Material,
+    MeshObject,
+    SceneData,
+    SceneMesh,
+    WorldData,
+)
 from ..schema import PARAMETERS, Instance, VibeError, orbit
 
 _IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 _PIVOT = (0.0, 0.0, 1.0)
 _LENGTHS = {"light_distance": 4.0, "light_distance_squared": 16.0, "view_distance": 6.0}
-_KINDS = ("AREA", "POINT", "SUN", "SPOT")
+_KINDS = tuple(LIGHT_TYPES)
 
 
 def balls(materials: int, lamps: int, subdivisions: int = 4) -> SceneData:
@@ -25,7 +36,7 @@ def balls(materials: int, lamps: int, subdivisions: int = 4) -> SceneData:
 
     Args:
         materials: How many; one ball each, and the floor.
-        lamps: How many, in turn area, point, sun and spot.
+        lamps: How many, in turn of each type.
         subdivisions: Each ball has 20 * 4^subdivisions triangles.
     """
     count = max(1, materials - 1)
@@ -39,9 +50,9 @@ def balls(materials: int, lamps: int, subdivisions: int = 4) -> SceneData:
         camera=Camera("Camera", "PERSP", _IDENTITY, 6.0, (0.0, 0.0), "AUTO", (0.01, 1000.0)),
         lights=tuple(_light(i) for i in range(lamps)),
         materials=tuple(Material(n, "subject" if n != "Floor" else "surroundings") for n in names),
-        objects=tuple(SceneObject(n, n != "Floor") for n in (*names[:count], "Floor")),
-        world=World("color"),
-        volume=Volume("none", (0.0, 0.0, 3.0), (8.0, 8.0, 4.0), 0.0),
+        objects=tuple(MeshObject(n, n != "Floor") for n in (*names[:count], "Floor")),
+        world=WorldData("color"),
+        volume=FogBounds("none", (0.0, 0.0, 3.0), (8.0, 8.0, 4.0), 0.0),
         film=FilmSettings(blender_colors(), "sRGB", "AgX", "", False, "Linear Rec.709"),
         mesh=_mesh(count, materials > 1, subdivisions),
         instances={i.key: i for i in _instances(names, lamps)},
@@ -61,8 +72,8 @@ def outdoors(materials: int, lamps: int, density: float = 0.04) -> SceneData:
     changed = (Instance(p, "", (values[p.family],) * p.components) for p in PARAMETERS if p.family in values)
     return replace(
         scene,
-        world=World("environment", sky_picture()),
-        volume=Volume("box", (0.0, 0.0, 3.0), (9.0, 9.0, 4.0), 0.0),
+        world=WorldData("environment", sky_picture()),
+        volume=FogBounds("box", (0.0, 0.0, 3.0), (9.0, 9.0, 4.0), 0.0),
         instances={**kept, **{i.key: i for i in changed}},
     )
 
@@ -89,8 +100,8 @@ def blender_colors() -> str:
     """
     spec = importlib.util.find_spec("bpy")
     for place in (spec.submodule_search_locations or []) if spec else []:
-        for config in Path(place).glob("*/datafiles/colormanagement/config.ocio"):
-            return str(config)
+        for found in Path(place).glob("*/datafiles/colormanagement/config.ocio"):
+            return str(found)
     raise VibeError("Blender's color management was not found.", "Install it with `pip install bpy`.")
 
 
@@ -98,14 +109,14 @@ def _light(index: int) -> Light:
     azimuth, elevation = _angles(index)
     toward = orbit.direction(azimuth, elevation)
     x, y, z = (p + 4.0 * t for p, t in zip(_PIVOT, toward, strict=True))
-    return Light(f"Lamp {index}", _KINDS[index % 4], _IDENTITY, (x, y, z))
+    return Light(f"Lamp {index}", _KINDS[index % len(_KINDS)], _IDENTITY, (x, y, z))
 
 
 def _angles(index: int) -> tuple[float, float]:
     return -40.0 + 95.0 * index, 45.0
 
 
-def _mesh(count: int, own_floor: bool, subdivisions: int) -> Mesh:
+def _mesh(count: int, own_floor: bool, subdivisions: int) -> SceneMesh:
     ball = trimesh.creation.icosphere(subdivisions)
     radius = 1.0 if count == 1 else 2.2 / count
     places = [((2 * i + 1 - count) * radius, 0.0, radius) for i in range(count)]
@@ -119,7 +130,7 @@ def _mesh(count: int, own_floor: bool, subdivisions: int) -> Mesh:
     normals.append(np.tile([0.0, 0.0, 1.0], (2, 3, 1)))
     objects = np.repeat(np.arange(count + 1), [len(f) for f in faces])
     total = len(objects)
-    return Mesh(
+    return SceneMesh(
         vertices=np.concatenate(vertices).astype(np.float32),
         faces=np.concatenate(faces).astype(np.int32),
         normals=np.concatenate(normals).astype(np.float32),
@@ -131,7 +142,7 @@ def _mesh(count: int, own_floor: bool, subdivisions: int) -> Mesh:
 
 def _instances(materials: list[str], lamps: int) -> list[Instance]:
     owners = {
-        "light": [(f"Lamp {i}", _KINDS[i % 4]) for i in range(lamps)],
+        "light": [(f"Lamp {i}", _KINDS[i % len(_KINDS)]) for i in range(lamps)],
         "material": [(name, "") for name in materials],
     }
     rows = []
@@ -146,7 +157,7 @@ def _instances(materials: list[str], lamps: int) -> list[Instance]:
 
 def _value(p, index: int) -> tuple[float, ...]:
     azimuth, elevation = _angles(index)
-    values = {
+    known = {
         "camera/distance": 6.0,
         "camera/elevation": 12.0,
         "light/azimuth": azimuth,
@@ -161,4 +172,4 @@ def _value(p, index: int) -> tuple[float, ...]:
         return tuple(0.5 + 0.4 * math.sin(1.0 + index + 2.0 * c) for c in range(3))
     if p.family == "material/roughness":
         return (0.25 + 0.5 * (index % 4) / 3,)
-    return (values.get(p.family, p.default),) * p.components
+    return (known.get(p.family, p.default),) * p.components

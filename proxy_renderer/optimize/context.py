@@ -18,7 +18,7 @@ from ..guidance import regions
 from ..prompt.types import PictureStats, PlanContext, SceneWords
 from ..render.geometry.camera import view_of
 from ..scene import SceneData
-from ..scene.values import Settings
+from ..scene.values import RenderValues
 from ..schema import Values
 from ..schema.spec import Region
 from . import headroom
@@ -104,7 +104,7 @@ def _look(proxy: Proxy, values: dict[str, Values]) -> tuple[Tensor, Tensor]:
     """
     scene, geometry = proxy.scene, proxy.geometry
     cameras = {k: torch.tensor(v) for k, v in values.items() if k.startswith("camera/")}
-    view = view_of(scene, Settings(scene, cameras, geometry.device), (_GRID, _GRID))
+    view = view_of(scene, RenderValues(scene, cameras, geometry.device), (_GRID, _GRID))
     y, x = torch.meshgrid(torch.arange(_GRID), torch.arange(_GRID), indexing="ij")
     hits = geometry.first_hits(*view.rays(torch.stack((x.flatten(), y.flatten())).to(geometry.device) + 0.5))
     triangle, hit = hits.triangle.cpu().clamp_min(0), hits.hit.cpu()

@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 
+from ..render.lights.types import light_type
 from ..scene import Light, SceneData
 
 _KEPT = 0.8  # share of the way to a floor or ceiling that a lamp may go: it has a size
@@ -29,7 +30,7 @@ def _limits(
 ) -> tuple[float, float]:
     offset = np.subtract(light.position, pivot)
     distance = float(np.linalg.norm(offset))
-    if light.type == "SUN":
+    if light_type(light.type).at_infinity:
         return (0.0 if math.isfinite(below) else -90.0), 90.0
     if distance == 0:
         return -90.0, 90.0

@@ -10,25 +10,25 @@ import torch
 from torch import Tensor
 
 from ..scene import SceneData
-from ..scene.values import Settings
+from ..scene.values import RenderValues
 from ..schema import FAMILIES, VibeError
 from .cycles.correction import Correction
 from .cycles.pictures import CyclesPicture
 from .film.film import Film
 from .geometry.camera import View, view_of
-from .geometry.visibility import Geometry
 from .lights.emitters import Emitters
 from .lights.environment import Environment, sky_of
-from .lights.lamps import lamps_of
-from .material.shading_inputs import Paint, paint_of
+from .lights.types import light_sources
+from .material.shading_inputs import ShadingInputs, shading_inputs_of
+from .material.textures import geometry_of
 from .surface import surfaces
-from .surface.frame import Frame, glassy, mirroring, sharp
-from .surface.surfaces import beams_of, table_of
+from .surface.frame import RenderState, glass_transmittance, mirror_weight, sharp
+from .surface.surfaces import direct_lights_of, table_of
 from .surface.view_cache import ViewCache
-from .transport.fog import Fog
-from .transport.indirect import Gathered
-from .transport.secondary_hits import Table
-from .transport.volume import DIRECTIONS, Volume
+from .transport.fog import FogMedium
+from .transport.indirect import IndirectLight
+from .transport.secondary_hits import RadianceTable
+from .transport.volume import DIRECTIONS, SingleScattering
 
 _FILM_KEYS = tuple(key for key, p in FAMILIES.items() if p.group == "film")
 
@@ -67,7 +67,7 @@ class Proxy:
             rendered with. For pictures to look at; loops do without.
 
     Attributes:
-        correction: What a picture of Cycles has taught; None for the proxy as it is. See `anchor`.
+        correction: Of renders by a Cycles picture, see `anchor`; None for the plain proxy.
     """
 
     def __init__(
@@ -75,10 +75,10 @@ class Proxy:
     ) -> None:
         self.scene, self.size, self.seed, self.fine = scene, size, seed, fine
         self.device = torch.device(device)
-        self.geometry = Geometry(scene, self.device)
+        self.geometry = geometry_of(scene, self.device)
         self.environment = Environment(scene, self.device)
         self.film = Film(scene.film, size, device)
-        self.volume = Volume(self.geometry.clear)
+        self.volume = SingleScattering(self.geometry.clear)
         self.emitters = Emitters(self.geometry, self._near)
         self.correction: Correction | None = None
         self._cache: ViewCache | None = None
@@ -94,9 +94,9 @@ class Proxy:
         radiance = self._light(frame)
         fits = self.correction is not None and self.correction.fits(frame.view)
         if self.correction and not fits:
-            known = frame.owners, frame.view, frame.cache
+            current = frame.owners, frame.view, frame.cache
             corrected = self.correction.samples(
-                radiance[:3], *known, lambda: self._before(values, frame.cache)
+                radiance[:3], *current, lambda: self._before(values, frame.cache)
             )
             radiance = torch.cat((corrected, radiance[3:]))
         picture, mask = _resolve(frame, radiance)
@@ -126,62 +126,64 @@ class Proxy:
         with torch.no_grad():
             frame, _ = self._frame(values)
             whole, colors = self._picture(frame), frame.owners
-            glow = self._picture(frame.only(""))
-            parts = {owner: self._picture(frame.only(owner)) - glow for owner in colors}
+            emission = self._picture(frame.only(""))
+            parts = {owner: self._picture(frame.only(owner)) - emission for owner in colors}
             self.correction = Correction.of(picture, whole, parts, colors, values, frame.view, frame.cache)
         return self.correction
 
     def _before(self, values: Mapping[str, Tensor], cache: ViewCache) -> Tensor:
-        """The anchor's values at the samples (3, N) that the camera of these values takes."""
+        """Radiance (3, N) of the anchor's values at the samples of the current camera."""
         assert self.correction is not None
         lit = {k: v for k, v in self.correction.values.items() if not k.startswith("camera/")}
         camera = {k: v.detach() for k, v in values.items() if k.startswith("camera/")}
         return self._light(self._frame({**lit, **camera}, cache)[0])[:3]
 
-    def _frame(self, values: Mapping[str, Tensor], cache: ViewCache | None = None) -> tuple[Frame, Settings]:
-        """All that a render at these values is made of; with the samples of another render, if given."""
-        settings = Settings(self.scene, values, self.device)
+    def _frame(
+        self, values: Mapping[str, Tensor], cache: ViewCache | None = None
+    ) -> tuple[RenderState, RenderValues]:
+        """The state of a render at these values; with the samples of another render, if given."""
+        settings = RenderValues(self.scene, values, self.device)
         view = view_of(self.scene, settings, self.size)
-        paints = [paint_of(m, settings) for m in self.scene.materials]
-        cache = cache or self._cache_of(view, paints)
+        shading_inputs = [shading_inputs_of(m, settings) for m in self.scene.materials]
+        cache = cache or self._cache_of(view, shading_inputs)
         sky = sky_of(self.environment, settings)
-        lamps = [*lamps_of(self.scene, settings), *sky.lamps, *self.emitters.lamps(paints)]
-        frame = Frame(
+        lamps = [*light_sources(self.scene, settings), *sky.lamps, *self.emitters.lamps(shading_inputs)]
+        frame = RenderState(
             view=view,
             cache=cache,
-            sight=cache.sight(view),
+            view_samples=cache.view_samples(view),
             lamps=lamps,
             sky=sky,
-            paints=paints,
-            fog=Fog(self.scene, settings),
+            shading_inputs=shading_inputs,
+            fog=FogMedium(self.scene, settings),
         )
         return frame, settings
 
-    def _cache_of(self, view: View, paints: list[Paint]) -> ViewCache:
-        """What is traced for a view; anew if it, a mirror or a glass has changed, or something begun to glow."""
-        metals = torch.stack([mirroring(p) for p in paints])
-        if self.geometry.let_through(torch.stack([glassy(p) for p in paints])):
-            self._cache, self.volume = None, Volume(self.geometry.clear)
+    def _cache_of(self, view: View, shading_inputs: list[ShadingInputs]) -> ViewCache:
+        """What is traced for a view; again if it, a mirror or a glass has changed, or a surface has begun to glow."""
+        metals = torch.stack([mirror_weight(p) for p in shading_inputs])
+        if self.geometry.let_through(torch.stack([glass_transmittance(p) for p in shading_inputs])):
+            self._cache, self.volume = None, SingleScattering(self.geometry.clear)
             self.emitters = Emitters(self.geometry, self._near)
-        if self.emitters.notice(paints):
+        if self.emitters.notice(shading_inputs):
             self._cache = None
-        lamps = len(self.scene.lights) + len(self.environment.suns) + len(self.emitters.lamps(paints))
+        lamps = len(self.scene.lights) + len(self.environment.suns) + len(self.emitters.lamps(shading_inputs))
         kept = self._cache
         if kept is None or kept.signature != view.signature() or not torch.equal(kept.metals, metals):
-            smooth = torch.stack([sharp(p) & self.fine for p in paints])
+            smooth = torch.stack([sharp(p) & self.fine for p in shading_inputs])
             shape = metals, smooth, lamps, self.emitters.materials
             kept = self._cache = ViewCache(self.scene, self.geometry, view, *shape, self.seed)
         return kept
 
-    def _picture(self, frame: Frame) -> Tensor:
+    def _picture(self, frame: RenderState) -> Tensor:
         """The proxy's own linear picture (3, P)."""
         return _resolve(frame, self._light(frame))[0][:3]
 
-    def _light(self, frame: Frame) -> Tensor:
+    def _light(self, frame: RenderState) -> Tensor:
         """Radiance of all samples as the camera gets it: (3 or, with a transparent film, 4, N)."""
-        beams, table = beams_of(frame), table_of(frame)
+        direct_lights, table = direct_lights_of(frame), table_of(frame)
         gathered = self._gather(frame, table)
-        radiance = surfaces.radiance(frame, beams, table, gathered, self.scene.film.transparent)
+        radiance = surfaces.radiance(frame, direct_lights, table, gathered, self.scene.film.transparent)
         return self._through_fog(frame, frame.view, radiance) if frame.fog.active else radiance
 
     @property
@@ -189,15 +191,15 @@ class Proxy:
         """A typical distance of what is seen, meters."""
         return float(self.scene.references.get("view_distance", self.geometry.size))
 
-    def _gather(self, frame: Frame, table: Table) -> Gathered:
+    def _gather(self, frame: RenderState, table: RadianceTable) -> IndirectLight:
         """Indirect light."""
         if not frame.fog.active:
             return frame.cache.indirect.gather(table)
-        murk = frame.cache.murk(self._near).gather(frame.fog, frame.lamps, frame.sky)
-        return frame.cache.indirect.gather_through(table, frame.fog, murk)
+        indirect_fog = frame.cache.indirect_fog(self._near).gather(frame.fog, frame.lamps, frame.sky)
+        return frame.cache.indirect.gather_through(table, frame.fog, indirect_fog)
 
-    def _through_fog(self, frame: Frame, view: View, radiance: Tensor) -> Tensor:
-        """Adds the light that fog scatters to the eye, takes what it extinguishes."""
+    def _through_fog(self, frame: RenderState, view: View, radiance: Tensor) -> Tensor:
+        """Radiance of the samples behind fog: times its transmittance, plus its in-scattered light."""
         sky, samples = frame.sky, frame.cache.samples
         world = sky.color[:, None] * sky.soft(DIRECTIONS.to(self.device))
         haze = self.volume.scatter(frame.fog, view, self._near, frame.lamps, world)
@@ -206,7 +208,7 @@ class Proxy:
         return lit if len(radiance) == 3 else torch.cat((lit, 1 - passing * (1 - radiance[3:])))
 
 
-def _resolve(frame: Frame, radiance: Tensor) -> tuple[Tensor, Tensor]:
+def _resolve(frame: RenderState, radiance: Tensor) -> tuple[Tensor, Tensor]:
     """Linear picture (3 or, with alpha, 4, P) and mask (H, W) from the radiance of all samples."""
     view, cache = frame.view, frame.cache
     picture, mask = cache.samples.resolve(radiance), cache.mask

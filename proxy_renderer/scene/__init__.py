@@ -1,19 +1,30 @@
 # SPDX-License-Identifier: Apache-2.0
 """The exported scene as the engine sees it."""
 
-from .data import Camera, FilmSettings, Light, Material, Mesh, SceneData, SceneObject, Texture, Volume, World
+from .data import (
+    Camera,
+    FilmSettings,
+    FogBounds,
+    Light,
+    Material,
+    MeshObject,
+    SceneData,
+    SceneMesh,
+    Texture,
+    WorldData,
+)
 from .load import load_scene
 
 __all__ = [
     "Camera",
     "FilmSettings",
+    "FogBounds",
     "Light",
     "Material",
-    "Mesh",
+    "MeshObject",
     "SceneData",
-    "SceneObject",
+    "SceneMesh",
     "Texture",
-    "Volume",
-    "World",
+    "WorldData",
     "load_scene",
 ]

@@ -18,7 +18,7 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Camera:
-    """What a vibe leaves alone in the camera; its orbit and field of view are parameters.
+    """The constant part of the camera; its orbit and field of view are parameters.
 
     Attributes:
         type: "PERSP" or "ORTHO".
@@ -40,10 +40,10 @@ class Camera:
 
 @dataclass(frozen=True)
 class Light:
-    """What a vibe leaves alone in a light.
+    """The constant part of a light; its power, color, size and orbit are parameters.
 
     Attributes:
-        type: "POINT", "SUN", "SPOT" or "AREA".
+        type: Blender's name of its type, of those in `render.lights.types`.
         shape: For area lights "SQUARE", "RECTANGLE", "DISK" or "ELLIPSE".
         aspect: Height over width of an area light, its object's scale included.
         spot_size: Full opening angle of a spot.
@@ -84,8 +84,8 @@ class Texture:
     Attributes:
         image: (H, W, C) float32, row 0 at the bottom.
         extension: "REPEAT", "EXTEND" or "CLIP".
-        window: For what the exported camera saw: left, bottom, right and top in parts of its picture, to
-            which it is a projection. None for a texture over UVs.
+        window: Of a texture baked from the exported camera: left, bottom, right and top of the part of its picture
+            that the texture covers, in [0, 1]. None for a texture over UVs.
         plane: For a flat surface: the 2 x 4 matrix that takes world-space points (x, y, z, 1) to the image.
     """
 
@@ -102,9 +102,9 @@ class Material:
     Attributes:
         alpha: Opacity, or the mean of its map.
         constants: Principled inputs that no vibe changes.
-        texture: Its base color, where that is computed; tinted by parameters.
-        maps: Other inputs that are computed: "alpha", "normal" (world space, halved and raised to [0, 1]), "far"
-            (a flat surface's base color also where the camera does not look), and parameters by name.
+        texture: Base color, where nodes compute it; parameters tint it.
+        maps: Other inputs that nodes compute: "alpha", "normal" (world space, n / 2 + 1 / 2), "far" (a flat surface's
+            base color, outside the camera's view as well), and parameters by name.
     """
 
     name: str
@@ -118,7 +118,7 @@ class Material:
 
 
 @dataclass(frozen=True)
-class SceneObject:
+class MeshObject:
     """An object, and whether it belongs to the subject."""
 
     name: str
@@ -126,7 +126,7 @@ class SceneObject:
 
 
 @dataclass(frozen=True)
-class World:
+class WorldData:
     """kind "color" or "environment"; image (H, W, 3) is equirectangular, without tint and strength."""
 
     kind: str
@@ -134,7 +134,7 @@ class World:
 
 
 @dataclass(frozen=True)
-class Volume:
+class FogBounds:
     """kind "none", "box" or "world"; the box that fog fills, and the height of the subject's base."""
 
     kind: str
@@ -156,7 +156,7 @@ class FilmSettings:
 
 
 @dataclass(frozen=True)
-class Mesh:
+class SceneMesh:
     """All triangles of the scene in world space.
 
     Attributes:
@@ -195,11 +195,11 @@ class SceneData:
     camera: Camera
     lights: tuple[Light, ...]
     materials: tuple[Material, ...]
-    objects: tuple[SceneObject, ...]
-    world: World
-    volume: Volume
+    objects: tuple[MeshObject, ...]
+    world: WorldData
+    volume: FogBounds
     film: FilmSettings
-    mesh: Mesh
+    mesh: SceneMesh
     instances: Mapping[str, Instance]
 
     def value(self, key: str, default: float | Values = 0.0) -> Values:

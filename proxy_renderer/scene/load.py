@@ -16,14 +16,14 @@ from .data import (
     Array,
     Camera,
     FilmSettings,
+    FogBounds,
     Light,
     Material,
-    Mesh,
+    MeshObject,
     SceneData,
-    SceneObject,
+    SceneMesh,
     Texture,
-    Volume,
-    World,
+    WorldData,
 )
 
 FORMAT = 1
@@ -70,7 +70,7 @@ def load_scene(folder: Path | str) -> SceneData:
 
 def _scene(folder: Path, content: dict[str, Any]) -> SceneData:
     materials = tuple(_material(folder, m) for m in content["materials"])
-    objects = tuple(_record(SceneObject, o) for o in content["objects"])
+    objects = tuple(_record(MeshObject, o) for o in content["objects"])
     width, height = content["resolution"]
     if width < 1 or height < 1:
         raise VibeError(f"The picture's size {width} x {height} is empty.", "Set a resolution in Blender.")
@@ -90,7 +90,7 @@ def _scene(folder: Path, content: dict[str, Any]) -> SceneData:
         materials=materials,
         objects=objects,
         world=_world(folder, content["world"]),
-        volume=_record(Volume, content["volume"]),
+        volume=_record(FogBounds, content["volume"]),
         film=_record(FilmSettings, content["film"]),
         mesh=_mesh(folder / "meshes.npz", len(materials), len(objects)),
         instances={key: _instance(key, p) for key, p in content["parameters"].items()},
@@ -124,8 +124,8 @@ def _vector(row: list[float]) -> tuple[float, float, float]:
 def _material(folder: Path, row: dict[str, Any]) -> Material:
     texture, maps = row.get("texture"), row.get("maps") or {}
     pictures = {name: _texture(folder, picture) for name, picture in maps.items()}
-    made = _record(Material, {**row, "texture": None, "maps": {}})
-    return replace(made, texture=_texture(folder, texture) if texture else None, maps=pictures)
+    material = _record(Material, {**row, "texture": None, "maps": {}})
+    return replace(material, texture=_texture(folder, texture) if texture else None, maps=pictures)
 
 
 def _texture(folder: Path, row: dict[str, Any]) -> Texture:
@@ -138,10 +138,10 @@ def _texture(folder: Path, row: dict[str, Any]) -> Texture:
     )
 
 
-def _world(folder: Path, row: dict[str, Any]) -> World:
+def _world(folder: Path, row: dict[str, Any]) -> WorldData:
     if row["kind"] != "environment":
-        return World("color")
-    return World("environment", _picture(folder / row["image"]))
+        return WorldData("color")
+    return WorldData("environment", _picture(folder / row["image"]))
 
 
 def _picture(path: Path, channels: tuple[int, ...] = (3,)) -> Array:
@@ -152,7 +152,7 @@ def _picture(path: Path, channels: tuple[int, ...] = (3,)) -> Array:
     return np.nan_to_num(image, nan=0.0, posinf=0.0, neginf=0.0).clip(0.0)
 
 
-def _mesh(path: Path, materials: int, objects: int) -> Mesh:
+def _mesh(path: Path, materials: int, objects: int) -> SceneMesh:
     with np.load(path, allow_pickle=False) as stored:
         arrays = {name: stored[name] for name in _MESH_SHAPES}
     for name, tail in _MESH_SHAPES.items():
@@ -168,7 +168,7 @@ def _mesh(path: Path, materials: int, objects: int) -> Mesh:
     arrays = _drop_broken(arrays)
     if not len(arrays["faces"]):
         raise VibeError("The scene has no mesh that can be rendered.", "Add a mesh, or make one visible.")
-    return Mesh(**arrays)
+    return SceneMesh(**arrays)
 
 
 def _drop_broken(arrays: dict[str, Array]) -> dict[str, Array]:

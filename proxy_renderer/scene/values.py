@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The values of one render: what the caller passes, completed by what the artist's scene has."""
+"""The values of one render: the caller's, and the artist's for the rest."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from torch import Tensor
 from . import SceneData
 
 
-class Settings:
+class RenderValues:
     """Looks parameters up by key; missing ones take the scene's value.
 
     Args:

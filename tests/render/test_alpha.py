@@ -10,7 +10,7 @@ import pytest
 import torch
 
 from proxy_renderer.bench.scenes import balls
-from proxy_renderer.render.geometry.visibility import Geometry
+from proxy_renderer.render.material.textures import geometry_of
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import SceneData, Texture
 
@@ -28,13 +28,13 @@ def _with(opacity: float, **maps: Texture) -> SceneData:
 
 @pytest.mark.parametrize("alpha", [0.0, 0.3, 1.0])
 def test_light_passes_both_walls_of_a_ball(alpha: float) -> None:
-    passing = Geometry(_with(alpha), torch.device("cpu")).clear(*ACROSS)
+    passing = geometry_of(_with(alpha), torch.device("cpu")).clear(*ACROSS)
     assert float(passing) == pytest.approx((1 - alpha) ** 2, abs=1e-5)
 
 
 def test_alpha_of_a_texture() -> None:
     image = np.full((4, 4, 1), 0.25, np.float32)
-    passing = Geometry(_with(1.0, alpha=Texture(image)), torch.device("cpu")).clear(*ACROSS)
+    passing = geometry_of(_with(1.0, alpha=Texture(image)), torch.device("cpu")).clear(*ACROSS)
     assert float(passing) == pytest.approx(0.75**2, abs=1e-5)
 
 

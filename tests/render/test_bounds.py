@@ -12,7 +12,7 @@ from torch import Tensor
 
 from proxy_renderer.bench.scenes import balls
 from proxy_renderer.render.proxy import Proxy
-from proxy_renderer.scene import SceneData, Texture, World
+from proxy_renderer.scene import SceneData, Texture, WorldData
 from proxy_renderer.schema import FAMILIES, GROUPS, Instance
 
 
@@ -31,7 +31,7 @@ def _everything() -> SceneData:
     return dataclasses.replace(
         scene,
         materials=(dataclasses.replace(ball, texture=Texture(image)), *rest),
-        world=World("environment", image),
+        world=WorldData("environment", image),
         instances={**scene.instances, **{i.key: i for i in linked}},
     )
 

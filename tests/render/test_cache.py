@@ -9,7 +9,7 @@ import pytest
 import torch
 
 from proxy_renderer.bench.scenes import balls
-from proxy_renderer.render.geometry.visibility import Geometry
+from proxy_renderer.render.geometry.visibility import RayGeometry
 from proxy_renderer.render.proxy import Proxy
 
 
@@ -18,13 +18,13 @@ def traced(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[int]]:
     """Counts of rays, by call; the rays are traced all the same."""
     counts: list[int] = []
     for name in ("first_hits", "clear"):
-        original = getattr(Geometry, name)
+        original = getattr(RayGeometry, name)
 
         def spy(self, origin, *rest, _original=original):  # type: ignore[no-untyped-def]
             counts.append(origin.shape[1])
             return _original(self, origin, *rest)
 
-        monkeypatch.setattr(Geometry, name, spy)
+        monkeypatch.setattr(RayGeometry, name, spy)
     return iter([counts]).__next__()
 
 

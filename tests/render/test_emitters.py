@@ -11,12 +11,11 @@ import trimesh
 
 from proxy_renderer.bench.scenes import balls
 from proxy_renderer.render.geometry.camera import view_of
-from proxy_renderer.render.geometry.visibility import Geometry
 from proxy_renderer.render.lights.emitters import Emitters, clusters_of
-from proxy_renderer.render.lights.irradiance import arrival
-from proxy_renderer.render.material.shading_inputs import paint_of
+from proxy_renderer.render.material.shading_inputs import shading_inputs_of
+from proxy_renderer.render.material.textures import geometry_of
 from proxy_renderer.render.proxy import Proxy
-from proxy_renderer.scene.values import Settings
+from proxy_renderer.scene.values import RenderValues
 
 SIZE = (48, 48)
 PLACE = np.array([0.0, 0.0, 1.0])
@@ -82,11 +81,11 @@ SHAPES = {
 def test_clusters_light_a_floor_as_the_whole_surface_does(name):
     """Against the sum over many points; backs of closed surfaces do not count."""
     shape = SHAPES[name]()
-    clusters = clusters_of(Geometry(scene_with(shape), CPU), 0, NEAR)
+    clusters = clusters_of(geometry_of(scene_with(shape), CPU), 0, NEAR)
     assert clusters
     points = torch.stack((torch.linspace(-2, 2, 21), torch.linspace(-1, 2, 21), torch.zeros(21)))
     up = torch.tensor([[0.0], [0.0], [1.0]]).expand(3, 21)
-    found = sum(c.power * arrival(c.lamp, points, up).irradiance for c in clusters)
+    found = sum(c.power * c.lamp.irradiance(points, up).irradiance for c in clusters)
     samples, face = trimesh.sample.sample_surface(shape, 20000, seed=1)
     place, normal = torch.from_numpy(samples).float().T, torch.from_numpy(shape.face_normals[face]).float().T
     offset = place[:, None] - points[:, :, None]
@@ -103,7 +102,7 @@ def test_a_small_ball_lights_the_floor_by_its_form_factor():
     values = {EMISSION: torch.tensor([strength])}
     with torch.no_grad():
         render = Proxy(scene, SIZE).render(values)
-    view = view_of(scene, Settings(scene, values, CPU), SIZE)
+    view = view_of(scene, RenderValues(scene, values, CPU), SIZE)
     y, x = torch.meshgrid(torch.arange(SIZE[1]) + 0.5, torch.arange(SIZE[0]) + 0.5, indexing="ij")
     origin, toward = view.rays(torch.stack((x, y)).flatten(1))
     point = origin + toward * render.depth.flatten()
@@ -131,20 +130,20 @@ def test_the_gradient_of_emission_is_exact():
 
 def test_only_what_glows_becomes_a_lamp_and_stays_one():
     scene = scene_with(ball())
-    emitters = Emitters(Geometry(scene, CPU), NEAR)
+    emitters = Emitters(geometry_of(scene, CPU), NEAR)
 
-    def paints(strength):
-        settings = Settings(scene, {EMISSION: torch.tensor([strength])}, CPU)
-        return [paint_of(m, settings) for m in scene.materials]
+    def shading_inputs(strength):
+        settings = RenderValues(scene, {EMISSION: torch.tensor([strength])}, CPU)
+        return [shading_inputs_of(m, settings) for m in scene.materials]
 
-    assert not emitters.notice(paints(0.0))
-    assert not emitters.lamps(paints(0.0))
-    assert emitters.notice(paints(5.0))
+    assert not emitters.notice(shading_inputs(0.0))
+    assert not emitters.lamps(shading_inputs(0.0))
+    assert emitters.notice(shading_inputs(5.0))
     assert emitters.materials == (0,)
-    assert not emitters.notice(paints(0.0))
-    assert len(emitters.lamps(paints(0.0))) == 1
+    assert not emitters.notice(shading_inputs(0.0))
+    assert len(emitters.lamps(shading_inputs(0.0))) == 1
 
 
 def test_a_glowing_wall_stays_with_the_bounced_rays():
     wall = trimesh.Trimesh([[-4, 3, 0], [4, 3, 0], [4, 3, 5], [-4, 3, 5]], [[0, 1, 2], [0, 2, 3]])
-    assert not clusters_of(Geometry(scene_with(wall), CPU), 0, NEAR)
+    assert not clusters_of(geometry_of(scene_with(wall), CPU), 0, NEAR)

@@ -9,7 +9,6 @@ import torch
 from proxy_renderer.render.geometry.directions import texels
 from proxy_renderer.render.lights.environment import Environment, Sky
 from proxy_renderer.render.lights.environment_suns import split
-from proxy_renderer.render.lights.irradiance import arrival
 
 
 def picture(height=128, sky=0.5, sun=200.0, radius=3.0, azimuth=40.0, elevation=35.0):
@@ -73,7 +72,7 @@ def test_a_sun_turns_with_the_picture(degrees):
     brightest = toward[:, int((place @ mapped).argmax())]
     assert lamp.axes[:, 2].detach() @ brightest > math.cos(math.radians(1.5))
     up = torch.tensor([[1.0], [0.0], [0.0]])
-    lit = arrival(lamp, torch.zeros(3, 1), up).irradiance
+    lit = lamp.irradiance(torch.zeros(3, 1), up).irradiance
     if lit.item() > 0:
         (gradient,) = torch.autograd.grad(lit.sum(), turn)
         angle = math.radians(40.0 - degrees)

@@ -145,7 +145,7 @@ def test_gradients_of_the_view(picture, name):
     assert gradient.item() == pytest.approx(difference.item(), rel=1e-2)
 
 
-def test_gradients_are_finite_on_black_white_and_gray():
+def test_gradients_are_finite_on_black_white_and_grey():
     picture = torch.tensor([0.0, 1e-9, 0.18, 1.0, 500.0])[:, None, None].repeat(1, 4, 3).requires_grad_()
     learning = {key: value.clone().requires_grad_() for key, value in NEUTRAL.items()}
     Film(SPEC, (4, 5)).develop(picture, learning).sum().backward()

@@ -6,15 +6,15 @@ import torch
 from tiny_job import write_job
 
 from proxy_renderer.render.geometry.camera import view_of
-from proxy_renderer.render.geometry.visibility import Geometry
 from proxy_renderer.render.lights.environment import Environment, sky_of
-from proxy_renderer.render.lights.lamps import lamps_of
+from proxy_renderer.render.lights.types import light_sources
+from proxy_renderer.render.material.textures import geometry_of
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.render.surface.view_cache import ViewCache
 from proxy_renderer.render.transport import indirect_fog
-from proxy_renderer.render.transport.fog import Fog
+from proxy_renderer.render.transport.fog import FogMedium
 from proxy_renderer.scene import load_scene
-from proxy_renderer.scene.values import Settings
+from proxy_renderer.scene.values import RenderValues
 
 SIZE = (64, 48)
 
@@ -30,7 +30,7 @@ def cache(scene):
 
 
 def view_cache(scene):
-    geometry = Geometry(scene, torch.device("cpu"))
+    geometry = geometry_of(scene, torch.device("cpu"))
     metals = torch.zeros(len(scene.materials))
     view = view_of(scene, settings(scene), SIZE)
     return ViewCache(scene, geometry, view, metals, metals > 0, len(scene.lights), (), 0)
@@ -38,30 +38,30 @@ def view_cache(scene):
 
 def settings(scene, **volume):
     values = {f"volume/{k}": torch.as_tensor(v, dtype=torch.float32).reshape(-1) for k, v in volume.items()}
-    return Settings(scene, values, "cpu")
+    return RenderValues(scene, values, "cpu")
 
 
 def found(scene, rays, lamps=True, **volume):
     s = settings(scene, **volume)
     sky = sky_of(Environment(scene, torch.device("cpu")), s)
-    return rays.gather(Fog(scene, s), lamps_of(scene, s) if lamps else [], sky), sky
+    return rays.gather(FogMedium(scene, s), light_sources(scene, s) if lamps else [], sky), sky
 
 
 def test_black_fog_takes_light_and_gives_none(scene, cache):
-    got, _ = found(scene, cache.murk(6.0), density=0.2, color=[0.0] * 3)
+    got, _ = found(scene, cache.indirect_fog(6.0), density=0.2, color=[0.0] * 3)
     assert got.scattered.abs().max() == 0
     assert got.haze.abs().max() == 0
-    for share in (got.ambient, got.passing, got.factors, got.legs, got.mirrored):
+    for share in (got.ambient, got.passing, got.path_transmittance, got.light_transmittance, got.mirrored):
         assert (share > 0).all()
         assert (share <= 1 + 1e-6).all()
         assert share.mean() < 0.99
-    count = got.legs.shape[1] // 2
-    assert (got.factors[:, :count] < got.legs[:, :count] + 1e-6).all()
+    count = got.light_transmittance.shape[1] // 2
+    assert (got.path_transmittance[:, :count] < got.light_transmittance[:, :count] + 1e-6).all()
 
 
 def test_white_fog_gives_less_than_it_takes(scene, cache):
     """Light that scatters once is a part of what does not come straight."""
-    got, sky = found(scene, cache.murk(6.0), lamps=False, density=0.2, color=[1.0] * 3)
+    got, sky = found(scene, cache.indirect_fog(6.0), lamps=False, density=0.2, color=[1.0] * 3)
     most = torch.pi * sky.color.max()
     assert got.scattered.mean() > 0.05 * most
     assert (got.scattered < most * (1 - got.passing.min())).all()
@@ -71,7 +71,7 @@ def test_segments_are_fine_enough(scene, monkeypatch):
     results = []
     for segments in (indirect_fog._SEGMENTS, 60):
         monkeypatch.setattr(indirect_fog, "_SEGMENTS", segments)
-        rays = view_cache(scene).murk(6.0)
+        rays = view_cache(scene).indirect_fog(6.0)
         results.append(found(scene, rays, density=0.2)[0])
     coarse, fine = results
     assert coarse.scattered.mean() == pytest.approx(fine.scattered.mean().item(), rel=0.08)
@@ -84,11 +84,18 @@ LEARNED = {"density": 0.2, "color": [0.8, 0.6, 0.5], "anisotropy": 0.3, "falloff
 @pytest.mark.parametrize("name", LEARNED)
 def test_gradients_match_finite_differences(scene, cache, name):
     values = {k: torch.tensor(v).reshape(-1) for k, v in LEARNED.items()}
-    rays = cache.murk(6.0)
+    rays = cache.indirect_fog(6.0)
 
     def score(value):
         got, _ = found(scene, rays, **{**values, name: value})
-        parts = got.ambient, got.passing, got.factors, got.legs, got.scattered, got.mirrored
+        parts = (
+            got.ambient,
+            got.passing,
+            got.path_transmittance,
+            got.light_transmittance,
+            got.scattered,
+            got.mirrored,
+        )
         return sum(p.double().mean() * (i + 1) for i, p in enumerate(parts))
 
     given = values[name].clone().requires_grad_()

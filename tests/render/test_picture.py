@@ -12,16 +12,15 @@ import torch
 
 from proxy_renderer.bench.scenes import balls
 from proxy_renderer.render.geometry.camera import frame, view_of
-from proxy_renderer.render.lights.irradiance import arrival
-from proxy_renderer.render.lights.lamps import lamps_of
+from proxy_renderer.render.lights.types import light_sources
 from proxy_renderer.render.proxy import Proxy
-from proxy_renderer.scene import SceneData, World
-from proxy_renderer.scene.values import Settings
+from proxy_renderer.scene import SceneData, WorldData
+from proxy_renderer.scene.values import RenderValues
 from proxy_renderer.schema import orbit
 
 
-def _settings(scene: SceneData, **values: float) -> Settings:
-    return Settings(scene, {k.replace("__", "/"): torch.tensor([v]) for k, v in values.items()}, "cpu")
+def _settings(scene: SceneData, **values: float) -> RenderValues:
+    return RenderValues(scene, {k.replace("__", "/"): torch.tensor([v]) for k, v in values.items()}, "cpu")
 
 
 def test_torch_frame_is_the_schemas() -> None:
@@ -46,10 +45,10 @@ def test_irradiance_of_every_lamp() -> None:
     """blender_facts.md: what a surface gets that faces the lamp; small lamps count as points."""
     scene = balls(2, 4, 2)
     settings = _settings(scene, **{f"light__Lamp {i}__size": 0.05 for i in (0, 1, 3)})
-    for lamp in lamps_of(scene, settings):
+    for lamp in light_sources(scene, settings):
         toward = lamp.axes[:, 2:3]
         point = lamp.position[:, None] - 4.0 * toward
-        got = float(arrival(lamp, point, toward).irradiance)
+        got = float(lamp.irradiance(point, toward).irradiance)
         expected = {"AREA": 1 / (math.pi * 16), "SUN": 1.0}.get(lamp.light.type, 1 / (4 * math.pi * 16))
         assert got == pytest.approx(expected, rel=5e-3), lamp.light.type
 
@@ -57,7 +56,7 @@ def test_irradiance_of_every_lamp() -> None:
 def test_large_area_lamp_against_many_points() -> None:
     """The polygon formula, its horizon included, against a sum over the lamp's surface."""
     scene = balls(2, 1, 2)
-    lamp = lamps_of(scene, _settings(scene, **{"light__Lamp 0__size": 3.0}))[0]
+    lamp = light_sources(scene, _settings(scene, **{"light__Lamp 0__size": 3.0}))[0]
     normal = torch.nn.functional.normalize(torch.tensor([[1.0], [-1.0], [0.2]]), dim=0)
     point = torch.tensor([[0.5], [0.2], [0.3]])
     grid = (torch.arange(100) + 0.5) / 100 - 0.5
@@ -68,7 +67,7 @@ def test_large_area_lamp_against_many_points() -> None:
     toward = offset / squared.sqrt()
     cosines = (toward * normal).sum(0).clamp_min(0) * (toward * lamp.axes[:, 2:3]).sum(0).clamp_min(0)
     expected = float((cosines / squared).mean()) / math.pi
-    assert float(arrival(lamp, point, normal).irradiance) == pytest.approx(expected, rel=0.05)
+    assert float(lamp.irradiance(point, normal).irradiance) == pytest.approx(expected, rel=0.05)
 
 
 def test_a_mirror_ball_reflects_what_it_sees() -> None:
@@ -119,7 +118,7 @@ def test_a_turned_environment_moves_the_light() -> None:
     """Blender: at rotation 0 the picture's middle lies towards +X; a positive angle brings +Y's light there."""
     image = np.full((16, 32, 3), 0.02, np.float32)
     image[6:10, 15:17] = 20.0
-    scene = dataclasses.replace(balls(1, 0, 3), world=World("environment", image))
+    scene = dataclasses.replace(balls(1, 0, 3), world=WorldData("environment", image))
     proxy = Proxy(scene, (32, 32))
     right = proxy.render({}).linear[8:20].mean((0, 2))
     left = proxy.render({"world/rotation": torch.tensor([180.0])}).linear[8:20].mean((0, 2))

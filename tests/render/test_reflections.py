@@ -10,10 +10,9 @@ import torch
 
 from proxy_renderer.render.geometry.directions import reflect, texels
 from proxy_renderer.render.lights import prefilter
-from proxy_renderer.render.lights.area_specular import _ellipse, highlight
+from proxy_renderer.render.lights.area_specular import _ellipse, area_specular
 from proxy_renderer.render.lights.environment import Environment, Sky
-from proxy_renderer.render.lights.environment_suns import Sun, split
-from proxy_renderer.render.lights.irradiance import arrival
+from proxy_renderer.render.lights.environment_suns import EnvironmentSun, split
 from proxy_renderer.render.material import albedo
 from proxy_renderer.render.material.microfacets import mirrored, unshadowed, visible_normals
 
@@ -111,15 +110,15 @@ def test_ellipses_are_integrated():
 @pytest.mark.parametrize("aside", [0.0, 8.0, 16.0])
 def test_the_highlight_of_a_low_sun_is_as_wide_as_it(aside):
     """Taken for a disc of slopes it is wrong by a factor of five in the middle, and of two beside."""
-    sun = Sun(toward(aside, 12.0), torch.ones(3), math.radians(8.0))
+    sun = EnvironmentSun(toward(aside, 12.0), torch.ones(3), math.radians(8.0))
     lamp = sun.lamp(0, torch.ones(3), torch.zeros(()))
     for elevation in (8.0, 15.0, 25.0):
         ways, weights = lobe_of(elevation, 0.35, 400)
         inside = sun.toward @ ways > math.cos(sun.angle / 2)
         exact = (weights * inside).sum() / (2 * math.pi * (1 - math.cos(sun.angle / 2)))
-        met = arrival(lamp, torch.zeros(3, 1), _NORMAL)
+        met = lamp.irradiance(torch.zeros(3, 1), _NORMAL)
         view = toward(180.0, elevation)[:, None]
-        found = highlight(lamp, met, torch.zeros(3, 1), _NORMAL, view).lobe(torch.tensor(0.35))
+        found = area_specular(lamp, met, torch.zeros(3, 1), _NORMAL, view).lobe(torch.tensor(0.35))
         print(aside, elevation, float(found), float(exact))
         assert found.item() == pytest.approx(exact.item(), rel=0.35)
 

@@ -13,7 +13,7 @@ from torch import Tensor
 
 from proxy_renderer.bench.scenes import balls
 from proxy_renderer.render.proxy import Proxy, Render
-from proxy_renderer.scene import SceneData, Texture, World
+from proxy_renderer.scene import SceneData, Texture, WorldData
 from proxy_renderer.schema import FAMILIES, PARAMETERS, Instance
 
 SIZE = (96, 96)
@@ -61,7 +61,7 @@ def _linked() -> SceneData:
         more[key] = Instance(p, owner, (p.default,) * p.components)
     return dataclasses.replace(
         scene,
-        world=World("environment", picture),
+        world=WorldData("environment", picture),
         materials=(ball, *scene.materials[1:]),
         mesh=dataclasses.replace(scene.mesh, uvs=uvs),
         instances={**scene.instances, **_off_bounds(more)},

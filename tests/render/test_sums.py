@@ -9,7 +9,7 @@ from torch.nn import functional
 
 from proxy_renderer.bench.scenes import outdoors
 from proxy_renderer.color.lookup_table import trilinear
-from proxy_renderer.render.geometry.gather_points import Spread
+from proxy_renderer.render.geometry.gather_points import SparseWeights
 from proxy_renderer.render.geometry.vectors import cross, dot
 from proxy_renderer.render.proxy import Proxy
 
@@ -20,7 +20,7 @@ def test_a_spread_is_its_dense_matrix():
     dense = torch.zeros(5, 6)
     dense.index_put_((rows[:, None].expand_as(columns), columns), weights, accumulate=True)
     values = torch.rand(6, 3, requires_grad=True)
-    found = Spread(rows, columns, weights, (5, 6))(values)
+    found = SparseWeights(rows, columns, weights, (5, 6))(values)
     assert torch.allclose(found, dense @ values)
     gradient = torch.rand(5, 3)
     found.backward(gradient)

@@ -9,11 +9,11 @@ import torch
 from tiny_job import write_job
 
 from proxy_renderer.render.geometry.camera import view_of
-from proxy_renderer.render.lights.lamps import lamps_of
-from proxy_renderer.render.transport.fog import Fog
-from proxy_renderer.render.transport.volume import DIRECTIONS, Volume
+from proxy_renderer.render.lights.types import light_sources
+from proxy_renderer.render.transport.fog import FogMedium
+from proxy_renderer.render.transport.volume import DIRECTIONS, SingleScattering
 from proxy_renderer.scene import load_scene
-from proxy_renderer.scene.values import Settings
+from proxy_renderer.scene.values import RenderValues
 
 SIZE = (64, 48)
 UP = torch.tensor([[0.0], [0.0], [1.0]])
@@ -27,11 +27,11 @@ def scene(tmp_path_factory):
 
 def settings(scene, **volume):
     values = {f"volume/{k}": torch.as_tensor(v, dtype=torch.float32).reshape(-1) for k, v in volume.items()}
-    return Settings(scene, values, "cpu")
+    return RenderValues(scene, values, "cpu")
 
 
 def fog(scene, **volume):
-    return Fog(scene, settings(scene, **volume))
+    return FogMedium(scene, settings(scene, **volume))
 
 
 def integrate(scene, start, toward, length, falloff, offset=0.0, steps=10000):
@@ -77,8 +77,8 @@ def haze(scene, volume, world=NO_WORLD, lamps=None, clear=None):
     """Scattered light (3,) and transmittance in the middle of the picture, up to the far side of the box."""
     s = settings(scene, **volume)
     view = view_of(scene, s, SIZE)
-    found = Volume(clear).scatter(
-        Fog(scene, s), view, 6.0, lamps_of(scene, s) if lamps is None else lamps, world
+    found = SingleScattering(clear).scatter(
+        FogMedium(scene, s), view, 6.0, light_sources(scene, s) if lamps is None else lamps, world
     )
     place = torch.tensor([[32.0], [24.0]])
     light, passing = found.look_up(place, torch.tensor([math.inf]))
@@ -87,7 +87,7 @@ def haze(scene, volume, world=NO_WORLD, lamps=None, clear=None):
 
 def brute_force(scene, s, lamp, steps=8000):
     """Single scattering of a small lamp along the middle ray."""
-    medium, view = Fog(scene, s), view_of(scene, s, SIZE)
+    medium, view = FogMedium(scene, s), view_of(scene, s, SIZE)
     start, toward = view.rays(torch.tensor([[32.0], [24.0]]))
     length = 30.0
     t = (torch.arange(steps) + 0.5) / steps * length
@@ -100,9 +100,9 @@ def brute_force(scene, s, lamp, steps=8000):
     phase = (1 - g * g) / (4 * math.pi) / (1 + g * g - 2 * g * cosine) ** 1.5
     intensity = (lamp.axes[:, 2] @ to_lamp).clamp_min(0) / math.pi
     here = medium.thickness(points, UP.expand_as(points), 1e-2) / 1e-2  # relative density
-    arriving = intensity / distance**2 * medium.transmittance(points, to_lamp, distance) * phase * here
+    incoming = intensity / distance**2 * medium.transmittance(points, to_lamp, distance) * phase * here
     reaching = medium.transmittance(start.expand_as(points), toward.expand_as(points), t)
-    return (arriving * reaching).sum() * length / steps * medium.density * medium.albedo * lamp.color
+    return (incoming * reaching).sum() * length / steps * medium.density * medium.albedo * lamp.color
 
 
 @pytest.mark.parametrize(
@@ -118,7 +118,7 @@ def brute_force(scene, s, lamp, steps=8000):
 )
 def test_a_lamp_in_fog_is_the_integral(scene, volume):
     s = settings(scene, **volume)
-    lamp = lamps_of(scene, s)[0]
+    lamp = light_sources(scene, s)[0]
     light, _ = haze(scene, volume, lamps=[lamp])
     torch.testing.assert_close(light, brute_force(scene, s, lamp), rtol=0.06, atol=1e-4)
 
@@ -138,9 +138,9 @@ def test_shadows_are_traced_once_for_a_camera_that_stands_still(scene):
         return torch.zeros_like(distance)
 
     s = settings(scene, density=0.2)
-    view, volume = view_of(scene, s, SIZE), Volume(clear)
+    view, volume = view_of(scene, s, SIZE), SingleScattering(clear)
     for _ in range(3):
-        found = volume.scatter(Fog(scene, s), view, 6.0, lamps_of(scene, s), torch.ones(3, 1))
+        found = volume.scatter(FogMedium(scene, s), view, 6.0, light_sources(scene, s), torch.ones(3, 1))
     light, _ = found.look_up(torch.tensor([[32.0], [24.0]]), torch.tensor([5.0]))
     assert light.abs().max() == 0
     assert len(calls) == 3  # two lamps and the world
@@ -178,4 +178,6 @@ def test_gradients_match_finite_differences(scene, name, density):
 def test_fog_that_is_not_there_costs_nothing(scene):
     assert not fog(scene, density=0.0).active
     assert fog(scene, density=0.01).active
-    assert Fog(scene, Settings(scene, {"volume/density": torch.zeros(1, requires_grad=True)}, "cpu")).active
+    assert FogMedium(
+        scene, RenderValues(scene, {"volume/density": torch.zeros(1, requires_grad=True)}, "cpu")
+    ).active

@@ -8,15 +8,20 @@ multiple scattering between microfacets. Textures, fog, glass and environment pi
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from torch import Tensor
 
 from ...render.geometry.camera import view_of
-from ...render.lights.lamps import Lamp, half_axes, lamps_of
+from ...render.lights.types import light_sources, light_type
+from ...render.lights.types.area import AreaLight
+from ...render.lights.types.light_source import LightSource
+from ...render.lights.types.point import PointLight
+from ...render.lights.types.sun import SunLight
 from ...scene import SceneData
-from ...scene.values import Settings
+from ...scene.values import RenderValues
 from ...schema import VibeError
 
 LEARNED = ("base_color", "roughness", "metallic")
@@ -36,14 +41,14 @@ def twin(mi: Any, scene: SceneData, size: tuple[int, int]) -> Any:
         VibeError: Something in the scene has no equivalent.
     """
     _refuse(scene)
-    settings = Settings(scene, {}, "cpu")
+    settings = RenderValues(scene, {}, "cpu")
     parts: dict[str, Any] = {
         "type": "scene",
         "integrator": {"type": "prb", "max_depth": DEPTH},
         "sensor": _sensor(mi, scene, settings, size),
     }
-    for number, lamp in enumerate(lamps_of(scene, settings)):
-        parts[f"lamp{number}"] = _lamp(mi, lamp)
+    for number, lamp in enumerate(light_sources(scene, settings)):
+        parts[f"lamp{number}"] = _EMITTERS[type(lamp)](mi, lamp)
     world = settings.color("world/color") * settings.scalar("world/strength", 1.0)
     parts["world"] = {"type": "constant", "radiance": _rgb(world)}
     for number, material in enumerate(scene.materials):
@@ -72,7 +77,7 @@ def same(scene: SceneData, parameters: Any) -> list[str]:
 def _refuse(scene: SceneData) -> None:
     odd = [
         *(f"{m.name} has a texture" for m in scene.materials if m.texture),
-        *(f"{light.name} is a spot" for light in scene.lights if light.type == "SPOT"),
+        *(f"{x.name} is a {x.type.lower()}" for x in scene.lights if light_type(x.type) not in _EMITTERS),
         *(["the camera is orthographic"] if scene.camera.type != "PERSP" else []),
         *(["the lens is shifted"] if any(scene.camera.shift) else []),
         *(["the world is a picture"] if scene.world.kind != "color" else []),
@@ -82,7 +87,7 @@ def _refuse(scene: SceneData) -> None:
         raise VibeError(f"Mitsuba's twin of this scene would differ: {odd[0]}.", "Choose a plainer scene.")
 
 
-def _sensor(mi: Any, scene: SceneData, settings: Settings, size: tuple[int, int]) -> dict[str, Any]:
+def _sensor(mi: Any, scene: SceneData, settings: RenderValues, size: tuple[int, int]) -> dict[str, Any]:
     view = view_of(scene, settings, size)
     right, up, back = view.rotation.T
     pose = np.eye(4)
@@ -107,24 +112,36 @@ def _sensor(mi: Any, scene: SceneData, settings: Settings, size: tuple[int, int]
     }
 
 
-def _lamp(mi: Any, lamp: Lamp) -> dict[str, Any]:
-    place = lamp.position.numpy()
-    if lamp.light.type == "SUN":
-        toward = (-lamp.axes[:, 2]).tolist()
-        return {"type": "directional", "direction": toward, "irradiance": _rgb(lamp.color)}
-    if lamp.light.type == "POINT":
-        radius = max(float(lamp.size), 1e-3)
-        radiance = lamp.color / (4 * math.pi**2 * radius * radius)
-        glow = {"type": "area", "radiance": _rgb(radiance)}
-        return {"type": "sphere", "center": place.tolist(), "radius": radius, "emitter": glow}
-    across, along = (half[:, 0].numpy() for half in half_axes(lamp))
+def _sun(mi: Any, lamp: SunLight) -> dict[str, Any]:
+    toward = (-lamp.axes[:, 2]).tolist()
+    return {"type": "directional", "direction": toward, "irradiance": _rgb(lamp.color)}
+
+
+def _sphere(mi: Any, lamp: PointLight) -> dict[str, Any]:
+    radius = max(float(lamp.size), 1e-3)
+    radiance = lamp.color / (4 * math.pi**2 * radius * radius)
+    glow = {"type": "area", "radiance": _rgb(radiance)}
+    return {"type": "sphere", "center": lamp.position.tolist(), "radius": radius, "emitter": glow}
+
+
+def _rectangle(mi: Any, lamp: AreaLight) -> dict[str, Any]:
+    across, along = (half[:, 0].numpy() for half in lamp.half_axes())
     pose = np.eye(4)
-    pose[:3] = np.stack([-across, along, -lamp.axes[:, 2].numpy(), place], 1)  # it shines along its normal
+    # it shines along its normal
+    pose[:3] = np.stack([-across, along, -lamp.axes[:, 2].numpy(), lamp.position.numpy()], 1)
     glow = {"type": "area", "radiance": _rgb(lamp.color / (math.pi * lamp.area))}
     return {"type": "rectangle", "to_world": mi.ScalarTransform4f(pose), "emitter": glow}
 
 
-def _surface(name: str, settings: Settings) -> dict[str, Any]:
+_EMITTERS: dict[type[LightSource], Callable[[Any, Any], dict[str, Any]]] = {
+    SunLight: _sun,
+    PointLight: _sphere,
+    AreaLight: _rectangle,
+}
+"""What a type of light is in Mitsuba; scenes with others are refused."""
+
+
+def _surface(name: str, settings: RenderValues) -> dict[str, Any]:
     def value(entry: str) -> float:
         return float(settings.scalar(f"material/{name}/{entry}"))
 
@@ -146,13 +163,13 @@ def _mesh(mi: Any, scene: SceneData, faces: np.ndarray, surface: dict[str, Any])
     corners = mesh.vertices[mesh.faces[faces]].reshape(-1, 3)
     properties = mi.Properties()
     properties["mesh_bsdf"] = mi.load_dict(surface)
-    triangles = mi.Mesh("mesh", len(corners), len(corners) // 3, has_vertex_normals=True, props=properties)
-    parameters = mi.traverse(triangles)
+    made = mi.Mesh("mesh", len(corners), len(corners) // 3, has_vertex_normals=True, props=properties)
+    parameters = mi.traverse(made)
     parameters["vertex_positions"] = mi.Float(corners.ravel())
     parameters["vertex_normals"] = mi.Float(mesh.normals[faces].ravel())
     parameters["faces"] = mi.UInt32(np.arange(len(corners), dtype=np.uint32))
     parameters.update()
-    return triangles
+    return made
 
 
 def _rgb(color: Tensor) -> dict[str, Any]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a Cycles picture of some values teaches the proxy about others: the anchor of design section 3.
+"""The anchor: a correction of the proxy by a Cycles picture of known values.
 
 With the proxy's linear picture P(θ), Cycles' picture A at θ₀, and for every light g its part A_g of A, the proxy's
 picture P_g(θ₀) with g alone, and the color s_g(θ) of its light,
@@ -20,9 +20,9 @@ from torch import Tensor
 
 from ..geometry.camera import View
 from ..geometry.samples import Samples
-from ..geometry.visibility import Geometry, Hits
+from ..geometry.visibility import Hits, RayGeometry
 from ..surface.view_cache import ViewCache
-from .joint_bilateral import Guide, blur, look_up
+from .joint_bilateral import GuideImage, blur, look_up
 from .pictures import CyclesPicture
 
 REST = "rest"
@@ -53,7 +53,7 @@ class Correction:
     """
 
     view: View
-    guide: Guide
+    guide: GuideImage
     colors: Mapping[str, Tensor]
     values: Mapping[str, Tensor]
     dark: float
@@ -83,22 +83,22 @@ class Correction:
             view: The camera.
             cache: What it sees.
         """
-        guide = Guide(_names(cache.samples.center_hits, cache.geometry).view(cache.depth.shape))
-        known = [owner for owner in picture.parts if owner in parts]
-        seen = _flat(picture.whole).to(whole)
+        guide = GuideImage(_names(cache.samples.center_hits, cache.geometry).view(cache.depth.shape))
+        shared_owners = [owner for owner in picture.parts if owner in parts]
+        reference = _flat(picture.whole).to(whole)
         if not picture.denoised:
-            seen = _calmed(seen, whole, guide)
-        ratio = _ratio(seen, whole, guide)
-        alone = [parts[owner] for owner in known]
+            reference = _calmed(reference, whole, guide)
+        ratio = _ratio(reference, whole, guide)
+        alone = [parts[owner] for owner in shared_owners]
         proxy = torch.stack([*alone, whole - sum(alone, torch.zeros_like(whole))])  # (G, 3, P)
-        residuals = _shares(picture, known, proxy, guide) * seen - ratio * proxy
-        tiny = 1e-6 + _FAINT * seen.mean()
-        least = torch.minimum(_LEAST * ratio, seen / whole.clamp_min(tiny))
+        residuals = _shares(picture, shared_owners, proxy, guide) * reference - ratio * proxy
+        tiny = 1e-6 + _FAINT * reference.mean()
+        least = torch.minimum(_LEAST * ratio, reference / whole.clamp_min(tiny))
         fields = torch.cat((ratio, least, residuals.flatten(0, 1)))
         values = {key: value.detach() for key, value in values.items()}
         dark = 1e-6 + _DARK * float(whole.mean())
         kept = view.detached(), guide, colors, values, dark, _stops(whole, dark)
-        return Correction(*kept, fields, (*known, REST))
+        return Correction(*kept, fields, (*shared_owners, REST))
 
     def fits(self, view: View) -> bool:
         """Whether a view's pixels are those of the anchor."""
@@ -152,7 +152,7 @@ class Correction:
         return growth.clamp_max(_BRIGHTER)[:, None]
 
     def _look_up(
-        self, samples: Samples, geometry: Geometry, view: View, before: Callable[[], Tensor]
+        self, samples: Samples, geometry: RayGeometry, view: View, before: Callable[[], Tensor]
     ) -> Tensor:
         """The fields where the anchor saw what samples meet; neutral ones where it did not."""
         neutral = torch.zeros(len(self.fields), device=self.fields.device)
@@ -168,7 +168,7 @@ def _stops(linear: Tensor, dark: float) -> Tensor:
     return torch.log2(linear.clamp_min(0.0).mean(0) + dark)
 
 
-def _names(hits: Hits, geometry: Geometry) -> Tensor:
+def _names(hits: Hits, geometry: RayGeometry) -> Tensor:
     """(N,) what rays meet: a number for object and material, -1 for nothing."""
     index = hits.triangle.clamp_min(0)
     return torch.where(hits.hit, geometry.object[index] * 4096 + geometry.material[index], -1)
@@ -179,31 +179,31 @@ def _flat(picture: Tensor) -> Tensor:
     return picture.flatten(-3, -2).transpose(-1, -2)
 
 
-def _ratio(seen: Tensor, whole: Tensor, guide: Guide) -> Tensor:
+def _ratio(reference: Tensor, whole: Tensor, guide: GuideImage) -> Tensor:
     """c (3, P)."""
-    above, below, faint = _compared(seen, whole, guide)
+    above, below, faint = _compared(reference, whole, guide)
     return ((above + faint) / (below + faint)).clamp(1 / _RATIO, _RATIO)
 
 
-def _calmed(seen: Tensor, whole: Tensor, guide: Guide) -> Tensor:
+def _calmed(reference: Tensor, whole: Tensor, guide: GuideImage) -> Tensor:
     """A noisy picture (3, P) with the proxy's detail instead of its noise."""
-    above, below, faint = _compared(seen, whole, guide)
+    above, below, faint = _compared(reference, whole, guide)
     return (whole.clamp_min(0.0) + faint) * above / (below + faint)
 
 
-def _compared(seen: Tensor, whole: Tensor, guide: Guide) -> tuple[Tensor, Tensor, Tensor]:
+def _compared(reference: Tensor, whole: Tensor, guide: GuideImage) -> tuple[Tensor, Tensor, Tensor]:
     """Both pictures (3, P), smoothed, and a faint radiance () below which ratios say nothing."""
-    above, below = blur(torch.cat((seen, whole)), guide, _RADIUS, _SIGMA).split(3)
-    return above, below.clamp_min(0.0), 1e-6 + _FAINT * seen.mean()
+    above, below = blur(torch.cat((reference, whole)), guide, _RADIUS, _SIGMA).split(3)
+    return above, below.clamp_min(0.0), 1e-6 + _FAINT * reference.mean()
 
 
-def _shares(picture: CyclesPicture, known: list[str], proxy: Tensor, guide: Guide) -> Tensor:
+def _shares(picture: CyclesPicture, shared_owners: list[str], proxy: Tensor, guide: GuideImage) -> Tensor:
     """Shares (G, 3, P) that the known owners and the rest have in the picture; they add up to 1.
 
     The noisy parts are smoothed relative to the proxy's, whose shadows have sharp edges.
     """
-    other = sum((p for o, p in picture.parts.items() if o not in known), picture.rest)
-    noisy = _flat(torch.stack([*(picture.parts[owner] for owner in known), other])).to(proxy)
+    other = sum((p for o, p in picture.parts.items() if o not in shared_owners), picture.rest)
+    noisy = _flat(torch.stack([*(picture.parts[owner] for owner in shared_owners), other])).to(proxy)
     model = proxy.clamp_min(0.0) + _HAZY * proxy.abs().mean()
     above, below = (blur(p.flatten(0, 1), guide, _RADIUS, _SIGMA) for p in (noisy, model))
     parts = model * (above / below.clamp_min(1e-20)).view_as(model)

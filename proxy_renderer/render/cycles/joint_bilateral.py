@@ -19,7 +19,7 @@ _OUTLINE = 0.2  # weight of pixels beside an outline, which show two things
 
 
 @dataclass(frozen=True)
-class Guide:
+class GuideImage:
     """What the pixels of a picture show.
 
     Attributes:
@@ -41,7 +41,7 @@ class Guide:
         return torch.where(high == -low, 1.0, _OUTLINE).float()
 
 
-def blur(fields: Tensor, guide: Guide, radius: int, sigma: float) -> Tensor:
+def blur(fields: Tensor, guide: GuideImage, radius: int, sigma: float) -> Tensor:
     """Gaussian averages (C, P) of fields (C, P) over each pixel's neighbors of the same name."""
     height, width = guide.names.shape
     picture = fields.view(-1, height, width)
@@ -64,7 +64,7 @@ def _overlap(shift: int, size: int) -> tuple[slice, slice]:
 
 def look_up(
     fields: Tensor,
-    guide: Guide,
+    guide: GuideImage,
     place: Tensor,
     names: Tensor,
     neutral: Tensor,
@@ -101,5 +101,5 @@ def look_up(
             weight = weight * torch.exp(-(((stops[0][index] - stops[1]) / _ALIKE) ** 2))
         total += weight * fields[:, index]
         weights += weight
-    known = weights > _LEAST
-    return torch.where(known, total / torch.where(known, weights, 1.0), neutral[:, None])
+    covered = weights > _LEAST
+    return torch.where(covered, total / torch.where(covered, weights, 1.0), neutral[:, None])

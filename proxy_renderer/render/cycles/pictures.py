@@ -74,10 +74,10 @@ def _layers(path: Path) -> dict[str, np.ndarray]:
     try:
         with OpenEXR.File(str(path)) as file:
             channels = [pair for part in file.parts for pair in part.channels.items()]
-            found = {name.partition(".")[2]: np.array(c.pixels, np.float32) for name, c in channels}
+            passes = {name.partition(".")[2]: np.array(c.pixels, np.float32) for name, c in channels}
     except (OSError, RuntimeError, ValueError, TypeError) as error:
         raise _unreadable(str(error)) from error
-    return {name: p[..., :3] for name, p in found.items() if p.ndim == 3 and p.shape[2] >= 3}
+    return {name: p[..., :3] for name, p in passes.items() if p.ndim == 3 and p.shape[2] >= 3}
 
 
 def _unreadable(reason: str) -> VibeError:

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Gradients of outlines that move, of things and of shadows."""
+"""Gradients of moving discontinuities: silhouettes and shadow edges."""

@@ -19,9 +19,8 @@ from torch.nn.functional import max_pool2d
 from ..geometry.camera import View
 from ..geometry.samples import Samples
 from ..geometry.vectors import dot
-from ..geometry.visibility import Geometry, Surface
-from ..lights.irradiance import arrival
-from ..lights.lamps import Lamp, outline
+from ..geometry.visibility import RayGeometry, Surface
+from ..lights.types.light_source import LightSource
 
 _PENUMBRA = 2
 """Pixels around one within which its shadow's share varies if a hard shadow may end there."""
@@ -37,7 +36,7 @@ class ShadowEdges:
     Attributes:
         pixel: (2, E) the pixel in shadow and the one in light.
         step: (2, E) from the one to the other, in pixels, over the number of the lamp's points.
-        spot: (2, E) the point of the lamp, as `lights.outline` takes it.
+        spot: (2, E) the point of the lamp, as `LightSource.shadow_targets` takes it.
         surface: Of the pixels in shadow.
         blocker: (3, E) points that cast the edge.
     """
@@ -49,7 +48,9 @@ class ShadowEdges:
     blocker: Tensor
 
     @staticmethod
-    def of(geometry: Geometry, samples: Samples, view: View, lamp: Lamp, visible: Tensor) -> ShadowEdges:
+    def of(
+        geometry: RayGeometry, samples: Samples, view: View, lamp: LightSource, visible: Tensor
+    ) -> ShadowEdges:
         """Traces shadows of a lamp, detached, where a view, detached, shows its penumbra.
 
         Args:
@@ -59,31 +60,31 @@ class ShadowEdges:
             lamp: The lamp.
             visible: (N,) share of it that the samples see.
         """
-        seen = (samples.center_hits.hit & _penumbra(samples, visible)).nonzero()[:, 0]
-        surface = _centers(geometry, samples, view, seen)
-        met = arrival(lamp, surface.position, surface.normal)
-        lit = (dot(surface.facet, met.toward) > 0) & (met.irradiance > 0)
+        pixel_index = (samples.center_hits.hit & _penumbra(samples, visible)).nonzero()[:, 0]
+        surface = _centers(geometry, samples, view, pixel_index)
+        direct = lamp.irradiance(surface.position, surface.normal)
+        lit = (dot(surface.facet, direct.toward) > 0) & (direct.irradiance > 0)
         origin = geometry.lifted(surface)
         spots = _spots(lamp).to(origin.device)
-        neighbors = _neighbors(samples, surface, seen, lit)
-        found = []
+        neighbors = _neighbors(samples, surface, pixel_index, lit)
+        edges = []
         for point in spots.unbind(1):
-            spot = point[:, None].expand(2, len(seen))
-            toward, distance = outline(lamp, met.toward, met.distance, met.solid_angle, spot)
-            clear = torch.zeros(len(seen), device=origin.device)
+            spot = point[:, None].expand(2, len(pixel_index))
+            toward, distance = lamp.shadow_targets(direct.toward, direct.distance, direct.solid_angle, spot)
+            clear = torch.zeros(len(pixel_index), device=origin.device)
             clear[lit] = geometry.clear(origin[:, lit], toward[:, lit], distance[lit] * (1 - 1e-4))
             dark, bright = _split(neighbors, clear)
             keep = dot(surface.facet[:, dark], toward[:, dark]) > _GRAZING
             dark, bright = dark[keep], bright[keep]
             blocker = _contour(geometry, origin[:, dark], toward[:, dark], distance[dark])
-            found.append((dark, bright, spot[:, dark], blocker))
-        dark, bright, spot, blocker = (torch.cat(parts, -1) for parts in zip(*found, strict=True))
-        pixel = torch.stack((seen[dark], seen[bright]))
+            edges.append((dark, bright, spot[:, dark], blocker))
+        dark, bright, spot, blocker = (torch.cat(parts, -1) for parts in zip(*edges, strict=True))
+        pixel = torch.stack((pixel_index[dark], pixel_index[bright]))
         width = samples.size[0]
         step = torch.stack((pixel[1] % width - pixel[0] % width, pixel[1] // width - pixel[0] // width))
         return ShadowEdges(pixel, step / spots.shape[1], spot, surface.pick(dark), blocker)
 
-    def term(self, view: View, lamp: Lamp, pixels: int) -> Tensor:
+    def term(self, view: View, lamp: LightSource, pixels: int) -> Tensor:
         """The zero-valued picture (P,) whose gradient is that of the lamp's visible share.
 
         Args:
@@ -91,9 +92,9 @@ class ShadowEdges:
             lamp: The lamp, likewise.
             pixels: P.
         """
-        met = arrival(lamp, self.surface.position, self.surface.normal)
-        toward, distance = outline(lamp, met.toward, met.distance, met.solid_angle, self.spot)
-        if lamp.light.type != "SUN":
+        direct = lamp.irradiance(self.surface.position, self.surface.normal)
+        toward, distance = lamp.shadow_targets(direct.toward, direct.distance, direct.solid_angle, self.spot)
+        if not lamp.at_infinity:
             toward = self.surface.position + toward * distance - self.blocker
             toward = toward / toward.detach().norm(dim=0)
         facing = dot(self.surface.facet, toward)
@@ -105,9 +106,9 @@ class ShadowEdges:
         return zero.index_add(0, self.pixel[0], darker).index_add(0, self.pixel[1], darker)
 
 
-def _spots(lamp: Lamp) -> Tensor:
-    """(2, 4) points that stand for a whole lamp, as `lights.outline` takes them: their second moments are its own."""
-    if lamp.round:
+def _spots(lamp: LightSource) -> Tensor:
+    """(2, 4) points that stand for a whole lamp, as `LightSource.shadow_targets` takes them: their second moments are its own."""
+    if lamp.half_sides() is None:
         return torch.tensor([[0.5, 0.5, 0.5, 0.5], [0.125, 0.375, 0.625, 0.875]])
     low, high = 0.5 - 12**-0.5, 0.5 + 12**-0.5
     return torch.tensor([[low, low, high, high], [low, high, low, high]])
@@ -125,25 +126,25 @@ def _penumbra(samples: Samples, visible: Tensor) -> Tensor:
     return (near[0] > _LEAST_SHARE) & (near[1] > _LEAST_SHARE - 1)
 
 
-def _centers(geometry: Geometry, samples: Samples, view: View, seen: Tensor) -> Surface:
+def _centers(geometry: RayGeometry, samples: Samples, view: View, pixel_index: Tensor) -> Surface:
     """The surface at the centers of the pixels (N,) that see one."""
     width = samples.size[0]
-    _, toward = view.rays(torch.stack((seen % width, seen // width)).to(torch.float32) + 0.5)
-    return geometry.surface(samples.center_hits.pick(seen), toward)
+    _, toward = view.rays(torch.stack((pixel_index % width, pixel_index // width)).to(torch.float32) + 0.5)
+    return geometry.surface(samples.center_hits.pick(pixel_index), toward)
 
 
-def _neighbors(samples: Samples, surface: Surface, seen: Tensor, lit: Tensor) -> Tensor:
-    """(2, E) neighboring pixels on one smooth surface that both face the lamp, as indices into `seen`."""
+def _neighbors(samples: Samples, surface: Surface, pixel_index: Tensor, lit: Tensor) -> Tensor:
+    """(2, E) neighboring pixels on one smooth surface that both face the lamp, as indices into `pixel_index`."""
     width, height = samples.size
-    index = torch.full((height * width,), -1, device=seen.device)
-    index[seen[lit]] = lit.nonzero()[:, 0]
+    index = torch.full((height * width,), -1, device=pixel_index.device)
+    index[pixel_index[lit]] = lit.nonzero()[:, 0]
     index = index.view(height, width)
     pairs = [(index[:, :-1], index[:, 1:]), (index[:-1], index[1:])]
     a, b = (torch.cat([pair[i].flatten() for pair in pairs]) for i in (0, 1))
     a, b = torch.stack((a, b))[:, (a >= 0) & (b >= 0)]
     apart = surface.position[:, b] - surface.position[:, a]
     flat = dot(apart, surface.facet[:, a]).abs() < 0.5 * apart.norm(dim=0)
-    same = samples.owner[seen[a]] == samples.owner[seen[b]]
+    same = samples.owner[pixel_index[a]] == samples.owner[pixel_index[b]]
     return torch.stack((a, b))[:, same & flat & (dot(surface.normal[:, a], surface.normal[:, b]) > 0.9)]
 
 
@@ -155,7 +156,7 @@ def _split(neighbors: Tensor, clear: Tensor) -> tuple[Tensor, Tensor]:
     return dark, bright
 
 
-def _contour(geometry: Geometry, origin: Tensor, toward: Tensor, distance: Tensor) -> Tensor:
+def _contour(geometry: RayGeometry, origin: Tensor, toward: Tensor, distance: Tensor) -> Tensor:
     """Points (3, E) in the middle of what blocks rays (3, E): between its first hits from either end."""
     far = distance.clamp_max(2 * geometry.size)
     first = geometry.first_hits(origin, toward).distance.minimum(far)

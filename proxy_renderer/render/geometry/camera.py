@@ -13,7 +13,7 @@ import torch
 from torch import Tensor
 
 from ...scene import SceneData
-from ...scene.values import Settings, wanted
+from ...scene.values import RenderValues, wanted
 from .vectors import dot, unit
 
 
@@ -103,7 +103,7 @@ class View:
         return torch.stack((u, v))
 
 
-def view_of(scene: SceneData, settings: Settings, size: tuple[int, int]) -> View:
+def view_of(scene: SceneData, settings: RenderValues, size: tuple[int, int]) -> View:
     """The view for a render: orbit and field of view from the settings, the rest from the scene."""
     camera = scene.camera
     azimuth, elevation = settings.scalar("camera/azimuth"), settings.scalar("camera/elevation")

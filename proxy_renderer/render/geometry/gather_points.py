@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A coarse grid of anchors among the samples, and how what is known there is carried to all samples."""
+"""Gather points: a coarse grid of samples, and the interpolation of values from them to all samples."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from .layers import last_of
 from .samples import Samples
 from .visibility import Surface
 
-_ANCHORS_ACROSS = 96
+_CELLS_ACROSS = 96
 
 
-class Spread:
+class SparseWeights:
     """A fixed sparse matrix (N, A), applied to (A, C).
 
     Args:
@@ -66,7 +66,7 @@ class _SparseProduct(torch.autograd.Function):
         return ctx.spread.backward @ gradient.contiguous(), None
 
 
-class Anchors:
+class GatherPoints:
     """Samples on a coarse grid, one for each material seen in each cell.
 
     Args:
@@ -75,12 +75,12 @@ class Anchors:
 
     Attributes:
         index: (A,) the samples.
-        smooth: Evens out noise over neighboring anchors.
-        smooth_glossy: The same over the nearest only, for what turns with the view.
-        spread: Carries from anchors to all surface samples.
+        smooth: Averages over neighboring gather points, against noise.
+        smooth_glossy: The same over the nearest ones, for what depends on the view.
+        spread: Interpolates from gather points to all surface samples.
     """
 
-    def __init__(self, samples: Samples, surface: Surface, across: int = _ANCHORS_ACROSS) -> None:
+    def __init__(self, samples: Samples, surface: Surface, across: int = _CELLS_ACROSS) -> None:
         width, height = samples.size
         n = samples.surfaces
         self._stride = max(1, round(max(samples.size) / across))
@@ -96,17 +96,21 @@ class Anchors:
         most = 3 * (1 + int(samples.layer[:n].max())) if n else 3
         self._lists = _cell_lists(cell[self.index], columns, rows, min(most, 9))
         points = _Places(place, surface, samples.hits.distance[:n] * (2.0 / max(columns, rows)))
-        self._anchors = points.pick(self.index)
+        self._gather_points = points.pick(self.index)
         near = range(-3, 4)
-        self.smooth = _spread(self._anchors, self._anchors, self._lists, near, nearest=40, width=3.5)
+        self.smooth = _spread(
+            self._gather_points, self._gather_points, self._lists, near, nearest=40, width=3.5
+        )
         near = range(-1, 2)
-        self.smooth_glossy = _spread(self._anchors, self._anchors, self._lists, near, nearest=9, width=1.6)
-        self.spread = _spread(self._anchors, points, self._lists, (0, 1), nearest=4, width=1.0)
+        self.smooth_glossy = _spread(
+            self._gather_points, self._gather_points, self._lists, near, nearest=9, width=1.6
+        )
+        self.spread = _spread(self._gather_points, points, self._lists, (0, 1), nearest=4, width=1.0)
 
     def spread_to(
         self, surface: Surface, place: Tensor, distance: Tensor, chosen: Tensor | None = None
-    ) -> Spread:
-        """Carries from anchors to other points: what the picture shows of them, or of things near by.
+    ) -> SparseWeights:
+        """Interpolates from gather points to other points that the picture shows, or nearly shows.
 
         Args:
             surface: N points.
@@ -118,12 +122,12 @@ class Anchors:
         limit = place.new_tensor([[columns], [rows]]) - 0.5
         inside = torch.minimum((place / self._stride).clamp_min(0.5), limit)
         points = _Places(inside, surface, distance * (2.0 / max(columns, rows)))
-        return _spread(self._anchors, points, self._lists, (0, 1), nearest=4, width=1.0, chosen=chosen)
+        return _spread(self._gather_points, points, self._lists, (0, 1), nearest=4, width=1.0, chosen=chosen)
 
 
 @dataclass(frozen=True)
 class _Places:
-    """Points between which light is carried: place (2, N) in cells, surface, and size (N,) of a cell there."""
+    """Points of an interpolation: place (2, N) in cells, surface, and size (N,) in meters of a cell there."""
 
     place: Tensor
     surface: Surface
@@ -134,7 +138,7 @@ class _Places:
 
 
 def _cell_lists(cell: Tensor, columns: int, rows: int, most: int) -> Tensor:
-    """(rows, columns, most) anchors of every cell, -1 where there are fewer."""
+    """(rows, columns, most) gather points of every cell, -1 where there are fewer."""
     order = torch.argsort(cell, stable=True)
     count = torch.bincount(cell, minlength=columns * rows)
     rank = torch.arange(len(cell), device=cell.device) - (count.cumsum(0) - count)[cell[order]]
@@ -145,27 +149,27 @@ def _cell_lists(cell: Tensor, columns: int, rows: int, most: int) -> Tensor:
 
 
 def _spread(
-    anchors: _Places,
+    gather_points: _Places,
     points: _Places,
     lists: Tensor,
     window: Sequence[int],
     nearest: int,
     width: float,
     chosen: Tensor | None = None,
-) -> Spread:
-    """Weights to points from the anchors around them that fit their normal, plane and place best.
+) -> SparseWeights:
+    """Weights from the gather points that fit each point's normal, plane and place best.
 
     Args:
-        anchors, points: From where, to where.
-        lists: The anchors of every cell.
+        gather_points, points: From where, to where.
+        lists: The gather points of every cell.
         window: Cells to look at along both axes: offsets from a point's own, or from the upper left of the
             four whose middles surround it where the window has an even length.
-        nearest: How many of the anchors to keep, at most as many as the window has cells.
-        width: Distance in cells at which an anchor's weight has faded.
+        nearest: How many gather points to keep, at most as many as the window has cells.
+        width: Distance in cells at which a gather point's weight has faded.
         chosen: (N,) bool: points that get light; None for all.
     """
     count, device = points.place.shape[1], lists.device
-    shape = count, anchors.place.shape[1]
+    shape = count, gather_points.place.shape[1]
     rows = torch.arange(count, device=device) if chosen is None else chosen.nonzero()[:, 0]
     points = points if chosen is None else points.pick(rows)
     near = _window(points.place, window, *lists.shape[:2])
@@ -175,15 +179,17 @@ def _spread(
         most = torch.maximum(most, held.index_select(0, cells))
     best = torch.zeros((len(rows), nearest), dtype=torch.int64, device=device)
     weight = torch.zeros(best.shape, device=device)
-    # Where no cell around holds more than one anchor, as almost everywhere, there is little to choose from.
+    # Where no cell around holds more than one gather point, as almost everywhere, there is little to choose from.
     for n in range(1, lists.shape[2] + 1):
         group = (most == n).nonzero()[:, 0]
         if len(group):
             cells = near[:, group].flatten()
-            found = [lists[:, :, i].flatten().index_select(0, cells).view(len(near), -1) for i in range(n)]
-            index, fit = _best(anchors, points.pick(group), torch.cat(found), nearest, width)
+            candidates = [
+                lists[:, :, i].flatten().index_select(0, cells).view(len(near), -1) for i in range(n)
+            ]
+            index, fit = _best(gather_points, points.pick(group), torch.cat(candidates), nearest, width)
             best[group], weight[group] = index, fit
-    return Spread(rows, best, weight / weight.sum(1, keepdim=True).clamp_min(1e-20), shape)
+    return SparseWeights(rows, best, weight / weight.sum(1, keepdim=True).clamp_min(1e-20), shape)
 
 
 def _window(place: Tensor, window: Sequence[int], rows: int, columns: int) -> Tensor:
@@ -195,9 +201,9 @@ def _window(place: Tensor, window: Sequence[int], rows: int, columns: int) -> Te
 
 
 def _best(
-    anchors: _Places, points: _Places, candidates: Tensor, nearest: int, width: float
+    gather_points: _Places, points: _Places, candidates: Tensor, nearest: int, width: float
 ) -> tuple[Tensor, Tensor]:
-    """(N, nearest) the anchors that fit best of the candidates (C, N), -1 for none, and their weights."""
+    """The best gather points (N, nearest) of the candidates (C, N), -1 for none, and their weights."""
     index = candidates.clamp_min(0)
 
     def of(values: Tensor) -> Tensor:
@@ -207,11 +213,11 @@ def _best(
     alike = torch.zeros_like(plane)
     for axis in range(3):
         normal = points.surface.normal[axis]
-        plane += (of(anchors.surface.position[axis]) - points.surface.position[axis]) * normal
-        alike += of(anchors.surface.normal[axis]) * normal
+        plane += (of(gather_points.surface.position[axis]) - points.surface.position[axis]) * normal
+        alike += of(gather_points.surface.normal[axis]) * normal
     weight = (-((plane / points.pitch) ** 2)).exp() * alike.clamp_min(0.0) ** 8 + 1e-6
     for axis in range(2):
-        apart = (of(anchors.place[axis]) - points.place[axis]).abs() / width
+        apart = (of(gather_points.place[axis]) - points.place[axis]).abs() / width
         weight *= (1.0 - apart).clamp_min(0.02 / width)
     weight = torch.where(candidates >= 0, weight, 0.0).T
     if weight.shape[1] == nearest:

@@ -9,7 +9,7 @@ import torch
 from torch import Tensor
 
 from .camera import View
-from .visibility import Geometry, Hits
+from .visibility import Hits, RayGeometry
 
 _FAINT = 0.004
 """Share of a ray below which it is not followed, and a hit does not count."""
@@ -17,7 +17,7 @@ _MOST_LAYERS = 8
 
 
 @dataclass(frozen=True)
-class Layers:
+class HitLayers:
     """What rays pass through and end on, nearest first.
 
     Attributes:
@@ -42,7 +42,7 @@ class Layers:
         return self.hits.pick(last_of(self.ray, index, count))
 
 
-def follow(geometry: Geometry, view: View, origin: Tensor, toward: Tensor) -> Layers:
+def follow(geometry: RayGeometry, view: View, origin: Tensor, toward: Tensor) -> HitLayers:
     """Follows the camera's rays (3, N) from its near to its far plane, through transparent surfaces."""
     index = torch.arange(origin.shape[1], device=geometry.device)
     left = torch.ones(len(index), device=geometry.device)
@@ -50,16 +50,16 @@ def follow(geometry: Geometry, view: View, origin: Tensor, toward: Tensor) -> La
     hits = geometry.nearest(origin + toward * near, toward)
     hits = _before(far, Hits(hits.triangle, hits.u, hits.v, hits.distance + near))
     if geometry.opacity is None:
-        return Layers(index, torch.zeros_like(index), hits, left)
-    found: list[tuple[Tensor, Hits, Tensor]] = []
+        return HitLayers(index, torch.zeros_like(index), hits, left)
+    collected: list[tuple[Tensor, Hits, Tensor]] = []
     for number in range(_MOST_LAYERS):
-        alpha = geometry.opacity.at(geometry.surface(hits, toward[:, index]), seen=number == 0)
+        alpha = geometry.opacity.at(geometry.surface(hits, toward[:, index]), by_camera=number == 0)
         alpha = torch.where(hits.hit, alpha, 1.0)
         rest = left * (1 - alpha)
         ends = (rest < _FAINT) | (number == _MOST_LAYERS - 1)
         share = torch.where(ends, left, left * alpha)
         counts = share >= _FAINT
-        found.append((index[counts], hits.pick(counts), share[counts]))
+        collected.append((index[counts], hits.pick(counts), share[counts]))
         # What is too faint to count is given to what comes after it.
         rest = torch.where(counts, rest, left)
         onward = ~ends
@@ -68,17 +68,17 @@ def follow(geometry: Geometry, view: View, origin: Tensor, toward: Tensor) -> La
         index, left = index[onward], rest[onward]
         further = geometry.onward(hits.pick(onward), origin[:, index], toward[:, index])
         hits = _before(far[index], further)
-    numbers = [torch.full_like(rays, i) for i, (rays, _, _) in enumerate(found)]
-    rays, met, shares = zip(*found, strict=True)
+    numbers = [torch.full_like(rays, i) for i, (rays, _, _) in enumerate(collected)]
+    rays, met, shares = zip(*collected, strict=True)
     merged = Hits(*(torch.cat(p) for p in zip(*(h.parts for h in met), strict=True)))
-    return Layers(torch.cat(rays), torch.cat(numbers), merged, torch.cat(shares))
+    return HitLayers(torch.cat(rays), torch.cat(numbers), merged, torch.cat(shares))
 
 
 def _before(far: Tensor, hits: Hits) -> Hits:
     """Hits (N,) with those beyond distances (N,) turned into misses."""
-    seen = hits.distance <= far
-    distance = torch.where(seen, hits.distance, torch.inf)
-    return Hits(torch.where(seen, hits.triangle, -1), hits.u, hits.v, distance)
+    inside = hits.distance <= far
+    distance = torch.where(inside, hits.distance, torch.inf)
+    return Hits(torch.where(inside, hits.triangle, -1), hits.u, hits.v, distance)
 
 
 def last_of(group: Tensor, order: Tensor, count: int) -> Tensor:

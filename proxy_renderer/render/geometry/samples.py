@@ -9,9 +9,9 @@ import torch
 from torch import Tensor
 
 from .camera import View
-from .layers import Layers, follow, last_of
+from .layers import HitLayers, follow, last_of
 from .vectors import dot
-from .visibility import Geometry, Hits, Surface
+from .visibility import Hits, RayGeometry, Surface
 
 EDGE_SAMPLES = 5
 _NEIGHBOR = 0.084
@@ -95,7 +95,7 @@ def _diffuse(picture: Tensor, size: tuple[int, int]) -> Tensor:
     return spread.view(picture.shape)
 
 
-def take(geometry: Geometry, view: View, smooth: Tensor) -> Samples:
+def take(geometry: RayGeometry, view: View, smooth: Tensor) -> Samples:
     """Finds what the view sees: one sample in the middle of plain pixels, several where edges pass.
 
     Smooth surfaces show pictures of others, whose edges may pass anywhere: they get several as well.
@@ -122,7 +122,7 @@ def take(geometry: Geometry, view: View, smooth: Tensor) -> Samples:
     more_origin, more_toward = view.rays(places)
     more = follow(geometry, view, more_origin, more_toward)
     kept = (~edge)[layers.ray]
-    few = Layers(layers.ray[kept], layers.number[kept], layers.hits.pick(kept), layers.weight[kept])
+    few = HitLayers(layers.ray[kept], layers.number[kept], layers.hits.pick(kept), layers.weight[kept])
     owner = busy.repeat_interleave(EDGE_SAMPLES)
     parts = zip(few.hits.parts, more.hits.parts, strict=True)
     return _sorted(
@@ -143,7 +143,7 @@ def take(geometry: Geometry, view: View, smooth: Tensor) -> Samples:
 
 
 def _sorted(
-    geometry: Geometry,
+    geometry: RayGeometry,
     size: tuple[int, int],
     pixel: Tensor,
     weight: Tensor,
@@ -186,7 +186,7 @@ def _sorted(
     )
 
 
-def _edges(geometry: Geometry, hits: Hits, toward: Tensor, width: int, height: int) -> Tensor:
+def _edges(geometry: RayGeometry, hits: Hits, toward: Tensor, width: int, height: int) -> Tensor:
     """(P,) bool: pixels beside which the object, the material, the normal or the depth jumps."""
     surface: Surface = geometry.surface(hits, toward)
     index = hits.triangle.clamp_min(0)

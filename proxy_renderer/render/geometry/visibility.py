@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import torch
@@ -11,8 +12,7 @@ from embreex import rtcore_scene
 from embreex.mesh_construction import TriangleMesh
 from torch import Tensor
 
-from ...scene import Mesh, SceneData
-from ..material.textures import Opacity
+from ...scene import SceneMesh
 from .vectors import cross, damped, dot, unit
 
 _GRAZING = 0.3
@@ -51,8 +51,26 @@ class Hits:
         return Hits(*(part[index] for part in self.parts))
 
 
-class Geometry:
+class Opacity(Protocol):
+    """Alpha of the scene's materials, as rays ask for it; `material.textures.MaterialOpacity` is the real one."""
+
+    @property
+    def clear(self) -> Tensor:
+        """(M,) bool: materials that are not opaque everywhere."""
+        ...
+
+    def at(self, surface: Surface, by_camera: bool = False) -> Tensor:
+        """Alpha (N,) of surface points; `by_camera` if the exported camera sees them directly."""
+        ...
+
+
+class RayGeometry:
     """The scene's triangles, ready for rays and for look-ups.
+
+    Args:
+        mesh: The triangles, world space, meters.
+        opacity: Alpha of their materials.
+        device: Where to compute; rays are traced on the CPU.
 
     Attributes:
         corners: (3, F, 3) positions: corner, triangle, component.
@@ -64,8 +82,7 @@ class Geometry:
         size: Diagonal of the bounding box; offsets and tolerances are relative to it.
     """
 
-    def __init__(self, scene: SceneData, device: torch.device) -> None:
-        mesh: Mesh = scene.mesh
+    def __init__(self, mesh: SceneMesh, opacity: Opacity, device: torch.device) -> None:
         triangles = mesh.vertices[mesh.faces]
         self._embree = _embree(triangles)
         self.device = device
@@ -76,29 +93,32 @@ class Geometry:
         self.object = torch.from_numpy(mesh.object).to(device, torch.int64)
         flat = triangles.reshape(-1, 3)
         self.size = float(np.linalg.norm(flat.max(0) - flat.min(0)))
-        opacity = Opacity(scene, device)
         self.opacity = opacity if bool(opacity.clear[self.material].any()) else None
         self._triangles = triangles
-        self.glass = torch.zeros(len(scene.materials), device=device)
-        self._part()
+        self.glass = torch.zeros(len(opacity.clear), device=device)
+        self._split_triangles()
 
     def let_through(self, glass: Tensor) -> bool:
-        """Says how much light (M,) each material's glass lets pass a surface; whether that is news."""
-        news = not torch.equal(glass, self.glass)
-        if news:
+        """Sets the transmittance (M,) of each material's glass.
+
+        Returns:
+            Whether it has changed.
+        """
+        changed = not torch.equal(glass, self.glass)
+        if changed:
             self.glass = glass
-            self._part()
-        return news
+            self._split_triangles()
+        return changed
 
     def hide(self, triangles: Tensor) -> None:
-        """Takes triangles (n,) out of the way of rays; all others keep their numbers."""
+        """Hides triangles (n,) from rays; the others keep their indices."""
         self._triangles = self._triangles.copy()
         self._triangles[triangles.cpu().numpy()] = 1e30
         self._embree = _embree(self._triangles)
-        self._part()
+        self._split_triangles()
 
-    def _part(self) -> None:
-        """Parts the triangles into those that block light and those that may let some through."""
+    def _split_triangles(self) -> None:
+        """Builds one Embree scene of opaque triangles and one of those that may let light through."""
         clear = self.glass > 0 if self.opacity is None else self.opacity.clear | (self.glass > 0)
         passing = clear[self.material].cpu().numpy()
         self._filter = bool(passing.any())
@@ -109,7 +129,7 @@ class Geometry:
             self._numbers = torch.from_numpy(passing.nonzero()[0]).to(self.device)
 
     def first_hits(self, origin: Tensor, toward: Tensor) -> Hits:
-        """Where rays (3, N) with unit directions (3, N) end; what lets light through stops its share of the rays."""
+        """Where rays (3, N) with unit directions (3, N) end; a transparent surface stops a share of them."""
         hits = self.nearest(origin, toward)
         if not self._filter:
             return hits
@@ -117,9 +137,9 @@ class Geometry:
         chance = number.double().mul(0.6180339887498949).frac().float()  # evenly spread, the same every time
         index, parts = number, list(hits.parts)
         for _ in range(_LAYERS):
-            found = Hits(*(p[index] for p in parts))
-            stopping = self._stopping(self.surface(found, toward[:, index]), toward[:, index])
-            passes = found.hit & (stopping <= chance[index])
+            current = Hits(*(p[index] for p in parts))
+            stopping = self._stopping(self.surface(current, toward[:, index]), toward[:, index])
+            passes = current.hit & (stopping <= chance[index])
             index = index[passes]
             if not len(index):
                 break
@@ -136,11 +156,11 @@ class Geometry:
 
     def nearest(self, origin: Tensor, toward: Tensor) -> Hits:
         """Nearest intersections of rays (3, N) with unit directions (3, N), transparent or not."""
-        found = self._embree.run(_rows(origin), _rows(toward), output=1)
-        triangle = torch.from_numpy(found["primID"]).to(self.device, torch.int64)
-        distance = torch.from_numpy(found["tfar"]).to(self.device)
+        answer = self._embree.run(_rows(origin), _rows(toward), output=1)
+        triangle = torch.from_numpy(answer["primID"]).to(self.device, torch.int64)
+        distance = torch.from_numpy(answer["tfar"]).to(self.device)
         distance = torch.where(triangle >= 0, distance, torch.inf)
-        u, v = (torch.from_numpy(found[name]).to(self.device) for name in "uv")
+        u, v = (torch.from_numpy(answer[name]).to(self.device) for name in "uv")
         return Hits(triangle, u, v, distance)
 
     def clear(self, origin: Tensor, toward: Tensor, distance: Tensor) -> Tensor:
@@ -161,18 +181,18 @@ class Geometry:
         return solid * (1 - through)
 
     def _filtered(self, origin: Tensor, toward: Tensor, distance: Tensor, passing: Tensor) -> Tensor:
-        """Takes from the passing share (N,) what transparent surfaces on the way stop."""
+        """The passing share (N,) after the transparent surfaces along the rays."""
         index = (passing > 0).nonzero()[:, 0]
         start = torch.zeros_like(passing)
         for _ in range(_LAYERS):
             if not len(index):
                 break
             way = toward[:, index]
-            found = self._clear.run(_rows(origin[:, index] + way * start[index]), _rows(way), output=1)
-            triangle = torch.from_numpy(found["primID"]).to(self.device, torch.int64)
-            reach = start[index] + torch.from_numpy(found["tfar"]).to(self.device)
+            answer = self._clear.run(_rows(origin[:, index] + way * start[index]), _rows(way), output=1)
+            triangle = torch.from_numpy(answer["primID"]).to(self.device, torch.int64)
+            reach = start[index] + torch.from_numpy(answer["tfar"]).to(self.device)
             met = (triangle >= 0) & (reach < distance[index])
-            u, v = (torch.from_numpy(found[name]).to(self.device)[met] for name in "uv")
+            u, v = (torch.from_numpy(answer[name]).to(self.device)[met] for name in "uv")
             index, reach = index[met], reach[met]
             hits = Hits(self._numbers[triangle[met]], u, v, reach)
             passing[index] *= 1 - self._stopping(self.surface(hits, toward[:, index]), toward[:, index])
@@ -275,9 +295,9 @@ def sphere_points(count: int, copies: int, generator: torch.Generator) -> Tensor
 
 def _embree(triangles: np.ndarray) -> rtcore_scene.EmbreeScene:
     """Triangles (F, 3, 3) ready for rays."""
-    made = rtcore_scene.EmbreeScene()
-    TriangleMesh(made, np.ascontiguousarray(triangles, np.float32))
-    return made
+    embree_scene = rtcore_scene.EmbreeScene()
+    TriangleMesh(embree_scene, np.ascontiguousarray(triangles, np.float32))
+    return embree_scene
 
 
 def _rows(vectors: Tensor) -> np.ndarray:

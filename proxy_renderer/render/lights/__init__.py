@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What sends light: lamps, suns, the world, glowing surfaces, and their shadows."""
+"""Lights: the types of Blender, the world and its suns, glowing surfaces, and their shadows."""

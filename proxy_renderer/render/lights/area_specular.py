@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Highlights of lamps: a GGX lobe integrated over the lamp's outline, in closed form.
+"""Highlights of lights: a GGX lobe integrated over the light's outline, in closed form.
 
 In the slope space of the half vector, s = (h_x, h_y) / h_z, GGX is the isotropic density
 P(s) = 1 / (pi a^2 (1 + |s|^2 / a^2)^2) whatever the view. Its integral over a disc and over a
@@ -18,8 +18,7 @@ from torch import Tensor
 from ...scene.values import wanted
 from ..geometry.vectors import dot, tangents, unit
 from ..material.albedo import basis
-from .irradiance import Arrival
-from .lamps import Lamp, half_axes
+from .types.light_source import DirectIrradiance, LightSource
 
 _LEAST_ALPHA = 2e-3
 _PAIRS = ((0, 0), (1, 1), (0, 1))
@@ -28,8 +27,8 @@ _LEAST_UP = 0.08
 
 
 @dataclass(frozen=True)
-class Highlight:
-    """What a lamp's highlight at N points depends on, but for the material.
+class AreaSpecular:
+    """A light's highlight at N points, before roughness and Fresnel of the material.
 
     Attributes:
         strength: (N,) the lamp's radiance times (h.v) / (n.v n.h), 0 below the horizon.
@@ -46,7 +45,7 @@ class Highlight:
     outline: Tensor
     _lobes: dict[float, Tensor] = field(default_factory=dict, repr=False, compare=False)
 
-    def pick(self, index: slice) -> Highlight:
+    def pick(self, index: slice) -> AreaSpecular:
         """The points at an index."""
         parts = self.strength, self.curve, self.slope_in, self.slope_out, self.outline
         strength, curve, slope_in, slope_out, outline = (p[..., index] for p in parts)
@@ -60,7 +59,7 @@ class Highlight:
             _lobes={},
         )
 
-    def times(self, visible: Tensor) -> Highlight:
+    def times(self, visible: Tensor) -> AreaSpecular:
         """The same, shadowed by visible shares (N,)."""
         return replace(self, strength=self.strength * visible, _lobes={})
 
@@ -85,26 +84,31 @@ class Highlight:
         return self.strength * covered * (2 / masked)
 
 
-def highlight(lamp: Lamp, arriving: Arrival, points: Tensor, normal: Tensor, view: Tensor) -> Highlight:
+def area_specular(
+    lamp: LightSource, direct: DirectIrradiance, points: Tensor, normal: Tensor, view: Tensor
+) -> AreaSpecular:
     """The highlight of a lamp, unshadowed, at points (3, N) seen along `view` (3, N), towards the eye.
 
     Half-vector terms are taken where the lamp's outline comes nearest to the mirror direction.
     """
     out = dot(normal, view).clamp_min(2e-2)
-    place = _round_place if lamp.round else _box_place
-    outline, slope2, aside = place(lamp, arriving, points, normal, view, out)
+    sides = lamp.half_sides()
+    if sides is None:
+        outline, slope2, aside = _round_place(direct, normal, view, out)
+    else:
+        outline, slope2, aside = _box_place(lamp.position[:, None] - points, sides, normal, view, out)
     up = (1 + slope2).rsqrt()
     at_half = (aside * up).clamp(1e-3, 1.0)
     into = (2 * at_half * up - out).clamp_min(1e-2)
-    front = (dot(normal, arriving.toward) > 0) | (2 * at_half * up > out)
-    radiance = torch.where(front, arriving.frontal / arriving.solid_angle, 0.0)
+    front = (dot(normal, direct.toward) > 0) | (2 * at_half * up > out)
+    radiance = torch.where(front, direct.frontal / direct.solid_angle, 0.0)
     tan_in, tan_out = (1 / (c * c) - 1 for c in (into, out))
     strength = radiance * at_half / (out * up)
-    return Highlight(strength, basis(at_half), tan_in, tan_out, outline)
+    return AreaSpecular(strength, basis(at_half), tan_in, tan_out, outline)
 
 
 def _round_place(
-    _lamp: Lamp, arriving: Arrival, _points: Tensor, normal: Tensor, view: Tensor, out: Tensor
+    direct: DirectIrradiance, normal: Tensor, view: Tensor, out: Tensor
 ) -> tuple[Tensor, Tensor, Tensor]:
     """A round lamp in slope space: outline; squared slope of its nearest point, and h.v there over h.n.
 
@@ -113,7 +117,7 @@ def _round_place(
     that meets the mirror direction at best; its squared area relative to a disc of that radius; and the sum of its
     squared half axes.
     """
-    half = unit(arriving.toward + view, 1e-4)
+    half = unit(direct.toward + view, 1e-4)
     up = dot(half, normal).clamp_min(_LEAST_UP)
     aside = dot(half, view).clamp(1e-3, 1.0)
     squared = (1 / (up * up) - 1).clamp_min(0.0)
@@ -123,11 +127,11 @@ def _round_place(
     # How the half vector's slope follows the edge of the lamp's disc, along two directions of that.
     sides = [
         ((dot(e, across) - x * dot(e, normal)), (dot(e, upwards) - y * dot(e, normal)))
-        for e in tangents(arriving.toward)
+        for e in tangents(direct.toward)
     ]
-    scale = arriving.solid_angle / (4 * math.pi * (aside * up) ** 2)
+    scale = direct.solid_angle / (4 * math.pi * (aside * up) ** 2)
     xx, yy, xy = (scale * (sides[0][i] * sides[0][k] + sides[1][i] * sides[1][k]) for i, k in _PAIRS)
-    product = arriving.solid_angle / (4 * math.pi * aside * up**3)  # of both half axes
+    product = direct.solid_angle / (4 * math.pi * aside * up**3)  # of both half axes
     length2 = x * x + y * y
     head_on = length2 < 1e-8
     x, y = torch.where(head_on, slope, x), torch.where(head_on, 0.0, y)
@@ -143,12 +147,11 @@ def _round_place(
 
 
 def _box_place(
-    lamp: Lamp, _arriving: Arrival, points: Tensor, normal: Tensor, view: Tensor, out: Tensor
+    center: Tensor, sides: tuple[Tensor, Tensor], normal: Tensor, view: Tensor, out: Tensor
 ) -> tuple[Tensor, Tensor, Tensor]:
     """The same for a rectangular lamp: an upright box through the middles of its sides."""
     across, up = tangents(normal)
-    center = lamp.position[:, None] - points
-    u, v = half_axes(lamp)
+    u, v = sides
 
     def slope(offset: Tensor) -> Tensor:
         half = unit(unit(offset) + view, 1e-4)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Small glowing surfaces as lamps: few random rays would find them, fog would not scatter their light.
+"""Small glowing surfaces as lights: few random rays would hit them, and fog would not scatter their light.
 
 The surface of a material is cut into compact clusters, each of which shines like a point with an intensity that
 depends on the direction. What faces a direction w is the sum of a |n.w| / 2 and of a n.w / 2 over the areas `a` that
@@ -20,10 +20,11 @@ from torch import Tensor
 from ...color.tensors import luminance
 from ...scene import Light
 from ..geometry.directions import cosine_directions
-from ..geometry.vectors import cross, unit
-from ..geometry.visibility import Geometry, sphere_points
-from ..material.shading_inputs import Paint
-from .lamps import Glow, Lamp
+from ..geometry.vectors import cross, dot, unit
+from ..geometry.visibility import RayGeometry, sphere_points
+from ..material.shading_inputs import ShadingInputs
+from .types.local import clipped_sphere
+from .types.point import PointLight
 
 _LEAST = 0.25
 """Radiance from which a surface counts as a lamp: less is no brighter than what other lamps light."""
@@ -36,15 +37,60 @@ _ROUNDS = 12
 
 
 @dataclass(frozen=True)
-class Cluster:
-    """A part of a glowing surface: as a lamp of color 1, and the power of one of radiance 1."""
+class EmitterLight(PointLight):
+    """A part of a glowing surface, in place of a point light.
 
-    lamp: Lamp
+    Attributes:
+        form: (3, 3) symmetric: the root of w.form.w is how brightly it shines to the unit vector w and to -w.
+        lean: (3,) what it shines more to w than to -w, as a factor of w.
+        others: The scene without the surface.
+    """
+
+    form: Tensor
+    lean: Tensor
+    others: RayGeometry
+
+    @property
+    def owner(self) -> str:
+        """It is no light of the scene."""
+        return ""
+
+    @property
+    def pictured(self) -> bool:
+        """Reflections show the surface."""
+        return True
+
+    @property
+    def blockers(self) -> RayGeometry:
+        """It casts no shadow in its own light."""
+        return self.others
+
+    @property
+    def has_shadow_edges(self) -> bool:
+        """Surfaces do not move."""
+        return False
+
+    def directivity(self, toward: Tensor, radius: Tensor | None = None) -> Tensor:
+        """Intensity (N,) back along unit vectors (3, N) to it, 1 on average."""
+        way = -toward
+        even = dot(way, self.form @ way).clamp_min(1e-12).sqrt()
+        return (even + self.lean @ way).clamp_min(0.0)
+
+    def surface_cosine(self, cosine: Tensor, share: Tensor) -> Tensor:
+        """What of it is above the horizon counts."""
+        return clipped_sphere(cosine, share)
+
+
+@dataclass(frozen=True)
+class EmitterCluster:
+    """A part of a glowing surface: as a light of color 1, and the power of one of radiance 1."""
+
+    lamp: EmitterLight
     power: float
 
 
 class Emitters:
-    """Finds the glowing surfaces that are worth it, once they glow; they stay lamps even if they fade.
+    """Finds small bright surfaces and lights the scene with them; they stay lights even if they fade.
 
     Args:
         geometry: The triangles.
@@ -54,34 +100,38 @@ class Emitters:
         materials: Indices of those that are lamps.
     """
 
-    def __init__(self, geometry: Geometry, near: float) -> None:
+    def __init__(self, geometry: RayGeometry, near: float) -> None:
         self._geometry, self._near = geometry, near
-        self._clusters: dict[int, list[Cluster]] = {}
+        self._clusters: dict[int, list[EmitterCluster]] = {}
 
     @property
     def materials(self) -> tuple[int, ...]:
         """Indices of the materials whose light comes from lamps."""
         return tuple(m for m, clusters in self._clusters.items() if clusters)
 
-    def notice(self, paints: Sequence[Paint]) -> bool:
-        """Takes up what has begun to glow; whether there are new lamps."""
+    def notice(self, shading_inputs: Sequence[ShadingInputs]) -> bool:
+        """Makes lights of materials that have begun to glow.
+
+        Returns:
+            Whether there are new lights.
+        """
         before = self.materials
-        for material, paint in enumerate(paints):
-            if material not in self._clusters and float(luminance(paint.emission.detach())) > _LEAST:
+        for material, inputs in enumerate(shading_inputs):
+            if material not in self._clusters and float(luminance(inputs.emission.detach())) > _LEAST:
                 with torch.no_grad():
                     self._clusters[material] = clusters_of(self._geometry, material, self._near)
         return self.materials != before
 
-    def lamps(self, paints: Sequence[Paint]) -> list[Lamp]:
+    def lamps(self, shading_inputs: Sequence[ShadingInputs]) -> list[EmitterLight]:
         """All clusters as lamps, differentiable in emission."""
         return [
-            replace(cluster.lamp, color=paints[material].emission * cluster.power)
+            replace(cluster.lamp, color=shading_inputs[material].emission * cluster.power)
             for material, clusters in self._clusters.items()
             for cluster in clusters
         ]
 
 
-def clusters_of(geometry: Geometry, material: int, near: float) -> list[Cluster]:
+def clusters_of(geometry: RayGeometry, material: int, near: float) -> list[EmitterCluster]:
     """Cuts a material's surface into clusters; none where it is too large for that.
 
     Args:
@@ -109,11 +159,11 @@ def clusters_of(geometry: Geometry, material: int, near: float) -> list[Cluster]
     blockers = _without(geometry, triangles)
     share = area / place.shape[1]
     parts = [(place[:, g], normal[:, g], outside[g], inside[g]) for g in groups]
-    found = [_cluster(*p, share, blockers, f"{material}/{k}") for k, p in enumerate(parts)]
-    return [cluster for cluster in found if cluster.power > 0]
+    clusters = [_cluster(*p, share, blockers, f"{material}/{k}") for k, p in enumerate(parts)]
+    return [cluster for cluster in clusters if cluster.power > 0]
 
 
-def _points(geometry: Geometry, triangles: Tensor) -> tuple[Tensor, Tensor, float]:
+def _points(geometry: RayGeometry, triangles: Tensor) -> tuple[Tensor, Tensor, float]:
     """Evenly spread points (3, P), the normals (3, P) of their triangles (F,), and the whole area."""
     a, b, c = (geometry.corners[k, triangles].T for k in range(3))
     double = cross(b - a, c - a)
@@ -128,7 +178,7 @@ def _points(geometry: Geometry, triangles: Tensor) -> tuple[Tensor, Tensor, floa
     return place, unit(double, 1e-15)[:, chosen], float(areas.sum())
 
 
-def _open(geometry: Geometry, material: int, place: Tensor, side: Tensor) -> Tensor:
+def _open(geometry: RayGeometry, material: int, place: Tensor, side: Tensor) -> Tensor:
     """Where (P,) light that leaves to a side does not meet the same material, as 0 or 1."""
     uv = torch.rand((2, place.shape[1]), generator=torch.Generator().manual_seed(4)).to(place.device)
     toward = cosine_directions(side, uv)
@@ -170,9 +220,9 @@ def _cluster(
     outside: Tensor,
     inside: Tensor,
     share: float,
-    blockers: Geometry,
+    blockers: RayGeometry,
     name: str,
-) -> Cluster:
+) -> EmitterCluster:
     """From points (3, n) with normals, seen from outside and inside (n,), that stand for an area each."""
     even, odd = (outside + inside) / 2 * share, (outside - inside) / 2 * share
     area = float(even.sum())
@@ -185,8 +235,8 @@ def _cluster(
     light = Light(f"emitter/{name}", "POINT", ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), (0.0,) * 3)
     light = replace(light, soft_falloff=False)
     ones, middle = torch.ones(3, device=place.device), place.mean(1)
-    lamp = Lamp(light, ones, middle, axes, _radius(place), glow=Glow(form, lean, blockers))
-    return Cluster(lamp, 2 * math.pi * area)
+    lamp = EmitterLight(light, ones, middle, axes, _radius(place), form, lean, blockers)
+    return EmitterCluster(lamp, 2 * math.pi * area)
 
 
 def _sphere(count: int = 2048) -> Tensor:
@@ -197,7 +247,7 @@ def _sphere(count: int = 2048) -> Tensor:
     return torch.stack((radius * angle.cos(), radius * angle.sin(), z))
 
 
-def _without(geometry: Geometry, triangles: Tensor) -> Geometry:
+def _without(geometry: RayGeometry, triangles: Tensor) -> RayGeometry:
     """The scene as what blocks light, without some triangles."""
     rest = copy.copy(geometry)
     rest.hide(triangles)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The world as a light: what a ray that leaves the scene sees, sharp, blurred, or as irradiance, and its suns as lamps."""
+"""The world as a light: radiance by direction, sharp or blurred, irradiance, and its suns."""
 
 from __future__ import annotations
 
@@ -11,12 +11,11 @@ from torch import Tensor
 from torch.nn.functional import grid_sample, interpolate
 
 from ...scene import SceneData
-from ...scene.values import Settings
+from ...scene.values import RenderValues
 from ..geometry.directions import texels
 from ..geometry.vectors import dot, unit
 from . import prefilter
-from .environment_suns import Sun, split
-from .lamps import Lamp
+from .environment_suns import EnvironmentSun, EnvironmentSunLight, split
 
 _ROUGH_HEIGHT = 48
 _SHARP_HEIGHT = 512
@@ -25,7 +24,7 @@ _SOFT = 0.5
 
 
 class Environment:
-    """The parts of the world that no vibe changes.
+    """The constant part of the world: its picture, prepared for look-ups.
 
     Attributes:
         whole: The picture (1, 3, H, W), one more column at both sides; None for a plain color.
@@ -37,7 +36,7 @@ class Environment:
     """
 
     def __init__(self, scene: SceneData, device: torch.device) -> None:
-        self.suns: list[Sun] = []
+        self.suns: list[EnvironmentSun] = []
         self.whole: Tensor | None = None
         self.sharp = self.blurred = self.soft = torch.zeros(0, device=device)
         image = scene.world.image
@@ -121,7 +120,7 @@ class Sky:
         return torch.ones_like(toward) if whole is None else _look_up(whole, self._place(toward))
 
     @property
-    def lamps(self) -> list[Lamp]:
+    def lamps(self) -> list[EnvironmentSunLight]:
         """The suns in its picture."""
         return [sun.lamp(i, self.color, self.turn) for i, sun in enumerate(self.environment.suns)]
 
@@ -147,7 +146,7 @@ class Sky:
         return torch.stack(rows) * self.color
 
     @property
-    def halves(self) -> Tensor:
+    def hemispheres(self) -> Tensor:
         """(2, 3) light of the world on surfaces that face up and down: irradiance over pi.
 
         Ramamoorthi and Hanrahan's convolution with the cosine (2001), which the rotation does not change.
@@ -157,7 +156,7 @@ class Sky:
         return torch.stack((even + odd, even - odd)).clamp_min(0.0)
 
 
-def sky_of(environment: Environment, settings: Settings) -> Sky:
+def sky_of(environment: Environment, settings: RenderValues) -> Sky:
     """The world at a render's values."""
     strength = settings.scalar("world/strength", 1.0)
     if environment.whole is not None:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Suns in a picture of the world: its small bright parts, taken out and treated as lamps, so that shadows are sharp.
 
-Cycles samples an environment by importance. What throws a visible shadow is what sends much light from a small
-part of the sky: a window, a lamp, the sun. The rest stays a smooth light from all around.
+Cycles samples an environment by importance. Visible shadows come from small bright parts of it: a window, a lamp, the
+sun. The rest stays smooth light from all around.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from ...color.constants import LUMINANCE_WEIGHTS
 from ...scene import Light
 from ..geometry.directions import texels
 from ..geometry.vectors import tangents
-from .lamps import Lamp
+from .types.sun import SunLight
 
 _MOST, _TRIED = 3, 6
 _REGION = 0.25
@@ -36,7 +36,28 @@ _SEARCH_HEIGHT = 128
 
 
 @dataclass(frozen=True)
-class Sun:
+class EnvironmentSunLight(SunLight):
+    """A bright part of the world's picture, in place of a sun.
+
+    Attributes:
+        wide: Whether it is too large to pass for a disc in a mirror.
+    """
+
+    wide: bool
+
+    @property
+    def owner(self) -> str:
+        """The world."""
+        return "world"
+
+    @property
+    def pictured(self) -> bool:
+        """Reflections show a wide one as it is in the picture."""
+        return self.wide
+
+
+@dataclass(frozen=True)
+class EnvironmentSun:
     """A bright part of a picture.
 
     Attributes:
@@ -54,8 +75,8 @@ class Sun:
         """Whether reflections show its picture, not the highlight of a disc."""
         return self.angle > _WIDE
 
-    def lamp(self, number: int, tint: Tensor, turn: Tensor) -> Lamp:
-        """It as a lamp, in a world of color `tint` (3,) whose picture is turned by `turn` () radians."""
+    def lamp(self, number: int, tint: Tensor, turn: Tensor) -> EnvironmentSunLight:
+        """The sun as a light, in a world of color `tint` (3,) whose picture is turned by `turn` () radians."""
         c, s, zero = turn.cos(), turn.sin(), torch.zeros_like(turn)
         one = torch.ones_like(turn)
         rows = torch.stack((c, s, zero)), torch.stack((-s, c, zero)), torch.stack((zero, zero, one))
@@ -64,11 +85,11 @@ class Sun:
         identity = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
         light = Light(f"world/{number}", "SUN", identity, (0.0, 0.0, 0.0))
         place, size = torch.zeros_like(self.toward), torch.full_like(turn.detach(), self.angle)
-        return Lamp(light, self.color * tint, place, axes, size, of_world=True, wide=self.wide)
+        return EnvironmentSunLight(light, self.color * tint, place, axes, size, wide=self.wide)
 
 
 @dataclass(frozen=True)
-class Split:
+class SunSplit:
     """A picture of the world, equirectangular and bottom row first, in parts.
 
     Attributes:
@@ -79,11 +100,11 @@ class Split:
 
     shown: Tensor
     rest: Tensor
-    suns: list[Sun]
+    suns: list[EnvironmentSun]
 
 
-def split(picture: Tensor) -> Split:
-    """Takes the suns out of a picture (1, 3, H, W)."""
+def split(picture: Tensor) -> SunSplit:
+    """Separates the suns from an equirectangular picture (1, 3, H, W)."""
     height = min(_SEARCH_HEIGHT, picture.shape[2])
     small = interpolate(picture, (height, 2 * height), mode="area")[0].flatten(1)
     toward, solid = texels(height, 2 * height, picture.device)
@@ -91,7 +112,7 @@ def split(picture: Tensor) -> Split:
     weights = picture.new_tensor(LUMINANCE_WEIGHTS)
     mean = float(weights @ small @ solid) / (4 * math.pi)
     flat = picture[0].flatten(1)
-    found: list[tuple[Sun, Tensor]] = []
+    candidates: list[tuple[EnvironmentSun, Tensor]] = []
     for _ in range(_TRIED):
         peak = _middle(weights @ small, toward, solid)
         radius, level = _extent(small, toward, solid, peak, weights)
@@ -99,17 +120,19 @@ def split(picture: Tensor) -> Split:
         if not float(weights @ excess @ solid) > 0:
             break
         part = _excess(flat, fine, peak, radius, level)
-        found.append((_sun(excess @ solid, weights @ excess * solid, toward), part))
+        candidates.append((_sun(excess @ solid, weights @ excess * solid, toward), part))
         small, flat = small - excess, flat - part
-    found = [pair for pair in found if _counts(pair[0], float(weights @ pair[0].color), mean)]
-    kept = sorted(found, key=lambda pair: -float(weights @ pair[0].color))[:_MOST]
+    candidates = [pair for pair in candidates if _counts(pair[0], float(weights @ pair[0].color), mean)]
+    kept = sorted(candidates, key=lambda pair: -float(weights @ pair[0].color))[:_MOST]
     nothing = torch.zeros_like(picture)
     rest = sum((part.view_as(picture) for _, part in kept), nothing)
     discs = sum((part.view_as(picture) for sun, part in kept if not sun.wide), nothing)
-    return Split(picture - discs, picture - rest, sorted((sun for sun, _ in kept), key=lambda sun: sun.wide))
+    return SunSplit(
+        picture - discs, picture - rest, sorted((sun for sun, _ in kept), key=lambda sun: sun.wide)
+    )
 
 
-def _counts(sun: Sun, light: float, mean: float) -> bool:
+def _counts(sun: EnvironmentSun, light: float, mean: float) -> bool:
     """Whether a sun's irradiance is worth a lamp in a world of this mean radiance."""
     radiance = light / (math.pi * max(sun.angle / 2, 1e-4) ** 2)
     return light > _LEAST_SHARE * math.pi * mean and radiance > _LEAST_CONTRAST * mean
@@ -137,7 +160,7 @@ def _extent(
     small: Tensor, toward: Tensor, solid: Tensor, peak: Tensor, weights: Tensor
 ) -> tuple[float, Tensor]:
     """Cosine of the least radius around a peak that holds most of its light, and the level (3,) around that."""
-    found = []
+    candidates = []
     for degrees in _RADII:
         radius = math.cos(math.radians(degrees))
         cosine = peak @ toward
@@ -145,9 +168,9 @@ def _extent(
         # Where texels are too large for a ring, nothing stands out from its surroundings.
         level = small[:, ring].median(1).values if bool(ring.any()) else small.max(1).values
         light = weights @ _excess(small, toward, peak, radius, level) @ solid
-        found.append((float(light), radius, level))
-    most = max(light for light, _, _ in found)
-    return next((radius, level) for light, radius, level in found if light >= _MOST_OF * most)
+        candidates.append((float(light), radius, level))
+    most = max(light for light, _, _ in candidates)
+    return next((radius, level) for light, radius, level in candidates if light >= _MOST_OF * most)
 
 
 def _excess(picture: Tensor, toward: Tensor, peak: Tensor, radius: float, level: Tensor) -> Tensor:
@@ -156,10 +179,10 @@ def _excess(picture: Tensor, toward: Tensor, peak: Tensor, radius: float, level:
     return (picture - level[:, None]).clamp_min(0.0) * near
 
 
-def _sun(color: Tensor, light: Tensor, toward: Tensor) -> Sun:
+def _sun(color: Tensor, light: Tensor, toward: Tensor) -> EnvironmentSun:
     """From the luminous irradiance (T,) of texels: its centroid, and the disc of the same second moment."""
     center = toward @ light
     center = center / center.norm()
     cosine = (center @ toward).clamp(-1.0, 1.0)
     moment = float((torch.arccos(cosine) ** 2) @ light / light.sum())
-    return Sun(center, color, 2 * math.sqrt(2 * moment))
+    return EnvironmentSun(center, color, 2 * math.sqrt(2 * moment))

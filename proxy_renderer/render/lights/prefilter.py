@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A picture of the world as rough surfaces show it: blurred beforehand by round lobes, of which stretched ones are made.
+"""Prefiltered environment: the picture blurred by round lobes, of which the stretched lobes of GGX are composed.
 
 Head on, a GGX lobe of reflected light is round. The flatter a surface is seen, the narrower the lobe becomes across
 the plane in which light is reflected, while it stays as long along that plane and leans away from the surface: a lamp

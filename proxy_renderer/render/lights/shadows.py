@@ -10,9 +10,8 @@ from torch import Tensor
 
 from ..geometry.samples import Samples
 from ..geometry.vectors import dot
-from ..geometry.visibility import Geometry, Surface, sphere_points
-from .irradiance import Arrival
-from .lamps import Lamp, outline
+from ..geometry.visibility import RayGeometry, Surface, sphere_points
+from .types.light_source import DirectIrradiance, LightSource
 
 _MOST_RAYS = 4
 _SHARP = 1e-3
@@ -20,7 +19,12 @@ _SHARP = 1e-3
 
 
 def shadow(
-    geometry: Geometry, smoothing: Smoothing, surface: Surface, lamp: Lamp, arriving: Arrival, moving: bool
+    geometry: RayGeometry,
+    smoothing: ShadowFilter,
+    surface: Surface,
+    lamp: LightSource,
+    direct: DirectIrradiance,
+    moving: bool,
 ) -> Tensor:
     """Share (N,) of a lamp that every surface sample sees.
 
@@ -29,31 +33,31 @@ def shadow(
         smoothing: Of the view.
         surface: The surface at its samples.
         lamp: The lamp, detached.
-        arriving: What it sends, unshadowed.
+        direct: What it sends, unshadowed.
         moving: Whether the lamp is being moved by a gradient loop: fewer rays then, more smoothing.
     """
     count = len(surface.material)
     if not lamp.light.shadow:
         return torch.ones(count, device=surface.position.device)
-    solid = float(arriving.solid_angle.max()) if count else 0.0
+    solid = float(direct.solid_angle.max()) if count else 0.0
     rays = 1 if solid < _SHARP else (2 if moving else _MOST_RAYS)
-    facing, reached = dot(surface.facet, arriving.toward) > 0, arriving.frontal > 0
+    facing, reached = dot(surface.facet, direct.toward) > 0, direct.frontal > 0
     # Out of a spot's cone nothing is in shadow: smoothing would carry that over the cone's rim.
-    seen, lit = (facing & ~reached).to(torch.float32), facing & reached
+    visible, lit = (facing & ~reached).to(torch.float32), facing & reached
     index = lit.nonzero()[:, 0]
     origin = geometry.lifted(surface)[:, index]
-    blockers = lamp.glow.blockers if lamp.glow else geometry
-    spots = sphere_points(rays, count, torch.Generator().manual_seed(11)).to(seen.device)[:, index]
-    part = arriving.toward[:, index], arriving.distance[index], arriving.solid_angle[index]
-    total = torch.zeros(len(index), device=seen.device)
+    blockers = lamp.blockers or geometry
+    spots = sphere_points(rays, count, torch.Generator().manual_seed(11)).to(visible.device)[:, index]
+    part = direct.toward[:, index], direct.distance[index], direct.solid_angle[index]
+    total = torch.zeros(len(index), device=visible.device)
     for k in range(rays):
-        toward, distance = outline(lamp, *part, spots[:, :, k])
+        toward, distance = lamp.shadow_targets(*part, spots[:, :, k])
         total += blockers.clear(origin, toward, distance * (1 - 1e-4))
-    seen[index] = total / rays
-    return smoothing(seen, radius=1 if rays == 1 else 2)
+    visible[index] = total / rays
+    return smoothing(visible, radius=1 if rays == 1 else 2)
 
 
-class Smoothing:
+class ShadowFilter:
     """A cross-bilateral box filter over the picture: neighbors on the same smooth surface share rays.
 
     Which they are depends on the view only, and is kept for every shadow that is traced in it.
@@ -77,10 +81,10 @@ class Smoothing:
         self._same: dict[tuple[int, int], Tensor] = {}
         self._weight: dict[int, Tensor] = {}
 
-    def __call__(self, seen: Tensor, radius: int) -> Tensor:
+    def __call__(self, visible: Tensor, radius: int) -> Tensor:
         """The shares (N,) averaged over so many pixels to each side; samples of edges stay as they are."""
-        value = torch.zeros(self._inside.shape, device=seen.device)
-        value[self._inside] = seen[self._chosen]
+        value = torch.zeros(self._inside.shape, device=visible.device)
+        value[self._inside] = visible[self._chosen]
         value = value.view(self._size)
         total = value.clone()
         for step in _steps(radius):
@@ -88,7 +92,7 @@ class Smoothing:
             total[to] += value[of] * self._alike(*step)
         if radius not in self._weight:
             self._weight[radius] = self._count(radius)
-        smooth = seen.clone()
+        smooth = visible.clone()
         smooth[self._plain] = (total / self._weight[radius]).flatten()[self._plain_pixel]
         return smooth
 

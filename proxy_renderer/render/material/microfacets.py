@@ -57,6 +57,6 @@ def unshadowed(cosine: Tensor, alpha: Tensor | float, leaving: Tensor) -> Tensor
         alpha: () or (...) width of the distribution.
         leaving: (...) cosine of the angle of the light to it.
     """
-    seen = (1 + alpha**2 * (1 / (cosine * cosine) - 1)).sqrt()
-    left = (1 + alpha**2 * (1 / leaving.clamp(1e-4, 1.0) ** 2 - 1)).sqrt()
-    return torch.where(leaving > 0, (1 + seen) / (seen + left), 0.0)
+    masking = (1 + alpha**2 * (1 / (cosine * cosine) - 1)).sqrt()
+    shadowing = (1 + alpha**2 * (1 / leaving.clamp(1e-4, 1.0) ** 2 - 1)).sqrt()
+    return torch.where(leaving > 0, (1 + masking) / (masking + shadowing), 0.0)

@@ -12,7 +12,7 @@ from torch import Tensor
 
 from ...color.tensors import luminance
 from ...scene import Material
-from ...scene.values import Settings, wanted
+from ...scene.values import RenderValues, wanted
 from ..geometry.vectors import within
 
 _MOST = {"metallic": 1.0, "roughness": 1.0, "coat": 1.0, "transmission": 1.0, "emission": math.inf}
@@ -20,7 +20,7 @@ _MOST = {"metallic": 1.0, "roughness": 1.0, "coat": 1.0, "transmission": 1.0, "e
 
 
 @dataclass(frozen=True)
-class Paint:
+class ShadingInputs:
     """A material's values in one render: scalars () and colors (3,).
 
     Where nodes compute them, `metallic`, `roughness`, `coat` and `transmission` are (N,), `emission` (3, N).
@@ -50,17 +50,17 @@ class Paint:
         color, strength = self.emission_color, self.strength
         return color[:, None] * strength if color.dim() == strength.dim() == 1 else color * strength
 
-    def varied(self, inputs: Mapping[str, Tensor]) -> Paint:
+    def varied(self, textured: Mapping[str, Tensor]) -> ShadingInputs:
         """The same with inputs (1 or 3, N) that vary over its samples."""
-        if not inputs:
+        if not textured:
             return self
         given: dict[str, Any] = {
             "strength" if name == "emission" else name: value[0].clamp(0.0, _MOST[name])
-            for name, value in inputs.items()
+            for name, value in textured.items()
             if name in _MOST
         }
-        if "emission_color" in inputs:
-            given["emission_color"] = inputs["emission_color"]
+        if "emission_color" in textured:
+            given["emission_color"] = textured["emission_color"]
         return replace(self, **given)
 
     def colored(self, texture: Tensor | None) -> Tensor:
@@ -73,7 +73,7 @@ class Paint:
         return texture * self.base[:, None]
 
 
-def paint_of(material: Material, settings: Settings) -> Paint:
+def shading_inputs_of(material: Material, settings: RenderValues) -> ShadingInputs:
     """The values of one material."""
     key = f"material/{material.name}/"
     constants = material.constants
@@ -83,7 +83,7 @@ def paint_of(material: Material, settings: Settings) -> Paint:
     def unit(name: str, default: float) -> Tensor:
         return within(settings.scalar(key + name, default), 0.0, 1.0)
 
-    return Paint(
+    return ShadingInputs(
         base=within(base, 0.0, math.inf),
         metallic=unit("metallic", 0.0),
         roughness=unit("roughness", 0.5),

@@ -1,27 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Material inputs that vary over a surface: textures over UVs, and what the exported camera saw of node networks."""
+"""Material inputs that vary over a surface: textures over UVs, and node networks baked from the exported camera."""
 
 from __future__ import annotations
-
-from typing import TYPE_CHECKING
 
 import torch
 from torch import Tensor
 from torch.nn.functional import grid_sample, interpolate
 
 from ...scene import SceneData, Texture
-from ...scene.values import Settings
+from ...scene.values import RenderValues
 from ..geometry.camera import view_of
 from ..geometry.vectors import dot, length
-
-if TYPE_CHECKING:
-    from ..geometry.visibility import Geometry, Surface
+from ..geometry.visibility import RayGeometry, Surface
 
 _LEVELS = 7
 """Versions of a pattern, each half as fine as the one before."""
 
 
-class Maps:
+class MaterialTextures:
     """All pictures of a scene's materials.
 
     Args:
@@ -33,7 +29,7 @@ class Maps:
     def __init__(self, scene: SceneData, device: torch.device, size: tuple[int, int] | None = None) -> None:
         self._scene = scene
         with torch.no_grad():
-            self._view = view_of(scene, Settings(scene, {}, device), scene.resolution).detached()
+            self._view = view_of(scene, RenderValues(scene, {}, device), scene.resolution).detached()
             self._images = {
                 (number, name): _image(texture, device, size)
                 for number, material in enumerate(scene.materials)
@@ -66,10 +62,10 @@ class Maps:
             return rows[:, :3] @ surface.position + rows[:, 3:]
         return surface.uv
 
-    def relief(self, surface: Surface, geometry: Geometry) -> Tensor | None:
-        """Base colors (3, N) at points over the means of their textures; None where no material has one.
+    def relative_base_color(self, surface: Surface, geometry: RayGeometry) -> Tensor | None:
+        """Base colors (3, N) at points relative to their textures' means; None where no material has a texture.
 
-        What only the exported camera saw is its mean wherever that did not see it.
+        A texture baked from the exported camera is its mean (1) where that camera did not see the point.
         """
         result = None
         for material, row in enumerate(self._scene.materials):
@@ -82,14 +78,14 @@ class Maps:
                 index = index[((place > 0) & (place < 1)).all(0)]
             elif row.texture.window is not None:
                 index = index[self._seen(row.texture.window, surface.pick(index), geometry)]
-            found = self._footprints(material, name, surface.pick(index))
+            sampled = self._footprints(material, name, surface.pick(index))
             mean = self._images[material, "base_color"].mean((2, 3)).view(3, 1).clamp_min(1e-3)
             result = torch.ones_like(surface.position) if result is None else result
-            result = result.index_copy(1, index, found / mean)
+            result = result.index_copy(1, index, sampled / mean)
         return result
 
     def _seen(
-        self, window: tuple[float, float, float, float], surface: Surface, geometry: Geometry
+        self, window: tuple[float, float, float, float], surface: Surface, geometry: RayGeometry
     ) -> Tensor:
         """(N,) bool: points in a window of the exported camera's picture that nothing hides from it."""
         place = self._through(window, surface.position)
@@ -106,9 +102,9 @@ class Maps:
         return inside & (open_ > 0)
 
     def _footprints(self, material: int, name: str, surface: Surface) -> Tensor:
-        """A base color (3, N), averaged over what lies between a point and the next, as far as they are in a row.
+        """A base color (3, N), averaged over the footprint of each point: its distance to the next point.
 
-        Curved mirrors squeeze much into one pixel; neighbors in a row are neighbors in the picture.
+        Consecutive points are neighbors in the picture, and curved mirrors squeeze much into one pixel.
         """
         texture = self._scene.materials[material].maps.get(name)
         image = self._images[material, name]
@@ -121,8 +117,8 @@ class Maps:
         result = torch.zeros_like(surface.position)
         for number in range(_LEVELS):
             share = (1 - (level - number).abs()).clamp_min(0.0)
-            found = grid_sample(image, grid, padding_mode="border", align_corners=False)[0, :, 0]
-            result = result + found * share
+            sampled = grid_sample(image, grid, padding_mode="border", align_corners=False)[0, :, 0]
+            result = result + sampled * share
             image = interpolate(image, scale_factor=0.5, mode="area") if min(image.shape[2:]) > 1 else image
         return result
 
@@ -149,7 +145,7 @@ def _image(texture: Texture, device: torch.device, size: tuple[int, int] | None)
     return interpolate(image, smaller, mode="area")
 
 
-class Opacity:
+class MaterialOpacity:
     """Alpha of surfaces.
 
     Args:
@@ -161,7 +157,7 @@ class Opacity:
     """
 
     def __init__(self, scene: SceneData, device: torch.device) -> None:
-        self._maps = Maps(scene, device)
+        self._maps = MaterialTextures(scene, device)
         self._alpha = torch.tensor([m.alpha for m in scene.materials], device=device).clamp(0, 1)
         self._mapped = [i for i, m in enumerate(scene.materials) if "alpha" in m.maps]
         self._seen_only = {
@@ -170,12 +166,22 @@ class Opacity:
         self.clear = self._alpha < 1
         self.clear[self._mapped] = True
 
-    def at(self, surface: Surface, seen: bool = False) -> Tensor:
-        """Alpha (N,). What only the exported camera saw counts as its mean, except for points `seen` by it."""
+    def at(self, surface: Surface, by_camera: bool = False) -> Tensor:
+        """Alpha (N,) of surface points.
+
+        Args:
+            surface: The points.
+            by_camera: Whether the exported camera sees them directly. If not, alpha baked from it is its mean.
+        """
         alpha = self._alpha[surface.material]
         for material in self._mapped:
             index = (surface.material == material).nonzero()[:, 0]
-            if len(index) and (seen or not self._seen_only[material]):
-                found = self._maps.at(material, "alpha", surface.pick(index))
-                alpha = alpha.index_copy(0, index, found.mean(0).clamp(0, 1))
+            if len(index) and (by_camera or not self._seen_only[material]):
+                sampled = self._maps.at(material, "alpha", surface.pick(index))
+                alpha = alpha.index_copy(0, index, sampled.mean(0).clamp(0, 1))
         return alpha
+
+
+def geometry_of(scene: SceneData, device: torch.device) -> RayGeometry:
+    """The scene's triangles, with the opacity of their materials."""
+    return RayGeometry(scene.mesh, MaterialOpacity(scene, device), device)

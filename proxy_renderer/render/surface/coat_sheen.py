@@ -9,34 +9,34 @@ import torch
 from torch import Tensor
 
 from ..material import albedo
-from ..material.shading_inputs import Paint
-from .lobes import Light, multiple_scattering, single_scattering, specular
+from ..material.shading_inputs import ShadingInputs
+from .lobes import IncidentLight, multiple_scattering, single_scattering, specular
 
 
-def coat(paint: Paint, light: Light) -> tuple[Tensor, Tensor]:
+def coat(inputs: ShadingInputs, light: IncidentLight) -> tuple[Tensor, Tensor]:
     """Reflection (3, N) of the lacquer, and the share that reaches what is below."""
-    e, mean = single_scattering(paint.coat_roughness, light.view)
-    ior = torch.tensor(paint.coat_ior, device=e.device).clamp_min(1.0001)
+    e, mean = single_scattering(inputs.coat_roughness, light.view)
+    ior = torch.tensor(inputs.coat_ior, device=e.device).clamp_min(1.0001)
     f0 = albedo.f0_of(ior)
     many = multiple_scattering((ior - 1) / (4.08567 + 1.00071 * ior), mean)
-    share = albedo.weigh(albedo.dielectric_share(paint.coat_roughness, ior), light.view).clamp(0.0, 1.0)
-    lobes = [h.lobe(paint.coat_roughness) for h in light.highlights]
+    share = albedo.weigh(albedo.dielectric_share(inputs.coat_roughness, ior), light.view).clamp(0.0, 1.0)
+    lobes = [h.lobe(inputs.coat_roughness) for h in light.highlights]
     curve = albedo.dielectric_curve(ior)
     direct = specular(light.lamps, light.highlights, lobes, curve, f0.expand(3, 1), 1.0)
     reflectance = f0 + (1 - f0) * share
-    boost = (1 + many * ((1 - e) / e)) * paint.coat
-    around = light.reflected.at(paint.coat_roughness) * reflectance * e
+    boost = (1 + many * ((1 - e) / e)) * inputs.coat
+    around = light.reflected.at(inputs.coat_roughness) * reflectance * e
     left = 1 - reflectance * e * boost
-    if any(t != 1.0 for t in paint.coat_tint):
-        left = left * (1 - paint.coat * (1 - _coat_tint(paint, light)))
+    if any(t != 1.0 for t in inputs.coat_tint):
+        left = left * (1 - inputs.coat * (1 - _coat_tint(inputs, light)))
     return (around + direct) * boost, left
 
 
-def _coat_tint(paint: Paint, light: Light) -> Tensor:
+def _coat_tint(inputs: ShadingInputs, light: IncidentLight) -> Tensor:
     """Beer's law along the refracted ray through a colored lacquer (3, N)."""
-    tint = light.view.new_tensor(paint.coat_tint).clamp_min(1e-4)[:, None]
+    tint = light.view.new_tensor(inputs.coat_tint).clamp_min(1e-4)[:, None]
     cosine = 1 - light.view[1]
-    depth = (1 - (1 - cosine * cosine) / paint.coat_ior**2).clamp_min(1e-4).rsqrt()
+    depth = (1 - (1 - cosine * cosine) / inputs.coat_ior**2).clamp_min(1e-4).rsqrt()
     return tint**depth
 
 
@@ -54,13 +54,13 @@ _SHEEN = (
 """Albedo of Cycles' microfiber sheen: rows of rising roughness, columns of rising cosine, 0 to 1."""
 
 
-def sheen(paint: Paint, light: Light) -> tuple[Tensor, Tensor]:
+def sheen(inputs: ShadingInputs, light: IncidentLight) -> tuple[Tensor, Tensor]:
     """Microfiber sheen (3, N), lit as if diffuse, and the share (N,) left to the layers below."""
     table = light.view.new_tensor(_SHEEN)
-    place = paint.sheen_roughness * 8
+    place = inputs.sheen_roughness * 8
     low = min(int(place), 7)
     row = torch.lerp(table[low], table[low + 1], place - low)
     nodes = albedo.basis(torch.linspace(0, 1, 9, device=row.device)[1:])
-    amount = (torch.linalg.pinv(nodes.T) @ row[1:] @ light.view).clamp(0.0, 1.0) * paint.sheen
-    tint = light.view.new_tensor(paint.sheen_tint)[:, None]
+    amount = (torch.linalg.pinv(nodes.T) @ row[1:] @ light.view).clamp(0.0, 1.0) * inputs.sheen
+    tint = light.view.new_tensor(inputs.sheen_tint)[:, None]
     return tint * (light.irradiance * (amount / math.pi)), 1 - amount * float(tint.max())

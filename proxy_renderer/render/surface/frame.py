@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""All that one render is made of, and what of it has to be traced again when values change."""
+"""The state of one render, and which values make rays be traced again."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from torch import Tensor
 from ...color.tensors import luminance
 from ..geometry.camera import View
 from ..lights.environment import Sky
-from ..lights.lamps import Lamp
+from ..lights.types.light_source import LightSource
 from ..material import albedo
-from ..material.shading_inputs import Paint
-from ..transport.fog import Fog
+from ..material.shading_inputs import ShadingInputs
+from ..transport.fog import FogMedium
 from .view_cache import ViewCache
-from .view_samples import Sight
+from .view_samples import ViewSamples
 
 _SMOOTH = 0.25
 """Roughness below which reflections are sharp."""
@@ -27,16 +27,26 @@ _GLASS_STEPS = 8
 
 
 @dataclass(frozen=True)
-class Frame:
-    """All that one render is made of."""
+class RenderState:
+    """The state of one render: camera, samples, lights, world, materials, fog.
+
+    Attributes:
+        view: The camera.
+        cache: What has been traced for it.
+        view_samples: The samples as it sees them.
+        lamps: The lights: the scene's, the environment's suns, glowing surfaces.
+        sky: The world.
+        shading_inputs: Of every material.
+        fog: The medium.
+    """
 
     view: View
     cache: ViewCache
-    sight: Sight
-    lamps: list[Lamp]
+    view_samples: ViewSamples
+    lamps: list[LightSource]
     sky: Sky
-    paints: list[Paint]
-    fog: Fog
+    shading_inputs: list[ShadingInputs]
+    fog: FogMedium
 
     @functools.cached_property
     def colors(self) -> Tensor:
@@ -50,10 +60,10 @@ class Frame:
     @property
     def owners(self) -> dict[str, Tensor]:
         """Owner, "light/NAME" or "world", to the color (3,) of its light."""
-        return {**{lamp.owner: lamp.color for lamp in self.lamps if not lamp.glow}, "world": self.sky.color}
+        return {**{lamp.owner: lamp.color for lamp in self.lamps if lamp.owner}, "world": self.sky.color}
 
-    def only(self, owner: str) -> Frame:
-        """The same with the light of one owner, "" for none, besides what surfaces emit."""
+    def only(self, owner: str) -> RenderState:
+        """The same with one owner's light only ("" for no owner's), and with what surfaces emit."""
         dark = torch.zeros_like(self.sky.color)
         return replace(
             self,
@@ -62,25 +72,28 @@ class Frame:
         )
 
 
-def mirroring(paint: Paint) -> Tensor:
-    """How much like a mirror () a material is where other surfaces show it, in coarse steps; 0 if it is no metal."""
-    smooth = (1 - paint.roughness.detach()) * (paint.metallic.detach() > 0.5)
+def mirror_weight(inputs: ShadingInputs) -> Tensor:
+    """Weight () of mirror reflection where other surfaces show a material: 1 - roughness of a metal, else 0.
+
+    In quarters, because rays are traced again when it changes.
+    """
+    smooth = (1 - inputs.roughness.detach()) * (inputs.metallic.detach() > 0.5)
     return (smooth * 4).ceil() / 4
 
 
-def sharp(paint: Paint) -> Tensor:
+def sharp(inputs: ShadingInputs) -> Tensor:
     """Whether () a material shows reflections sharp enough for several samples in every pixel."""
-    shines = (paint.metallic > 0) | (paint.specular > 0) | (paint.transmission > 0)
-    coated = (paint.coat > _LEAST_COAT) & (paint.coat_roughness < _SMOOTH)
-    return (coated | (shines & (paint.roughness < _SMOOTH))).reshape(())
+    shines = (inputs.metallic > 0) | (inputs.specular > 0) | (inputs.transmission > 0)
+    coated = (inputs.coat > _LEAST_COAT) & (inputs.coat_roughness < _SMOOTH)
+    return (coated | (shines & (inputs.roughness < _SMOOTH))).reshape(())
 
 
-def glassy(paint: Paint) -> Tensor:
-    """Share () of light that passes a surface of a material's glass, in coarse steps and grey.
+def glass_transmittance(inputs: ShadingInputs) -> Tensor:
+    """Gray transmittance () of one surface of a material's glass, in steps: shadows are traced again at each.
 
     Cycles finds such light by chance, as caustics. Here it goes straight on, which is right on average. A
     Principled BSDF tints it with the root of its base color at each surface (kernel/svm/closure.h).
     """
-    solid = paint.transmission * (1 - paint.metallic)
-    through = solid * (1 - albedo.f0_of(paint.ior)) * luminance(paint.base.clamp(0, 1)).sqrt()
+    solid = inputs.transmission * (1 - inputs.metallic)
+    through = solid * (1 - albedo.f0_of(inputs.ior)) * luminance(inputs.base.clamp(0, 1)).sqrt()
     return (through.detach() * _GLASS_STEPS).round().reshape(()) / _GLASS_STEPS

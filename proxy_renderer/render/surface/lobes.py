@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What all reflecting layers of a surface share: the light that arrives, and GGX reflection of it."""
+"""Incident light, and the GGX reflection that all layers of a surface share."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from ..lights.area_specular import Highlight
+from ..lights.area_specular import AreaSpecular
 from ..material import albedo
 
 
 @dataclass(frozen=True)
-class Light:
+class IncidentLight:
     """Everything that arrives at N samples of one material.
 
     Attributes:
@@ -22,26 +22,25 @@ class Light:
         lamps: (L, 3) colors of the lamps in `highlights`.
         highlights: One per lamp, shadowed.
         view: (7, N) albedo basis at the viewing cosine.
-        mirror: (3, N) radiance of the mirror image.
-        glossy: (3, N) radiance around the mirror direction, blurred.
+        reflected: Radiance around the mirror direction.
         behind: (3, N) radiance seen through the surface, None where nothing is transparent.
     """
 
     irradiance: Tensor
     lamps: Tensor
-    highlights: Sequence[Highlight]
+    highlights: Sequence[AreaSpecular]
     view: Tensor
-    reflected: Reflected
+    reflected: ReflectedRadiance
     behind: Tensor | None
 
 
 @dataclass(frozen=True)
-class Reflected:
+class ReflectedRadiance:
     """Radiance around the mirror direction for any roughness.
 
     Attributes:
         knots: Increasing roughness.
-        images: For every knot the radiance (3, N) that a surface so rough reflects.
+        images: Radiance (3, N) that a surface of each knot's roughness reflects.
     """
 
     knots: tuple[float, ...]
@@ -85,7 +84,7 @@ def summed(lamps: Tensor, lobes: Sequence[Tensor]) -> Tensor:
 
 def specular(
     lamps: Tensor,
-    highlights: Sequence[Highlight],
+    highlights: Sequence[AreaSpecular],
     lobes: Sequence[Tensor],
     curve: Tensor,
     f0: Tensor,

@@ -13,82 +13,95 @@ from ...scene.values import wanted
 from ..geometry.vectors import within
 from ..lights.prefilter import GLOSSY, SATIN
 from ..material.shading_inputs import used
-from ..transport.indirect import Gathered
-from ..transport.secondary_hits import Table
-from .frame import Frame
-from .lobes import Light, Reflected
+from ..transport.indirect import IndirectLight
+from ..transport.secondary_hits import RadianceTable
+from .frame import RenderState
+from .lobes import IncidentLight, ReflectedRadiance
 from .principled import shade
-from .view_samples import Beam
+from .view_samples import DirectLight
 
 _BENT = 0.02
 """Difference of IOR over which refracted pictures are compared."""
 
 
-def beams_of(frame: Frame) -> list[Beam]:
-    """What reaches the samples straight from each lamp; a lamp that has moved lights what bounces it anew."""
-    beams = [frame.cache.beam(i, lamp, frame.sight, frame.view) for i, lamp in enumerate(frame.lamps)]
-    return [beam.through(frame.fog) for beam in beams] if frame.fog.active else beams
+def direct_lights_of(frame: RenderState) -> list[DirectLight]:
+    """Direct light of each light, behind fog; lights that have moved renew the bounced light as well."""
+    direct_lights = [
+        frame.cache.direct_light(i, lamp, frame.view_samples, frame.view)
+        for i, lamp in enumerate(frame.lamps)
+    ]
+    return (
+        [direct_light.through(frame.fog) for direct_light in direct_lights]
+        if frame.fog.active
+        else direct_lights
+    )
 
 
-def radiance(frame: Frame, beams: list[Beam], table: Table, gathered: Gathered, transparent: bool) -> Tensor:
+def radiance(
+    frame: RenderState,
+    direct_lights: list[DirectLight],
+    table: RadianceTable,
+    gathered: IndirectLight,
+    transparent: bool,
+) -> Tensor:
     """Radiance (3, N + B) of all samples: surfaces in the order of their materials, then background.
 
-    A transparent film has a fourth row: how much of what is behind it a sample covers.
+    A transparent film has a fourth row, the coverage of each sample.
 
     Args:
         frame: What is rendered.
-        beams: From `beams_of`.
+        beams: From `direct_lights_of`.
         table: Radiances of what secondary rays meet, from `table_of`.
-        gathered: The indirect light, gathered after the beams were traced.
+        gathered: The indirect light, gathered after `direct_lights_of`, which traces its shadows.
         transparent: Whether the film is.
     """
-    cache, sight, sky = frame.cache, frame.sight, frame.sky
+    cache, view_samples, sky = frame.cache, frame.view_samples, frame.sky
     gathered = cache.indirect.following(gathered, table, frame.lamps)
     irradiance = gathered.irradiance
     bare = sum(1 for lamp in frame.lamps if not lamp.pictured)
-    if beams[bare:]:
-        irradiance = irradiance + frame.colors[bare:].T @ _irradiances(beams[bare:])
+    if direct_lights[bare:]:
+        irradiance = irradiance + frame.colors[bare:].T @ _irradiances(direct_lights[bare:])
     around = irradiance / math.pi
-    beams = beams[:bare]
-    if beams:
-        irradiance = irradiance + frame.colors[:bare].T @ _irradiances(beams)
-    *levels, behind = cache.worlds(sky, sight)
+    direct_lights = direct_lights[:bare]
+    if direct_lights:
+        irradiance = irradiance + frame.colors[:bare].T @ _irradiances(direct_lights)
+    *levels, behind = cache.worlds(sky, view_samples)
     tint = sky.color[:, None]
     knots, images = _images(gathered, [level * tint for level in levels], around)
-    # One split backs up as one concatenation; a slice for every material would as a picture of zeros each.
+    # The gradient of one split is one concatenation; that of a slice per material is a picture of zeros for each.
     sizes = [stop - start for _, start, stop in cache.samples.slices]
     shares = zip(*(field.split(sizes, 1) for field in (irradiance, *images)), strict=True)
     pieces = []
-    for (material, start, stop), (lit, *seen) in zip(cache.samples.slices, shares, strict=True):
-        part, paint = slice(start, stop), frame.paints[material]
-        incoming = Light(
+    for (material, start, stop), (lit, *reflections) in zip(cache.samples.slices, shares, strict=True):
+        part, inputs = slice(start, stop), frame.shading_inputs[material]
+        incoming = IncidentLight(
             irradiance=lit,
             lamps=frame.colors[:bare],
-            highlights=[beam.part(part) for beam in beams],
-            view=sight.basis[:, part],
-            reflected=Reflected(knots, seen),
-            behind=_behind(frame, table, gathered, material, part) if used(paint.transmission) else None,
+            highlights=[direct_light.part(part) for direct_light in direct_lights],
+            view=view_samples.basis[:, part],
+            reflected=ReflectedRadiance(knots, reflections),
+            behind=_behind(frame, table, gathered, material, part) if used(inputs.transmission) else None,
         )
-        varying = dict(cache.inputs(material, part, sight))
+        varying = dict(cache.textured_inputs(material, part, view_samples))
         texture = varying.pop("base_color", None)
-        pieces.append(shade(paint.varied(varying), incoming, texture))
+        pieces.append(shade(inputs.varied(varying), incoming, texture))
     if not transparent:
         return torch.cat((*pieces, behind * tint), 1)
     shown = torch.cat((*pieces, torch.zeros_like(behind)), 1)
     return torch.cat((shown, cache.covered))
 
 
-def _irradiances(beams: list[Beam]) -> Tensor:
-    return torch.stack([beam.irradiance for beam in beams])
+def _irradiances(direct_lights: list[DirectLight]) -> Tensor:
+    return torch.stack([direct_light.irradiance for direct_light in direct_lights])
 
 
 def _images(
-    gathered: Gathered, worlds: Sequence[Tensor], around: Tensor
+    gathered: IndirectLight, worlds: Sequence[Tensor], around: Tensor
 ) -> tuple[tuple[float, ...], list[Tensor]]:
-    """What surfaces of increasing roughness reflect: the roughnesses, and for each the radiance (3, N).
+    """Reflected radiance by roughness: increasing roughnesses, and the radiance (3, N) for each.
 
     Args:
-        gathered: The light of surfaces.
+        gathered: Light reflected from surfaces.
         worlds: The world (3, N) in the mirror direction: sharp, a little blurred if it is a picture, and blurred.
         around: (3, N) what the roughest surface reflects.
     """
@@ -103,34 +116,38 @@ def _images(
     return (0.0, SATIN, GLOSSY, 1.0), [first, between, last, around]
 
 
-def table_of(frame: Frame) -> Table:
+def table_of(frame: RenderState) -> RadianceTable:
     """Radiances of what secondary rays meet."""
-    rows = zip(frame.paints, frame.cache.mean_texture, strict=True)
+    rows = zip(frame.shading_inputs, frame.cache.mean_texture, strict=True)
     albedos = torch.stack([p.base * mean * (1 - p.transmission) for p, mean in rows])
-    glow = torch.stack([p.emission for p in frame.paints])
+    emission = torch.stack([p.emission for p in frame.shading_inputs])
     sky = frame.sky
-    metallic = torch.stack([p.metallic for p in frame.paints])
-    return Table.of(within(albedos, 0.0, 1.0), metallic, glow, frame.colors, sky.halves, sky.coefficients())
+    metallic = torch.stack([p.metallic for p in frame.shading_inputs])
+    return RadianceTable.of(
+        within(albedos, 0.0, 1.0), metallic, emission, frame.colors, sky.hemispheres, sky.coefficients()
+    )
 
 
-def _behind(frame: Frame, table: Table, gathered: Gathered, material: int, part: slice) -> Tensor:
+def _behind(
+    frame: RenderState, table: RadianceTable, gathered: IndirectLight, material: int, part: slice
+) -> Tensor:
     """Radiance (3, n) seen through a transparent material.
 
-    Another IOR bends rays to other places, over edges too: its gradient is a secant between two traced pictures.
+    The gradient of the IOR is a secant between two traced pictures: refracted rays may jump over edges.
     """
-    ior = frame.paints[material].ior
+    ior = frame.shading_inputs[material].ior
     here = float(ior.detach())
 
-    def seen(side: int) -> Tensor:
+    def picture_at(side: int) -> Tensor:
         behind = frame.cache.behind(material, side, part, max(here + side * _BENT, 1.0), frame.lamps)
         world = frame.sky.seen(behind.toward) * frame.sky.color[:, None]
-        return behind.far.image(table, behind.ambient(gathered.anchors).T) + world * behind.far.open
+        return behind.hits.image(table, behind.ambient(gathered.gather_points).T) + world * behind.hits.open
 
-    straight = seen(0)
+    straight = picture_at(0)
     if not wanted(ior):
         return straight
     with torch.no_grad():
         # Where a bright lamp comes into view, the picture saturates: the slope is that of x / (1 + x).
-        low, high = (light / (1 + light) for light in (seen(-1), seen(1)))
+        low, high = (light / (1 + light) for light in (picture_at(-1), picture_at(1)))
         slope = (high - low) * (1 + straight) ** 2 / (here + _BENT - max(here - _BENT, 1.0))
     return straight + slope * (ior - ior.detach())

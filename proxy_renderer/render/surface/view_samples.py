@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What one eye sees of the samples, and what a lamp sends to them."""
+"""The samples as the camera sees them, and the direct light that they get."""
 
 from __future__ import annotations
 
@@ -11,16 +11,15 @@ from ...scene.values import wanted
 from ..geometry.directions import above, reflect
 from ..geometry.vectors import dot
 from ..geometry.visibility import Surface
-from ..lights.area_specular import Highlight, highlight
-from ..lights.irradiance import Arrival
-from ..lights.lamps import Lamp
+from ..lights.area_specular import AreaSpecular, area_specular
+from ..lights.types.light_source import DirectIrradiance, LightSource
 from ..material import albedo
-from ..transport.fog import Fog, Ways
+from ..transport.fog import FogMedium, LightPaths
 
 
 @dataclass(frozen=True)
-class Sight:
-    """The samples as one eye sees them; differentiable when the camera is.
+class ViewSamples:
+    """The samples as the camera sees them; differentiable when the camera is.
 
     Attributes:
         surface: What N samples meet.
@@ -37,12 +36,14 @@ class Sight:
     beyond: Tensor
 
     @staticmethod
-    def of(surface: Surface, toward: Tensor) -> Sight:
+    def of(surface: Surface, toward: Tensor) -> ViewSamples:
         """From the surface at the first N of the rays (3, N + B)."""
         n = surface.position.shape[1]
         cosine = -dot(surface.normal, toward[:, :n])
         mirrored = above(reflect(toward[:, :n], surface.normal), surface.facet)
-        return Sight(surface, -toward[:, :n], albedo.basis(cosine.clamp(1e-3, 1.0)), mirrored, toward[:, n:])
+        return ViewSamples(
+            surface, -toward[:, :n], albedo.basis(cosine.clamp(1e-3, 1.0)), mirrored, toward[:, n:]
+        )
 
     @property
     def moving(self) -> bool:
@@ -52,36 +53,41 @@ class Sight:
 
 
 @dataclass(frozen=True)
-class Beam:
-    """A lamp's shadowed irradiance (N,) and highlight at all samples, per unit of its color, and its ways to them.
+class DirectLight:
+    """Direct light of one light at N samples, per unit of its color.
 
-    Glowing surfaces and wide suns have no highlight: reflections show them.
+    Attributes:
+        irradiance: (N,) shadowed.
+        area_specular: The shadowed highlight; None for glowing surfaces and wide suns, which reflections show.
+        paths: From the samples to the light.
     """
 
     irradiance: Tensor
-    highlight: Highlight | None
-    ways: Ways
-    _parts: dict[int, Highlight] = field(default_factory=dict, repr=False, compare=False)
+    area_specular: AreaSpecular | None
+    paths: LightPaths
+    _parts: dict[int, AreaSpecular] = field(default_factory=dict, repr=False, compare=False)
 
-    def part(self, samples: slice) -> Highlight:
-        """The highlight at the samples of one material; the same object every time, for what it keeps."""
-        assert self.highlight
+    def part(self, samples: slice) -> AreaSpecular:
+        """The highlight at the samples of one material; the same object every time, because it caches lobes."""
+        assert self.area_specular
         if samples.start not in self._parts:
-            self._parts[samples.start] = self.highlight.pick(samples)
+            self._parts[samples.start] = self.area_specular.pick(samples)
         return self._parts[samples.start]
 
-    def through(self, fog: Fog) -> Beam:
-        """The beam after the fog between lamp and samples."""
-        passing = self.ways.transmittance(fog)
-        shine = self.highlight and self.highlight.times(passing)
-        return Beam(self.irradiance * passing, shine, self.ways)
+    def through(self, fog: FogMedium) -> DirectLight:
+        """The same behind the fog between light and samples."""
+        passing = self.paths.transmittance(fog)
+        specular = self.area_specular and self.area_specular.times(passing)
+        return DirectLight(self.irradiance * passing, specular, self.paths)
 
     @staticmethod
-    def of(lamp: Lamp, sight: Sight, met: Arrival, visible: Tensor) -> Beam:
-        """From what arrives unshadowed, and the share (N,) of the lamp that is seen."""
-        point, normal = sight.surface.position, sight.surface.normal
-        shine = None
+    def of(
+        lamp: LightSource, view_samples: ViewSamples, direct: DirectIrradiance, visible: Tensor
+    ) -> DirectLight:
+        """From unshadowed irradiance and the visible share (N,) of the light."""
+        point, normal = view_samples.surface.position, view_samples.surface.normal
+        specular = None
         if not lamp.pictured:
-            shine = highlight(lamp, met, point, normal, sight.toward_eye).times(visible)
-        ways = Ways(point, met.toward, met.distance)
-        return Beam(met.irradiance * visible, shine, ways)
+            specular = area_specular(lamp, direct, point, normal, view_samples.toward_eye).times(visible)
+        paths = LightPaths(point, direct.toward, direct.distance)
+        return DirectLight(direct.irradiance * visible, specular, paths)

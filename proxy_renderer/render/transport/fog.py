@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The fog as a medium: how much light gets through it, analytically.
+"""The fog as a participating medium, with analytic transmittance.
 
 Extinction σ(x) = density · exp(−falloff · max(0, z − base − offset)), gray, inside an axis-aligned box or everywhere.
 Vectors are planar, (3, …), as in all shading code.
@@ -13,13 +13,13 @@ import torch
 from torch import Tensor
 
 from ...scene import SceneData
-from ...scene.values import Settings, wanted
+from ...scene.values import RenderValues, wanted
 
 _EVERYWHERE = 1.0e3
 """Diameter of an infinite fog in sizes of the box: farther away it counts no more."""
 
 
-class Fog:
+class FogMedium:
     """The scene's fog with one set of values.
 
     Attributes:
@@ -29,7 +29,7 @@ class Fog:
         extent: Length that crosses all of it, meters.
     """
 
-    def __init__(self, scene: SceneData, settings: Settings) -> None:
+    def __init__(self, scene: SceneData, settings: RenderValues) -> None:
         spec = scene.volume
         self.density = settings.scalar("volume/density")
         self.albedo = settings.color("volume/color", 0.8)
@@ -43,18 +43,18 @@ class Fog:
 
     @property
     def active(self) -> bool:
-        """False when there is no fog and nothing learns its density: then it costs nothing to leave it out."""
+        """Whether there is fog, or its density is being learned."""
         return self.density.requires_grad or bool(self.density > 0)
 
     @property
     def shape(self) -> tuple[float, ...] | None:
-        """Numbers that change when the thickness of a way does; None while they are learned."""
+        """Numbers that `thickness` depends on; None while they are learned."""
         if not self._thins:
             return ()
         return None if wanted(self._falloff, self._top) else (float(self._falloff), float(self._top))
 
     def reach(self, origin: Tensor) -> float:
-        """Distance from `origin` (3,) beyond which there is no fog that counts, meters."""
+        """Distance in meters from `origin` (3,) beyond which fog is ignored."""
         if self._box is None:
             return self.extent
         low, high = self._box
@@ -71,7 +71,7 @@ class Fog:
         return torch.exp(-self.density * self.thickness(start, toward, distance))
 
     def thickness(self, start: Tensor, toward: Tensor, distance: Tensor | float) -> Tensor:
-        """Meters of undiluted fog (…) on a way; arguments as for `transmittance`."""
+        """Optical depth over density, in meters (…); arguments as for `transmittance`."""
         first, last = self._inside(start, toward, distance)
         length = last - first
         if not self._thins:
@@ -112,15 +112,15 @@ class Fog:
 
 
 @dataclass(frozen=True)
-class Ways:
-    """Ways of light through one scene's fog, as `Fog.transmittance` takes them; they are measured once if they stay."""
+class LightPaths:
+    """Segments through one scene's fog, as `FogMedium.transmittance` takes them; their thickness is cached."""
 
     start: Tensor
     toward: Tensor
     distance: Tensor
     _measured: dict[tuple[float, ...], Tensor] = field(default_factory=dict, repr=False, compare=False)
 
-    def transmittance(self, fog: Fog) -> Tensor:
+    def transmittance(self, fog: FogMedium) -> Tensor:
         """Share of light (…) that gets through."""
         shape = fog.shape
         if shape is None or wanted(self.start, self.toward, self.distance):

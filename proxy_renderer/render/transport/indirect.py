@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Light that comes to the samples over other surfaces and from the world.
+"""Indirect light of the samples: over other surfaces, and from the world.
 
-Diffuse light and blurred reflections vary slowly, so they are gathered at anchors, where one matrix
-product per render weighs all rays, and spread to the samples; mirror images are traced per sample.
+Diffuse light and blurred reflections vary slowly: they are gathered at few points, where one matrix product per render
+weighs all rays, and interpolated to the samples (an irradiance cache). Mirror images are traced per sample.
 """
 
 from __future__ import annotations
@@ -16,17 +16,17 @@ from torch import Tensor
 
 from ..geometry.camera import View
 from ..geometry.directions import above, cosine_directions, reflect
-from ..geometry.gather_points import Anchors, Spread
+from ..geometry.gather_points import GatherPoints, SparseWeights
 from ..geometry.samples import Samples
 from ..geometry.vectors import cross, dot, length, tangents, unit
-from ..geometry.visibility import Geometry, Surface, sphere_points
-from ..lights.lamps import Lamp
+from ..geometry.visibility import RayGeometry, Surface, sphere_points
 from ..lights.prefilter import GLOSSY
+from ..lights.types.light_source import LightSource
 from ..material.microfacets import visible_normals
-from ..material.textures import Maps
-from .fog import Fog, Ways
-from .indirect_fog import Murk
-from .secondary_hits import Far, Table
+from ..material.textures import MaterialTextures
+from .fog import FogMedium, LightPaths
+from .indirect_fog import IndirectFog
+from .secondary_hits import RadianceTable, SecondaryHits
 
 _DIFFUSE_RAYS = 16
 _GLOSSY_RAYS = 8
@@ -34,14 +34,14 @@ _LEAST_COSINE = 0.02
 
 
 @dataclass(frozen=True)
-class Gathered:
-    """Light that comes over other surfaces and from the world.
+class IndirectLight:
+    """Light of other surfaces and of the world at N samples.
 
     Attributes:
-        irradiance: (3, N) the world's included.
+        irradiance: (3, N) of surfaces and world.
         glossy, mirror: (3, N) blurred and mirrored radiance of surfaces and fog, without the world.
-        open_glossy, open_mirror: (N,) shares of the blurred and of the mirrored reflection that the world fills.
-        anchors: (A, 3) the irradiance at the anchors.
+        open_glossy, open_mirror: (N,) shares of the world in the blurred and in the mirrored reflection.
+        gather_points: (A, 3) irradiance at the gather points.
     """
 
     irradiance: Tensor
@@ -49,130 +49,150 @@ class Gathered:
     mirror: Tensor
     open_glossy: Tensor
     open_mirror: Tensor
-    anchors: Tensor
+    gather_points: Tensor
 
 
-class Indirect:
+class FinalGather:
     """Bounced light and reflections for the samples of one view.
 
-    `anchors` are the indices (A,) of the samples at which diffuse light is gathered.
+    `gather_points` are the indices (A,) of the samples at which diffuse light is gathered.
     """
 
     def __init__(
         self,
-        geometry: Geometry,
+        geometry: RayGeometry,
         samples: Samples,
         surface: Surface,
         view: View,
         metals: Tensor,
         lamps: int,
-        glowing: Sequence[int],
-        maps: Maps,
+        emissive: Sequence[int],
+        maps: MaterialTextures,
         generator: torch.Generator,
     ) -> None:
         self._view = view
-        self._anchors = anchors = Anchors(samples, surface)
-        self.anchors = anchors.index
-        points = surface.pick(anchors.index)
+        self._gather_points = gather_points = GatherPoints(samples, surface)
+        self.gather_points = gather_points.index
+        points = surface.pick(gather_points.index)
         origin = geometry.lifted(points)
         shape = geometry, metals, lamps
-        glossy = _glossy_rays(points, samples.toward[:, anchors.index], generator)
+        glossy = _glossy_rays(points, samples.toward[:, gather_points.index], generator)
         # What metals send on is a caustic on a matte surface: as if they scattered it evenly, on average.
         matte = geometry, torch.zeros_like(metals), lamps
-        self.diffuse = _far(*matte, origin, _diffuse_rays(points, generator), _DIFFUSE_RAYS)
-        self.glossy = _far(*shape, origin, glossy, _GLOSSY_RAYS)
+        self.diffuse = _secondary_hits(*matte, origin, _diffuse_rays(points, generator), _DIFFUSE_RAYS)
+        self.glossy = _secondary_hits(*shape, origin, glossy, _GLOSSY_RAYS)
         mirrored = above(reflect(samples.toward[:, : samples.surfaces], surface.normal), surface.facet)
-        self.mirror = Far(geometry, geometry.lifted(surface), mirrored, 1, metals, lamps, maps)
+        self.mirror = SecondaryHits(geometry, geometry.lifted(surface), mirrored, 1, metals, lamps, maps)
         self._mirror_ambient = self.spread_to(self.mirror)
-        self._ways = Ways(surface.position, mirrored, self.mirror.distance)
-        self._open_glossy = anchors.spread(self.glossy.open[:, None])[:, 0]
+        self._paths = LightPaths(surface.position, mirrored, self.mirror.distance)
+        self._open_glossy = gather_points.spread(self.glossy.open[:, None])[:, 0]
         self._weights: tuple[Tensor, Tensor] | None = None
         self._shape = len(metals), 2 * (lamps + 2)
         self._skies = len(metals) * (2 * lamps + 5)
-        self._glowing = [len(metals) * 2 * (lamps + 2) + m for m in glowing]
+        self._emissive = [len(metals) * 2 * (lamps + 2) + m for m in emissive]
 
-    def light(self, index: int, lamp: Lamp) -> None:
-        """Takes up that a lamp has moved."""
-        for far in (self.diffuse, self.glossy, self.mirror):
-            far.light(index, lamp)
+    def light(self, index: int, lamp: LightSource) -> None:
+        """Traces shadow rays again for a light that has moved."""
+        for hits in (self.diffuse, self.glossy, self.mirror):
+            hits.light(index, lamp)
         self._weights = None
 
-    def spread_to(self, far: Far) -> Spread:
-        """Carries irradiance from the anchors to what rays meet, if the picture shows it, or nearly."""
-        surface = far.surface
+    def spread_to(self, hits: SecondaryHits) -> SparseWeights:
+        """Interpolation of irradiance from the gather points to hits that the picture shows, or nearly shows."""
+        surface = hits.surface
         distance = length(surface.position - self._view.position[:, None])
-        return self._anchors.spread_to(
-            surface, self._view.project(surface.position), distance, far.hit.bool()
+        return self._gather_points.spread_to(
+            surface, self._view.project(surface.position), distance, hits.hit.bool()
         )
 
-    def gather(self, table: Table) -> Gathered:
-        """Weighs all rays."""
+    def gather(self, table: RadianceTable) -> IndirectLight:
+        """The indirect light of one render, without fog."""
         wide, narrow = self._weighed()
         low = (wide @ table.radiances).clamp_min(0.0)
-        full = self._anchors.spread(torch.cat((low, narrow @ table.radiances[: self._skies]), 1)).T
+        full = self._gather_points.spread(torch.cat((low, narrow @ table.radiances[: self._skies]), 1)).T
         mirror = self.mirror.image(table, self._mirror_ambient(low).T)
-        return Gathered(full[:3], full[3:], mirror, self._open_glossy, self.mirror.open, low)
+        return IndirectLight(full[:3], full[3:], mirror, self._open_glossy, self.mirror.open, low)
 
-    def gather_through(self, table: Table, fog: Fog, murk: Murk) -> Gathered:
-        """Weighs all rays, dimmed by fog, and adds what the fog scatters."""
+    def gather_through(
+        self, table: RadianceTable, fog: FogMedium, indirect_fog: IndirectFog
+    ) -> IndirectLight:
+        """The indirect light of one render: transmitted by fog, and in-scattered by it."""
         wide, narrow = self._weighed()
         sky = wide[:, self._skies :] @ table.radiances[self._skies :]
-        low = self._dimmed(wide, table, murk.factors, murk.passing)
-        low = (low + sky * murk.ambient[:, None]).clamp_min(0.0) + murk.scattered
-        through = murk.mirrored[:, None]
-        glossy = self._dimmed(narrow, table, murk.legs, torch.ones_like(murk.passing)) * through
-        glossy = glossy + murk.haze * (1 - through)
+        low = self._dimmed(wide, table, indirect_fog.path_transmittance, indirect_fog.passing)
+        low = (low + sky * indirect_fog.ambient[:, None]).clamp_min(0.0) + indirect_fog.scattered
+        through = indirect_fog.mirrored[:, None]
+        glossy = (
+            self._dimmed(
+                narrow, table, indirect_fog.light_transmittance, torch.ones_like(indirect_fog.passing)
+            )
+            * through
+        )
+        glossy = glossy + indirect_fog.haze * (1 - through)
         opening = self.glossy.open[:, None] * through
-        full = self._anchors.spread(torch.cat((low, glossy, murk.haze, opening), 1)).T
-        passing = self._ways.transmittance(fog)
-        image = self.mirror.image(table.dimmed(murk.legs.mean(0)), self._mirror_ambient(low).T)
+        full = self._gather_points.spread(torch.cat((low, glossy, indirect_fog.haze, opening), 1)).T
+        passing = self._paths.transmittance(fog)
+        image = self.mirror.image(
+            table.dimmed(indirect_fog.light_transmittance.mean(0)), self._mirror_ambient(low).T
+        )
         mirror = image * passing + full[6:9] * (1 - passing)
-        return Gathered(full[:3], full[3:6], mirror, full[9], self.mirror.open * passing, low)
+        return IndirectLight(full[:3], full[3:6], mirror, full[9], self.mirror.open * passing, low)
 
-    def following(self, gathered: Gathered, table: Table, lamps: Sequence[Lamp]) -> Gathered:
-        """The same light, with gradients by where the lamps that are being learned stand.
+    def following(
+        self, gathered: IndirectLight, table: RadianceTable, lamps: Sequence[LightSource]
+    ) -> IndirectLight:
+        """The same light with gradients with respect to the positions of lights that are learned.
 
-        Fog between surfaces is left out here: only the gradients miss what it dims.
+        These gradients, and nothing else, ignore fog between surfaces.
         """
         moving = [(index, lamp) for index, lamp in enumerate(lamps) if lamp.moving]
         if not moving:
             return gathered
         wide, narrow, mirror = (
-            torch.stack([far.moved(*row, table) for row in moving]).sum(0)
-            for far in (self.diffuse, self.glossy, self.mirror)
+            torch.stack([hits.moved(*row, table) for row in moving]).sum(0)
+            for hits in (self.diffuse, self.glossy, self.mirror)
         )
-        low = self._anchors.smooth(wide) * math.pi
-        full = self._anchors.spread(torch.cat((low, narrow), 1)).T
+        low = self._gather_points.smooth(wide) * math.pi
+        full = self._gather_points.spread(torch.cat((low, narrow), 1)).T
         return replace(
             gathered,
             irradiance=gathered.irradiance + full[:3],
             glossy=gathered.glossy + full[3:],
             mirror=gathered.mirror + mirror.T,
-            anchors=gathered.anchors + low,
+            gather_points=gathered.gather_points + low,
         )
 
     def _weighed(self) -> tuple[Tensor, Tensor]:
         if self._weights is None:
             wide = self.diffuse.weights()
-            wide[:, self._glowing] = 0.0  # their lamps count
-            low = self._anchors.smooth(wide) * math.pi
-            glossy = self._anchors.smooth_glossy(self.glossy.weights())
+            wide[:, self._emissive] = 0.0  # their lamps count
+            low = self._gather_points.smooth(wide) * math.pi
+            glossy = self._gather_points.smooth_glossy(self.glossy.weights())
             self._weights = low, glossy[:, : self._skies]
         return self._weights
 
-    def _dimmed(self, weights: Tensor, table: Table, shares: Tensor, glow: Tensor) -> Tensor:
-        """What anchors get from surfaces (A, 3), with shares (A, S) of the sources, and of the glow (A,)."""
+    def _dimmed(self, weights: Tensor, table: RadianceTable, shares: Tensor, emission: Tensor) -> Tensor:
+        """Light of surfaces at the gather points (A, 3), behind fog.
+
+        Args:
+            weights: (A, K) over the rows of the table.
+            table: The radiances.
+            shares: (A, S) transmittance of the sources.
+            emission: (A,) transmittance of what surfaces emit.
+        """
         materials, sources = self._shape
         split = materials * sources
         by_source = weights[:, :split].view(-1, materials, sources).permute(2, 0, 1)
         scattered = torch.bmm(by_source, table.radiances[:split].view(materials, sources, 3).transpose(0, 1))
         emitted = weights[:, split : self._skies] @ table.radiances[split : self._skies]
-        return torch.einsum("sac,as->ac", scattered, shares) + emitted * glow[:, None]
+        return torch.einsum("sac,as->ac", scattered, shares) + emitted * emission[:, None]
 
 
-def _far(geometry: Geometry, metals: Tensor, lamps: int, origin: Tensor, toward: Tensor, count: int) -> Far:
+def _secondary_hits(
+    geometry: RayGeometry, metals: Tensor, lamps: int, origin: Tensor, toward: Tensor, count: int
+) -> SecondaryHits:
     origins = origin.repeat_interleave(count, 1)
-    return Far(geometry, origins, toward, count, metals, lamps, deep=True)
+    return SecondaryHits(geometry, origins, toward, count, metals, lamps, deep=True)
 
 
 def _diffuse_rays(points: Surface, generator: torch.Generator) -> Tensor:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fog on the ways between surfaces: it lights them, dims what lights them, and hazes what they mirror.
+"""Fog between surfaces: in-scattered light on them, transmittance of indirect light, haze in reflections.
 
-All of it varies slowly, so it is summed along a few rays from a very coarse grid of points, and carried to
-the anchors of indirect light. As on camera rays, light scatters once: Cycles' default of no volume bounces.
+All of it varies slowly: it is integrated along a few rays from a very coarse grid of points, and interpolated to the
+gather points of indirect light. As on camera rays, light scatters once: Cycles' default of no volume bounces.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ from torch import Tensor
 
 from ..geometry.camera import View
 from ..geometry.directions import above, cosine_directions, reflect
-from ..geometry.gather_points import Anchors
+from ..geometry.gather_points import GatherPoints
 from ..geometry.samples import Samples
-from ..geometry.vectors import dot
-from ..geometry.visibility import Geometry, Surface, sphere_points
+from ..geometry.segments import RaySegments
+from ..geometry.visibility import RayGeometry, Surface, sphere_points
 from ..lights.environment import Sky
-from ..lights.lamps import Lamp
-from .fog import Fog
+from ..lights.types.light_source import LightSource
+from .fog import FogMedium
 from .secondary_hits import lit
-from .volume import DIRECTIONS, WEIGHTS, Rays, Volume, phase
+from .volume import DIRECTIONS, WEIGHTS, SingleScattering, phase
 
 _ACROSS = 24
 _DIFFUSE_RAYS = 6
@@ -34,55 +34,59 @@ _NEAR = 0.1
 
 
 @dataclass(frozen=True)
-class Murk:
-    """What fog does to indirect light at A anchors. S sources: the lamps, the world's halves, both once more.
+class IndirectFog:
+    """What fog does to indirect light at A gather points.
+
+    The S sources are those of `RadianceTable`: L lights and 2 hemispheres, then the same for light scattered twice.
 
     Attributes:
-        ambient: (A,) share of the world's light that comes through.
-        passing: (A,) share of what nearby surfaces send that comes through, on diffuse ways.
-        factors: (A, S) the same, together with the fog before those surfaces.
-        legs: (A, S) share of the light that comes through to those surfaces.
-        scattered: (A, 3) irradiance from the fog.
-        haze: (A, 3) radiance of the fog in mirror directions, were it endless there.
-        mirrored: (A,) share of mirrored light that comes through.
+        ambient: (A,) transmittance of the world's light.
+        passing: (A,) transmittance between the point and the surfaces that light it diffusely.
+        path_transmittance: (A, S) transmittance of the whole path from a source over such a surface to the point.
+        light_transmittance: (A, S) transmittance from a source to those surfaces.
+        scattered: (A, 3) irradiance from light that the fog scatters.
+        haze: (A, 3) in-scattered radiance in the mirror direction, as if the fog were endless there.
+        mirrored: (A,) transmittance in the mirror direction.
     """
 
     ambient: Tensor
     passing: Tensor
-    factors: Tensor
-    legs: Tensor
+    path_transmittance: Tensor
+    light_transmittance: Tensor
     scattered: Tensor
     haze: Tensor
     mirrored: Tensor
 
 
-class MurkRays:
-    """The rays of one view, and what stands in their way.
+class IndirectFogRays:
+    """Rays of one view along which fog is integrated, and their hits.
 
     Args:
         geometry: The triangles.
         samples, surface: What the view sees.
         view: The camera.
-        anchors: Indices (A,) of the samples at which indirect light is gathered.
+        gather_points: Indices (A,) of the samples at which indirect light is gathered.
         near: A typical distance of what is seen, meters.
     """
 
     def __init__(
         self,
-        geometry: Geometry,
+        geometry: RayGeometry,
         samples: Samples,
         surface: Surface,
         view: View,
-        anchors: Tensor,
+        gather_points: Tensor,
         near: float,
     ) -> None:
         self._geometry, self._near, self._signature = geometry, near, view.signature()
-        self._volume = Volume(geometry.clear)
-        coarse = Anchors(samples, surface, _ACROSS)
+        self._volume = SingleScattering(geometry.clear)
+        coarse = GatherPoints(samples, surface, _ACROSS)
         self._points = points = surface.pick(coarse.index)
         self._smooth = coarse.smooth
-        distance = samples.hits.distance[anchors]
-        self._to_anchors = coarse.spread_to(surface.pick(anchors), samples.place[:, anchors], distance)
+        distance = samples.hits.distance[gather_points]
+        self._to_gather_points = coarse.spread_to(
+            surface.pick(gather_points), samples.place[:, gather_points], distance
+        )
         mirrored = above(reflect(samples.toward[:, coarse.index], points.normal), points.facet)
         rays = torch.cat((_diffuse(points), mirrored[:, :, None]), 2)  # (3, P, rays)
         self._toward = rays
@@ -99,38 +103,40 @@ class MurkRays:
         self._open = clear.view(far.shape)  # (14, P)
         self._lit: dict[int, tuple[object, Tensor]] = {}
 
-    def gather(self, fog: Fog, lamps: Sequence[Lamp], sky: Sky) -> Murk:
+    def gather(self, fog: FogMedium, lamps: Sequence[LightSource], sky: Sky) -> IndirectFog:
         """Sums the fog's effects at the values of one render."""
         passing = fog.transmittance(self._start, self._toward, self._distance)  # (P, rays)
         diffuse, mirrored = passing[:, :-1], passing[:, -1]
         hit = self._hit[:, :-1].to(passing.dtype)
         kept = (diffuse * hit + 1e-3 * diffuse).sum(1) / (hit + 1e-3).sum(1)
         ambient = self._ambient(fog)
-        legs, factors = self._legs(fog, lamps, diffuse)
-        legs = torch.cat((legs, ambient[:, None].expand(-1, 2)), 1)
-        factors = torch.cat((factors, (kept * ambient)[:, None].expand(-1, 2)), 1)
+        light_transmittance, path_transmittance = self._light_transmittance(fog, lamps, diffuse)
+        light_transmittance = torch.cat((light_transmittance, ambient[:, None].expand(-1, 2)), 1)
+        path_transmittance = torch.cat((path_transmittance, (kept * ambient)[:, None].expand(-1, 2)), 1)
         light = self._light(fog, lamps, sky, passing)  # (3, P, rays)
         scattered = light[:, :, :-1].mean(2) * math.pi
         haze = light[:, :, -1] / (1 - mirrored).clamp_min(1e-4)
         one = (ambient, kept)
-        rows = (torch.stack(one), factors.T, legs.T, scattered)
+        rows = (torch.stack(one), path_transmittance.T, light_transmittance.T, scattered)
         even = self._smooth(torch.cat(rows).T)  # a few rays are noisy
-        found = self._to_anchors(torch.cat((even, haze.T, mirrored[:, None]), 1))
-        count = factors.shape[1]
-        single, factors, legs, scattered, haze, mirrored = found.split((2, count, count, 3, 3, 1), 1)
-        again = torch.cat((factors, factors * single[:, 1:2]), 1)
-        return Murk(
+        carried = self._to_gather_points(torch.cat((even, haze.T, mirrored[:, None]), 1))
+        count = path_transmittance.shape[1]
+        single, path_transmittance, light_transmittance, scattered, haze, mirrored = carried.split(
+            (2, count, count, 3, 3, 1), 1
+        )
+        again = torch.cat((path_transmittance, path_transmittance * single[:, 1:2]), 1)
+        return IndirectFog(
             ambient=single[:, 0],
             passing=single[:, 1],
-            factors=again,
-            legs=torch.cat((legs, legs * single[:, 1:2]), 1),
+            path_transmittance=again,
+            light_transmittance=torch.cat((light_transmittance, light_transmittance * single[:, 1:2]), 1),
             scattered=scattered,
             haze=haze,
             mirrored=mirrored[:, 0],
         )
 
-    def _ambient(self, fog: Fog) -> Tensor:
-        """Share (P,) of the world's light that comes through, weighted by what a surface would get of it."""
+    def _ambient(self, fog: FogMedium) -> Tensor:
+        """Transmittance (P,) of the world's light, cosine-weighted."""
         ways = DIRECTIONS.to(self._start)
         facing = (ways.T @ self._points.normal).clamp_min(0) * WEIGHTS.to(ways)[:, None]
         far = torch.full_like(facing, math.inf)
@@ -138,38 +144,44 @@ class MurkRays:
         facing = facing * (self._open + 1e-3)
         return (reaching * facing).sum(0) / facing.sum(0)
 
-    def _legs(self, fog: Fog, lamps: Sequence[Lamp], passing: Tensor) -> tuple[Tensor, Tensor]:
-        """(P, L) shares of lamps' light that reach what the diffuse rays (P, rays) hit, and come back from there."""
-        legs, factors = [], []
-        for i, lamp in enumerate(lamps):
-            weight = self._arriving(i, lamp)
-            still = lamp.detached()
-            position = self._surface.position
-            if lamp.light.type == "SUN":
-                toward = still.axes[:, 2:3].expand_as(position)
-                distance = torch.full_like(position[0], math.inf)
-            else:
-                toward = still.position[:, None] - position
-                distance = dot(toward, toward).clamp_min(1e-8).sqrt()
-                toward = toward / distance
-            share = fog.transmittance(position, toward, distance).view(self._hit.shape)[:, :-1]
-            total = weight.sum(1)
-            legs.append((weight * share).sum(1) / total)
-            factors.append((weight * share * passing).sum(1) / total)
-        empty = passing.new_zeros((len(passing), 0))
-        return (torch.stack(legs, 1), torch.stack(factors, 1)) if legs else (empty, empty)
+    def _light_transmittance(
+        self, fog: FogMedium, lamps: Sequence[LightSource], passing: Tensor
+    ) -> tuple[Tensor, Tensor]:
+        """Transmittance (P, L) from the lights to the hits of diffuse rays, and from there on to the points.
 
-    def _arriving(self, index: int, lamp: Lamp) -> Tensor:
-        """A lamp's irradiance (P, rays) where the diffuse rays end; a trace of it everywhere, to divide by."""
+        Args:
+            fog: The medium.
+            lamps: The L lights.
+            passing: (P, rays) transmittance from the hits to the points.
+        """
+        light_transmittance, path_transmittance = [], []
+        for i, lamp in enumerate(lamps):
+            weight = self._irradiance_at_hits(i, lamp)
+            position = self._surface.position
+            share = fog.transmittance(position, *lamp.detached().toward(position)).view(self._hit.shape)[
+                :, :-1
+            ]
+            total = weight.sum(1)
+            light_transmittance.append((weight * share).sum(1) / total)
+            path_transmittance.append((weight * share * passing).sum(1) / total)
+        empty = passing.new_zeros((len(passing), 0))
+        return (
+            (torch.stack(light_transmittance, 1), torch.stack(path_transmittance, 1))
+            if light_transmittance
+            else (empty, empty)
+        )
+
+    def _irradiance_at_hits(self, index: int, lamp: LightSource) -> Tensor:
+        """A light's irradiance (P, rays) where the diffuse rays end; never 0, to divide by."""
         kept = self._lit.get(index)
         if kept is None or kept[0] != lamp.signature():
             with torch.no_grad():
-                found = lit(self._geometry, lamp.detached(), self._surface).view(self._hit.shape)
-                found = (found * self._hit)[:, :-1]
-            kept = self._lit[index] = (lamp.signature(), found + 1e-3 * found.mean() + 1e-12)
+                irradiance = lit(self._geometry, lamp.detached(), self._surface).view(self._hit.shape)
+                irradiance = (irradiance * self._hit)[:, :-1]
+            kept = self._lit[index] = (lamp.signature(), irradiance + 1e-3 * irradiance.mean() + 1e-12)
         return kept[1]
 
-    def _light(self, fog: Fog, lamps: Sequence[Lamp], sky: Sky, passing: Tensor) -> Tensor:
+    def _light(self, fog: FogMedium, lamps: Sequence[LightSource], sky: Sky, passing: Tensor) -> Tensor:
         """Radiance (3, P, rays) that the fog sends back along the rays."""
         start, toward, points, count = self._start, self._toward, *self._hit.shape
         reach = fog.reach(start.detach().mean((1, 2)))
@@ -177,7 +189,7 @@ class MurkRays:
         growth = (1 + reach / near) ** (1 / _SEGMENTS)
         cuts = near * (growth ** torch.arange(_SEGMENTS + 1, device=start.device) - 1)
         cuts = torch.minimum(cuts[:, None, None].expand(-1, points, count), self._distance)
-        rays = Rays(start, toward, cuts, (self._signature, reach))
+        rays = RaySegments(start, toward, cuts, (self._signature, reach))
         depth = torch.exp(-fog.density * fog.thickness(start[:, None], toward[:, None], cuts))
         light = torch.zeros((3, _SEGMENTS, points, count), device=start.device)
         for lamp in lamps:
@@ -186,8 +198,8 @@ class MurkRays:
         light = light + self._world(fog, sky, passing) * (1 - passing)
         return light * fog.albedo[:, None, None]
 
-    def _world(self, fog: Fog, sky: Sky, passing: Tensor) -> Tensor:
-        """The world's light (3, P, rays) scattered back, were the fog endless: from where it scatters on average."""
+    def _world(self, fog: FogMedium, sky: Sky, passing: Tensor) -> Tensor:
+        """The world's light (3, P, rays) scattered back by endless fog, from the mean depth of scattering."""
         ways = DIRECTIONS.to(self._start)
         way = fog.thickness(self._start, self._toward, self._distance.clamp_max(1e6)).detach()
         depth = (fog.density.detach() * way).clamp_min(1e-3)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is seen through glass: rays refracted in and out, then shaded where they end."""
+"""Rays refracted through glass, and the hits where they end."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from torch import Tensor
 
 from ..geometry.directions import above, reflect
 from ..geometry.vectors import dot, unit
-from ..geometry.visibility import Geometry, Surface
-from ..material.textures import Maps
-from .secondary_hits import Far
+from ..geometry.visibility import RayGeometry, Surface
+from ..material.textures import MaterialTextures
+from .secondary_hits import SecondaryHits
 
 
 def refract(
@@ -39,17 +39,25 @@ _MOST_WALLS = 8
 
 
 def through(
-    geometry: Geometry,
+    geometry: RayGeometry,
     surface: Surface,
     toward: Tensor,
     ior: float,
     metals: Tensor,
     lamps: int,
-    maps: Maps,
-) -> tuple[Far, Tensor]:
-    """Follows rays (3, N) that enter a surface: the far hits, and their final directions (3, N).
+    maps: MaterialTextures,
+) -> tuple[SecondaryHits, Tensor]:
+    """Follows rays that enter a surface through all walls of the same glass.
 
-    Each surface of the same glass on the way, met from inside or outside, bends them or reflects them wholly.
+    Args:
+        geometry: The triangles.
+        surface: Where N rays enter.
+        toward: (3, N) their unit directions.
+        ior: Of the glass.
+        metals, lamps, maps: As for `SecondaryHits`.
+
+    Returns:
+        The hits behind the glass, and the rays' final directions (3, N).
     """
     direction, _ = refract(toward, surface.normal, 1.0 / ior)
     direction = -above(-direction, surface.facet)
@@ -72,9 +80,9 @@ def through(
         index, bent, goes_on = index[met], bent[:, met], goes_on[:, met]
         direction = direction.index_copy(1, index, bent)
         origin = origin.index_copy(1, index, goes_on)
-    return Far(geometry, origin, direction, 1, metals, lamps, maps), direction
+    return SecondaryHits(geometry, origin, direction, 1, metals, lamps, maps), direction
 
 
-def _across(geometry: Geometry, surface: Surface) -> Tensor:
+def _across(geometry: RayGeometry, surface: Surface) -> Tensor:
     """Origins (3, N) just behind a surface."""
     return 2 * surface.position - geometry.lifted(surface)

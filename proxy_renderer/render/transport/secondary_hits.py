@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rays that leave surfaces: traced once, what they meet is shaded anew every render, simply.
+"""Secondary rays: traced once per view, their hits shaded anew in every render.
 
-A ray's hit is shaded as its albedo times the light there, plus its glow; one more ray from the hit brings
-the light of a second bounce, as if that surface had the same albedo. This is linear in (albedo x light),
-so the rays of a point add up to a fixed row of weights over a small table of radiances.
+The radiance of a hit is albedo x irradiance / pi + emission. One more ray from the hit adds a second bounce, with the
+same albedo. That is linear in albedo x light: the rays of a point add up to a fixed row of weights over a small table
+of radiances.
 """
 
 from __future__ import annotations
@@ -16,25 +16,25 @@ from torch import Tensor
 
 from ..geometry.directions import above, cosine_directions, reflect
 from ..geometry.vectors import dot, unit
-from ..geometry.visibility import Geometry, Surface
+from ..geometry.visibility import RayGeometry, Surface
 from ..lights.environment import harmonics
-from ..lights.irradiance import Arrival, arrival
-from ..lights.lamps import Lamp
-from ..material.textures import Maps
+from ..lights.types.light_source import DirectIrradiance, LightSource
+from ..material.textures import MaterialTextures
 
 _WORLD_AT_SECOND = 0.3
 """Most of the world that surfaces of second bounces are taken to see; in rooms, which rays rarely leave, less."""
 
 
 @dataclass(frozen=True)
-class Table:
-    """What far hits and the world radiate in one render; the rows of `radiances` are:
+class RadianceTable:
+    """Radiance of all that secondary rays can meet, in one render.
 
-    for every material, the light that it scatters of each lamp and of the world's upper and lower half, then
-    the same scattered twice and more; then every material's glow; then the world's nine spherical harmonics.
+    There are L + 2 sources of light: the lights, the upper and the lower hemisphere of the world. The rows are, for
+    each of the M materials, the light of every source scattered once, then scattered twice and more; after those the
+    M materials' emission, and the 9 spherical harmonics of the world.
 
     Attributes:
-        radiances: (K, 3).
+        radiances: (K, 3), K = 2 M (L + 2) + M + 9.
         albedo: (M, 3) share of light that each material scatters.
     """
 
@@ -43,45 +43,50 @@ class Table:
 
     @staticmethod
     def of(
-        albedo: Tensor, metallic: Tensor, glow: Tensor, lamp_colors: Tensor, halves: Tensor, sky: Tensor
-    ) -> Table:
+        albedo: Tensor,
+        metallic: Tensor,
+        emission: Tensor,
+        lamp_colors: Tensor,
+        hemispheres: Tensor,
+        sky: Tensor,
+    ) -> RadianceTable:
         """Builds the table.
 
         Args:
             albedo: (M, 3) share of light that each material scatters, or reflects if it is a metal.
             metallic: (M,) share of each material that is metal.
-            glow: (M, 3) emitted radiance.
+            emission: (M, 3) emitted radiance.
             lamp_colors: (L, 3).
-            halves: (2, 3) light of the world on what faces up and down.
+            hemispheres: (2, 3) light of the world on what faces up and down.
             sky: (9, 3) its spherical harmonics.
         """
-        sources = torch.cat((lamp_colors / math.pi, halves))
+        sources = torch.cat((lamp_colors / math.pi, hemispheres))
         again = albedo * albedo / (1 - albedo / 2)  # third and later bounces follow the second
         # A metal shows things of other colors than its own: of the mean color of those that are none.
         plain = (1 - metallic)[:, None] + 1e-6
         common = (albedo * plain).sum(0) / plain.sum(0)
         again = torch.lerp(again, albedo * common / (1 - common / 2), metallic[:, None])
         scattered = torch.cat((albedo[:, None] * sources, again[:, None] * sources), 1).flatten(0, 1)
-        return Table(torch.cat((scattered, glow, sky)), albedo)
+        return RadianceTable(torch.cat((scattered, emission, sky)), albedo)
 
-    def dimmed(self, shares: Tensor) -> Table:
-        """With less of each source: shares (S,) of the lamps and the world's halves, and of both scattered twice."""
+    def dimmed(self, shares: Tensor) -> RadianceTable:
+        """The table behind fog: transmittance (S,) of the L + 2 sources, and again for light scattered twice."""
         split = len(self.albedo) * len(shares)
         scattered = self.radiances[:split].view(len(self.albedo), -1, 3) * shares[:, None]
-        return Table(torch.cat((scattered.flatten(0, 1), self.radiances[split:])), self.albedo)
+        return RadianceTable(torch.cat((scattered.flatten(0, 1), self.radiances[split:])), self.albedo)
 
 
-class Far:
-    """Rays from A points, R each, and what they meet.
+class SecondaryHits:
+    """R rays from each of A points, and the surfaces that they hit.
 
     Args:
         geometry: The triangles.
         origin, toward: (3, A * R) rays.
         count: R.
-        metals: (M,) how much like a mirror each material is; 0 for what is no metal.
+        metals: (M,) weight of mirror reflection of each material, 0 for what is no metal.
         lamps: How many the scene has.
-        maps: Textures: what single rays meet shows them. None for the mean color.
-        deep: Whether the light at the hits includes the world's and what comes over other surfaces.
+        maps: Textures of the hits; None for each material's mean color.
+        deep: Whether hits get the world's light and a second bounce.
 
     Attributes:
         open: (A,) share of rays that leave the scene.
@@ -91,13 +96,13 @@ class Far:
 
     def __init__(
         self,
-        geometry: Geometry,
+        geometry: RayGeometry,
         origin: Tensor,
         toward: Tensor,
         count: int,
         metals: Tensor,
         lamps: int,
-        maps: Maps | None = None,
+        maps: MaterialTextures | None = None,
         deep: bool = False,
     ) -> None:
         self.geometry, self.count = geometry, count
@@ -105,28 +110,28 @@ class Far:
         self.hit = hits.hit.to(torch.float32)
         self.surface: Surface = geometry.surface(hits, toward)
         self.distance = hits.distance
-        self._relief = maps.relief(self.surface, geometry) if maps else None
+        self._relative_base_color = maps.relative_base_color(self.surface, geometry) if maps else None
         self.open = 1 - self.hit.view(-1, count).mean(1)
         materials = len(metals)
         self.owner = self.surface.material * hits.hit + materials * ~hits.hit
-        self.mirroring = metals[self.surface.material] * hits.hit
-        self.shiny = self.mirroring > 0
+        self.mirror_weight = metals[self.surface.material] * hits.hit
+        self.shiny = self.mirror_weight > 0
         self.materials = materials
         self._members: list[Tensor] = []
         self.lamps = lamps
         # Rows: every lamp and both halves of the world at the hits; the same where one more ray from there ends.
-        self.arriving = torch.zeros((2 * (lamps + 2), len(self.hit)), device=self.hit.device)
-        self._clear = torch.zeros_like(self.arriving)
-        self._lit = (self.hit > self.mirroring).nonzero()[:, 0]  # mirrors do not scatter what lights them
+        self.incoming = torch.zeros((2 * (lamps + 2), len(self.hit)), device=self.hit.device)
+        self._clear = torch.zeros_like(self.incoming)
+        self._lit = (self.hit > self.mirror_weight).nonzero()[:, 0]  # mirrors do not scatter what lights them
         self._first = self.surface.pick(self._lit)
         self._around = around = (hits.hit if deep else self.shiny).nonzero()[:, 0]
         # Without it, the light that lies about counts where a metal is rough, and what it mirrors otherwise.
-        self._share = torch.ones_like(self.hit) if deep else self.mirroring
+        self._share = torch.ones_like(self.hit) if deep else self.mirror_weight
         self._second = self._look_around(toward[:, around], deep) if len(around) else None
         self.harmonics = (harmonics(toward) * (1 - self.hit)).view(9, -1, count).mean(2)
 
     def _look_around(self, arrived: Tensor, deep: bool) -> tuple[Tensor, Surface]:
-        """Sends one ray from hits: to the world, or to the surface of a second bounce.
+        """Traces one ray from each hit, to the world or to the surface of a second bounce.
 
         Metals send it where they mirror, others anywhere above them, distributed like a cosine.
 
@@ -138,61 +143,66 @@ class Far:
             The rays that meet a second surface, and that.
         """
         generator = torch.Generator().manual_seed(7)
-        start, mirroring = self.surface.pick(self._around), self.mirroring[self._around]
-        shiny = mirroring > 0
+        start, mirror_weight = self.surface.pick(self._around), self.mirror_weight[self._around]
+        shiny = mirror_weight > 0
         count = len(self.hit if deep else self._around)
         uv = torch.rand((2, count), generator=generator).to(self.hit.device)
         uv = uv[:, self._around] if deep else uv
         anywhere = cosine_directions(start.normal, uv)
-        toward = torch.lerp(anywhere, reflect(arrived, start.normal), mirroring)
+        toward = torch.lerp(anywhere, reflect(arrived, start.normal), mirror_weight)
         toward = above(unit(toward), start.facet)
         hits = self.geometry.first_hits(self.geometry.lifted(start), toward)
-        found = hits.hit.to(torch.float32)
+        hit_share = hits.hit.to(torch.float32)
         beyond = self.geometry.surface(hits, toward)
-        leaving = float((1 - found).mean())
+        leaving = float((1 - hit_share).mean())
         facing = torch.where(shiny, torch.where(toward[2] > 0, 1.0, -1.0), start.normal[2])
-        for row, up, seen in (
-            (self.lamps, (1 + facing) / 2, (1 - found) * self._share[self._around]),
-            (2 * self.lamps + 2, (1 + beyond.normal[2]) / 2, found * min(leaving, _WORLD_AT_SECOND)),
+        for row, up, share in (
+            (self.lamps, (1 + facing) / 2, (1 - hit_share) * self._share[self._around]),
+            (2 * self.lamps + 2, (1 + beyond.normal[2]) / 2, hit_share * min(leaving, _WORLD_AT_SECOND)),
         ):
-            self.arriving[row, self._around] = up * seen
-            self.arriving[row + 1, self._around] = (1 - up) * seen
+            self.incoming[row, self._around] = up * share
+            self.incoming[row + 1, self._around] = (1 - up) * share
         again = hits.hit.nonzero()[:, 0]
         return self._around[again], beyond.pick(again)
 
-    def light(self, index: int, lamp: Lamp) -> None:
-        """Traces shadow rays to one lamp."""
+    def light(self, index: int, lamp: LightSource) -> None:
+        """Traces shadow rays from all hits to one light.
+
+        Args:
+            index: The light's row among the sources.
+            lamp: The light, detached.
+        """
         for row, rays, surface, share in self._bounces(index):
-            met = arrival(lamp, surface.position, surface.normal)
-            clear = _clear(self.geometry, lamp, met, surface) * share
-            self._clear[row, rays], self.arriving[row, rays] = clear, met.irradiance * clear
+            direct = lamp.irradiance(surface.position, surface.normal)
+            clear = _clear(self.geometry, lamp, direct, surface) * share
+            self._clear[row, rays], self.incoming[row, rays] = clear, direct.irradiance * clear
 
     def _bounces(self, index: int) -> list[tuple[int, Tensor, Surface, Tensor]]:
-        """A lamp's rows of `arriving`: row, rays, the surface that it lights, and the share that rays take of it."""
-        bounces = [(index, self._lit, self._first, 1 - self.mirroring[self._lit])]
+        """Rows of `incoming` that belong to a light: row, rays, lit surface, share of it that the rays carry."""
+        bounces = [(index, self._lit, self._first, 1 - self.mirror_weight[self._lit])]
         if self._second is not None:
             rays, surface = self._second
             bounces.append((self.lamps + 2 + index, rays, surface, self._share[rays]))
         return bounces
 
-    def moved(self, index: int, lamp: Lamp, table: Table) -> Tensor:
-        """Zeros (A, 3) with the gradient of what the points see by where a lamp stands.
+    def moved(self, index: int, lamp: LightSource, table: RadianceTable) -> Tensor:
+        """Zeros (A, 3) with the gradient of the points' radiance with respect to a light's position.
 
-        That it lights the hits more or less counts; that its shadows move there does not.
+        The irradiance of the hits is differentiated, their shadows are not.
         """
-        rows = table.radiances[: self.materials * len(self.arriving)].detach()
-        rows = torch.cat((rows.view(self.materials, -1, 3), rows.new_zeros((1, len(self.arriving), 3))))
+        rows = table.radiances[: self.materials * len(self.incoming)].detach()
+        rows = torch.cat((rows.view(self.materials, -1, 3), rows.new_zeros((1, len(self.incoming), 3))))
         total = torch.zeros((len(self.owner) // self.count, 3), device=rows.device)
         for row, rays, surface, _ in self._bounces(index):
             clear = self._clear[row, rays]
             lit = clear.nonzero()[:, 0]
             rays, clear = rays[lit], clear[lit]
-            irradiance = arrival(lamp, surface.position[:, lit], surface.normal[:, lit]).irradiance
+            irradiance = lamp.irradiance(surface.position[:, lit], surface.normal[:, lit]).irradiance
             light = (irradiance - irradiance.detach()) * clear
             total = total.index_add(0, rays // self.count, rows[self.owner[rays], row] * light[:, None])
         return total / self.count
 
-    def image(self, table: Table, ambient: Tensor) -> Tensor:
+    def image(self, table: RadianceTable, ambient: Tensor) -> Tensor:
         """Radiance (3, A) of the hits of single rays; 0 where they leave the scene.
 
         Args:
@@ -201,56 +211,61 @@ class Far:
         """
         if not self._members:
             self._members = [(self.owner == m).nonzero()[:, 0] for m in range(self.materials)]
-        ambient = ambient * (1 - self.mirroring)
-        return _Image.apply(
-            table.radiances, table.albedo / math.pi, ambient, self.arriving, self._members, self._relief
+        ambient = ambient * (1 - self.mirror_weight)
+        return _HitRadiance.apply(
+            table.radiances,
+            table.albedo / math.pi,
+            ambient,
+            self.incoming,
+            self._members,
+            self._relative_base_color,
         )
 
     def weights(self) -> Tensor:
-        """(A, K) average over each point's rays: weights over the rows of `Table.radiances`."""
+        """(A, K) average over each point's rays: weights over the rows of `RadianceTable.radiances`."""
         rays = -1, self.count
-        slots = torch.cat((self.arriving, torch.ones_like(self.hit)[None]))
+        slots = torch.cat((self.incoming, torch.ones_like(self.hit)[None]))
         slots = slots.view(len(slots), *rays).permute(1, 2, 0)
         owner = self.owner.view(rays)
         one_hot = torch.nn.functional.one_hot(owner, self.materials + 1)[..., :-1].to(slots.dtype)
         summed = torch.einsum("arm,ars->ams", one_hot, slots) / self.count
-        scattered, glow = summed[..., :-1].flatten(1), summed[..., -1]
-        return torch.cat((scattered, glow, self.harmonics.T), 1)
+        scattered, emission = summed[..., :-1].flatten(1), summed[..., -1]
+        return torch.cat((scattered, emission, self.harmonics.T), 1)
 
 
-def lit(geometry: Geometry, lamp: Lamp, surface: Surface) -> Tensor:
+def lit(geometry: RayGeometry, lamp: LightSource, surface: Surface) -> Tensor:
     """Irradiance (N,) of a lamp on a surface, shadowed by one ray to its middle."""
-    met = arrival(lamp, surface.position, surface.normal)
-    return met.irradiance * _clear(geometry, lamp, met, surface)
+    direct = lamp.irradiance(surface.position, surface.normal)
+    return direct.irradiance * _clear(geometry, lamp, direct, surface)
 
 
-def _clear(geometry: Geometry, lamp: Lamp, met: Arrival, surface: Surface) -> Tensor:
+def _clear(geometry: RayGeometry, lamp: LightSource, direct: DirectIrradiance, surface: Surface) -> Tensor:
     """(N,) 1.0 where a ray from a surface to the lamp's middle passes, else 0.0."""
     if not lamp.light.shadow:
-        return torch.ones_like(met.irradiance)
-    facing = dot(surface.facet, met.toward) > 0
-    blockers = lamp.glow.blockers if lamp.glow else geometry
-    return blockers.clear(geometry.lifted(surface), met.toward, met.distance * 0.999) * facing
+        return torch.ones_like(direct.irradiance)
+    facing = dot(surface.facet, direct.toward) > 0
+    blockers = lamp.blockers or geometry
+    return blockers.clear(geometry.lifted(surface), direct.toward, direct.distance * 0.999) * facing
 
 
-class _Image(torch.autograd.Function):
-    """Radiance (3, N) of single hits: like `Far.weights() @ radiances`, without the mostly empty matrix."""
+class _HitRadiance(torch.autograd.Function):
+    """Radiance (3, N) of single hits: `SecondaryHits.weights() @ radiances` without its mostly empty matrix."""
 
     @staticmethod
-    def forward(ctx, radiances, albedo, ambient, sources, members, relief):
+    def forward(ctx, radiances, albedo, ambient, sources, members, relative_base_color):
         ctx.save_for_backward(albedo, ambient)
-        ctx.relief = relief
+        ctx.relative_base_color = relative_base_color
         ctx.members, ctx.sources, ctx.rows = members, sources, len(radiances)
         count, materials = len(sources), len(members)
         out = torch.zeros((3, sources.shape[1]), device=sources.device)
         for m, chosen in enumerate(members):
             if len(chosen):
-                rows, glow = radiances[m * count : (m + 1) * count], radiances[materials * count + m]
+                rows, emission = radiances[m * count : (m + 1) * count], radiances[materials * count + m]
                 light = rows.T @ sources.index_select(1, chosen)
                 light += ambient.index_select(1, chosen) * albedo[m][:, None]
-                if relief is not None:
-                    light *= relief.index_select(1, chosen)
-                out.index_copy_(1, chosen, light + glow[:, None])
+                if relative_base_color is not None:
+                    light *= relative_base_color.index_select(1, chosen)
+                out.index_copy_(1, chosen, light + emission[:, None])
         return out
 
     @staticmethod
@@ -263,8 +278,8 @@ class _Image(torch.autograd.Function):
             if len(chosen):
                 part = gradient.index_select(1, chosen)
                 radiances[materials * count + m] = part.sum(1)
-                if ctx.relief is not None:
-                    part = part * ctx.relief.index_select(1, chosen)
+                if ctx.relative_base_color is not None:
+                    part = part * ctx.relative_base_color.index_select(1, chosen)
                 radiances[m * count : (m + 1) * count] = ctx.sources.index_select(1, chosen) @ part.T
                 albedos[m] = (part * ambient.index_select(1, chosen)).sum(1)
                 ambients.index_copy_(1, chosen, part * albedo[m][:, None])

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the camera sees of the fog: light that scatters once towards it, and what the fog takes away.
+"""Fog as the camera sees it: in-scattering (single scattering) and transmittance.
 
-The rays of a coarse picture are cut into segments. In each, the light that a lamp sends is averaged analytically
-(so a lamp's glow needs no dense samples), and the share that the segment scatters is exact: the transmittance lost
-in it. The running sums stand on a small grid over picture and depth, which samples look up by their own depth: the
-fog in front of a near subject does not mix with the fog in front of what is behind it.
-Cycles with its default of no volume bounces scatters once, too. Vectors are planar, (3, …).
+The rays of a coarse picture are cut into segments. In each, a light's irradiance is averaged analytically, so that its
+glow needs no dense samples, and the scattered share is exact: the transmittance lost in the segment. The running sums
+are kept on a grid over picture and depth (froxels), which samples look up by their own depth: fog in front of a near
+subject does not mix with fog in front of the background. Cycles, too, scatters once with its default of no volume
+bounces. Vectors are planar, (3, …).
 """
 
 from __future__ import annotations
@@ -20,14 +20,13 @@ from torch.nn import functional
 
 from ...color.lookup_table import trilinear
 from ..geometry.camera import View
+from ..geometry.segments import RaySegments
 from ..geometry.vectors import length
-from ..lights.cones import spot_cone, spread
-from ..lights.lamps import Lamp
-from .fog import Fog
+from ..lights.types.light_source import LightSource
+from .fog import FogMedium
 
 SEGMENTS = 16
 COARSE = 8  # pixels of the picture per ray of the coarse one
-_SPOT_PARTS = 4  # pieces of a segment in a spot's light, whose cone has an edge
 _BULK = 3.0
 """Distance up to which segments are fine, in distances of the subject or of the farthest lamp."""
 _WORLD_COARSE = 4  # rays of the coarse picture per ray along which the world's light is summed
@@ -48,13 +47,13 @@ DIRECTIONS = _lebedev()
 """(3, 14) unit vectors over which the world's light is summed; the rule is exact to the fifth degree."""
 WEIGHTS = torch.tensor([1 / 15] * 6 + [3 / 40] * 8)
 
-Clear = Callable[[Tensor, Tensor, Tensor], Tensor]
+VisibilityTest = Callable[[Tensor, Tensor, Tensor], Tensor]
 """(origins (3, N), unit directions (3, N), distances (N,)) to (N,): 1 where nothing is in the way (`Geometry.clear`)."""
 
 
 @dataclass(frozen=True)
-class Haze:
-    """The fog in front of a camera: running sums along coarse rays, looked up by picture position and distance."""
+class FroxelGrid:
+    """In-scattered light and optical depth between the camera and any point, on a grid over picture and depth."""
 
     _sums: Tensor  # (1, 4, SEGMENTS + 1, rows, columns): scattered light, and optical depth
     _size: tuple[int, int]
@@ -86,23 +85,25 @@ class Haze:
             for i, n in enumerate((columns, rows))
         ]
         at = torch.stack((*cells, cut * (2 / segments) - 1), -1)
-        found = trilinear(self._sums, at)
-        return found[:3], torch.exp(-found[3])
+        sums = trilinear(self._sums, at)
+        return sums[:3], torch.exp(-sums[3])
 
 
-class Volume:
-    """Scatters light in the fog of one scene; keeps the shadows in it until something has moved.
+class SingleScattering:
+    """Single scattering in the fog of one scene; its shadows are cached until something moves.
 
     Args:
-        clear: Answers whether nothing stands between points; None for fog without shadows.
+        clear: Visibility between points; None for fog without shadows.
     """
 
-    def __init__(self, clear: Clear | None = None) -> None:
+    def __init__(self, clear: VisibilityTest | None = None) -> None:
         self._clear = clear
         self._kept: dict[str, tuple[Hashable, Tensor]] = {}
 
-    def scatter(self, fog: Fog, view: View, near: float, lamps: Sequence[Lamp], world: Tensor) -> Haze:
-        """The haze in front of a camera.
+    def scatter(
+        self, fog: FogMedium, view: View, near: float, lamps: Sequence[LightSource], world: Tensor
+    ) -> FroxelGrid:
+        """The fog in front of a camera.
 
         Args:
             fog: The medium, active.
@@ -112,49 +113,44 @@ class Volume:
             world: (3, 14) blurred radiance of the world from `DIRECTIONS`, or (3, 1) for an even one.
         """
         eye = view.position.detach()
-        away = [length(lamp.position.detach() - eye, 0.0) for lamp in lamps if lamp.light.type != "SUN"]
+        away = [length(lamp.position.detach() - eye, 0.0) for lamp in lamps if not lamp.at_infinity]
         end = fog.reach(eye)
         bulk = min(0.9 * end, _BULK * max([near, *map(float, away)]))
         growth = (1 + bulk / near) ** (1 / (SEGMENTS - 1))
         cuts = near * (growth ** torch.arange(SEGMENTS + 1, device=eye.device) - 1).view(-1, 1, 1)
         cuts[-1] = end
-        rays = Rays.of(view, COARSE, cuts)
+        rays = RaySegments.of(view, COARSE, cuts)
         depth = fog.density * fog.thickness(rays.start[:, None], rays.toward[:, None], cuts)
         passing = torch.exp(-depth)  # (SEGMENTS + 1, rows, columns)
-        light = self._world_light(fog, Rays.of(view, COARSE * _WORLD_COARSE, cuts), world)
+        light = self._world_light(fog, RaySegments.of(view, COARSE * _WORLD_COARSE, cuts), world)
         light = functional.interpolate(light, size=passing.shape[1:], mode="bilinear")
         for lamp in lamps:
-            parts = _SPOT_PARTS if lamp.light.type == "SPOT" else 1
-            light = light + self.lamp_light(fog, rays, lamp, parts)
+            light = light + self.lamp_light(fog, rays, lamp, lamp.segment_parts)
         scattered = (light * fog.albedo.view(3, 1, 1, 1) * (passing[:-1] - passing[1:])).cumsum(1)
         sums = torch.cat((functional.pad(scattered, (0, 0, 0, 0, 1, 0)), depth[None]))[None]
-        return Haze(sums, view.size, near, growth, bulk, end)
+        return FroxelGrid(sums, view.size, near, growth, bulk, end)
 
-    def lamp_light(self, fog: Fog, rays: Rays, lamp: Lamp, parts: int) -> Tensor:
-        """Light (3, S, rows, columns) of a lamp that the S segments would send back along the rays with albedo 1.
+    def lamp_light(self, fog: FogMedium, rays: RaySegments, lamp: LightSource, parts: int) -> Tensor:
+        """In-scattered light (3, S, rows, columns) of one light in S segments, for an albedo of 1.
 
-        Each segment is looked at in so many parts, suns aside.
+        Args:
+            fog: The medium.
+            rays: In segments.
+            lamp: The light.
+            parts: In how many parts each segment is looked at, where the type of light needs it.
         """
-        if lamp.light.type == "SUN":
-            points = rays.middles
-            to_lamp = lamp.axes[:, 2].view(3, 1, 1, 1).expand_as(points)
-            distance = torch.full_like(points[0], math.inf)
-            strength = torch.ones_like(distance)
-        else:
-            points, mean_inverse_square = _toward_lamp(rays, lamp, parts)
-            offset = lamp.position.view(3, 1, 1, 1) - points
-            distance = (offset * offset).sum(0).clamp_min(1e-8).sqrt()
-            to_lamp = offset / distance
-            strength = _intensity(lamp, to_lamp) * mean_inverse_square
+        direct = lamp.in_scattering(rays, parts)
+        strength = direct.irradiance
         if lamp.light.shadow:
             signature = rays.signature, lamp.signature()
-            clear = lamp.glow.blockers.clear if self._clear and lamp.glow else self._clear
-            strength = strength * self._shadow(lamp.light.name, signature, points, to_lamp, distance, clear)
-        strength = strength * fog.transmittance(points, to_lamp, distance)
-        strength = strength * phase((to_lamp * rays.toward[:, None]).sum(0), fog.anisotropy)
+            clear = lamp.blockers.clear if self._clear and lamp.blockers else self._clear
+            ways = direct.points, direct.toward, direct.distance
+            strength = strength * self._shadow(lamp.light.name, signature, *ways, clear)
+        strength = strength * fog.transmittance(direct.points, direct.toward, direct.distance)
+        strength = strength * phase((direct.toward * rays.toward[:, None]).sum(0), fog.anisotropy)
         return strength.unflatten(0, (len(rays.cuts) - 1, -1)).mean(1) * lamp.color.view(3, 1, 1, 1)
 
-    def _world_light(self, fog: Fog, rays: Rays, world: Tensor) -> Tensor:
+    def _world_light(self, fog: FogMedium, rays: RaySegments, world: Tensor) -> Tensor:
         """The same for the world."""
         points = rays.middles[:, None]
         directions = DIRECTIONS.to(points).view(3, -1, 1, 1, 1)  # (3, 14, SEGMENTS, rows, columns)
@@ -176,9 +172,9 @@ class Volume:
         points: Tensor,
         toward: Tensor,
         distance: Tensor,
-        clear: Clear | None,
+        clear: VisibilityTest | None,
     ) -> Tensor:
-        """1 where the way is clear, 0 where it is not, shaped like `distance`; traced when the signature changes."""
+        """Visibility (0 to 1), shaped like `distance`; traced again when the signature changes."""
         if clear is None:
             return torch.ones_like(distance)
         kept = self._kept.get(name)
@@ -186,81 +182,6 @@ class Volume:
             ways = points.detach().flatten(1), toward.detach().flatten(1), distance.detach().flatten()
             kept = self._kept[name] = (signature, clear(*ways).view(distance.shape))
         return kept[1]
-
-
-@dataclass(frozen=True)
-class Rays:
-    """Coarse rays, cut into segments: start and toward (3, rows, columns), cuts (S + 1, …) in meters,
-    which may differ from ray to ray."""
-
-    start: Tensor
-    toward: Tensor
-    cuts: Tensor
-    signature: Hashable
-
-    @staticmethod
-    def of(view: View, coarse: int, cuts: Tensor) -> Rays:
-        """Rays through the centers of blocks of pixels."""
-        columns, rows = (max(1, round(n / coarse)) for n in view.size)
-        y, x = torch.meshgrid(torch.arange(rows) + 0.5, torch.arange(columns) + 0.5, indexing="ij")
-        pixel = torch.stack((x * (view.size[0] / columns), y * (view.size[1] / rows))).flatten(1)
-        start, toward = (part.view(3, rows, columns) for part in view.rays(pixel.to(view.position)))
-        return Rays(start, toward, cuts, (view.signature(), float(cuts[-1])))
-
-    @property
-    def middles(self) -> Tensor:
-        """Points (3, SEGMENTS, rows, columns) halfway between the cuts."""
-        return self.start[:, None] + self.toward[:, None] * ((self.cuts[1:] + self.cuts[:-1]) / 2)
-
-
-def _toward_lamp(rays: Rays, lamp: Lamp, parts: int) -> tuple[Tensor, Tensor]:
-    """Where segments get the middle of their light (3, S · parts, rows, columns), and their mean of 1 / distance².
-
-    Both are analytic along a straight ray (equiangular sampling: Kulla and Fajardo 2012); parts of a segment
-    subtend the same angle at the lamp, and so count the same.
-    """
-    to_lamp = lamp.position.view(3, 1, 1) - rays.start
-    closest = (to_lamp * rays.toward).sum(0)
-    aside = (to_lamp * to_lamp).sum(0) - closest * closest
-    soft = lamp.size * (0.25 if lamp.light.type == "AREA" else 0.5)  # about what averaging over the lamp does
-    aside = (aside.clamp_min(0) + soft * soft + 1e-6).sqrt()
-    angle = torch.atan((_lit(rays, lamp) - closest) / aside)[:, None]
-    step = angle[1:] - angle[:-1]
-    part = (torch.arange(parts, device=aside.device) + 0.5).view(-1, 1, 1) / parts
-    middle = closest + aside * torch.tan(angle[:-1] + step * part)
-    mean = (step / (aside * (rays.cuts[1:] - rays.cuts[:-1])[:, None]).clamp_min(1e-12)).expand_as(middle)
-    return rays.start[:, None] + rays.toward[:, None] * middle.flatten(0, 1), mean.flatten(0, 1)
-
-
-def _lit(rays: Rays, lamp: Lamp) -> Tensor:
-    """The cuts (S + 1, …), those behind an area light moved to its plane: it shines to one side only."""
-    if lamp.light.type != "AREA":
-        return rays.cuts
-    z = lamp.axes[:, 2].view(3, 1, 1)
-    before = (z * (lamp.position.view(3, 1, 1) - rays.start)).sum(0)
-    slope = (z * rays.toward).sum(0)
-    plane = before / torch.where(slope.abs() < 1e-6, 1e-6, slope)
-    leaving = slope > 0  # from the lit side to the dark one
-    cuts = torch.where(leaving, torch.minimum(rays.cuts, plane), torch.maximum(rays.cuts, plane))
-    return cuts
-
-
-def _intensity(lamp: Lamp, to_lamp: Tensor) -> Tensor:
-    """Radiant intensity (…), per unit of the lamp's color, back along unit vectors (3, …) to it."""
-    size = lamp.size * lamp.size
-    flat = to_lamp.flatten(1)
-    if lamp.light.type == "AREA":
-        facing = (lamp.axes[:, 2] @ flat).clamp_min(0)
-        strength = facing * spread(lamp, facing) * ((1.0 if lamp.light.normalize else lamp.area) / math.pi)
-    else:
-        strength = (
-            (1.0 if lamp.light.normalize else 4 * math.pi * size) / (4 * math.pi) * torch.ones_like(flat[0])
-        )
-        if lamp.light.type == "SPOT":
-            strength = strength * spot_cone(lamp, flat)
-        if lamp.glow:
-            strength = strength * lamp.glow.toward(-flat)
-    return strength.view(to_lamp.shape[1:])
 
 
 def phase(cosine: Tensor, g: Tensor) -> Tensor:

@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What every type of light answers to the renderer. Formulas follow Cycles (kernel/light, scene/light.cpp).
+
+Irradiance and intensity are per unit of `LightSource.color`: whatever is geometric stays the same while only power,
+color or temperature change.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from typing import ClassVar, Self
+
+import torch
+from torch import Tensor
+
+from ....color.blackbody import blackbody
+from ....scene import Light, SceneData
+from ....scene.values import RenderValues, wanted
+from ...geometry.camera import direction, frame
+from ...geometry.segments import RaySegments
+from ...geometry.vectors import within
+from ...geometry.visibility import RayGeometry
+
+POINT_RADIUS = 1e-3
+"""Least angular radius of a light in radians: a true point would have no highlight in a mirror."""
+
+
+@dataclass(frozen=True)
+class DirectIrradiance:
+    """What reaches N points from one light, unshadowed, per unit of its color.
+
+    Attributes:
+        toward: (3, N) unit vectors to the light's center.
+        distance: (N,) to the light's center in meters; infinite for suns.
+        irradiance: (N,) on the surface, cosine included.
+        frontal: (N,) on a surface that faces the light: radiance times solid angle.
+        solid_angle: (N,) that the light fills, steradians.
+    """
+
+    toward: Tensor
+    distance: Tensor
+    irradiance: Tensor
+    frontal: Tensor
+    solid_angle: Tensor
+
+
+@dataclass(frozen=True)
+class SegmentLight:
+    """What reaches the S segments of rays from one light, unshadowed, per unit of its color.
+
+    Attributes:
+        points: (3, S · parts, …) where the middle of the light arrives.
+        toward: (3, S · parts, …) unit vectors from there to the light.
+        distance: (S · parts, …) to the light in meters; infinite for suns.
+        irradiance: (S · parts, …) mean over a part, on a surface that faces the light.
+    """
+
+    points: Tensor
+    toward: Tensor
+    distance: Tensor
+    irradiance: Tensor
+
+
+@dataclass(frozen=True)
+class LightSource(ABC):
+    """A light in one render. A type of light is a subclass; what it does not define cannot be left out unnoticed.
+
+    Attributes:
+        light: The scene's record.
+        color: (3,) power or strength times color, temperature and exposure.
+        position: (3,) in meters; for suns the pivot, which nothing depends on.
+        axes: (3, 3) columns x, y, z of the light; it shines along -z.
+        size: () as `read_size` has it.
+        energy_name: The parameter of its energy, "power" in watts or "strength" in W/m².
+        at_infinity: Whether all its light comes from one direction, with no distance.
+        segment_parts: In how many parts a segment of fog in its light is looked at.
+    """
+
+    light: Light
+    color: Tensor
+    position: Tensor
+    axes: Tensor
+    size: Tensor
+
+    energy_name: ClassVar[str]
+    at_infinity: ClassVar[bool]
+    segment_parts: ClassVar[int]
+
+    @classmethod
+    def of(cls, light: Light, scene: SceneData, values: RenderValues) -> Self:
+        """A scene's light at the values of one render."""
+        key = f"light/{light.name}/"
+        azimuth, elevation = values.scalar(key + "azimuth"), values.scalar(key + "elevation")
+        energy = values.scalar(key + cls.energy_name, 1.0)
+        color = values.color(key + "color", 1.0) * (energy * 2.0**light.exposure)
+        temperature = values.scalar(key + "temperature", 6500.0)
+        if light.use_temperature or wanted(temperature) or float(temperature.detach()) != 6500.0:
+            color = color * blackbody(temperature)
+        if light.tint != (1.0, 1.0, 1.0):
+            color = color * torch.tensor(light.tint, device=values.device)
+        pivot = torch.tensor(scene.pivot, device=values.device)
+        distance = 0.0 if cls.at_infinity else values.scalar(key + "distance", 1.0)
+        size = cls.read_size(light, values)
+        axes = frame(azimuth, elevation) @ torch.tensor(light.residual, device=values.device)
+        position = pivot + distance * direction(azimuth, elevation)
+        return cls(light, color, position, axes, within(size, 0.0, math.inf))
+
+    @staticmethod
+    @abstractmethod
+    def read_size(light: Light, values: RenderValues) -> Tensor:
+        """Radius of a point or spot and width of an area light in meters, angular diameter of a sun in radians: ()."""
+
+    @abstractmethod
+    def toward(self, points: Tensor) -> tuple[Tensor, Tensor]:
+        """Unit vectors (3, N) from points (3, N) to the light's center, and distances (N,) in meters."""
+
+    @abstractmethod
+    def irradiance(self, points: Tensor, normals: Tensor) -> DirectIrradiance:
+        """Unshadowed light at points (3, N) with unit normals (3, N)."""
+
+    @abstractmethod
+    def shadow_targets(
+        self, toward: Tensor, distance: Tensor, solid_angle: Tensor, uv: Tensor
+    ) -> tuple[Tensor, Tensor]:
+        """Points on the light to which shadow rays go.
+
+        Args:
+            toward, distance, solid_angle: As in `DirectIrradiance`.
+            uv: (2, N) in [0, 1), stratified.
+
+        Returns:
+            Unit directions (3, N) and distances (N,).
+        """
+
+    @abstractmethod
+    def half_sides(self) -> tuple[Tensor, Tensor] | None:
+        """Half the sides, (3, 1) each, of a rectangular outline; None for a round one."""
+
+    @abstractmethod
+    def in_scattering(self, segments: RaySegments, parts: int) -> SegmentLight:
+        """Unshadowed light that fog gets along rays.
+
+        Args:
+            segments: The rays and where they are cut.
+            parts: In how many parts each segment is looked at, where it matters.
+        """
+
+    @property
+    def owner(self) -> str:
+        """Whose parameters its color depends on: "light/NAME" or "world"; "" for what surfaces emit."""
+        return f"light/{self.light.name}"
+
+    @property
+    def pictured(self) -> bool:
+        """Whether reflections show its image, so that it has no highlight."""
+        return False
+
+    @property
+    def blockers(self) -> RayGeometry | None:
+        """What casts shadows in its light; None for the whole scene."""
+        return None
+
+    @property
+    def has_shadow_edges(self) -> bool:
+        """Whether its shadows' edges have gradients."""
+        return self.light.shadow
+
+    @property
+    def moving(self) -> bool:
+        """Whether gradients with respect to its place, direction or size are wanted."""
+        return wanted(self.position, self.axes, self.size)
+
+    def signature(self) -> tuple[float, ...]:
+        """Numbers that change when anything that shadows depend on does."""
+        parts = torch.cat((self.position, self.axes.flatten(), self.size[None]))
+        return tuple(parts.detach().tolist())
+
+    def detached(self) -> Self:
+        """The same light without gradients."""
+        return replace(
+            self,
+            color=self.color.detach(),
+            position=self.position.detach(),
+            axes=self.axes.detach(),
+            size=self.size.detach(),
+        )
