@@ -12,14 +12,15 @@ ROOT = Path(__file__).parents[1]
 PACKAGES = {"proxy_renderer": ROOT / "proxy_renderer", "vibe_render": ROOT / "addon" / "vibe_render"}
 
 # Folders of each package, lowest first: a module imports from its own folder and from those above it in this list.
+# Two joined by = are one room in two parts, on the same layer.
 LAYERS = {
     "proxy_renderer": """
-        schema schema.options . blender color scene
-        prompt.lexicon prompt planning vlm options batch.manifest batch
+        schema=schema.options . blender color scene
+        prompt.lexicon prompt planning vlm inputs batch.manifest batch
         render.film render.geometry render.material render.lights render.transport render.edges render.surface
         render.cycles render
         train.pictures train.text guidance train optimize engine
-        bench bench.mitsuba bench.paper cli.commands cli
+        bench.mitsuba bench bench.paper cli=cli.commands
     """,
     "vibe_render": """
         core engine scene.geometry scene.lights scene.nodes scene.stage scene render export session looks
@@ -31,14 +32,18 @@ LAYERS = {
 WIDEST = 15
 
 
-def layers(package: str) -> list[str]:
-    """Dotted names of a package's folders, lowest first."""
-    return [package if name == "." else f"{package}.{name}" for name in LAYERS[package].split()]
+def layers(package: str) -> dict[str, int]:
+    """Dotted names of a package's folders, with their layer; 0 is the lowest."""
+    rooms = (room.split("=") for room in LAYERS[package].split())
+    return {
+        package if name == "." else f"{package}.{name}": level
+        for level, names in enumerate(rooms)
+        for name in names
+    }
 
 
-def upward(files, order):
+def upward(files, level):
     """Imports from a lower folder to a higher one: {(module, imported module)}."""
-    level = {name: number for number, name in enumerate(order)}
     return {
         (name, target)
         for name, targets in module_graph(files).items()
@@ -99,20 +104,23 @@ def made_up(tmp_path):
     for name, source in sources.items():
         (tmp_path / "odd" / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / "odd" / name).write_text(source)
-    return modules(tmp_path / "odd"), ["odd.low", "odd.high", "odd.many"]
+    return modules(tmp_path / "odd"), {"odd.low": 0, "odd.high": 1, "odd.many": 2}
 
 
 def test_every_folder_has_its_layer(package, files):
     assert {folder(name, files) for name in files} == set(layers(package))
-    assert len(layers(package)) == len(set(layers(package)))
 
 
-@pytest.mark.xfail(reason="not all circles and names are resolved yet")
+@pytest.mark.xfail(
+    reason="render.geometry and render.material, Light and Volume: the renderer's names are on their way"
+)
 def test_imports_lead_downward(package, files):
     assert not upward(files, layers(package))
 
 
-@pytest.mark.xfail(reason="not all circles and names are resolved yet")
+@pytest.mark.xfail(
+    reason="render.geometry and render.material, Light and Volume: the renderer's names are on their way"
+)
 def test_no_modules_need_each_other(files):
     assert not circles(module_graph(files))
 
@@ -121,15 +129,17 @@ def test_no_folder_is_too_wide_to_read(files):
     assert not wide(files)
 
 
-@pytest.mark.xfail(reason="not all circles and names are resolved yet")
+@pytest.mark.xfail(
+    reason="render.geometry and render.material, Light and Volume: the renderer's names are on their way"
+)
 def test_a_public_class_name_means_one_class():
     every = {name: path for root in PACKAGES.values() for name, path in modules(root).items()}
     assert not twice(class_names(every))
 
 
 def test_the_checks_can_fail(made_up):
-    files, order = made_up
-    assert upward(files, order) == {("odd.low.a", "odd.high.c")}
+    files, level = made_up
+    assert upward(files, level) == {("odd.low.a", "odd.high.c")}
     assert circles(module_graph(files)) == [{"odd.high.c", "odd.low.a"}, {"odd.low.b", "odd.low.d"}]
     assert wide(files) == {"odd.many": WIDEST + 1}
     assert set(twice(class_names(files))) == {"D", "Rows"}

@@ -88,6 +88,6 @@ def _lab_curve_inverse(curved: float) -> float:
     return curved**3 if curved > c.LAB_DELTA else (curved - c.LAB_OFFSET) * c.LAB_RUN / c.LAB_RISE
 
 
-def _apply(matrix: c.Matrix, vector: Sequence[float]) -> Lab:
+def _apply(matrix: c.ColorMatrix, vector: Sequence[float]) -> Lab:
     x, y, z = (sum(m * v for m, v in zip(row, vector, strict=True)) for row in matrix)
     return x, y, z

@@ -17,6 +17,7 @@ from proxy_renderer.batch.store import Store
 from proxy_renderer.batch.worker import Setup
 
 ray = pytest.importorskip("ray", reason="Ray is not installed")
+pytestmark = pytest.mark.slow
 PROMPTS = [f"slow {n}" for n in range(10)]
 NODE = {"num_cpus": 2, "memory": 10**9, "object_store_memory": 80_000_000}
 ROOT = Path(__file__).parents[2]

@@ -259,6 +259,7 @@ def test_the_tower_tells_left_from_right() -> None:
     assert (left - right).norm() > 0.1 * left.norm()
 
 
+@pytest.mark.slow
 def test_training_resumes_bit_for_bit_and_exports(bank: dict[str, np.ndarray], tmp_path: Path) -> None:
     recipe, device = TrainingRecipe(groups=2, warmup=2), torch.device("cpu")
     straight = Trainer(recipe, bank, device, TINY)
@@ -298,6 +299,7 @@ def test_training_resumes_bit_for_bit_and_exports(bank: dict[str, np.ndarray], t
     assert encoder.encode_images(torch.rand(2, 3, SIZE, SIZE)).shape == (2, 32)
 
 
+@pytest.mark.slow
 def test_losses_fall_on_a_batch_that_is_seen_again(bank: dict[str, np.ndarray]) -> None:
     trainer = Trainer(TrainingRecipe(), bank, torch.device("cpu"), TINY)
     batch = make_batch(bank, 3, seed=1)
