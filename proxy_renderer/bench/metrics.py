@@ -37,7 +37,12 @@ class Difference:
 
 
 def difference(picture: Tensor, reference: Tensor) -> Difference:
-    """All measures of two pictures of one size."""
+    """All measures of two pictures of one size.
+
+    Args:
+        picture: (H, W, 3) sRGB-encoded, in [0, 1].
+        reference: Likewise.
+    """
     errors, light = delta_e_map(picture, reference)
     squared = float((picture - reference).square().mean())
     return Difference(
@@ -50,7 +55,12 @@ def difference(picture: Tensor, reference: Tensor) -> Difference:
 
 
 def delta_e_map(picture: Tensor, reference: Tensor) -> tuple[Tensor, Tensor]:
-    """CIEDE2000 (H, W), and by how much the picture's L* is above the reference's (H, W)."""
+    """CIEDE2000 (H, W), and by how much the picture's L* is above the reference's (H, W).
+
+    Args:
+        picture: (H, W, 3) sRGB-encoded, in [0, 1].
+        reference: Likewise.
+    """
     lab, target = lab_from_srgb(picture), lab_from_srgb(reference)
     return ciede2000(lab, target), lab[..., 0] - target[..., 0]
 

@@ -33,6 +33,10 @@ def ciede2000(lab1: Float[Tensor, "*pixels 3"], lab2: Float[Tensor, "*pixels 3"]
     """Perceived difference (...) of two colors in Lab (..., 3): 1 is just visible.
 
     Source: Sharma, Wu, Dalal, "The CIEDE2000 color-difference formula", 2005; kL = kC = kH = 1.
+
+    Args:
+        lab1: (..., 3) CIE Lab, L in [0, 100].
+        lab2: (..., 3), broadcast against the first.
     """
     (l1, a1, b1), (l2, a2, b2) = lab1.unbind(-1), lab2.unbind(-1)
     c7 = ((_length(a1, b1) + _length(a2, b2)) / 2) ** 7

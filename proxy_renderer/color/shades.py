@@ -49,7 +49,13 @@ def shade(
 
 
 def mix(first: Values, second: Values, share: float) -> Values:
-    """A color between two, in sRGB, with that share of the second."""
+    """A color between two, in sRGB, with that share of the second.
+
+    Args:
+        first: sRGB in [0, 1].
+        second: Likewise.
+        share: Of the second color, in [0, 1].
+    """
     pairs = zip(oklab_from_srgb(first), oklab_from_srgb(second), strict=True)
     light, a, b = ((1 - share) * p + share * q for p, q in pairs)
     return srgb_from_oklab((light, a, b))

@@ -65,6 +65,19 @@ def apply_ocio(colors: np.ndarray, ocio: str, display: str, view: str, look: str
 
     A look chosen by the artist replaces those that the view has of its own
     (Blender: imbuf/opencolorio, create_ocio_display_transform).
+
+    Args:
+        colors: (..., 3) scene-linear Rec.709.
+        ocio: Path of `config.ocio`.
+        display: For example "sRGB".
+        view: For example "AgX".
+        look: For example "AgX - Punchy"; "" or "None" for the view's own.
+
+    Returns:
+        (..., 3) float32 display values.
+
+    Raises:
+        VibeError: The config cannot be read, or has no such display, view or look.
     """
     import PyOpenColorIO as OCIO
 

@@ -48,7 +48,12 @@ def parameter_records(outcome: Outcome) -> dict[str, dict[str, Any]]:
 
 
 def changed_values(outcome: Outcome, shot: ShotState | None = None) -> dict[str, list[float]]:
-    """Key -> components, of what differs from the artist's scene; in one of several shots, under its names."""
+    """Key -> components, of what differs from the artist's scene; in one of several shots, under its names.
+
+    Args:
+        outcome: Of the vibe.
+        shot: One of several; None for the shared names.
+    """
     vector = (shot or outcome).vector
     return {k: list(v) for k, v in vector.changes(outcome.u).items()}
 
@@ -58,6 +63,13 @@ def anchored(outcome: Outcome, blenders: Sequence[BlenderPictures]) -> dict[str,
 
     `predicted` is the mean CIEDE2000 between what was predicted and what the next picture of Cycles showed, the
     last time; of several shots, their mean.
+
+    Args:
+        outcome: Of the vibe.
+        blenders: The picture source of each shot.
+
+    Returns:
+        {"anchored": {"pictures", "predicted", "notes"}}.
     """
     pictures, predicted, notes = [], [], []
     for shot, blender in zip(outcome.shots, blenders, strict=True):
@@ -87,7 +99,12 @@ def versions() -> dict[str, str]:
 
 
 def save_picture(picture: Tensor, path: Path) -> None:
-    """Writes (H, W, 3) or (H, W) in [0, 1] as an 8-bit PNG, all at once or not at all."""
+    """Writes (H, W, 3) or (H, W) in [0, 1] as an 8-bit PNG, all at once or not at all.
+
+    Args:
+        picture: (H, W, 3) or (H, W) in [0, 1]; what is outside is clipped.
+        path: Of the PNG.
+    """
     data = (picture.detach().cpu().numpy().clip(0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
     save_image(Image.fromarray(data), path)
 

@@ -47,7 +47,15 @@ class Attributes:
         return features[:count], features[count:]
 
     def loss(self, whole: Tensor, subject: Tensor) -> Tensor:
-        """Mean over the attributes of how far each is from being there, as far as its head can tell, by features."""
+        """Mean over the attributes of how far each is from being there, as far as its head can tell, by features.
+
+        Args:
+            whole: (views, D) unit features of the whole picture, the full frame first.
+            subject: (views, D) unit features of the framed subject.
+
+        Returns:
+            A scalar, at least 0.
+        """
         logits, losses = self._heads.read(whole, subject), []
         for attribute, target in self.targets.items():
             scores = logits[attribute][:1] if attribute in _FULL_FRAME else logits[attribute]
@@ -57,7 +65,12 @@ class Attributes:
 
     @torch.no_grad()
     def measure(self, display: Tensor, mask: Tensor) -> dict[str, float]:
-        """Attribute -> probability of its class, in a picture (H, W, 3) with a subject (H, W)."""
+        """Attribute -> probability of its class, in a picture (H, W, 3) with a subject (H, W).
+
+        Args:
+            display: (H, W, 3) in [0, 1].
+            mask: (H, W) subject coverage in [0, 1].
+        """
         logits = self._heads.read(*self.look(display, mask, 1, torch.Generator().manual_seed(0)))
         return {a: round(float(logits[a].softmax(-1)[0, c]), 3) for a, c in self.targets.items()}
 

@@ -59,7 +59,15 @@ class AttributeHeads(nn.Module):
         return dict(zip(self.names, parts, strict=True))
 
     def read(self, whole: Tensor, subject: Tensor) -> dict[str, Tensor]:
-        """As `logits`, of features of whole pictures (B, D) and of the subject, framed closely (C, D), which shows its surface better."""
+        """As `logits`, of features of whole pictures (B, D) and of the subject, framed closely (C, D), which shows its surface better.
+
+        Args:
+            whole: (B, D) unit features of whole pictures.
+            subject: (C, D) unit features of their subjects, framed closely.
+
+        Returns:
+            Attribute name -> logits (B, classes), or (C, classes) for `OF_SURFACES`.
+        """
         of_surfaces = self.logits(subject)
         return self.logits(whole) | {name: of_surfaces[name] for name in OF_SURFACES if name in self.names}
 

@@ -18,12 +18,26 @@ _CLOSE = 6.0  # a Lab distance that still is the named color
 
 
 def positive_loss(features: Tensor, text: Tensor) -> Tensor:
-    """Equation 3: 1 − s(I, p), mean over views. features (views, D), text (1, D), both unit."""
+    """Equation 3: 1 − s(I, p), mean over views.
+
+    Args:
+        features: (views, D) unit features of views of a picture.
+        text: (1, D) unit features of a phrase.
+
+    Returns:
+        A scalar in [0, 2].
+    """
     return 1.0 - (features @ text.T).mean()
 
 
 def negative_loss(features: Tensor, texts: Tensor, margin: float) -> Tensor:
-    """Equation 4: max(0, s(I, p⁻) − m), mean over views, of the phrase that fits most."""
+    """Equation 4: max(0, s(I, p⁻) − m), mean over views, of the phrase that fits most.
+
+    Args:
+        features: (views, D) unit features of views of a picture.
+        texts: (phrases, D) unit features of what it must not look like.
+        margin: m, the similarity that is allowed.
+    """
     return F.relu((features @ texts.T).mean(0) - margin).max()
 
 

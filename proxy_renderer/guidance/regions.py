@@ -69,7 +69,14 @@ def surroundings_views(
 
 
 def whole_views(display: Tensor, count: int, generator: torch.Generator, size: int) -> Tensor:
-    """The full frame first, then count - 1 random large crops of it: (count, 3, size, size)."""
+    """The full frame first, then count - 1 random large crops of it: (count, 3, size, size).
+
+    Args:
+        display: (H, W, 3) in [0, 1].
+        count: How many views, at least 1.
+        generator: Source of all randomness.
+        size: Side of the views, pixels.
+    """
     picture = display.permute(2, 0, 1)[None]
     full = augment.whole(picture, size)
     if count == 1:

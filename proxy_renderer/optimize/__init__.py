@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Algorithm 1: parse, compose, confine, select, project, inner steps, stabilise."""
+"""Algorithm 1: parse, compose, confine, select, project, inner steps, stabilize."""

@@ -52,7 +52,13 @@ def scene_words(*scenes: SceneData) -> SceneWords:
 
 
 def plan_context(proxy: Proxy, values: dict[str, Values], picture: Render) -> PlanContext:
-    """What the planner knows: the scene, where its values are now, and what that looks like."""
+    """What the planner knows: the scene, where its values are now, and what that looks like.
+
+    Args:
+        proxy: Of the shot that plans are made for.
+        values: Current values by key in schema units.
+        picture: The proxy's picture of them.
+    """
     scene = proxy.scene
     rays = _look(proxy, values)
     world, materials = coverage(scene, *rays)
@@ -119,6 +125,11 @@ def coverage(scene: SceneData, material: Tensor, mine: Tensor) -> tuple[float | 
     Returns:
         The share of the surroundings that is the world (None if there are no surroundings), and the
         share of its region, subject or surroundings, that each material covers.
+
+    Args:
+        scene: The exported scene.
+        material: (rays,) index of the material that each ray meets, -1 for the world.
+        mine: (rays,) whether it meets the subject.
     """
     around = int((~mine).sum())
     shares = {}
@@ -143,7 +154,12 @@ def _material_colors(scene: SceneData, material: Tensor, picture: Render) -> dic
 
 
 def picture_size(resolution: tuple[int, int], longest: int) -> tuple[int, int]:
-    """Width and height of the artist's picture, scaled so that the longer side has this many pixels."""
+    """Width and height of the artist's picture, scaled so that the longer side has this many pixels.
+
+    Args:
+        resolution: The artist's width and height, pixels.
+        longest: Of the result's sides, pixels.
+    """
     factor = longest / max(resolution)
     width, height = (max(round(n * factor), 1) for n in resolution)
     return width, height

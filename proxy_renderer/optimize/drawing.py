@@ -17,7 +17,14 @@ if TYPE_CHECKING:
 def draw(
     proxy: Proxy, vector: ParameterVector, u: Tensor, free: set[str] | frozenset[str] = frozenset()
 ) -> Render:
-    """Renders u (N,): values that are the artist's own are left to the scene, exactly as they are."""
+    """Renders u (N,): values that are the artist's own are left to the scene, exactly as they are.
+
+    Args:
+        proxy: Renders.
+        vector: The parameters of u.
+        u: (N,) the point.
+        free: Keys that gradients go to.
+    """
     return proxy.render(chosen_values(vector, u, proxy.device, free))
 
 
@@ -27,7 +34,17 @@ def chosen_values(
     device: torch.device,
     free: set[str] | frozenset[str] = frozenset(),
 ) -> dict[str, Tensor]:
-    """The values of u (N,) that are free, with gradients, or no longer the artist's."""
+    """The values of u (N,) that are free, with gradients, or no longer the artist's.
+
+    Args:
+        vector: The parameters of u.
+        u: (N,) the point.
+        device: Where the values are to be.
+        free: Keys that gradients go to.
+
+    Returns:
+        Key -> (components,) float32 in schema units.
+    """
     moved = (u.detach() - vector.encode({})).abs() > 1e-9
     values = {}
     for key, value in vector.decode(u).items():

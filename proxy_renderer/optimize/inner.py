@@ -171,7 +171,17 @@ def _backward(loss: Tensor, position: Tensor, clip: float) -> bool:
 
 
 def first_order_gain(objective: Objective, u: Tensor, lower: Tensor, upper: Tensor) -> Tensor:
-    """(N,) how much the loss could fall, to first order, by moving each component within the box."""
+    """(N,) how much the loss could fall, to first order, by moving each component within the box.
+
+    Args:
+        objective: What is minimized.
+        u: (N,) where the gradient is taken, inside the box.
+        lower: (N,) lower corner of the feasible box.
+        upper: (N,) upper corner.
+
+    Returns:
+        (N,) at least 0, in units of the loss; the mean over all shots.
+    """
     point = u.clone().requires_grad_()
     for shot in range(objective.shots):
         objective.loss(objective.render(point, shot), point, fixed_views(), shot).backward()

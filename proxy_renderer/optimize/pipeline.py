@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Algorithm 1 of the paper: parse, compose, confine, select, project, inner steps, stabilise.
+"""Algorithm 1 of the paper: parse, compose, confine, select, project, inner steps, stabilize.
 
 Every round is anchored: it works with a proxy that Cycles has corrected where the round starts.
 """
@@ -117,6 +117,10 @@ def refine(search: Search, start: Start) -> Outcome:
     """The rounds of Algorithm 1 from one start.
 
     Where the paper writes θ, this is u: θ on perceptual scales. Comments name the algorithm's lines.
+
+    Args:
+        search: What all starts share.
+        start: Where to start.
     """
     u, plan, loss = start.u, Plan(), math.inf
     rounds: list[dict[str, Any]] = []

@@ -44,6 +44,10 @@ def carry(plan: Plan, earlier: Plan) -> Plan:
     """The plan, with what an earlier round supported and this one no longer mentions held in its range.
 
     Without it a value would stay where the earlier round moved it, though its reason says otherwise.
+
+    Args:
+        plan: This round's.
+        earlier: The last round's; empty for the first.
     """
     gone = {k: e for k, e in earlier.items() if e.prior < 1.0 and plan[k].prior == 1.0}
     held = {key: replace(entry, priority=None) for key, entry in gone.items()}
@@ -53,7 +57,13 @@ def carry(plan: Plan, earlier: Plan) -> Plan:
 def feasible_ranges(
     plan: Plan, instances: Mapping[str, Instance], values: Mapping[str, Values]
 ) -> dict[str, tuple[Values, Values]]:
-    """Key -> (lower, upper) of the plan, azimuths turned to where the values are now."""
+    """Key -> (lower, upper) of the plan, azimuths turned to where the values are now.
+
+    Args:
+        plan: The round's.
+        instances: The scene's parameters by key.
+        values: Current values by key in schema units; the artist's where missing.
+    """
     return {
         key: nearest_turn(instances[key], entry.lower, entry.upper, values.get(key, instances[key].value))
         for key, entry in plan.items()

@@ -247,6 +247,11 @@ def inner_size(scene: SceneData, options: Options, encoder: Encoder) -> tuple[in
 
     Crops are at least three quarters of the picture, so one and a half times what the encoder looks at is enough;
     but highlights and shadows have to be there, however little it looks at.
+
+    Args:
+        scene: Has the artist's resolution.
+        options: `size` is the most that the artist wants.
+        encoder: `size` is what it looks at.
     """
     enough = max(_LEAST_SIZE, encoder.size * 3 // 2)
     return context.picture_size(scene.resolution, min(options.size, INNER_SIZE, enough))

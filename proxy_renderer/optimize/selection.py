@@ -60,7 +60,13 @@ def select(
 
 
 def pull(plan: Plan, vector: ParameterVector, chosen: list[str]) -> Tensor:
-    """(N,) weight in [0, 1] of the prior: on what is optimized though no word named it."""
+    """(N,) weight in [0, 1] of the prior: on what is optimized though no word named it.
+
+    Args:
+        plan: Priors by key.
+        vector: The parameters of u.
+        chosen: The keys of S_K.
+    """
     weight = torch.zeros(vector.size, dtype=torch.float64)
     for key in chosen:
         weight[vector.slices[key]] = plan[key].prior

@@ -73,7 +73,12 @@ def draw_starts(
 
 
 def roam(instances: Mapping[str, Instance], plan: Plan) -> Plan:
-    """The plan, with ranges to draw from for how the scene is lit where the words leave that open."""
+    """The plan, with ranges to draw from for how the scene is lit where the words leave that open.
+
+    Args:
+        instances: The scene's parameters by key.
+        plan: The first round's.
+    """
     roaming = Plan(dict(plan), plan.notes)
     for key, entry in plan.items():
         instance = instances[key]
@@ -102,7 +107,17 @@ def with_reasons(plan: Plan, vector: ParameterVector, u: Tensor) -> Plan:
 
 
 def corral(start: Tensor, lower: Tensor, upper: Tensor, drawn: Tensor) -> tuple[Tensor, Tensor]:
-    """The part of the box (N,) near a start, in the components that were drawn (N,) bool."""
+    """The part of the box (N,) near a start, in the components that were drawn (N,) bool.
+
+    Args:
+        start: (N,) the start.
+        lower: (N,) lower corner of the feasible box.
+        upper: (N,) upper corner.
+        drawn: (N,) bool.
+
+    Returns:
+        The corners of the smaller box, each (N,).
+    """
     reach = _NEAR * (upper - lower)
     middle = torch.minimum(torch.maximum(start, lower), upper)
     near = torch.maximum(lower, middle - reach), torch.minimum(upper, middle + reach)

@@ -140,7 +140,13 @@ class ParameterVector:
 
 
 def project(u: Tensor, lower: Tensor, upper: Tensor) -> Tensor:
-    """Π: the nearest point of the feasible box (Algorithm 1, steps 7 and 14)."""
+    """Π: the nearest point of the feasible box (Algorithm 1, steps 7 and 14).
+
+    Args:
+        u: (N,) any point.
+        lower: (N,) lower corner.
+        upper: (N,) upper corner.
+    """
     return torch.minimum(torch.maximum(u, lower), upper)
 
 

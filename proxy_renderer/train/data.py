@@ -283,7 +283,12 @@ def _lessons(dice: random.Random) -> tuple[list[str], Tensor]:
 
 
 def contradicts(labels: Tensor, mentioned: Tensor) -> Tensor:
-    """(B, T): whether caption t says something that is known to be false of picture b."""
+    """(B, T): whether caption t says something that is known to be false of picture b.
+
+    Args:
+        labels: (B, A) classes of pictures, negative where unknown.
+        mentioned: (T, A) classes that captions mention, negative for none.
+    """
     wrong = (labels[:, None] >= 0) & (mentioned[None] >= 0) & (labels[:, None] != mentioned[None])
     return wrong.any(-1)
 

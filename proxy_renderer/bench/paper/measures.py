@@ -40,6 +40,11 @@ def color_error(shot: FinishedPicture, region: str, lab: tuple[float, float, flo
     """How far most of a region is from a named color: CIEDE2000, lightness counting half as in textiles (2:1:1).
 
     It is the median over pixels: highlights, shadows and a pattern's lesser part do not decide.
+
+    Args:
+        shot: The picture.
+        region: See `FinishedPicture.region`.
+        lab: The color that was asked for.
     """
     pixels = torch.from_numpy(shot.lab[shot.region(region)])
     if not len(pixels):

@@ -103,7 +103,13 @@ def notice(ask: Ask) -> float:
 
 
 def wilson(wins: int, count: int, z: float = 1.96) -> tuple[float, float]:
-    """Confidence interval of a share, 95 % by default (Wilson 1927)."""
+    """Confidence interval of a share, 95 % by default (Wilson 1927).
+
+    Args:
+        wins: How many of them.
+        count: Of trials.
+        z: Standard deviations of the interval; 1.96 for 95 %.
+    """
     if not count:
         return 0.0, 1.0
     share, square = wins / count, z * z / count

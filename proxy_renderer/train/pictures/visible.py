@@ -149,7 +149,12 @@ def color_class(color: Tensor, lab: Tensor, tinted: Tensor) -> Tensor:
 
 
 def is_typical(color: Tensor, lab: Tensor) -> Tensor:
-    """Whether Lab colors (..., 3) are typical examples of color classes (...): narrow bounds; the two broadcast."""
+    """Whether Lab colors (..., 3) are typical examples of color classes (...): narrow bounds; the two broadcast.
+
+    Args:
+        color: (...) classes.
+        lab: (..., 3) CIE Lab.
+    """
     bounds = torch.tensor([_EVIDENT.get(name, _LIGHTNESS[name]) for name in COLORS])[color]
     hue = torch.tensor([_HUES.get(name, -1) for name in COLORS])[color]
     chroma, lightness = lab[..., 1:].norm(dim=-1), lab[..., 0]
@@ -159,7 +164,13 @@ def is_typical(color: Tensor, lab: Tensor) -> Tensor:
 
 
 def can_be_called(color: Tensor, lab: Tensor, tinted: Tensor) -> Tensor:
-    """Whether mean Lab colors (n, 3) fit color classes (n,): wide bounds, wider in tinted light (n,)."""
+    """Whether mean Lab colors (n, 3) fit color classes (n,): wide bounds, wider in tinted light (n,).
+
+    Args:
+        color: (n,) classes.
+        lab: (n, 3) CIE Lab.
+        tinted: (n,) whether the light is warm or cool.
+    """
     bounds = torch.tensor([_LIGHTNESS[name] for name in COLORS])[color]
     hue = torch.tensor([_HUES.get(name, -1) for name in COLORS])[color]
     chroma = lab[:, 1:].norm(dim=1)
