@@ -17,7 +17,7 @@ LAYERS = {
     "proxy_renderer": """
         schema=schema.options . blender color scene
         prompt.lexicon prompt planning vlm inputs batch.manifest batch
-        render.film render.geometry render.material render.lights render.transport render.edges render.surface
+        render.film render.geometry render.material render.lights=render.lights.types render.transport render.edges render.surface
         render.cycles render
         train.pictures train.text guidance train optimize engine
         bench.mitsuba bench bench.paper cli=cli.commands
@@ -111,16 +111,10 @@ def test_every_folder_has_its_layer(package, files):
     assert {folder(name, files) for name in files} == set(layers(package))
 
 
-@pytest.mark.xfail(
-    reason="render.geometry and render.material, Light and Volume: the renderer's names are on their way"
-)
 def test_imports_lead_downward(package, files):
     assert not upward(files, layers(package))
 
 
-@pytest.mark.xfail(
-    reason="render.geometry and render.material, Light and Volume: the renderer's names are on their way"
-)
 def test_no_modules_need_each_other(files):
     assert not circles(module_graph(files))
 
@@ -129,9 +123,6 @@ def test_no_folder_is_too_wide_to_read(files):
     assert not wide(files)
 
 
-@pytest.mark.xfail(
-    reason="render.geometry and render.material, Light and Volume: the renderer's names are on their way"
-)
 def test_a_public_class_name_means_one_class():
     every = {name: path for root in PACKAGES.values() for name, path in modules(root).items()}
     assert not twice(class_names(every))
