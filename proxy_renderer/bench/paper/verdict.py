@@ -19,7 +19,7 @@ _LEAST = 16  # pixels that can be measured
 _COLOR_NOTICE = 2.3  # CIEDE2000, the usual just noticeable difference
 
 RULE = (
-    "Every prompt has a list of what a person reads in it, written by hand before anything was rendered. "
+    "Every prompt has a list of what a person reads in it, written by hand; these are development pairs. "
     "Each of these asks is measured on the Cycles picture alone, and gives 0 where the picture has nothing of it, 1 where "
     "nobody would ask for more, and in between in between. Differences between the two pictures that people do not "
     "notice side by side count as none. A picture's score is the mean over its asks, times how well the subject can "
