@@ -4,6 +4,7 @@
 import bpy
 import numpy as np
 import pytest
+from vibe_render.core.schema_import import options
 from vibe_render.export import analysis
 from vibe_render.render import final_render
 from vibe_render.scene.stage import demo, stage
@@ -53,7 +54,7 @@ def test_every_format_stands_on_the_stage_and_fills_the_picture(tmp_path, suffix
     assert max(np.ptp(rows), np.ptp(columns)) >= 24
 
 
-@pytest.mark.parametrize("kind", stage.KINDS)
+@pytest.mark.parametrize("kind", options.STAGES)
 def test_the_stage_is_not_the_subject_and_fills_the_frame(tmp_path, kind):
     scene = stage.build_stage(write_mesh(tmp_path / "thing.obj"), kind)
     staged = analysis.analyze(scene, SubjectChoice())

@@ -198,7 +198,12 @@ def cluster_pool(address: str, store: Store, setup: Setup, most: int = 0) -> Ray
 
 
 def fitting(resources: dict[str, float], limits: Limits) -> int:
-    """How many workers a node of these Ray resources holds; none if it is too small."""
+    """How many workers a node holds; 0 if it is too small.
+
+    Args:
+        resources: What Ray says of the node: "CPU" cores, "memory" in bytes, "GPU" cards.
+        limits: Of one worker.
+    """
     fits = [int(resources.get("CPU", 0) // limits.cores)]
     fits.append(int(resources.get("memory", 0) / 1e9 // limits.memory_gb))
     if cards := resources.get("GPU"):

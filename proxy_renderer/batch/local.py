@@ -41,9 +41,11 @@ class Pool(Protocol):
 class Carrier(Protocol):
     """What carries out jobs: a `Worker`, or what stands for one in measurements."""
 
-    def run(self, job: Job, folder: Path) -> JobRow: ...
+    def run(self, job: Job, folder: Path) -> JobRow:
+        """Carries out a job, leaves its files in the folder, and returns its row."""
 
-    def close(self) -> None: ...
+    def close(self) -> None:
+        """Ends a job that runs, and takes no other."""
 
 
 class LocalPool:
@@ -88,7 +90,13 @@ class LocalPool:
 
 
 def local_pool(jobs: Path, setup: Setup, count: int = 0) -> LocalPool:
-    """Workers for this machine: as many as its cores, its memory and its graphics cards hold, or `count`."""
+    """Workers for this machine, each on cores of its own; graphics cards are dealt out in turn.
+
+    Args:
+        jobs: The folder of the jobs' folders.
+        setup: Of the workers.
+        count: Of workers; 0 for as many as cores, memory and graphics cards hold.
+    """
     count = count or fitting(setup.limits)
     cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
     cards = graphics_cards()
@@ -103,7 +111,12 @@ def local_pool(jobs: Path, setup: Setup, count: int = 0) -> LocalPool:
 
 
 def fitting(limits: Limits, cards: Callable[[], int] | None = None) -> int:
-    """How many workers this machine holds; at least one."""
+    """How many workers this machine holds; at least one.
+
+    Args:
+        limits: Of one worker: cores and gigabytes of memory.
+        cards: Counts the graphics cards; None for `graphics_cards`.
+    """
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     memory = psutil.virtual_memory().total / 1e9
     fits = [cores // limits.cores, int(memory // limits.memory_gb)]

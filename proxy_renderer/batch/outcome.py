@@ -20,7 +20,16 @@ _ENGINE, _CYCLES = "engine: loop", ("render before", "render after")
 
 
 def leave(job: Job, folder: Path, memory_gb: float, seconds: float) -> JobRow:
-    """Completes a job's folder after Blender has written its files; the mark that it is done comes last.
+    """Completes a job's folder after Blender has written its files; `done.json` is written last.
+
+    Args:
+        job: The job.
+        folder: Of the job, with Blender's report in it.
+        memory_gb: The worker's peak, gigabytes.
+        seconds: The job's time on the clock.
+
+    Returns:
+        The job's row, as it is in `done.json`.
 
     Raises:
         VibeError: Something is missing, or cannot be written.
@@ -50,7 +59,20 @@ def leave(job: Job, folder: Path, memory_gb: float, seconds: float) -> JobRow:
 
 
 def leave_frames(job: Job, folder: Path, memory_gb: float, seconds: float) -> JobRow:
-    """Completes a job's folder after its final frames have been rendered."""
+    """Completes a job's folder after its final frames have been rendered.
+
+    Args:
+        job: The job, with its `frames`.
+        folder: Of the job, with the frames in it.
+        memory_gb: The worker's peak, gigabytes.
+        seconds: The render's time on the clock.
+
+    Returns:
+        The job's row, with the frames that were wanted and how many pictures there are.
+
+    Raises:
+        VibeError: The row cannot be written.
+    """
     count = sum(1 for _ in (folder / FRAMES).rglob("*.png"))
     row = head(job) | {"status": "done", "wanted": job.frames, "frames": count}
     row |= {"seconds": round(seconds, 2), "memory_gb": memory_gb}

@@ -57,7 +57,13 @@ class BatchProgress:
             self._bar = None
 
     def tell(self, what: str, job: Job, row: JobRow) -> None:
-        """Something has happened to a job: "started", "done", "failed", "again" or "lost"."""
+        """Counts and shows an event of a job.
+
+        Args:
+            what: "started", "done", "failed", "again" (it is tried once more) or "lost" (with its worker).
+            job: The job.
+            row: Its row.
+        """
         self.counts["running"] += 1 if what == "started" else -1
         if what in ("done", "failed"):
             self.counts[what] += 1

@@ -100,7 +100,12 @@ class Store:
         return map(self.row, plan)
 
     def fail(self, job: Job, row: JobRow) -> None:
-        """Records that an attempt has failed."""
+        """Records a failed attempt in the job's folder.
+
+        Args:
+            job: The job; if it renders final frames, its look stays done.
+            row: Its row, with "error".
+        """
         folder = self.jobs / job.name
         folder.mkdir(exist_ok=True)
         if job.frames is not None:
@@ -109,7 +114,12 @@ class Store:
             write_json(folder / FAILED, row)
 
     def receive(self, job: Job, files: dict[str, bytes]) -> None:
-        """Takes the files of a job that another machine has done; the mark that it is done comes last."""
+        """Takes the files of a job that another machine has done; `done.json` is written last.
+
+        Args:
+            job: The job.
+            files: Path in the job's folder -> content.
+        """
         folder = self.jobs / job.name
         folder.mkdir(exist_ok=True)
         for name in sorted(files, key=lambda name: name in (DONE, FINAL)):
@@ -141,7 +151,15 @@ def read_json(path: Path) -> JobRow | None:
 
 
 def write_json(path: Path, content: Any) -> None:
-    """Writes a file, all at once or not at all."""
+    """Writes a JSON file, all at once or not at all.
+
+    Args:
+        path: The file.
+        content: Any JSON value.
+
+    Raises:
+        VibeError: It cannot be written.
+    """
     write_bytes(path, json.dumps(content, ensure_ascii=False).encode())
 
 
@@ -158,7 +176,12 @@ def write_bytes(path: Path, content: bytes) -> None:
 
 
 def unwritable(path: Path, error: OSError) -> VibeError:
-    """What to say where nothing can be written."""
+    """The error for a file that cannot be written; the caller raises it.
+
+    Args:
+        path: The file.
+        error: What the system says.
+    """
     reason = "no space is left" if atomic.is_full(error) else error.strerror or type(error).__name__
     return VibeError(
         f"{path} cannot be written: {reason}.",

@@ -69,7 +69,11 @@ class Worker:
         self._closed = False
 
     def run(self, job: Job, folder: Path) -> JobRow:
-        """Carries out a job; everything that it leaves is in the folder, and last of all `done.json`.
+        """Carries out a job; its files go to the folder, `done.json` last.
+
+        Args:
+            job: The job.
+            folder: Of the job; what an earlier attempt left there is removed.
 
         Returns:
             The job's row, of status "done" or "failed".

@@ -100,13 +100,13 @@ def _batch(real: dict[str, np.ndarray]) -> Batch:
 
 def _measure(asked: Encoder, sets: dict[str, list[Batch]], mistakes: list[Mistake]) -> dict[str, Any]:
     """Figures by set; the wordings that training lacks are read by the language first, as a vibe reads them."""
-    found = {name: judge(asked, batches, mistakes=mistakes) for name, batches in sets.items()}
-    found["wordings"] = judge(asked, sets["meshes"], _in_other_words, mistakes)
+    figures = {name: judge(asked, batches, mistakes=mistakes) for name, batches in sets.items()}
+    figures["wordings"] = judge(asked, sets["meshes"], _in_other_words, mistakes)
     over = {
         kind: {
             name: _mean(
                 one[kind].get(name)
-                for one in found.values()
+                for one in figures.values()
                 if one["comparisons"].get(f"{what}/{name}", 0) >= FEW
             )
             for name in NAMES
@@ -115,11 +115,11 @@ def _measure(asked: Encoder, sets: dict[str, list[Batch]], mistakes: list[Mistak
     }
     return {
         "attribute_flip": _mean(over["flip_by_attribute"].values()),
-        "swap": _mean(one["swap"] for one in found.values()),
+        "swap": _mean(one["swap"] for one in figures.values()),
         "flips": over["flip_by_attribute"],
         "heads": over["heads"],
-        "skill": skill(one for name, one in found.items() if name != "wordings"),
-        "sets": found,
+        "skill": skill(one for name, one in figures.items() if name != "wordings"),
+        "sets": figures,
     }
 
 
@@ -128,16 +128,16 @@ def _mean(values: Any) -> float | None:
     return round(float(np.mean(numbers)), 4) if numbers else None
 
 
-def _in_other_words(known: dict[str, str], _noun: str, wording: float) -> str:
+def _in_other_words(classes: dict[str, str], _noun: str, wording: float) -> str:
     """What the encoder is told when somebody says this in words that no caption of training used.
 
     A sentence names one thing: "vase, a photo of a metallic truck", as training has it, asks for no metallic vase.
     """
-    said = caption(known, random.Random(wording), split=_KEPT)
+    sentence = caption(classes, random.Random(wording), split=_KEPT)
     try:
-        return compose(parse(said, SceneWords()), shipped_vocabulary()).whole or said
+        return compose(parse(sentence, SceneWords()), shipped_vocabulary()).whole or sentence
     except VibeError:  # the language has no word of it
-        return said
+        return sentence
 
 
 def synonyms(asked: Encoder, batches: list[Batch]) -> tuple[float, float]:
@@ -148,21 +148,21 @@ def synonyms(asked: Encoder, batches: list[Batch]) -> tuple[float, float]:
     """
     vocabulary = shipped_vocabulary()
     search = nearest(vocabulary)
-    known = {
+    listed = {
         *vocabulary.synonyms,
         *vocabulary.colors,
         *vocabulary.adjectives,
         *vocabulary.nouns,
         *vocabulary.shades,
     }
-    known |= {*vocabulary.intensity} | {w for group in vocabulary.lists.values() for w in group}
+    listed |= {*vocabulary.intensity} | {w for group in vocabulary.lists.values() for w in group}
     told: dict[str, float] = {}
     scores, places = [], []
     for word, right in _unseen():
-        if word in known:
+        if word in listed:
             continue
-        found = search.meant(word)
-        entry = found[0] if found else ""
+        matches = search.meant(word)
+        entry = matches[0] if matches else ""
         places.append(entry in right)
         if entry in right and entry not in told:
             told[entry] = _told_apart(

@@ -100,8 +100,8 @@ def blender_colors() -> str:
     """
     spec = importlib.util.find_spec("bpy")
     for place in (spec.submodule_search_locations or []) if spec else []:
-        for found in Path(place).glob("*/datafiles/colormanagement/config.ocio"):
-            return str(found)
+        for config in Path(place).glob("*/datafiles/colormanagement/config.ocio"):
+            return str(config)
     raise VibeError("Blender's color management was not found.", "Install it with `pip install bpy`.")
 
 
@@ -157,7 +157,7 @@ def _instances(materials: list[str], lamps: int) -> list[Instance]:
 
 def _value(p, index: int) -> tuple[float, ...]:
     azimuth, elevation = _angles(index)
-    known = {
+    values = {
         "camera/distance": 6.0,
         "camera/elevation": 12.0,
         "light/azimuth": azimuth,
@@ -172,4 +172,4 @@ def _value(p, index: int) -> tuple[float, ...]:
         return tuple(0.5 + 0.4 * math.sin(1.0 + index + 2.0 * c) for c in range(3))
     if p.family == "material/roughness":
         return (0.25 + 0.5 * (index % 4) / 3,)
-    return (known.get(p.family, p.default),) * p.components
+    return (values.get(p.family, p.default),) * p.components

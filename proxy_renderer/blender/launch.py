@@ -25,15 +25,18 @@ _MARK = "VIBE "
 
 
 def launch(arguments: list[str], out: Path, progress: VibeProgress | None = None) -> int:
-    """Runs batch.py with these arguments to its end and returns the command's exit code.
+    """Runs batch.py with these arguments to its end.
+
+    Ctrl-C is passed on once, and Blender's side then finishes with the best so far; a second one
+    ends it at once.
 
     Args:
         arguments: For batch.py.
         out: What the artist is told to open at the end.
         progress: Shows how it goes; standard output if None.
 
-    Ctrl-C is passed on once, and Blender's side then finishes with the best so far; a second one
-    ends it at once.
+    Returns:
+        The command's exit code: 0, or 130 after a second Ctrl-C.
 
     Raises:
         VibeError: What Blender's side reports, or that it died.
@@ -86,7 +89,12 @@ def start(arguments: Sequence[str], **options: Any) -> subprocess.Popen[str]:
 
 
 def events(process: subprocess.Popen[str], tail: deque[str]) -> Iterator[dict[str, Any]]:
-    """The events among the printed lines; the other lines go to the tail."""
+    """The events among the lines that Blender's side prints, as they come.
+
+    Args:
+        process: As `start` returns it.
+        tail: Takes all other lines, Blender's own and broken events.
+    """
     assert process.stdout is not None
     for line in process.stdout:
         if line.startswith(_MARK):

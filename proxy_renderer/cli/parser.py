@@ -27,7 +27,12 @@ class Help(argparse.HelpFormatter):
 
 
 def add_scene(parser: argparse.ArgumentParser, optional: bool = False) -> None:
-    """The scene, and what in it is the subject."""
+    """Adds the scene and `--subject` to a command.
+
+    Args:
+        parser: The command's.
+        optional: Whether the scene may be left out; it is "" then.
+    """
     count: dict[str, Any] = {"nargs": "?", "default": ""} if optional else {}
     meshes = " ".join(MESH_FORMATS)
     parser.add_argument("scene", metavar="SCENE", help=f"a .blend, or a mesh: {meshes}", **count)

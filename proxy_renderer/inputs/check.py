@@ -18,7 +18,15 @@ _DEVICE = re.compile(r"auto|cpu|(cuda|xpu)(:\d+)?")
 
 
 def file(name: str, what: str) -> Path:
-    """An existing file that can be read."""
+    """The absolute path of an existing file that can be read and is not empty.
+
+    Args:
+        name: As the artist wrote it; "~" is the home folder.
+        what: The kind of file, for the error: "scene".
+
+    Raises:
+        VibeError: There is no such file, or it is a folder, unreadable or empty.
+    """
     path = Path(name).expanduser()
     if path.is_dir():
         raise VibeError(f"{name} is a folder, not a {what}.", f"Name the {what} file in it.")
@@ -40,10 +48,15 @@ def scene(name: str) -> Path:
 
 
 def shots(scenes: Sequence[Path], arguments: argparse.Namespace) -> list[Path]:
-    """Scenes, cameras and frames that can share a look: what is named once.
+    """The scenes of shots that can share a look, each once.
+
+    Args:
+        scenes: Paths; one may come twice.
+        arguments: The options `frames`, `cameras`, `groups` and `grade_each`.
 
     Raises:
-        VibeError: Bare meshes among several scenes, frames that are none, or a camera that would have to move.
+        VibeError: There are bare meshes among several scenes, frames that are no numbers, or a camera that would have
+            to move.
     """
     frames = frame_numbers(arguments.frames)
     cameras = [name for part in arguments.cameras for name in part.split(",") if name.strip()]

@@ -259,12 +259,14 @@ def _describe(
     for g, group in enumerate(labels.tolist()):
         focus = [looks.NAMES[a] if a >= 0 else None for a in flipped[g].tolist()]
         for k, row in enumerate(group):
-            known = {name: ATTRIBUTES[name][c] for name, c in zip(looks.NAMES, row, strict=True) if c >= 0}
-            said = captions.mention(known, focus[k] or dice.choice(focus), dice)
+            classes = {name: ATTRIBUTES[name][c] for name, c in zip(looks.NAMES, row, strict=True) if c >= 0}
+            mentions = captions.mention(classes, focus[k] or dice.choice(focus), dice)
             texts.append(
-                captions.caption(said, dice, bool(variant[g] == EMPTY), split) if said else dice.choice(NOUNS)
+                captions.caption(mentions, dice, bool(variant[g] == EMPTY), split)
+                if mentions
+                else dice.choice(NOUNS)
             )
-            for name, value in said.items():
+            for name, value in mentions.items():
                 mentioned[g * LOOKS + k, looks.INDEX[name]] = ATTRIBUTES[name].index(value)
     return texts, mentioned
 
@@ -303,6 +305,6 @@ def choices(labels: Tensor, taught: Tensor) -> tuple[Tensor, Tensor]:
     name = taught.argmax(1)
     rival = single[:, None] & single & (name[:, None] == name) & (taught[:, None] != taught).any(-1)
     pairs = rival.nonzero().T
-    said = name[pairs[0]]
-    true = labels[:, said] == taught[pairs[0], said]
-    return true & (said == torch.arange(labels.shape[1], device=said.device)[:, None, None]), pairs
+    attribute = name[pairs[0]]
+    true = labels[:, attribute] == taught[pairs[0], attribute]
+    return true & (attribute == torch.arange(labels.shape[1], device=attribute.device)[:, None, None]), pairs

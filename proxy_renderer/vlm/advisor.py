@@ -43,10 +43,15 @@ class ModelAdvisor:
         self._counts = {"clipped": 0, "mended": 0, "dropped": 0, "missing": 0}
 
     def advise(self, display: Any, instances: Mapping[str, Instance], context: PlanContext) -> Advice:
-        """The model's advice; the offline planner's if it has none this time.
+        """The model's advice for a round; the offline planner's if the model fails.
+
+        Args:
+            display: The current picture as it is displayed; None before the first one.
+            instances: The scene's parameters, by key.
+            context: What the planner knows about the scene.
 
         Raises:
-            VibeError: Neither understands the prompt.
+            VibeError: Neither the model nor the offline planner understands the prompt.
         """
         try:
             draft: Advice | None = self._offline.advise(display, instances, context)
@@ -104,17 +109,17 @@ class ModelAdvisor:
         self, draft: Advice | None, reply: Reply, instances: Mapping[str, Instance], context: PlanContext
     ) -> Advice:
         """The model's words where it has some, the draft's elsewhere; its ranges over the drafted ones."""
-        known = draft.parsed if draft else self._read(reply.prompts.whole)
+        parsed_prompt = draft.parsed if draft else self._read(reply.prompts.whole)
         parsed = replace(
-            known,
+            parsed_prompt,
             objects=reply.objects
-            or known.objects
+            or parsed_prompt.objects
             or [PromptObject(self._words.subject or "subject", "subject")],
-            targets={**known.targets, **reply.targets},
-            colors={**known.colors, **reply.colors},
-            ignored=reply.ignored if draft is None else known.ignored,
+            targets={**parsed_prompt.targets, **reply.targets},
+            colors={**parsed_prompt.colors, **reply.colors},
+            ignored=reply.ignored if draft is None else parsed_prompt.ignored,
         )
-        composed = compose(known)
+        composed = compose(parsed_prompt)
         theirs = {name: value for name, value in vars(reply.prompts).items() if value}
         prompts = replace(composed, **theirs)
         drafted = confine(parsed, prompts, dict(instances), context)

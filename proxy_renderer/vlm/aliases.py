@@ -84,7 +84,15 @@ class AliasTable:
         self.names = {i.key: name for name, i in self.rows.items()}
 
     def shown(self, instance: Instance, values: Values) -> Values:
-        """Values as a model sees them: colors as sRGB, light directions relative to the camera."""
+        """Values as a model sees them: colors as sRGB, light directions relative to the camera.
+
+        Args:
+            instance: The parameter.
+            values: In the schema's units; colors are linear.
+
+        Returns:
+            As many numbers; sRGB-encoded colors, directions in degrees from -180 up to 180.
+        """
         if instance.parameter.kind == "color" and instance.parameter.scale == SRGB:
             return tuple(encode(max(v, 0.0)) for v in values)
         if _is_direction(instance):
@@ -99,13 +107,33 @@ class AliasTable:
         return min(low), max(high)
 
     def ordered(self, instance: Instance, lower: Values, upper: Values) -> tuple[Values, Values]:
-        """A range, as shown, the right way up; for a direction from 150 to -150 that is past 180."""
+        """A model's range with its ends in order.
+
+        A direction's range may pass 180 degrees: from 150 to -150 becomes 150 to 210.
+
+        Args:
+            instance: The parameter.
+            lower: One end, in the units of `shown`.
+            upper: The other end.
+
+        Returns:
+            The lower and the upper end, in the units of `shown`.
+        """
         if _is_direction(instance) and lower[0] - upper[0] > 180.0:
             return lower, (upper[0] + 360.0,)
         return tuple(map(min, lower, upper)), tuple(map(max, lower, upper))
 
     def meant(self, instance: Instance, lower: Values, upper: Values) -> tuple[Values, Values]:
-        """Inverse of `shown` for a range; a direction is turned to where the artist's value is nearest."""
+        """The schema's values for a range in the units of `shown`: its inverse.
+
+        Args:
+            instance: The parameter.
+            lower: The lower end, as `ordered` returns it.
+            upper: The upper end.
+
+        Returns:
+            Both ends in the schema's units; a direction's are turned by whole circles, nearest to the artist's value.
+        """
         if instance.parameter.kind == "color" and instance.parameter.scale == SRGB:
             return _linear(lower), _linear(upper)
         if _is_direction(instance):

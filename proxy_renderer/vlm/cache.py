@@ -46,7 +46,14 @@ class Cache:
             return None
 
     def write(self, key: str, answer: Any) -> None:
-        """Keeps an answer, all at once or not at all, readable by its owner only."""
+        """Keeps an answer, all at once or not at all, readable by its owner only.
+
+        A disk that cannot be written is no error: the question is then paid for again.
+
+        Args:
+            key: Of the question, as `key` returns it.
+            answer: Any JSON value.
+        """
         with contextlib.suppress(OSError, RuntimeError):
             self.folder.mkdir(parents=True, exist_ok=True)
             with atomic.replacing(self.folder / f"{key}.json") as part:

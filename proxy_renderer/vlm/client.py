@@ -108,9 +108,9 @@ class Client:
             question.schema,
             question.picture or b"",
         )
-        if not fresh and (known := self._cache.read(key)) is not None:
+        if not fresh and (cached_answer := self._cache.read(key)) is not None:
             self.usage.cached += 1
-            return known
+            return cached_answer
         if question.must_see and not self.dialect.pictures:
             raise ModelError(
                 f"The model {point.model} does not see pictures.", "Use a vision-language model."
@@ -136,11 +136,11 @@ class Client:
                         "The model's answer was cut off.",
                         "Use a model with more context, or one that thinks less.",
                     )
-                found: Any = text
+                reading: Any = text
                 if question.schema is not None:
-                    found = scrub(find_object(text, question.schema["properties"]), self.endpoint.key)
-                check(found)
-                return found
+                    reading = scrub(find_object(text, question.schema["properties"]), self.endpoint.key)
+                check(reading)
+                return reading
             except ModelError:
                 if earlier:
                     raise
@@ -153,12 +153,12 @@ class Client:
             try:
                 return self._send(body, end)
             except ModelError as error:
-                broken = error.wait is not None and not self.dialect.about(error.said)
+                broken = error.wait is not None and not self.dialect.about(error.complaint)
                 if (
                     error.lasting
-                    or not error.said
+                    or not error.complaint
                     or broken
-                    or not self.dialect.give_up(error.said, question)
+                    or not self.dialect.give_up(error.complaint, question)
                 ):
                     raise
         raise ModelError(
@@ -175,7 +175,7 @@ class Client:
                 self._count(answer)
                 return answer
             except ModelError as error:
-                if error.wait is None or attempt == _TRIES or self.dialect.about(error.said):
+                if error.wait is None or attempt == _TRIES or self.dialect.about(error.complaint):
                     raise
                 wait = max(pause, error.wait)
                 if time.monotonic() + wait > end:

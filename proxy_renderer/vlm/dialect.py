@@ -91,17 +91,17 @@ class Dialect:
         messages = [{"role": "system", "content": system}, {"role": "user", "content": content}, *earlier]
         return {**body, "messages": messages}
 
-    def give_up(self, said: str, question: Question) -> bool:
+    def give_up(self, complaint: str, question: Question) -> bool:
         """Leaves out what a refusal is about; False if there is nothing more to leave out.
 
         Args:
-            said: The server's words.
+            complaint: The server's words.
             question: What was asked.
         """
-        if _TEMPERATURE.search(said) and self._temperature:
+        if _TEMPERATURE.search(complaint) and self._temperature:
             self._temperature = False
             return True
-        if _LIMIT.search(said) and self._limit:
+        if _LIMIT.search(complaint) and self._limit:
             self._limit = "max_tokens" if self._limit == "max_completion_tokens" else ""
             return True
         formats = question.schema is not None and self.format != "text"
@@ -109,7 +109,7 @@ class Dialect:
         if (
             pictures
             and not question.must_see
-            and ((_PICTURE.search(said) and not _FORMAT.search(said)) or not formats)
+            and ((_PICTURE.search(complaint) and not _FORMAT.search(complaint)) or not formats)
         ):
             self.pictures = False
             return True
@@ -119,6 +119,6 @@ class Dialect:
         return False
 
     @staticmethod
-    def about(said: str) -> bool:
+    def about(complaint: str) -> bool:
         """Whether a server error's words are really a refusal of something that we sent."""
-        return bool(said) and any(p.search(said) for p in (_TEMPERATURE, _LIMIT, _FORMAT, _PICTURE))
+        return bool(complaint) and any(p.search(complaint) for p in (_TEMPERATURE, _LIMIT, _FORMAT, _PICTURE))

@@ -85,13 +85,13 @@ def find_endpoint(
         raise VibeError(
             "The model's key holds characters that no key has.", "Copy it again, without quotes or line ends."
         )
-    found = Endpoint(model, url, key, _seconds(env.get("VIBE_VLM_TIMEOUT", "")), _prices(env))
-    if not options.online and not found.local:
+    endpoint = Endpoint(model, url, key, _seconds(env.get("VIBE_VLM_TIMEOUT", "")), _prices(env))
+    if not options.online and not endpoint.local:
         raise VibeError(
-            f"Blender's online access is off, and the model {model} is at {found.place}.",
+            f"Blender's online access is off, and the model {model} is at {endpoint.place}.",
             "Allow it in Preferences > System > Network, or use a model on this computer.",
         )
-    return found
+    return endpoint
 
 
 def is_local(url: str) -> bool:

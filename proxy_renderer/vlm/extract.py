@@ -32,11 +32,11 @@ def find_object(text: str, names: Collection[str]) -> dict[str, Any]:
         if place < 0:
             break
         try:
-            found, _ = decoder.raw_decode(text, place)
+            candidate, _ = decoder.raw_decode(text, place)
         except (ValueError, RecursionError):
             continue
-        if isinstance(found, dict) and any(name in found for name in names):
-            return found
+        if isinstance(candidate, dict) and any(name in candidate for name in names):
+            return candidate
     if not text.strip():
         raise ModelError("The model's answer is empty.", "Use another model.")
     raise ModelError(
@@ -46,7 +46,16 @@ def find_object(text: str, names: Collection[str]) -> dict[str, Any]:
 
 
 def clean(text: Any, longest: int) -> str:
-    """Text of a model's for people: one line, without control and direction characters, not too long."""
+    r"""A model's text for people: one line, without control and direction characters.
+
+    Args:
+        text: Any JSON value; one that is no text gives "".
+        longest: Characters that are kept.
+
+    Example:
+        >>> clean("warm\n  light", 40)
+        'warm light'
+    """
     if not isinstance(text, str):
         return ""
     shown = "".join(" " if c.isspace() else c for c in text[: 20 * longest])
@@ -57,7 +66,13 @@ def clean(text: Any, longest: int) -> str:
 def scrub(value: Any, secret: str) -> Any:
     """A JSON value without a secret in any of its strings: a hostile server could send the key back.
 
-    Short keys, such as the "ollama" that local servers are given, are words and no secrets.
+    Args:
+        value: Texts, lists and objects are searched, keys of objects too.
+        secret: The key. A short one, such as the "ollama" that local servers are given, is a word and stays.
+
+    Example:
+        >>> scrub({"error": "wrong key sk-0123456789abcdef"}, "sk-0123456789abcdef")
+        {'error': 'wrong key ***'}
     """
     if len(secret) < _SECRET:
         return value

@@ -88,11 +88,16 @@ def judge(
     """
     text = instructions([c.name for c in columns], rows)
     question = Question(text, "The comparison figure:", jpeg_of(figure(columns, rows)), must_see=True)
-    return read_verdict(client.ask(question, lambda said: read_verdict(said, rows), fresh), rows)
+    return read_verdict(client.ask(question, lambda reply: read_verdict(reply, rows), fresh), rows)
 
 
 def instructions(names: Sequence[str], rows: tuple[str, str] = ROWS) -> str:
-    """The evaluation prompt for other objects and rows; for the paper's it is the paper's."""
+    """The evaluation prompt for a figure; for the paper's own figure it is the paper's word for word.
+
+    Args:
+        names: Of the objects, a column each; one to six.
+        rows: Names of the top and the bottom row.
+    """
     count = len(names)
     many = "objects" if count > 1 else "object"
     return (
@@ -107,10 +112,21 @@ def instructions(names: Sequence[str], rows: tuple[str, str] = ROWS) -> str:
 
 
 def read_verdict(text: str, rows: tuple[str, str] = ROWS) -> Verdict:
-    """Reads the strict output; bold marks, a colon for the equals sign and other lines are forgiven.
+    r"""Reads a verdict; bold marks, a colon for the equals sign and other lines are tolerated.
+
+    Args:
+        text: The model's answer.
+        rows: Names of the top and the bottom row.
+
+    Returns:
+        The winner in capitals, a row's name or "TIE", and the reason.
 
     Raises:
-        ModelError: There is no winner among the three, or more than one.
+        ModelError: The answer names no winner, or more than one.
+
+    Example:
+        >>> read_verdict("**WINNER: Ours**\nREASON = softer light").winner
+        'OURS'
     """
     plain = text.rpartition("</think>")[2].replace("*", "").replace("`", "")
     options = "|".join(re.escape(name.upper()) for name in (*rows, "TIE"))
@@ -122,7 +138,15 @@ def read_verdict(text: str, rows: tuple[str, str] = ROWS) -> Verdict:
 
 
 def figure(columns: Sequence[Column], rows: tuple[str, str] = ROWS) -> Image.Image:
-    """The comparison figure: two rows, a column for each object, its prompt under it."""
+    """The comparison figure: two rows of pictures, a column for each object, its prompt under it.
+
+    Args:
+        columns: One to six, each with a picture for either row.
+        rows: Names of the top and the bottom row.
+
+    Returns:
+        An RGB picture that grows with the columns and the longest prompt.
+    """
     font, small = ImageFont.load_default(20), ImageFont.load_default(17)
     lines = [_wrapped(f"{c.name}: {c.prompt}", small) for c in columns]
     left, top = 110, _MARGIN

@@ -96,21 +96,21 @@ def read_reply(raw: dict[str, Any], table: AliasTable) -> Reply:
 
 
 def _objects(raw: Any, table: AliasTable, reply: Reply) -> list[PromptObject]:
-    found = []
+    objects = []
     names = {t.id: i.owner for t in table.aliases for n, i in table.rows.items() if n.startswith(f"{t.id}/")}
     for item in _list(raw, reply)[:_MOST_OBJECTS]:
         region = item.get("region") if isinstance(item, dict) else None
         if region not in REGIONS:
             reply.dropped += 1
             continue
-        said = item.get("attributes")
-        said = said if isinstance(said, dict) else {}
+        attributes = item.get("attributes")
+        attributes = attributes if isinstance(attributes, dict) else {}
         worn = item.get("materials")
-        found.append(
+        objects.append(
             PromptObject(
                 clean(item.get("name"), _WORD) or region,
                 region,
-                {slot: words for slot in SLOTS if (words := clean(said.get(slot), _CAPTION))},
+                {slot: words for slot in SLOTS if (words := clean(attributes.get(slot), _CAPTION))},
                 tuple(
                     names[m]
                     for m in (worn if isinstance(worn, list) else [])
@@ -118,7 +118,7 @@ def _objects(raw: Any, table: AliasTable, reply: Reply) -> list[PromptObject]:
                 ),
             )
         )
-    return found
+    return objects
 
 
 def _prompts(raw: Any, reply: Reply) -> Prompts:
@@ -127,9 +127,9 @@ def _prompts(raw: Any, reply: Reply) -> Prompts:
 
     def usable(name: str) -> tuple[str, ...]:
         value = given.get(name)
-        said = _texts(value if isinstance(value, list) else [value], _CAPTION)
-        fine = tuple(t for t in said if not _NEGATION.search(t))
-        reply.mended += len(said) - len(fine)
+        captions = _texts(value if isinstance(value, list) else [value], _CAPTION)
+        fine = tuple(t for t in captions if not _NEGATION.search(t))
+        reply.mended += len(captions) - len(fine)
         return fine
 
     subject, surroundings, whole = ("".join(usable(n)[:1]) for n in ("subject", "surroundings", "whole"))
@@ -142,23 +142,23 @@ def _prompts(raw: Any, reply: Reply) -> Prompts:
 
 
 def _targets(raw: Any, reply: Reply) -> dict[str, str]:
-    found = {}
+    targets = {}
     for head, value in (raw if isinstance(raw, dict) else {}).items():
         if head in ATTRIBUTES and isinstance(value, str) and value in ATTRIBUTES[head]:
-            found[head] = value
+            targets[head] = value
         elif value not in ("", None):
             reply.dropped += 1
-    return found
+    return targets
 
 
 def _colors(raw: Any, reply: Reply) -> dict[Region, Lab]:
-    found: dict[Region, Lab] = {}
+    colors: dict[Region, Lab] = {}
     for region, value in (raw if isinstance(raw, dict) else {}).items():
         if region in REGIONS and isinstance(value, str) and _HEX.fullmatch(value.strip()):
-            found[region] = display_color(srgb_from_hex(value.strip()), region)
+            colors[region] = display_color(srgb_from_hex(value.strip()), region)
         elif value not in ("", None):
             reply.dropped += 1
-    return found
+    return colors
 
 
 def _add_entry(item: Any, table: AliasTable, reply: Reply) -> None:
@@ -188,7 +188,16 @@ def _add_entry(item: Any, table: AliasTable, reply: Reply) -> None:
 
 
 def widened(instance: Instance, lower: Values, upper: Values) -> tuple[Values, Values]:
-    """A range with the least width on the perceptual scale, inside the bounds."""
+    """A range with at least the least width on the perceptual scale, inside the parameter's bounds.
+
+    Args:
+        instance: The parameter, with its bounds.
+        lower: The lower end, one number per component, in the schema's units.
+        upper: The upper end.
+
+    Returns:
+        Both ends; components that are wide enough stay as they are.
+    """
     scale, angle = instance.parameter.scale, instance.parameter.kind == "angle"
     low, high = [], []
     for a, b, bottom, top in zip(lower, upper, instance.lower, instance.upper, strict=True):
@@ -219,8 +228,8 @@ def _numbers(raw: Any, count: int) -> Values | None:
 
 
 def _texts(raw: Any, longest: int) -> list[str]:
-    found = (clean(t, longest) for t in (raw if isinstance(raw, list) else []))
-    return [t for t in dict.fromkeys(found) if t][:_MOST_TEXTS]
+    cleaned = (clean(t, longest) for t in (raw if isinstance(raw, list) else []))
+    return [t for t in dict.fromkeys(cleaned) if t][:_MOST_TEXTS]
 
 
 def _list(raw: Any, reply: Reply) -> list[Any]:

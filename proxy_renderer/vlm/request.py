@@ -166,14 +166,16 @@ def _measured(context: PlanContext) -> dict[str, Any]:
     """What the current picture measures, for models that see badly or not at all."""
     if context.picture is None:
         return {}
-    found: dict[str, Any] = {
+    figures: dict[str, Any] = {
         f"{region}_mean_color": "#" + "".join(f"{round(255 * v):02x}" for v in srgb_from_lab(lab))
         for region, lab in context.picture.lab.items()
     }
     if context.picture.percentiles:
         names = ("darkest_5_percent", "median", "brightest_5_percent")
-        found |= {f"lightness_{n}": round(v) for n, v in zip(names, context.picture.percentiles, strict=True)}
-    return found
+        figures |= {
+            f"lightness_{n}": round(v) for n, v in zip(names, context.picture.percentiles, strict=True)
+        }
+    return figures
 
 
 def _numbers(values: tuple[float, ...]) -> list[float]:

@@ -60,21 +60,26 @@ class Transport:
         self._client: Any = None
 
     def post(self, body: dict[str, Any], seconds: float) -> Completion:
-        """Sends one request and waits for its answer, at most so long.
+        """Sends one request and waits for its answer.
 
         It runs in a thread of its own: whatever hangs, be it the name look-up or a server that sends
         a byte a minute, the time limit holds and Stop is heard.
 
+        Args:
+            body: Of a chat completion, without the time limit.
+            seconds: The longest wait.
+
         Raises:
-            ModelError: Whatever happens instead.
+            ModelError: The server cannot be reached, refuses, or answers too late, too much or nonsense; or the
+                artist has pressed Stop.
         """
         client = self._connect()
         box: queue.Queue[Completion | ModelError] = queue.Queue()
 
         def act() -> None:
             try:
-                made = client.chat.completions.with_raw_response.create(**body, timeout=seconds)
-                box.put(read_completion(made.http_response.content))
+                response = client.chat.completions.with_raw_response.create(**body, timeout=seconds)
+                box.put(read_completion(response.http_response.content))
             except ModelError as error:
                 box.put(error)
             except Exception as error:
@@ -84,7 +89,7 @@ class Transport:
         end = time.monotonic() + seconds
         while True:
             try:
-                found = box.get(timeout=_TICK)
+                outcome = box.get(timeout=_TICK)
             except queue.Empty:
                 if self._stop():
                     self.close()
@@ -93,9 +98,9 @@ class Transport:
                     self.close()
                     raise self._late(seconds) from None
                 continue
-            if isinstance(found, ModelError):
-                raise found
-            return found
+            if isinstance(outcome, ModelError):
+                raise outcome
+            return outcome
 
     def close(self) -> None:
         """Ends the connection; the next request makes a new one."""
@@ -137,7 +142,9 @@ class Transport:
         if isinstance(error, openai.APITimeoutError):
             return self._late(point.seconds)
         if isinstance(error, openai.APIStatusError):
-            return explain_status(error.status_code, _said(error, point.key), error.response.headers, point)
+            return explain_status(
+                error.status_code, _complaint(error, point.key), error.response.headers, point
+            )
         if isinstance(error, _TooLong) or isinstance(error.__cause__, _TooLong):
             return ModelError(
                 f"{point.place} sent more than {LARGEST // 10**6} MB.", "Check that it is the right endpoint."
@@ -182,25 +189,38 @@ def read_completion(raw: bytes) -> Completion:
         ) from error
 
 
-def explain_status(code: int, said: str, headers: Any, point: Endpoint) -> ModelError:
-    """What an HTTP status other than 200 means, and what to do about it."""
-    more = f": {said}" if said else ""
+def explain_status(code: int, complaint: str, headers: Any, point: Endpoint) -> ModelError:
+    """The error for an HTTP status other than 200, with its remedy.
+
+    Args:
+        code: The status.
+        complaint: The server's own words on one line, without the key; "" if there are none.
+        headers: Of the response; "retry-after" is read.
+        point: Where the request was sent.
+    """
+    more = f": {complaint}" if complaint else ""
     if code in (401, 403):
         return ModelError(
-            f"{point.place} refuses the key{more}.", "Check the key: `vibe doctor` tries it.", True, said=said
+            f"{point.place} refuses the key{more}.",
+            "Check the key: `vibe doctor` tries it.",
+            True,
+            complaint=complaint,
         )
     if code == 404:
         return ModelError(
             f"{point.place} does not have the model {point.model}{more}.",
             "Check the model's name and the base URL, which usually ends in /v1.",
             True,
-            said=said,
+            complaint=complaint,
         )
-    if code == 402 or (code == 429 and "quota" in said.lower()):
+    if code == 402 or (code == 429 and "quota" in complaint.lower()):
         return ModelError(
-            f"{point.place} wants to be paid{more}.", "Check the account's balance.", True, said=said
+            f"{point.place} wants to be paid{more}.",
+            "Check the account's balance.",
+            True,
+            complaint=complaint,
         )
-    if _OVERFULL.search(said):
+    if _OVERFULL.search(complaint):
         return ModelError(
             f"The scene does not fit into the context of {point.model}{more}.",
             "Give the model more context: 16384 tokens are enough (Ollama: OLLAMA_CONTEXT_LENGTH=16384).",
@@ -214,23 +234,26 @@ def explain_status(code: int, said: str, headers: Any, point: Endpoint) -> Model
         )
     if 300 <= code < 400:
         return ModelError(
-            f"{point.place} sends us elsewhere (HTTP {code}).", "Name the final base URL.", True, said=said
+            f"{point.place} sends us elsewhere (HTTP {code}).",
+            "Name the final base URL.",
+            True,
+            complaint=complaint,
         )
     if code in (408, 409) or code >= 500:
         return ModelError(
             f"{point.place} fails (HTTP {code}){more}.",
             "Look at the server's log, or try again.",
             wait=_retry_after(headers),
-            said=said or f"HTTP {code}",
+            complaint=complaint or f"HTTP {code}",
         )
     return ModelError(
         f"{point.place} refuses the request (HTTP {code}){more}.",
         "Use another model.",
-        said=said or f"HTTP {code}",
+        complaint=complaint or f"HTTP {code}",
     )
 
 
-def _said(error: Any, key: str) -> str:
+def _complaint(error: Any, key: str) -> str:
     """The server's own words, on one line, without the key."""
     body = error.body if isinstance(error.body, dict) else {}
     inner = body.get("error", body)

@@ -31,11 +31,11 @@ def try_model(endpoint: Endpoint) -> str:
     system = (
         'Name the color of the square in one word, as {"color": "..."}. Say "unseen" if there is no picture.'
     )
-    said = client.ask(Question(system, "What color is it?", square, _SCHEMA), fresh=True)
-    color = clean(said.get("color"), 40)
+    answer = client.ask(Question(system, "What color is it?", square, _SCHEMA), fresh=True)
+    color = clean(answer.get("color"), 40)
     sees = "red" in color.lower() and client.dialect.pictures
-    seen = "sees pictures" if sees else "does NOT see pictures: it plans from numbers, and cannot judge"
+    eyesight = "sees pictures" if sees else "does NOT see pictures: it plans from numbers, and cannot judge"
     return (
         f"{endpoint.model} at {endpoint.place} answers {color!r} to a red square in {client.usage.seconds:.1f} s: "
-        f"{seen}; {_FORMATS[client.dialect.format]}"
+        f"{eyesight}; {_FORMATS[client.dialect.format]}"
     )

@@ -63,7 +63,15 @@ GAMMA_NODE = "ShaderNodeGamma" if COMPOSITOR_IS_GROUP else "CompositorNodeGamma"
 
 
 def set_option(node: Node, prop: str, socket: str, identifier: str, label: str) -> None:
-    """Sets a menu: a property with identifiers in Blender 4, a socket with labels in Blender 5."""
+    """Sets a node's menu: a property with identifiers in Blender 4, a socket with labels in Blender 5.
+
+    Args:
+        node: The node.
+        prop: Name of the property in Blender 4.
+        socket: Name of the input in Blender 5.
+        identifier: The choice in Blender 4: "REPLACE_ALPHA".
+        label: The same choice in Blender 5: "Replace Alpha".
+    """
     if prop in node.bl_rna.properties:
         setattr(node, prop, identifier)
     else:
@@ -95,6 +103,13 @@ def start_compositor(journal: Journal, scene: Scene) -> NodeTree:
     """Turns compositing on for a scene whose renders had none: the render goes straight to the output.
 
     A tree that the artist had switched off stays as it is, apart from its output; its files are not written.
+
+    Args:
+        journal: Records every change.
+        scene: The scene.
+
+    Returns:
+        The compositor tree.
     """
     journal.set(scene.render, "use_compositing", True)
     if COMPOSITOR_IS_GROUP:
@@ -128,7 +143,13 @@ def drop_compositor(scene: Scene) -> None:
 
 
 def own_compositor(journal: Journal, scene: Scene, tree: NodeTree) -> NodeTree:
-    """The scene's compositor tree, as a copy of its own if other scenes use it too."""
+    """The scene's compositor tree; if other scenes use it too, a copy of its own.
+
+    Args:
+        journal: Records the copy.
+        scene: The scene.
+        tree: Its compositor tree.
+    """
     if not COMPOSITOR_IS_GROUP or sum(s.compositing_node_group == tree for s in bpy.data.scenes) < 2:
         return tree
     twin = journal.copy("node_groups", tree)
@@ -137,9 +158,13 @@ def own_compositor(journal: Journal, scene: Scene, tree: NodeTree) -> NodeTree:
 
 
 def march_volumes(journal: Journal, scene: Scene) -> None:
-    """Lets Blender 5 march through fog as Blender 4 does, unless the artist has volumes that look otherwise then.
+    """Lets Blender 5 march through fog as Blender 4 does, which starts seconds sooner for large boxes of height fog.
 
-    Its unbiased way takes seconds of preparation for a large box of height fog, for the same picture.
+    The picture is the same. Scenes with the artist's own volumes stay, because these would look otherwise.
+
+    Args:
+        journal: Records the change.
+        scene: The scene; Blender 4 leaves it alone.
     """
     if not hasattr(scene.cycles, "volume_biased") or any(o.type == "VOLUME" for o in scene.objects):
         return

@@ -155,7 +155,11 @@ def analyze(
 
 
 def with_subject_of(analysis: SceneAnalysis, first_shot: SceneAnalysis) -> SceneAnalysis:
-    """The analysis of another shot of a scene, with the subject and the pivot of its first shot.
+    """The analysis of a shot, with the subject and the pivot of the scene's first shot.
+
+    Args:
+        analysis: Of this shot: what its camera sees at its frame.
+        first_shot: The analysis that decided what the subject is.
 
     Raises:
         VibeError: The subject is hidden in this shot.

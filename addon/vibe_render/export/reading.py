@@ -69,6 +69,10 @@ def prepare_and_capture(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneC
     Between the steps the caller works out `SceneCapture.visible_scene` in the background, and Blender stays
     usable. Unlike `export_scene`, this leaves it to the caller to roll back after a failure.
 
+    Args:
+        scene: Is changed.
+        choice: How the subject is chosen.
+
     Raises:
         VibeError: The scene has no usable camera.
     """
@@ -82,8 +86,14 @@ def export_captured(
 ) -> SceneJob | None:
     """Second step of an export in two steps: analyzes the captured scene and writes its job folder.
 
+    Args:
+        scene: The scene that was captured.
+        folder: The job's; it is written to.
+        choice: How the subject is chosen, as in the first step.
+        visible: What `SceneCapture.visible_scene` worked out.
+
     Returns:
-        None if something that was captured has been removed meanwhile: capture again.
+        The job; None if something that was captured has been removed meanwhile: capture again.
 
     Raises:
         VibeError: As `export_scene`.
@@ -94,7 +104,12 @@ def export_captured(
 
 
 def prepare_and_snapshot(scene: bpy.types.Scene, choice: SubjectChoice) -> None:
-    """Adds what the scene lacks and starts its snapshot."""
+    """Adds what the scene lacks and starts its snapshot, which every change after it is undone by.
+
+    Args:
+        scene: Is changed.
+        choice: How the subject is chosen.
+    """
     prepare(scene, named(scene, choice))
     snapshot.take(scene)
 
@@ -113,7 +128,11 @@ class SceneReading:
 
 
 def read_scene(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneReading:
-    """Reads a scene without changing it.
+    """Reads a scene's parameters without changing it.
+
+    Args:
+        scene: With a camera of its own.
+        choice: How the subject is chosen.
 
     Raises:
         VibeError: As `export_scene`.
@@ -123,7 +142,11 @@ def read_scene(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneReading:
 
 
 def prepare_and_read(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneReading:
-    """Adds what the scene lacks and reads it; a failure leaves the scene as it was.
+    """Adds what the scene lacks and reads its parameters; a failure leaves the scene as it was.
+
+    Args:
+        scene: Is changed.
+        choice: How the subject is chosen.
 
     Raises:
         VibeError: As `export_scene`.

@@ -29,7 +29,13 @@ def instances(read: Mapping[str, schema.Instance]) -> tuple[dict[str, schema.Ins
 
 
 def content(value: Any, path: str, warnings: list[str]) -> Any:
-    """A copy of nested dicts and lists in which numbers that are not finite are 0; each adds a warning."""
+    """A copy of nested dicts and lists in which numbers that are not finite are 0.
+
+    Args:
+        value: Dicts, lists, tuples (which become lists), numbers and texts.
+        path: Where the value is in the job, its keys joined by "/"; "" for all of it.
+        warnings: Gets a sentence for each number that was replaced.
+    """
     if isinstance(value, Mapping):
         return {key: content(item, f"{path}/{key}" if path else key, warnings) for key, item in value.items()}
     if isinstance(value, list | tuple):

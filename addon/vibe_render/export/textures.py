@@ -92,9 +92,19 @@ Mask = np.ndarray
 def measured(
     scene: bpy.types.Scene, material: bpy.types.Material, source: bpy.types.NodeSocket, mask: Mask
 ) -> np.ndarray:
-    """The mean of what an output gives over the visible part of a material: (3,) float32 linear.
+    """The mean color of a socket's output over the visible part of a material.
 
-    An output inside a node group cannot be measured and counts as middle gray.
+    An image that is read directly counts whole. An output inside a node group cannot be measured and counts as
+    middle gray.
+
+    Args:
+        scene: The scene, for the render that measures.
+        material: The material that the socket belongs to.
+        source: The output.
+        mask: where the camera sees the material.
+
+    Returns:
+        (3,) float32, linear.
     """
     if source.id_data != material.node_tree or not mask.any():
         return np.full(3, 0.5, np.float32)
@@ -131,7 +141,15 @@ def image_alpha(image: bpy.types.Image | None) -> np.ndarray | None:
 
 
 def shrink(image: np.ndarray, longest: int) -> np.ndarray:
-    """Averages blocks of pixels until no side is longer than `longest`."""
+    """Averages blocks of pixels until no side is longer than `longest`; pixels left over at the ends are dropped.
+
+    Args:
+        image: (H, W, C).
+        longest: Pixels.
+
+    Returns:
+        The same array if it is small enough, else (H // step, W // step, C).
+    """
     step = -(-max(image.shape[:2]) // longest)
     if step == 1:
         return image
@@ -153,7 +171,15 @@ def untinted(source: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
 def plain_image(
     source: bpy.types.NodeSocket | None, outputs: tuple[str, ...] = ("Color",)
 ) -> bpy.types.Node | None:
-    """The image texture node that an output belongs to, if it is laid flat over a UV map."""
+    """The image texture node behind an output, if its image is laid flat over a UV map.
+
+    Args:
+        source: The output; reroutes before it are followed.
+        outputs: Names of the outputs of image textures that count.
+
+    Returns:
+        None if there is another node, or the image is a sequence, a movie or projected in another way.
+    """
     while source is not None and source.node.type == "REROUTE":
         links = active_links(source.node.inputs[0])
         source = links[0].from_socket if links else None

@@ -10,7 +10,7 @@ from pathlib import Path
 import bpy
 
 from ..core import files
-from ..core.schema_import import schema
+from ..core.schema_import import limits, schema
 from ..scene.stage import demo, stage
 from ..scene.subject import SubjectChoice
 from .reporter import Reporter
@@ -30,7 +30,7 @@ def open_scene(args: argparse.Namespace, reporter: Reporter) -> tuple[bpy.types.
     if args.command == "demo" or args.demo:
         reporter.stage("building the demo scene")
         return demo.build_demo(), SubjectChoice(chosen or (demo.SUBJECT,)), False
-    if path and path.suffix.lower() in stage.FORMATS:
+    if path and path.suffix.lower() in limits.MESH_FORMATS:
         reporter.stage(f"staging {path.name}")
         scene = stage.build_stage(path, args.stage)
         return scene, SubjectChoice(chosen, selected=not chosen), True

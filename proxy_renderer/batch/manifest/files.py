@@ -52,7 +52,18 @@ class Files:
                 yield Path(os.path.relpath(self.base / place, self.base)).as_posix(), scene
 
     def common(self, patterns: Any, vocabulary: str) -> str:
-        """Digest of what every result depends on: linked files and the artist's own words."""
+        """Digest of what every result depends on: linked files and the artist's own words.
+
+        Args:
+            patterns: `files` of the manifest: glob patterns relative to its folder.
+            vocabulary: The option of that name; "" for none.
+
+        Returns:
+            SHA-256 in hexadecimal, 64 characters.
+
+        Raises:
+            VibeError: The patterns are no texts, or one of them matches no file; names the line.
+        """
         if patterns and not texts(patterns):
             raise self._problem("These are not files.", 'Write files = ["textures/**"].', "files")
         linked = []
@@ -69,7 +80,16 @@ class Files:
         return hashlib.sha256("\n".join(lines).encode()).hexdigest()
 
     def named(self, name: str, what: str, *keys: str) -> Path:
-        """A file that the manifest names."""
+        """The path of a file that the manifest names, once it is known to be readable.
+
+        Args:
+            name: As written, relative to the manifest's folder.
+            what: The kind of file, for the error: "scene".
+            keys: Where the manifest names it, for the error's line.
+
+        Raises:
+            VibeError: There is no such file, or it cannot be read; names the line.
+        """
         try:
             return check.file(str(self.base / name), what)
         except VibeError as error:

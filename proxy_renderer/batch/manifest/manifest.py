@@ -96,7 +96,11 @@ class Manifest:
 
 
 def load(path: Path, out: Path) -> Manifest:
-    """Reads and checks a manifest; scenes under the results folder `out` are none of it.
+    """Reads and checks a manifest.
+
+    Args:
+        path: The TOML file.
+        out: The results folder; scenes that patterns match in it are left out.
 
     Raises:
         VibeError: Something in it is wrong; names the file, the line and the remedy.

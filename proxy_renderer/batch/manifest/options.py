@@ -82,16 +82,28 @@ class OptionReader:
             check.vocabulary(str(self._base / given.vocabulary))
 
     def prompt(self, prompt: str, options: dict[str, Any]) -> None:
-        """Raises VibeError unless this is a prompt that can be worked with."""
+        """Refuses a prompt that a vibe could not work with.
+
+        Args:
+            prompt: The words.
+            options: Of the job; those that are missing have the manifest's defaults.
+
+        Raises:
+            VibeError: It is empty or too long, or nothing in it is understood and no model is there to ask.
+        """
         checks.prompt(prompt)
         if not check.model(argparse.Namespace(**self._defaults | options)):
             check.words(prompt)
 
     def arguments(self, options: dict[str, Any], scenes: list[Path]) -> tuple[str, ...]:
-        """The options for Blender's side, without prompt and seed.
+        """A job's options as the command line of Blender's side, without prompt and seed.
+
+        Args:
+            options: Of the job; those that are missing have the manifest's defaults.
+            scenes: The job's scenes, one or more that share a look.
 
         Raises:
-            VibeError: They do not go together.
+            VibeError: A value is out of bounds, or options do not go together.
         """
         given = argparse.Namespace(**self._defaults | options)
         checks.numbers(given, self._rows.values())

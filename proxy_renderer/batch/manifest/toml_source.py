@@ -68,7 +68,14 @@ class TomlSource:
         return next((i for i in rest if text and any(q in self._lines[i] for q in quoted)), first)
 
     def problem(self, what: str, remedy: str, *keys: str, quoted: str = "") -> VibeError:
-        """An error that names the file and the line of a key."""
+        """An error that names the file and the line of a key; the caller raises it.
+
+        Args:
+            what: The mistake, as a sentence.
+            remedy: What to write instead.
+            keys: The way to the key, from the outermost table on.
+            quoted: A text in the key's value whose line is meant, such as one pattern of a list.
+        """
         return VibeError(f"{self.path}, line {self.line(*keys, quoted=quoted)}: {what}", remedy)
 
 

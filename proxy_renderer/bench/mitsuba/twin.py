@@ -163,13 +163,13 @@ def _mesh(mi: Any, scene: SceneData, faces: np.ndarray, surface: dict[str, Any])
     corners = mesh.vertices[mesh.faces[faces]].reshape(-1, 3)
     properties = mi.Properties()
     properties["mesh_bsdf"] = mi.load_dict(surface)
-    made = mi.Mesh("mesh", len(corners), len(corners) // 3, has_vertex_normals=True, props=properties)
-    parameters = mi.traverse(made)
+    shape = mi.Mesh("mesh", len(corners), len(corners) // 3, has_vertex_normals=True, props=properties)
+    parameters = mi.traverse(shape)
     parameters["vertex_positions"] = mi.Float(corners.ravel())
     parameters["vertex_normals"] = mi.Float(mesh.normals[faces].ravel())
     parameters["faces"] = mi.UInt32(np.arange(len(corners), dtype=np.uint32))
     parameters.update()
-    return made
+    return shape
 
 
 def _rgb(color: Tensor) -> dict[str, Any]:

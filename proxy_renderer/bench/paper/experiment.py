@@ -180,19 +180,19 @@ def _model(planned: Sequence[Run]) -> dict[str, Any]:
         return {}
     client = Client(endpoint)
 
-    def said(rows: Sequence[tuple[Pair, Path, Path]]) -> dict[str, str]:
+    def word_on(rows: Sequence[tuple[Pair, Path, Path]]) -> dict[str, str]:
         try:
             return asdict(ask_model(client, figures.columns(rows)))
         except VibeError as error:
             return {"error": str(error)}
 
-    found: dict[str, Any] = {"model": endpoint.model}
+    verdicts: dict[str, Any] = {"model": endpoint.model}
     if benchmark := _rows(planned, "benchmark"):
-        found["figure"] = said(benchmark)
-    found["pairs"] = {row[0].name: said([row]) for group in COMPARED for row in _rows(planned, group)}
-    winners = [word.get("winner") for word in found["pairs"].values()]
+        verdicts["figure"] = word_on(benchmark)
+    verdicts["pairs"] = {row[0].name: word_on([row]) for group in COMPARED for row in _rows(planned, group)}
+    winners = [word.get("winner") for word in verdicts["pairs"].values()]
     counts = {kind: winners.count(name) for name, kind in _WINNERS.items()}
-    return found | counts | client.usage.account()
+    return verdicts | counts | client.usage.account()
 
 
 def _print(results: Mapping[str, Any]) -> None:
@@ -202,9 +202,9 @@ def _print(results: Mapping[str, Any]) -> None:
         print(
             f"{row['verdict']:>5}  {row['ours']:.2f} : {row['clip_only']:.2f}  {name}: {row['prompt'][:70]}"
         )
-    if said := results["judge"]:
+    if judged := results["judge"]:
         print(
-            f"{said['model']} by the paper's prompt: {said['win']} won, {said['tie']} tied, {said['loss']} lost."
+            f"{judged['model']} by the paper's prompt: {judged['win']} won, {judged['tie']} tied, {judged['loss']} lost."
         )
     low, high = results["interval"]
     print(

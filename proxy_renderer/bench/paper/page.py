@@ -117,13 +117,13 @@ def _table(pair: Pair, seeds: Sequence[Mapping[str, Any]], compared: bool) -> st
         unit = "ΔE" if ask.lab else MEASURES[measure].unit
         cells = "".join(_cell([s[side]["asks"][ask.text] for s in seeds], unit) for side in sides)
         body += f"<tr><td>{_chip(ask)}{escape(ask.text)}<small>{measure.replace('_', ' ')}</small></td>{cells}</tr>"
-    seen = "".join(
+    visibility = "".join(
         _cell(
             [{"amount": s[side]["visibility"], "score": _product(s[side]["visibility"])} for s in seeds], ""
         )
         for side in sides
     )
-    return f"<table><tr><th></th>{head}</tr>{body}<tr><td>subject visible<small>outline × detail × frame</small></td>{seen}</tr></table>"
+    return f"<table><tr><th></th>{head}</tr>{body}<tr><td>subject visible<small>outline × detail × frame</small></td>{visibility}</tr></table>"
 
 
 def _chip(ask: Ask) -> str:

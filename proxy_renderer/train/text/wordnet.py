@@ -131,7 +131,7 @@ def _plain(lemma: str) -> str:
     return normalize(lemma.split("(")[0].replace("_", " "))
 
 
-def candidates(net: WordNet, common: Sequence[str], known: Container[str]) -> dict[str, int]:
+def candidates(net: WordNet, common: Sequence[str], vocabulary: Container[str]) -> dict[str, int]:
     """Word -> index into KINDS, for words that may speak of a look; names of things are among them only where
     WordNet has look words beside them ("masonry": stonework)."""
     kinds = {}
@@ -154,7 +154,7 @@ def candidates(net: WordNet, common: Sequence[str], known: Container[str]) -> di
             net.senses.setdefault(word, [pair for pair in net.senses[verb] if pair[0][0] == "v"])
             kinds[word] = KINDS.index("adjective")
     for word in common[:_FREQUENT]:
-        if word not in kinds and word.isalpha() and len(word) > 3 and _beside(net, word, known):
+        if word not in kinds and word.isalpha() and len(word) > 3 and _beside(net, word, vocabulary):
             kinds[word] = KINDS.index("noun")
     return kinds
 

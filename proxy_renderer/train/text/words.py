@@ -126,9 +126,9 @@ def encoded(words: list[str], net: WordNet, model: Path, work: Path) -> tuple[En
     if new or unread:
         print(f"encoding {len(new)} words and {len(unread)} meanings", flush=True)
         encoder = MiniLM(model)
-        said = [f"{', '.join(net.synsets[k].words[:4])}: {net.synsets[k].gloss}" for k in unread]
+        definitions = [f"{', '.join(net.synsets[k].words[:4])}: {net.synsets[k].gloss}" for k in unread]
         names |= dict(zip(new, encoder.encode(new).astype(np.float16), strict=True))
-        meanings |= dict(zip(unread, encoder.encode(said).astype(np.float16), strict=True))
+        meanings |= dict(zip(unread, encoder.encode(definitions).astype(np.float16), strict=True))
         np.savez(
             store,
             words=np.array(list(names)),

@@ -18,9 +18,9 @@ def finish_active(name: str, smooth: float | None = 40.0, **modifiers: dict) -> 
     thing = bpy.context.object
     thing.name = name
     for kind, settings in modifiers.items():
-        made = thing.modifiers.new(kind.title(), kind.upper())
+        modifier = thing.modifiers.new(kind.title(), kind.upper())
         for key, value in settings.items():
-            setattr(made, key, value)
+            setattr(modifier, key, value)
     if smooth is not None:
         thing.data.shade_smooth()
         thing.data.set_sharp_from_angle(angle=math.radians(smooth))

@@ -10,14 +10,8 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
-from ...core.schema_import import schema
+from ...core.schema_import import limits, options, schema
 from . import parts
-
-KINDS = ("cyclorama", "floor", "none")
-"""What a mesh can stand on; the first is the default."""
-
-FORMATS = (".obj", ".glb", ".gltf", ".ply", ".stl")
-"""The mesh files that Blender's own importers read."""
 
 _CAMERA = (32.0, 12.0)  # azimuth, elevation
 _WALL = 8.0  # distance of the backdrop, in radii of the subject
@@ -29,15 +23,15 @@ def build_stage(path: str | Path, kind: str = "cyclorama", subject_name: str = "
     The mesh is moved to stand on height 0 and scaled until its bounding box has a radius of 1 m.
 
     Args:
-        path: A mesh file of one of `FORMATS`; axes are read as each format has them by default.
-        kind: One of `KINDS`.
+        path: A mesh file of one of `limits.MESH_FORMATS`; axes are read as each format has them by default.
+        kind: What the mesh stands on, one of `options.STAGES`.
         subject_name: Name of the material of parts that have none.
 
     Raises:
         VibeError: If the kind is not known, or the file is missing, broken or without any mesh.
     """
-    if kind not in KINDS:
-        raise schema.VibeError(f"There is no stage {kind!r}.", f"Use one of: {', '.join(KINDS)}.")
+    if kind not in options.STAGES:
+        raise schema.VibeError(f"There is no stage {kind!r}.", f"Use one of: {', '.join(options.STAGES)}.")
     path = _checked(path)
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True, load_ui=False)
     scene = bpy.context.scene
@@ -57,8 +51,10 @@ def build_stage(path: str | Path, kind: str = "cyclorama", subject_name: str = "
 
 def _checked(path: str | Path) -> Path:
     path = Path(path).absolute()
-    if path.suffix.lower() not in FORMATS:
-        raise schema.VibeError(f"{path.name} is not a mesh that can be staged.", f"Use {', '.join(FORMATS)}.")
+    if path.suffix.lower() not in limits.MESH_FORMATS:
+        raise schema.VibeError(
+            f"{path.name} is not a mesh that can be staged.", f"Use {', '.join(limits.MESH_FORMATS)}."
+        )
     if not path.is_file():
         raise schema.VibeError(f"There is no file {path}.", "Check the path.")
     return path
