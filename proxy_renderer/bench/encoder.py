@@ -141,10 +141,17 @@ def _in_other_words(classes: dict[str, str], _noun: str, wording: float) -> str:
 
 
 def synonyms(asked: Encoder, batches: list[Batch]) -> tuple[float, float]:
-    """The share of words unknown to the vocabulary that are understood: by language and encoder, by language alone.
+    """The share of words unknown to the vocabulary that are understood.
 
     A word is understood as far as the language finds an entry that is right for it, and, where that entry speaks of
     what the encoder reads, as far as the encoder tells pictures that show it from their flips by the entry's phrase.
+
+    Args:
+        asked: The encoder.
+        batches: Pictures with their flips.
+
+    Returns:
+        Two fractions: by language and encoder, and by language alone.
     """
     vocabulary = shipped_vocabulary()
     search = nearest(vocabulary)

@@ -132,6 +132,10 @@ def functionals(display: Tensor, mask: Tensor, encoder: Encoder, caption: Tensor
 def compare(ours: Tensor, cycles: Tensor) -> dict[str, Any]:
     """How alike two derivatives of `functionals` are.
 
+    Args:
+        ours: (45,), the proxy's derivative by one parameter: regions' means, the encoder's loss, then cells.
+        cycles: (45,), that of Cycles' pictures.
+
     Returns:
         `cosine` of the regions' means, `image_cosine` of the cells, `sign`: whether the encoder's loss goes the same
         way, `length` of ours over Cycles', `change`: length of Cycles' derivative, all of the regions.

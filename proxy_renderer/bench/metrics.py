@@ -70,6 +70,13 @@ def ssim(picture: Tensor, reference: Tensor) -> float:
 
     Source: Wang et al., "Image quality assessment: from error visibility to structural similarity", 2004:
     Gaussian window of 11 pixels, sigma 1.5, K1 = 0.01, K2 = 0.03; borders without a whole window are left out.
+
+    Args:
+        picture: (H, W, 3), sRGB-encoded, 0 to 1.
+        reference: Of the same shape.
+
+    Returns:
+        1 for equal pictures.
     """
     x, y = (luminance(p)[None, ..., 0][None].double() for p in (picture, reference))
     side = min(_WINDOW, *x.shape[2:])

@@ -18,7 +18,12 @@ _PAPER, _INK, _TRUE, _FALSE = (24, 24, 26), (236, 236, 236), (130, 210, 140), (2
 
 
 def save_mistakes(mistakes: Sequence[Mistake], path: Path) -> None:
-    """Writes a sheet of mistakes, of every kind in turn; removes an old one where there are none."""
+    """Writes a sheet of mistakes, of every kind in turn.
+
+    Args:
+        mistakes: As many as fit are shown.
+        path: The picture file; an old one is removed where there are no mistakes.
+    """
     kinds: dict[str, list[Mistake]] = {}
     for one in mistakes:
         kinds.setdefault(one.asked, []).append(one)

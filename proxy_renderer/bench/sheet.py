@@ -30,7 +30,12 @@ class Strip:
 
 
 def error_picture(picture: torch.Tensor, reference: torch.Tensor) -> Image.Image:
-    """CIEDE2000 as brightness: red where the picture is lighter than the reference, blue where darker, gray for hue."""
+    """CIEDE2000 as brightness: red where the picture is lighter than the reference, blue where darker, gray for hue.
+
+    Args:
+        picture: (H, W, 3), sRGB-encoded, 0 to 1.
+        reference: Of the same shape.
+    """
     errors, lighter = delta_e_map(picture, reference)
     strength = (errors / _FULL).clamp(0, 1)[..., None].numpy()
     lean = (lighter / errors.clamp_min(1e-3)).clamp(-1, 1)[..., None].numpy()
@@ -40,7 +45,17 @@ def error_picture(picture: torch.Tensor, reference: torch.Tensor) -> Image.Image
 
 
 def save_sheets(strips: Sequence[Strip], out: Path, columns: int = 3, page: int = 8) -> list[Path]:
-    """Writes OUT/contact.png with all scenes, and OUT/contact_01.png … with `page` of them each, in two columns."""
+    """Writes OUT/contact.png with all scenes, and OUT/contact_01.png … in two columns; older sheets are removed.
+
+    Args:
+        strips: A row of pictures for each scene.
+        out: The folder.
+        columns: Of the first sheet.
+        page: Scenes on each of the others.
+
+    Returns:
+        The files; none without strips.
+    """
     if not strips:
         return []
     save_image(_sheet(strips, columns), out / "contact.png")

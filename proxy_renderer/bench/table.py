@@ -30,6 +30,10 @@ SceneRow = Mapping[str, Any]
 def summary(scenes: Mapping[str, SceneRow], failed: Mapping[str, str]) -> dict[str, Any]:
     """The content of results.json.
 
+    Args:
+        scenes: Name -> figures of a scene.
+        failed: Name -> why it could not be measured.
+
     Returns:
         `mean_delta_e`, `mean_p95` and so on over the scenes; `anchored_mean_delta_e` and others where they were
         measured; `features`: for each the number of its scenes and their means; `scenes`; `failed`.

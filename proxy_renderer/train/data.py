@@ -233,7 +233,15 @@ def _resized(pictures: Tensor, size: int) -> Tensor:
 
 
 def gather(view: dict[str, Tensor], classes: Tensor) -> dict[str, Tensor]:
-    """The bank's fields (G, ...) as `shader.shade` takes them, with each look's light and shadow."""
+    """The bank's fields of some views as `shader.shade` takes them, with each look's light and shadow.
+
+    Args:
+        view: Fields of G views, (G, ...) each; see `bank.fields`.
+        classes: (G, K, A), the K looks of each view.
+
+    Returns:
+        The fields, (G, 1, ...) each; "light" (G, K, 3) and "shadow" (G, K, H, W), 0 to 1, depend on the look.
+    """
     side, soft = classes[..., looks.INDEX["light_side"]], classes[..., looks.INDEX["light_softness"]]
     each = torch.arange(len(classes))[:, None]
     device = view["kind"].device
@@ -296,10 +304,15 @@ def contradicts(labels: Tensor, mentioned: Tensor) -> Tensor:
 
 
 def choices(labels: Tensor, taught: Tensor) -> tuple[Tensor, Tensor]:
-    """Pictures (B, A) and pairs of lessons (L, A) that say one attribute each, the same: the first is true, the second not.
+    """Choices between two lessons that say nothing but the same attribute, with different classes.
+
+    Args:
+        labels: (B, A), classes that the pictures show.
+        taught: (L, A), classes that the lessons say; -1 where a lesson says nothing.
 
     Returns:
-        (A, B, P) where a picture has the choice, and the pairs (2, P) of lessons.
+        (A, B, P) bool, where the first lesson of a pair is true of the picture and about that attribute, and the
+        pairs (2, P) of lessons.
     """
     single = (taught >= 0).sum(1) == 1
     name = taught.argmax(1)

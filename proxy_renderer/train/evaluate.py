@@ -35,10 +35,16 @@ FEW = 15
 
 
 def evaluate(model: Path, held_out: Path, meshes: list[Path], out: Path | None = None) -> dict:
-    """Judges a model on a held-out bank, and on views of meshes; writes ``results.json``.
+    """Judges a model on a held-out bank, and on views of meshes.
 
     The model's folder gets ``skill.json``: how far each attribute's head is from a blind guess (0) to
     never being wrong (1). Guidance trusts the heads by it.
+
+    Args:
+        model: Folder of the encoder.
+        held_out: Folder of a bank of shapes that training did not have.
+        meshes: Mesh files, their y axis up; may be empty.
+        out: The JSON file for the results; None for no file.
 
     Returns:
         ``attribute_flip`` and ``swap`` (fractions), the same per attribute and for the heads, per set of
@@ -96,7 +102,12 @@ Sentence = Callable[[dict[str, str], str, float], str]
 
 
 def shaded(bank: dict, batches: int = _BATCHES) -> Iterator[Batch]:
-    """Batches of whole pictures of a bank, as they are judged."""
+    """Batches of whole pictures of a bank, the same ones every time.
+
+    Args:
+        bank: From `bank.load`.
+        batches: How many.
+    """
     return (make_batch(bank, _GROUPS, _SEED + k, augment=False) for k in range(batches))
 
 
@@ -153,7 +164,15 @@ def judge(
 
 
 def looks_at(encoder: Encoder, batch: Batch) -> tuple[Tensor, Tensor]:
-    """Features (B, D) of whole pictures and of their subjects framed closely, as guidance looks at them."""
+    """Features of whole pictures and of their subjects framed closely, as guidance looks at them.
+
+    Args:
+        encoder: The encoder that is judged.
+        batch: B pictures with their masks.
+
+    Returns:
+        Two unit features per picture, (B, D) each: of the whole, and of the subject.
+    """
     pictures, masks = batch.pictures.to(encoder.device), batch.masks.to(encoder.device).float()
     dice = torch.Generator().manual_seed(_SEED)
     subjects = [
@@ -193,13 +212,29 @@ def _named(classes: dict[str, int]) -> dict[str, str]:
 
 
 def describe(classes: dict[str, str], noun: str, wording: float, split: WordingSplit = TRAINED) -> str:
-    """The attributes about one thing; the same number gives the same choices of words, as far as there are as many."""
+    """A caption of some attributes.
+
+    Args:
+        classes: Attribute -> class.
+        noun: The thing, which is named where its color is not said.
+        wording: Seeds the choice of words: the same number gives the same words as far as the attributes agree.
+        split: Which wordings may be used.
+    """
     stated = caption(classes, random.Random(wording), split=split)
     return stated if "subject_color" in classes else f"{noun}, {stated}"
 
 
 def bank_of(meshes: list[Path], size: int, views: int = 24) -> dict[str, np.ndarray]:
-    """A bank of views of mesh files (their y axis up), in memory."""
+    """A bank of views of mesh files, in memory.
+
+    Args:
+        meshes: Files, their y axis up.
+        size: Side of a view, pixels.
+        views: Of each mesh.
+
+    Returns:
+        The fields of `bank.fields`, (meshes * views, ...) each.
+    """
     traced = []
     for number, path in enumerate(meshes):
         mesh = trimesh.load(path, force="mesh")
@@ -218,7 +253,13 @@ def bank_of(meshes: list[Path], size: int, views: int = 24) -> dict[str, np.ndar
 
 
 def cost(encoder: Encoder, crops: int = 8, repeats: int = 5) -> float:
-    """Seconds for a forward and backward pass of some crops of 256² pixels; the median of a few."""
+    """Seconds for a forward and backward pass of random crops of 256² pixels.
+
+    Args:
+        encoder: The encoder, on the device where it is measured.
+        crops: In one pass.
+        repeats: Passes, of which the median counts.
+    """
     text = encoder.encode_texts(["a red thing"])
     taken = []
     for _ in range(repeats):

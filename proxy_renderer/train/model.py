@@ -121,6 +121,13 @@ class Student(nn.Module):
         """Contrast between pictures and captions, choices of phrases, and attributes read off pictures and off captions.
 
         The captions of two thirds of the groups are left unread: words are costly and are learned sooner.
+
+        Args:
+            batch: From `data.make_batch`.
+            device: Where the model is.
+
+        Returns:
+            Each term by name, a scalar that is not weighted yet.
         """
         mean, std = (torch.tensor(PREPROCESS[key], device=device)[:, None, None] for key in ("mean", "std"))
         pictures = ((batch.pictures.to(device) - mean) / std).to(memory_format=torch.channels_last)
@@ -180,7 +187,15 @@ def _last_grid(visual: Any) -> tuple[nn.Module, int]:
 
 
 def merges(captions: list[str], length: int) -> list[str]:
-    """The pair merges of open_clip's tokenizer that these captions need, in its order: a tenth of the vocabulary."""
+    """The pair merges of open_clip's tokenizer that some captions need: a tenth of its vocabulary.
+
+    Args:
+        captions: All that the model is to read.
+        length: Tokens that the model reads at most.
+
+    Returns:
+        Lines "a b" of two tokens that are merged, in the tokenizer's order.
+    """
     whole = SimpleTokenizer(context_length=length)
     words = {word for caption in captions for word in whole.pat.findall(caption.lower())}
     used: set[tuple[str, str]] = set()
@@ -211,7 +226,13 @@ def _write_merges(lines: list[str], folder: Path) -> str:
 
 
 def export(student: Student, weights: dict[str, Tensor], folder: Path) -> None:
-    """Writes configuration, both towers (fp16), merges of the tokenizer, ``heads.json`` and ``heads.safetensors``."""
+    """Writes a folder that open_clip loads: configuration, both towers (fp16), the tokenizer's merges, and the heads.
+
+    Args:
+        student: Its configuration, merges and the heads' names.
+        weights: Of the student, by name: those that are written, averaged ones as a rule.
+        folder: Made if it does not exist.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     half = {name: (w.half() if w.is_floating_point() else w).contiguous() for name, w in weights.items()}
     for prefix, name in (("clip.", "open_clip_model.safetensors"), ("heads.", "heads.safetensors")):

@@ -26,7 +26,16 @@ _STEPS = {4: 6, 16: 4, 64: 3}
 
 
 def main(job: str, size: str, threads: str, out: str) -> None:
-    """Measures and prints."""
+    """Times Mitsuba's gradient steps, keeps its pictures, and prints the figures as JSON.
+
+    Arguments come from the command line, as texts.
+
+    Args:
+        job: The job folder of an exported scene.
+        size: Side of the picture, pixels.
+        threads: Of Mitsuba.
+        out: Folder for the pictures, an array for each number of samples.
+    """
     import drjit as dr
     import mitsuba as mi
 

@@ -59,14 +59,19 @@ def twin(mi: Any, scene: SceneData, size: tuple[int, int]) -> Any:
 
 
 def learned(scene: SceneData) -> list[str]:
-    """The keys of what both differentiate."""
+    """The keys of the values that both renderers differentiate, in this project's names."""
     subject = next(m.name for m in scene.materials if m.role == "subject")
     lights = [f"light/{light.name}/color" for light in scene.lights]
     return [*(f"material/{subject}/{name}" for name in LEARNED), *lights, "world/color"]
 
 
 def same(scene: SceneData, parameters: Any) -> list[str]:
-    """Mitsuba's names for the same, among the parameters of a twin."""
+    """Mitsuba's names of the values that `learned` names.
+
+    Args:
+        scene: The exported scene.
+        parameters: `mi.traverse` of its twin.
+    """
     number = next(i for i, m in enumerate(scene.materials) if m.role == "subject")
     wanted = [f"mesh{number}.bsdf.brdf_0.{name}.value" for name in LEARNED]
     ends = ("radiance.value", "irradiance.value", "intensity.value")

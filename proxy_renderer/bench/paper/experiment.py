@@ -64,7 +64,15 @@ def run(
 
 
 def summary(planned: Sequence[Run], budget: RunBudget) -> dict[str, Any]:
-    """Everything that is known from the runs that are done."""
+    """The figures of the runs that are done, measured and judged.
+
+    Args:
+        planned: All runs.
+        budget: With which they were planned.
+
+    Returns:
+        The content of results.json but for `failed`; see `run`.
+    """
     network = judge.find()
     readings = {r.folder: _read(r, network) for r in planned if r.done}
     by_pair, ablations = {}, {}

@@ -23,12 +23,22 @@ def columns(rows: Sequence[tuple[Pair, Path, Path]]) -> list[judge.Column]:
 
 
 def save_benchmark(rows: Sequence[tuple[Pair, Path, Path]], path: Path) -> None:
-    """Figure 2: two rows, ours and CLIP-only, a column for each object with its prompt."""
+    """Figure 2: two rows, ours and CLIP-only, a column for each object with its prompt.
+
+    Args:
+        rows: Pair, folder of our run and folder of the CLIP-only run.
+        path: The picture file.
+    """
     save_image(judge.figure(columns(rows)), path)
 
 
 def save_ablation(rows: Sequence[tuple[Pair, Path]], path: Path) -> None:
-    """Figures 3 and 4: the artist's picture above what each prompt made of it."""
+    """Figures 3 and 4: what each prompt made of the artist's picture, above it.
+
+    Args:
+        rows: Pair and folder of its run.
+        path: The picture file.
+    """
     columns = [
         judge.Column(pair.name, pair.prompt, picture(folder), picture(folder, "before"))
         for pair, folder in rows
@@ -37,7 +47,12 @@ def save_ablation(rows: Sequence[tuple[Pair, Path]], path: Path) -> None:
 
 
 def picture(folder: Path, which: str = "after") -> Image.Image:
-    """A run's "before" or "after"."""
+    """A run's picture.
+
+    Args:
+        folder: Of the run.
+        which: "before" for the artist's, "after" for the result.
+    """
     with Image.open(folder / f"{which}.png") as image:
         return image.convert("RGB")
 

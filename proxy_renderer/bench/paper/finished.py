@@ -76,7 +76,12 @@ def luminance(display: FloatArray) -> FloatArray:
 
 
 def load(folder: Path, which: str) -> FinishedPicture:
-    """Reads the "before" or the "after" of a run's folder."""
+    """Reads a run's picture with everything that it is measured by.
+
+    Args:
+        folder: Of the run.
+        which: "before" for the artist's, "after" for the result.
+    """
     mask_file = {"before": "mask_before.png", "after": "mask.png"}[which]
     with Image.open(folder / mask_file) as image:
         mask = np.asarray(image.convert("L"), float) / 255.0

@@ -27,7 +27,16 @@ class Judge:
         self._encoder = guidance.load_encoder(str(folder), "cpu")
 
     def gain(self, prompt: str, before: FloatArray, after: FloatArray) -> float:
-        """How much nearer to the prompt the picture has come: a difference of cosines."""
+        """How much nearer to the prompt the picture has come.
+
+        Args:
+            prompt: The words.
+            before: (H, W, 3), sRGB-encoded, 0 to 1.
+            after: Of the same shape.
+
+        Returns:
+            A difference of two cosines; above 0 if `after` is nearer.
+        """
         with torch.no_grad():
             batch = torch.from_numpy(np.stack([before, after])).float().permute(0, 3, 1, 2)
             features = self._encoder.encode_images(augment.whole(batch, self._encoder.size))

@@ -62,6 +62,13 @@ def gloss(shot: FinishedPicture, region: str) -> float:
 
     What people call glossy has highlights of high contrast and sharpness (Marlow, Kim and Anderson 2012); both
     raise it, for the sides are near. Light that only grows towards an outline has one side, and is none.
+
+    Args:
+        shot: The picture.
+        region: See `FinishedPicture.region`.
+
+    Returns:
+        L*; 0 for a region of fewer than 16 pixels.
     """
     where = shot.region(region)
     if where.sum() < 16:
@@ -92,10 +99,17 @@ def _beside(shot: FinishedPicture, light: FloatArray, where: np.ndarray, step: t
 
 
 def fog(shot: FinishedPicture, region: str) -> float:
-    """The share of local contrast that fog takes away: 0 for none, 1 when nothing is left.
+    """The share of local contrast that fog takes away.
 
     Contrast is that of the logarithm of luminance between neighbors, against the same picture without its fog. A
     flat grade, haze painted onto a wall or darkness are no fog.
+
+    Args:
+        shot: The picture.
+        region: See `FinishedPicture.region`.
+
+    Returns:
+        0 for no fog, 1 when nothing is left.
     """
     if shot.clear is None:
         return 0.0
@@ -114,9 +128,16 @@ def _slope(light: FloatArray) -> FloatArray:
 
 
 def vignette(shot: FinishedPicture, region: str) -> float:
-    """By how many L* the corners are darker than the middle ring, in the second least darkened corner.
+    """How much darker the corners are than the middle ring, in the second least darkened corner.
 
     All four count, because light from one side darkens two of them. The subject is left out.
+
+    Args:
+        shot: The picture.
+        region: Not read: it is a measure of the whole picture.
+
+    Returns:
+        L*; 0 if no corner can be measured.
     """
     height, width = shot.mask.shape
     y, x = np.mgrid[:height, :width]
@@ -153,19 +174,42 @@ def _shading(shot: FinishedPicture, region: str) -> np.ndarray:
 
 
 def light_right(shot: FinishedPicture, region: str) -> float:
-    """How far the light comes from the right (above 0) or from the left, -1 to 1."""
+    """How far the light comes from the right.
+
+    Args:
+        shot: The picture.
+        region: See `FinishedPicture.region`.
+
+    Returns:
+        -1 (from the left) to 1 (from the right), in the camera's space.
+    """
     return float(_shading(shot, region)[0])
 
 
 def light_up(shot: FinishedPicture, region: str) -> float:
-    """How far the light comes from above, -1 to 1."""
+    """How far the light comes from above.
+
+    Args:
+        shot: The picture.
+        region: See `FinishedPicture.region`.
+
+    Returns:
+        -1 (from below) to 1 (from above), in the camera's space.
+    """
     return float(_shading(shot, region)[1])
 
 
 def hardness(shot: FinishedPicture, region: str) -> float:
-    """The steepest slope of light where surfaces are smooth and of one material: edges of shadows, stops per pixel.
+    """The steepest slope of light where surfaces are smooth and of one material: edges of shadows.
 
-    Pixels of a picture of 192; highlights, too, have steep slopes under small lamps.
+    Highlights, too, have steep slopes under small lamps.
+
+    Args:
+        shot: The picture.
+        region: See `FinishedPicture.region`.
+
+    Returns:
+        Stops per pixel of a picture of 192; 0 if fewer than 32 pixels can be measured.
     """
     turn = np.linalg.norm(np.stack([*np.gradient(shot.normal, axis=(0, 1))]), axis=(0, -1))
     same = ndimage.maximum_filter(shot.material, 5) == ndimage.minimum_filter(shot.material, 5)
@@ -183,30 +227,70 @@ def hardness(shot: FinishedPicture, region: str) -> float:
 
 
 def warmth(shot: FinishedPicture, region: str) -> float:
-    """How far a region's mean color lies towards orange, in Lab: b* and half of a*."""
+    """How far a region's mean color lies towards orange.
+
+    Args:
+        shot: The picture.
+        region: See `FinishedPicture.region`.
+
+    Returns:
+        b* and half of a*, in Lab.
+    """
     _, a, b = shot.lab[shot.region(region)].mean(0)
     return float(b + 0.5 * a)
 
 
 def lightness(shot: FinishedPicture, region: str) -> float:
-    """Mean L*."""
+    """Mean lightness.
+
+    Args:
+        shot: The picture.
+        region: See `FinishedPicture.region`.
+
+    Returns:
+        L*.
+    """
     return float(shot.lab[shot.region(region)][:, 0].mean())
 
 
 def spread(shot: FinishedPicture, region: str) -> float:
-    """From the darkest to the lightest twentieth, in L*."""
+    """From the darkest to the lightest twentieth.
+
+    Args:
+        shot: The picture.
+        region: See `FinishedPicture.region`.
+
+    Returns:
+        L*.
+    """
     low, high = np.quantile(shot.lab[shot.region(region)][:, 0], [0.05, 0.95])
     return float(high - low)
 
 
 def chroma(shot: FinishedPicture, region: str) -> float:
-    """Mean distance from gray, in Lab."""
+    """Mean distance from gray.
+
+    Args:
+        shot: The picture.
+        region: See `FinishedPicture.region`.
+
+    Returns:
+        Lab.
+    """
     _, a, b = shot.lab[shot.region(region)].T
     return float(np.hypot(a, b).mean())
 
 
 def hue_spread(shot: FinishedPicture, region: str) -> float:
-    """How far colors lie from the one line of brown tints that a sepia print has, in Lab; gray is 5 away."""
+    """How far colors lie from the one line of brown tints that a sepia print has.
+
+    Args:
+        shot: The picture.
+        region: See `FinishedPicture.region`.
+
+    Returns:
+        Lab; gray is 5 away.
+    """
     _, a, b = shot.lab[shot.region(region)].T
     along = np.array([0.34, 0.94])  # hue of sepia, 70 degrees
     brown = a * along[0] + b * along[1]
@@ -215,7 +299,15 @@ def hue_spread(shot: FinishedPicture, region: str) -> float:
 
 
 def silhouette(shot: FinishedPicture, region: str) -> float:
-    """By how many L* the subject is darker than what lies around it, less its own spread of light."""
+    """How much darker the subject is than the surroundings, less half of its own spread of light.
+
+    Args:
+        shot: The picture.
+        region: Not read: it is a measure of the whole picture.
+
+    Returns:
+        L*.
+    """
     light = shot.lab[..., 0]
     own = light[shot.region("subject")]
     low, high = np.quantile(own, [0.1, 0.9])
@@ -223,7 +315,15 @@ def silhouette(shot: FinishedPicture, region: str) -> float:
 
 
 def glow(shot: FinishedPicture, region: str) -> float:
-    """By how many L* a region is lighter than the surroundings."""
+    """How much lighter a region is than the surroundings, by their medians.
+
+    Args:
+        shot: The picture.
+        region: See `FinishedPicture.region`.
+
+    Returns:
+        L*.
+    """
     light = shot.lab[..., 0]
     return float(np.median(light[shot.region(region)]) - np.median(light[shot.region("surroundings")]))
 

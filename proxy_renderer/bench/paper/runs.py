@@ -65,7 +65,14 @@ class Run:
 
 
 def plan(pairs: Sequence[Pair], budget: RunBudget, out: Path, meshes: Path | None) -> list[Run]:
-    """All runs, both methods of a pair side by side; all pairs with the first seed come first."""
+    """All runs, both methods of a pair side by side; all pairs with the first seed come first.
+
+    Args:
+        pairs: What is asked for.
+        budget: How much each run may do.
+        out: The results folder; a run's folder in it is named by all that its result depends on.
+        meshes: Folder of the paper's meshes; None if they are not here.
+    """
     code = _fingerprint()
     planned = []
     for seed in range(budget.seeds):
@@ -78,7 +85,14 @@ def plan(pairs: Sequence[Pair], budget: RunBudget, out: Path, meshes: Path | Non
 
 
 def arguments(pair: Pair, baseline: str, seed: int, budget: RunBudget) -> list[str]:
-    """The options of a run, as `vibe run` has them; no model plans, so that both have the encoder alone."""
+    """The options of a run, as `vibe run` has them; no model plans, so that both methods have the encoder alone.
+
+    Args:
+        pair: What is asked for.
+        baseline: `OURS` or `BASELINE`.
+        seed: Of the run.
+        budget: How much it may do.
+    """
     given = {
         "prompt": pair.prompt,
         "rounds": budget.rounds,
@@ -93,7 +107,17 @@ def arguments(pair: Pair, baseline: str, seed: int, budget: RunBudget) -> list[s
 
 
 def carry_out(runs: Sequence[Run], budget: RunBudget, out: Path, meshes: Path | None) -> dict[Path, str]:
-    """Does what is not done yet, in one Blender with one engine, and returns what failed and why."""
+    """Does the runs that are not done yet, in one Blender with one engine.
+
+    Args:
+        runs: All of them.
+        budget: With which they were planned.
+        out: The results folder.
+        meshes: Folder of the paper's meshes; None if no run needs it.
+
+    Returns:
+        A failed run's folder -> why it failed.
+    """
     todo = {run.folder.name: run for run in runs if not run.done}
     if not todo:
         return {}

@@ -65,13 +65,26 @@ _JUDGE_NOTICE = 0.02
 
 
 def read(pair: Pair, after: FinishedPicture, before: FinishedPicture, judge: JudgeScore = None) -> Reading:
-    """Measures one picture on what its prompt asks for."""
+    """Measures one picture on what its prompt asks for.
+
+    Args:
+        pair: The prompt and its asks.
+        after: The result.
+        before: The artist's picture.
+        judge: What `Judge.gain` says; None without a judge.
+    """
     amounts = tuple(_amount(ask, after, before) for ask in pair.asks)
     return Reading(amounts, visibility(after, before, pair.silhouette), judge)
 
 
 def compare(pair: Pair, ours: Reading, theirs: Reading) -> tuple[Score, Score]:
-    """The scores of two readings of one pair."""
+    """The scores of two readings of one pair, in their order.
+
+    Args:
+        pair: The prompt and its asks.
+        ours: One reading.
+        theirs: The other; differences that people do not notice count as none.
+    """
     columns = [
         _pair_of(ask.trait.none, ask.trait.full, notice(ask), a, b)
         for ask, a, b in zip(pair.asks, ours.amounts, theirs.amounts, strict=True)
@@ -87,12 +100,29 @@ def compare(pair: Pair, ours: Reading, theirs: Reading) -> tuple[Score, Score]:
 
 
 def alone(pair: Pair, reading: Reading) -> Score:
-    """The score of a picture that is compared with none."""
+    """The score of a picture that is compared with none.
+
+    Args:
+        pair: The prompt and its asks.
+        reading: Of the picture.
+    """
     return compare(pair, reading, reading)[0]
 
 
 def decide(ours: Sequence[float], theirs: Sequence[float]) -> str:
-    """ "win", "tie" or "loss" of ours, from the scores of all seeds."""
+    """Who has won a pair, by the mean scores.
+
+    Args:
+        ours: Scores from 0 to 1, one for each seed.
+        theirs: Those of the other method.
+
+    Returns:
+        "win", "tie" or "loss" of ours.
+
+    Example:
+        >>> decide([0.8, 0.7], [0.6, 0.6]), decide([0.62], [0.6])
+        ('win', 'tie')
+    """
     gap = sum(ours) / len(ours) - sum(theirs) / len(theirs)
     return "tie" if abs(gap) < BAND else "win" if gap > 0 else "loss"
 

@@ -25,7 +25,18 @@ _SEEN_EMPTY = ("surroundings_color",)
 def cut(
     pictures: Tensor, labels: Tensor, mask: Tensor, variant: int, generator: torch.Generator
 ) -> tuple[Tensor, Tensor]:
-    """Leaves one region of the pictures (LOOKS, 3, H, W), and only the labels that it can show."""
+    """Leaves one region of the pictures, and only the labels that the region can show.
+
+    Args:
+        pictures: (LOOKS, 3, H, W), display values.
+        labels: (LOOKS, A).
+        mask: (H, W) bool, where the subject is.
+        variant: `WHOLE`, `ALONE` for the subject or `EMPTY` for its surroundings.
+        generator: Draws the background.
+
+    Returns:
+        Pictures and labels of the same shapes; what cannot be seen any more is `looks.UNKNOWN`.
+    """
     if variant == WHOLE:
         return pictures, labels
     visible = _SEEN_ALONE if variant == ALONE else _SEEN_EMPTY
@@ -53,6 +64,13 @@ def frame(
     pictures: Tensor, labels: Tensor, mask: Tensor, variant: int, dice: random.Random
 ) -> tuple[Tensor, Tensor, tuple[float, float, float], bool]:
     """A random crop around the subject, and a mirror image with the light's sides exchanged.
+
+    Args:
+        pictures: (LOOKS, 3, H, W), square.
+        labels: (LOOKS, A).
+        mask: (H, W) bool, where the subject is.
+        variant: As for `cut`.
+        dice: Draws the crop.
 
     Returns:
         Pictures, labels, the crop's top, left and side as shares of the picture, and whether it was mirrored.
@@ -87,7 +105,12 @@ def frame(
 
 
 def wear(pictures: Tensor, generator: torch.Generator) -> Tensor:
-    """A little blur for some groups: renders differ in sharpness."""
+    """Blurs some groups a little, because renders differ in sharpness.
+
+    Args:
+        pictures: (G, LOOKS, 3, H, W).
+        generator: Draws the groups and how much they are blurred.
+    """
     share, worn = torch.rand(2, len(pictures), generator=generator).unbind()
     for g in torch.nonzero(worn < 0.6)[:, 0].tolist():
         soft = F.pad(pictures[g], (1, 1, 1, 1), mode="replicate")  # slices are ten times faster than a pool

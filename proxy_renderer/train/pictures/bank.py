@@ -55,7 +55,16 @@ def fields(size: int) -> dict[str, tuple[tuple[int, ...], str]]:
 
 
 def build(folder: Path, views: int, shapes: int, first_seed: int, size: int, workers: int) -> None:
-    """Traces a bank of ``views`` of ``shapes`` shapes and moves it into place when it is whole."""
+    """Traces a bank and moves it into place when it is whole.
+
+    Args:
+        folder: Of the bank; replaced if it exists.
+        views: How many are traced.
+        shapes: How many different subjects they show, in turn.
+        first_seed: Of the first shape; the others have the numbers after it.
+        size: Side of a view, pixels.
+        workers: Processes.
+    """
     part = folder.with_name(folder.name + ".part")
     shutil.rmtree(part, ignore_errors=True)
     part.mkdir(parents=True)
@@ -84,7 +93,18 @@ def _fill(job: tuple[Path, int, int, int]) -> None:
 
 
 def trace(subject: Shape, rng: Random, size: int) -> dict[str, np.ndarray]:
-    """One view of a subject from a random camera on a random stage, as in `fields`."""
+    """One view of a subject from a random camera on a random stage.
+
+    A subject that fills little of the picture is traced again, a few times; the view with most of it counts.
+
+    Args:
+        subject: The shape, z up.
+        rng: Draws camera, stage and lights.
+        size: Side of the view, pixels.
+
+    Returns:
+        The fields of `fields`.
+    """
     best: dict[str, np.ndarray] = {}
     for _ in range(_TRIES):
         yaw = rng.uniform(0, 2 * np.pi)

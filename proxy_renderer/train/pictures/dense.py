@@ -19,7 +19,16 @@ CHANNELS = 11
 
 
 def maps(view: dict[str, Tensor], look: dict[str, Tensor], gleam: Tensor) -> Tensor:
-    """The truth of every picture, (G, K, CHANNELS, 40, 40), from what `shader.shade` takes, and the gleam that it gives."""
+    """What every part of every picture shows, as the last grid of the picture tower learns it.
+
+    Args:
+        view: G views as `data.gather` returns them.
+        look: What `looks.parameters` returns for (G, K) looks.
+        gleam: (G, K, 1, H, W), the share of gleam that `shader.shade` gives.
+
+    Returns:
+        (G, K, CHANNELS, 40, 40).
+    """
     kind = view["kind"]
     count = look["metal"].shape[1]
     subject, surface = (kind == SUBJECT)[:, :, None].float(), (kind > 0)[:, :, None].float()

@@ -68,12 +68,28 @@ STRESS = torch.tensor([_HARD.get(name, 1.0) for name in NAMES])
 
 
 def sample_flips(shape: tuple[int, int], generator: torch.Generator) -> Tensor:
-    """Attributes to flip, the hard ones more often than the others."""
+    """Random attributes to flip, the hard ones more often than the others.
+
+    Args:
+        shape: Of the result.
+        generator: Draws them.
+
+    Returns:
+        Indices into `NAMES`.
+    """
     return torch.multinomial(STRESS, shape[0] * shape[1], replacement=True, generator=generator).view(shape)
 
 
 def sample_classes(count: int, generator: torch.Generator) -> Tensor:
-    """Classes (count, A) of random looks; black, gray and white, and clear days, come up more often than by chance."""
+    """Classes of random looks; black, gray and white, and clear days, come up more often than by chance.
+
+    Args:
+        count: Looks.
+        generator: Draws them.
+
+    Returns:
+        (count, A).
+    """
     columns = []
     for name, values in ATTRIBUTES.items():
         odds = torch.tensor(_ODDS.get(name, [1.0] * len(values)), dtype=torch.float32)
@@ -86,7 +102,13 @@ def sample_classes(count: int, generator: torch.Generator) -> Tensor:
 
 
 def flip(classes: Tensor, attribute: Tensor, generator: torch.Generator) -> Tensor:
-    """The same looks (n, A) with another class of one attribute each (n,)."""
+    """The same looks with another class of one attribute each.
+
+    Args:
+        classes: (n, A).
+        attribute: (n,), indices into `NAMES`.
+        generator: Draws the other class.
+    """
     sizes = torch.tensor([len(c) for c in ATTRIBUTES.values()])[attribute]
     step = 1 + (torch.rand(len(classes), generator=generator) * (sizes - 1)).long()
     old = classes.gather(1, attribute[:, None])[:, 0]
@@ -102,7 +124,15 @@ def swap(classes: Tensor) -> Tensor:
 
 
 def parameters(classes: Tensor, noise: Tensor) -> dict[str, Tensor]:
-    """What `shader.shade` takes, from classes (..., A) and noise (..., NOISE) in 0..1."""
+    """The numbers of a look, as `shader.shade` takes them.
+
+    Args:
+        classes: (..., A).
+        noise: (..., NOISE), uniform in 0..1: the look within its classes.
+
+    Returns:
+        Scalars (...) and linear colors (..., 3), by name.
+    """
     numbers = iter(range(NOISE))
 
     def uniform(low: float, high: float) -> Tensor:

@@ -130,7 +130,16 @@ def _mirrored(view: Buffers, look: dict[str, Tensor], way: Tensor, rough: Tensor
 
 
 def blurred(at: Tensor, half: Tensor, blur: Tensor) -> Tensor:
-    """A strip from -half to half seen through a blur that keeps its flux."""
+    """A bright strip, seen through a blur that keeps its flux.
+
+    Args:
+        at: Distance from the strip's middle.
+        half: Half its width.
+        blur: The blur's width, in the same unit; above 0.
+
+    Returns:
+        Brightness, 1 in the middle of a strip without blur.
+    """
     return torch.sigmoid((half - at.abs()) / blur) * half / (blur * torch.nn.functional.softplus(half / blur))
 
 
@@ -163,7 +172,15 @@ _AGX_OUT = torch.tensor(
 
 
 def view_transform(color: Tensor, agx: bool) -> Tensor:
-    """Linear Rec.709 (..., 3, H, W) to display: sRGB, or AgX by Benjamin Wrensch's polynomial fit."""
+    """Linear light to display values.
+
+    Args:
+        color: (..., 3, H, W), linear Rec.709.
+        agx: Whether by AgX, in Benjamin Wrensch's polynomial fit; else by sRGB's curve.
+
+    Returns:
+        (..., 3, H, W) in 0..1.
+    """
     if not agx:
         return srgb_from_linear(color.clamp(0, 1))
     low, high = -12.47393, 4.026069

@@ -32,7 +32,13 @@ def merge(parts: list[Shape]) -> Shape:
 
 
 def moved(part: Shape, rotation: np.ndarray, offset: tuple = (0.0, 0.0, 0.0)) -> Shape:
-    """The part turned by ``rotation`` (3, 3), then moved."""
+    """A shape that is turned, then moved.
+
+    Args:
+        part: The shape.
+        rotation: (3, 3).
+        offset: x, y and z.
+    """
     return Shape(part.triangles @ rotation.T + np.asarray(offset), part.normals @ rotation.T)
 
 
@@ -58,26 +64,48 @@ def grid(points: np.ndarray) -> Shape:
 
 
 def box(low: tuple, high: tuple) -> Shape:
-    """An axis-aligned box between two corners."""
+    """An axis-aligned box with flat sides.
+
+    Args:
+        low: Its least corner.
+        high: Its greatest corner.
+    """
     return flat(trimesh.creation.box(bounds=np.array([low, high])))
 
 
 def ellipsoid(center: tuple, radii: tuple) -> Shape:
-    """An ellipsoid with its axes along x, y and z."""
+    """An ellipsoid with its axes along x, y and z.
+
+    Args:
+        center: x, y and z.
+        radii: Along each axis.
+    """
     mesh = trimesh.creation.icosphere(3)
     mesh.vertices = mesh.vertices * radii + np.asarray(center)
     return smooth(mesh)
 
 
 def revolve(radius: np.ndarray, height: np.ndarray, sides: int = 48) -> Shape:
-    """The profile (radius, height) turned around z."""
+    """A surface of revolution around z.
+
+    Args:
+        radius: (n,), of the points of its profile.
+        height: (n,), of the same points.
+        sides: Faces around it.
+    """
     angle = np.linspace(0, 2 * np.pi, sides + 1)
     ring = np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], -1)
     return grid(ring[:, None] * radius[None, :, None] + height[None, :, None] * np.array([0, 0, 1.0]))
 
 
 def tube(path: np.ndarray, radius: np.ndarray, sides: int = 14) -> Shape:
-    """A round tube of a radius per point along a path (n, 3), its frame carried along without twist."""
+    """A round tube along a path, its cross-section carried along without twist.
+
+    Args:
+        path: (n, 3).
+        radius: (n,), at each point.
+        sides: Faces around it.
+    """
     tangent = np.gradient(path, axis=0)
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True) + 1e-9
     across = np.cross(tangent[0], [0.3, 0.5, 0.8])

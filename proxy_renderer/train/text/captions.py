@@ -157,7 +157,18 @@ def _words(*words: str) -> str:
 
 
 def mention(classes: AttributeClasses, flipped: str | None, dice: random.Random) -> AttributeClasses:
-    """Which of the known attributes a caption says: few or many, nearly always the flipped one."""
+    """The attributes that a caption says: few or many, nearly always the flipped one.
+
+    What is nothing special, such as no fog, is rarely said.
+
+    Args:
+        classes: What the picture shows.
+        flipped: The attribute in which it differs from the others of its group; None if there is none.
+        dice: Draws them.
+
+    Returns:
+        A part of `classes`, in the order of `ATTRIBUTES`; empty if there is nothing worth saying.
+    """
     dull = {
         "fog": "none",
         "brightness": "medium",
@@ -178,7 +189,13 @@ def mention(classes: AttributeClasses, flipped: str | None, dice: random.Random)
 
 
 def samples(count: int, seed: int, split: WordingSplit = TRAINED) -> list[str]:
-    """Captions of random attributes, and every name and phrase: the words that training will use."""
+    """All words that training will use: captions of random attributes, and every noun, color name and phrase.
+
+    Args:
+        count: Captions.
+        seed: Of their attributes and words.
+        split: Which wordings may be used.
+    """
     dice = random.Random(seed)
     drawn = ({name: dice.choice(classes) for name, classes in ATTRIBUTES.items()} for _ in range(count))
     sentences = [

@@ -132,8 +132,18 @@ def _plain(lemma: str) -> str:
 
 
 def candidates(net: WordNet, common: Sequence[str], vocabulary: Container[str]) -> dict[str, int]:
-    """Word -> index into KINDS, for words that may speak of a look; names of things are among them only where
-    WordNet has look words beside them ("masonry": stonework)."""
+    """The words that may speak of a look.
+
+    Names of things are among them only where WordNet has look words beside them ("masonry": stonework).
+
+    Args:
+        net: Gets senses of verbs for common words that have none of their own ("scuffed").
+        common: English words, the most frequent ones first.
+        vocabulary: The look words that are listed.
+
+    Returns:
+        Word -> index into KINDS.
+    """
     kinds = {}
     for word, senses in net.senses.items():
         if not word.replace(" ", "").isalpha() or len(word) < 3 or word.count(" ") > 1:

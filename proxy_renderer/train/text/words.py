@@ -51,7 +51,15 @@ _LINKS = {"&": 0.8, "@": 0.35, "+": 0.6, "\\": 0.7, "<": 0.7, "^": 0.3, "=": 0.4
 
 
 def neighbors(net: WordNet, words: dict[str, int]) -> list[dict[int, float]]:
-    """For every word, the other words near it in WordNet, with weights."""
+    """The words near each word in WordNet: its synonyms, and what their synsets are linked to.
+
+    Args:
+        net: WordNet.
+        words: N words; those that are not among them do not count.
+
+    Returns:
+        For each of the N words: index of a neighbor -> weight.
+    """
     index = {word: i for i, word in enumerate(words)}
     hits: list[dict[int, float]] = [{} for _ in words]
     for word, i in index.items():
@@ -69,7 +77,15 @@ def neighbors(net: WordNet, words: dict[str, int]) -> list[dict[int, float]]:
 
 
 def retrofit(vectors: np.ndarray, near: list[dict[int, float]]) -> np.ndarray:
-    """Moves every vector towards those of its neighbors; Faruqui et al. 2015, equation 1."""
+    """Moves every vector towards those of its neighbors; Faruqui et al. 2015, equation 1.
+
+    Args:
+        vectors: (N, D).
+        near: From `neighbors`.
+
+    Returns:
+        (N, D), unit vectors.
+    """
     result = vectors.copy()
     for _ in range(_ROUNDS):
         for i, others in enumerate(near):
@@ -88,7 +104,18 @@ def unit(vectors: np.ndarray) -> np.ndarray:
 def features(
     words: list[str], net: WordNet, glove: dict[str, list[float]], model: Path, work: Path
 ) -> np.ndarray:
-    """(N, 868) vectors of words: the encoder's of the word and of its glosses, and GloVe's."""
+    """Vectors of words: the encoder's of the word and of its glosses, and GloVe's.
+
+    Args:
+        words: N words.
+        net: WordNet, for the glosses.
+        glove: Word -> 100 numbers or more.
+        model: Folder of the sentence encoder.
+        work: Folder in which its vectors are kept.
+
+    Returns:
+        (N, 868).
+    """
     names, meanings = encoded(words, net, model, work)
     name = unit(np.stack([names[w] for w in words]).astype(np.float32))
     gloss = np.zeros_like(name)
@@ -112,7 +139,17 @@ Encoded = dict[str, np.ndarray]
 
 
 def encoded(words: list[str], net: WordNet, model: Path, work: Path) -> tuple[Encoded, Encoded]:
-    """The encoder's vectors of words and of the synsets that they mean; kept in WORK, and only new ones are made."""
+    """The encoder's vectors of words and of the synsets that they mean; vectors that are kept are not made again.
+
+    Args:
+        words: The words.
+        net: WordNet, for the synsets.
+        model: Folder of the sentence encoder.
+        work: Folder in which the vectors are kept.
+
+    Returns:
+        Word -> vector, and synset -> vector; also of other words that are kept.
+    """
     store = work / "encoded.npz"
     kept = (
         np.load(store) if store.is_file() else {k: np.array([]) for k in ("words", "name", "keys", "gloss")}
@@ -140,7 +177,15 @@ def encoded(words: list[str], net: WordNet, model: Path, work: Path) -> tuple[En
 
 
 def projection(vectors: np.ndarray, labels: np.ndarray) -> np.ndarray:
-    """(D, DIMENSIONS): the directions that tell entries apart (discriminant analysis), of their words' vectors."""
+    """The directions that tell the vocabulary's entries apart (discriminant analysis).
+
+    Args:
+        vectors: (N, D), of the entries' words.
+        labels: (N,), the entry of each word, from 0 without gaps.
+
+    Returns:
+        (D, DIMENSIONS).
+    """
     count = int(labels.max()) + 1
     means = np.stack([vectors[labels == i].mean(0) for i in range(count)])
     inner = vectors - means[labels]
@@ -153,7 +198,15 @@ def projection(vectors: np.ndarray, labels: np.ndarray) -> np.ndarray:
 
 
 def build(vocabulary: Vocabulary, model: Path, wordnet: Path, glove: Path, work: Path) -> None:
-    """Makes the table and writes it beside the vocabulary."""
+    """Makes the table of word vectors and writes it beside the vocabulary.
+
+    Args:
+        vocabulary: The entries, and the words that are listed for them.
+        model: Folder of the sentence encoder.
+        wordnet: WordNet's folder.
+        glove: JSON file with "words", the most frequent ones first, and "vectors".
+        work: Folder in which the encoder's vectors are kept.
+    """
     from safetensors.numpy import save_file
 
     net = read_wordnet(wordnet)
@@ -179,7 +232,17 @@ def build(vocabulary: Vocabulary, model: Path, wordnet: Path, glove: Path, work:
 
 
 def things(net: WordNet, wink: dict, model: Path, work: Path) -> tuple[list[str], np.ndarray]:
-    """Names of what stands in scenes, and unit vectors (N, _THING_AXES): a mug is like a cup."""
+    """Names of things that stand in scenes, with vectors in which a mug is like a cup.
+
+    Args:
+        net: WordNet.
+        wink: "words", the most frequent ones first, and "vectors".
+        model: Folder of the sentence encoder.
+        work: Folder in which its vectors are kept.
+
+    Returns:
+        N names, and (N, _THING_AXES) unit vectors.
+    """
     named = [
         w
         for w in wink["words"][:_THINGS]

@@ -24,42 +24,85 @@ GRASS, STONE = FinishRecipe((0.1, 0.16, 0.05), 1.0), FinishRecipe((0.33, 0.31, 0
 
 
 def metal(color: Color, roughness: float) -> FinishRecipe:
-    """Bare metal."""
+    """Bare metal.
+
+    Args:
+        color: Linear RGB.
+        roughness: 0 to 1.
+    """
     return FinishRecipe(color, roughness, inputs={"Metallic": 1.0})
 
 
 def coat(color: Color, roughness: float, coat_roughness: float = 0.03, metallic: float = 0.0) -> FinishRecipe:
-    """Lacquered."""
+    """A lacquered material.
+
+    Args:
+        color: Of the layer below the lacquer, linear RGB.
+        roughness: Of the same layer, 0 to 1.
+        coat_roughness: Of the lacquer, 0 to 1.
+        metallic: Of the layer below, 0 to 1.
+    """
     inputs = {"Coat Weight": 1.0, "Coat Roughness": coat_roughness, "Metallic": metallic}
     return FinishRecipe(color, roughness, inputs=inputs)
 
 
 def sheen(color: Color, roughness: float = 0.8, weight: float = 1.0) -> FinishRecipe:
-    """Velvet, felt."""
+    """Velvet or felt.
+
+    Args:
+        color: Linear RGB.
+        roughness: Of the material below its fibers, 0 to 1.
+        weight: Of the sheen, 0 to 1.
+    """
     return FinishRecipe(color, roughness, inputs={"Sheen Weight": weight, "Sheen Roughness": 0.4})
 
 
 def glow(color: Color, strength: float) -> FinishRecipe:
-    """Emits light."""
+    """A material that emits light.
+
+    Args:
+        color: Of the light, linear RGB.
+        strength: Blender's emission strength.
+    """
     return FinishRecipe(INK, 0.5, inputs={"Emission Color": color, "Emission Strength": strength})
 
 
 def glass(
     color: Color = (0.95, 0.97, 0.96), roughness: float = 0.0, weight: float = 1.0, ior: float = 1.45
 ) -> FinishRecipe:
-    """Lets light through."""
+    """A material that lets light through.
+
+    Args:
+        color: Linear RGB.
+        roughness: 0 to 1.
+        weight: Of the transmission, 0 to 1.
+        ior: Index of refraction.
+    """
     return FinishRecipe(color, roughness, inputs={"Transmission Weight": weight, "IOR": ior})
 
 
 def key(
     level: float = 0.8, azimuth: float = -40.0, color: Color = (1.0, 0.96, 0.9), size: float = 1.4
 ) -> LightRecipe:
-    """A softbox."""
+    """A softbox, 42 degrees up.
+
+    Args:
+        level: As in `LightRecipe`, like all arguments.
+        azimuth: Degrees.
+        color: Linear RGB.
+        size: Meters.
+    """
     return LightRecipe("AREA", azimuth, 42.0, level, size, color)
 
 
 def rim(level: float = 0.7, azimuth: float = 150.0, color: Color = COOL) -> LightRecipe:
-    """A softbox from behind."""
+    """A softbox from behind, 35 degrees up.
+
+    Args:
+        level: As in `LightRecipe`, like all arguments.
+        azimuth: Degrees.
+        color: Linear RGB.
+    """
     return LightRecipe("AREA", azimuth, 35.0, level, 1.2, color)
 
 
@@ -71,14 +114,31 @@ def point(
     distance: float = 3.2,
     size: float = 0.15,
 ) -> LightRecipe:
-    """A bulb."""
+    """A bulb.
+
+    Args:
+        azimuth: Degrees.
+        level: As in `LightRecipe`, like all arguments.
+        color: Linear RGB.
+        elevation: Degrees.
+        distance: Meters.
+        size: Meters.
+    """
     return LightRecipe("POINT", azimuth, elevation, level, size, color, distance)
 
 
 def sun(
     azimuth: float, elevation: float, level: float, angle: float = 0.6, color: Color = (1.0, 0.93, 0.82)
 ) -> LightRecipe:
-    """The sun."""
+    """The sun.
+
+    Args:
+        azimuth: Degrees.
+        elevation: Degrees.
+        level: As in `LightRecipe`, like all arguments.
+        angle: Angular diameter, degrees.
+        color: Linear RGB.
+    """
     return LightRecipe("SUN", azimuth, elevation, level, angle, color)
 
 
@@ -90,7 +150,16 @@ def spot(
     color: Color = (1.0, 0.95, 0.88),
     elevation: float = 50.0,
 ) -> LightRecipe:
-    """A theatre spot; its opening angle in radians."""
+    """A theater spot, 6 m away.
+
+    Args:
+        azimuth: Degrees.
+        level: As in `LightRecipe`.
+        opening: Full angle of its cone, radians.
+        blend: Softness of the cone's edge, 0 to 1.
+        color: Linear RGB.
+        elevation: Degrees.
+    """
     return LightRecipe(
         "SPOT", azimuth, elevation, level, 0.15, color, 6.0, {"spot_size": opening, "spot_blend": blend}
     )

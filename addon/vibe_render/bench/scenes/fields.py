@@ -39,7 +39,13 @@ def _uvs(rows: int, columns: int, closed: tuple[bool, bool] = (False, False)) ->
 
 
 def lathe(profile: np.ndarray, steps: int = 96, subdivisions: int = 4) -> MeshArrays:
-    """A surface of revolution of a profile (P, 2): radius, height; the corners are rounded (Catmull-Rom)."""
+    """A surface of revolution around z; corners of the profile are rounded (Catmull-Rom).
+
+    Args:
+        profile: (P, 2), radius and height.
+        steps: Faces around it.
+        subdivisions: Rows between two points of the profile.
+    """
     padded = np.concatenate([profile[:1], profile, profile[-1:]])
     t = np.linspace(0, 1, subdivisions, endpoint=False)[:, None]
     pieces = []
@@ -86,7 +92,12 @@ def curtain(side: int) -> MeshArrays:
 
 
 def leaves(chance: random.Random, count: int) -> MeshArrays:
-    """Bent blades that grow out of a pot's middle at height 0.5."""
+    """Bent blades that grow out of a pot's middle at height 0.5.
+
+    Args:
+        chance: Turns, lengths and bends.
+        count: Blades.
+    """
     steps = 10
     t = np.linspace(0, 1, steps)
     width = 0.15 * np.sin(math.pi * np.clip(t, 0.02, 0.98)) ** 0.8
@@ -137,7 +148,12 @@ def branches(chance: random.Random) -> MeshArrays:
 
 
 def knot(along: int, around: int) -> MeshArrays:
-    """A tube along a (2, 3) torus knot."""
+    """A tube along a (2, 3) torus knot.
+
+    Args:
+        along: Quads along the knot.
+        around: Quads around the tube.
+    """
     t = np.linspace(0, 2 * math.pi, along, endpoint=False)
 
     def curve(s: np.ndarray) -> np.ndarray:
@@ -168,13 +184,25 @@ def _sphere(around: int, rings: int) -> tuple[np.ndarray, np.ndarray, np.ndarray
 
 
 def sphere(around: int, rings: int, radius: float) -> MeshArrays:
-    """A ball around the origin."""
+    """A ball around the origin.
+
+    Args:
+        around: Quads around it.
+        rings: Rows of vertices from pole to pole.
+        radius: Meters.
+    """
     toward, faces, uvs = _sphere(around, rings)
     return radius * toward.reshape(-1, 3), faces, uvs
 
 
 def rock(chance: random.Random, around: int, rings: int) -> MeshArrays:
-    """A sphere with bumps of many sizes."""
+    """A sphere with bumps of many sizes.
+
+    Args:
+        chance: Draws the bumps.
+        around: Quads around it.
+        rings: Rows of vertices from pole to pole.
+    """
     toward, faces, uvs = _sphere(around, rings)
     bumps = np.zeros(toward.shape[:2])
     for i in range(60):

@@ -64,6 +64,7 @@ def columns(_: random.Random) -> list[Object]:
 
 
 def chair(_: random.Random) -> list[Object]:
+    """A chair with a back of slats."""
     legs = [
         making.box(
             f"Leg {i}", (0.09, 0.09, 0.9), (0.45 * (1 if i % 2 else -1), 0.4 * (1 if i // 2 else -1), 0.45)
@@ -113,6 +114,7 @@ def city(chance: random.Random) -> list[Object]:
 
 
 def letters(_: random.Random) -> list[Object]:
+    """The word VIBE, as extruded letters."""
     bpy.ops.object.text_add(location=(-1.45, 0, 0.05), rotation=(math.pi / 2, 0, 0))
     text = bpy.context.object
     text.name, text.data.body, text.data.size = "Letters", "VIBE", 1.5

@@ -14,7 +14,13 @@ from . import fields
 
 
 def finish_active(name: str, smooth: float | None = 40.0, **modifiers: dict) -> Object:
-    """Names the active object, gives it modifiers ("Bevel": {...}) and smooth shading up to an angle."""
+    """Names the active object and gives it modifiers and smooth shading.
+
+    Args:
+        name: Of the object.
+        smooth: Edges are sharp above this angle, degrees; None for flat shading.
+        modifiers: Type -> its settings: bevel={"width": 0.02}.
+    """
     thing = bpy.context.object
     thing.name = name
     for kind, settings in modifiers.items():
@@ -29,7 +35,14 @@ def finish_active(name: str, smooth: float | None = 40.0, **modifiers: dict) -> 
 
 
 def mesh(name: str, vertices: np.ndarray, faces: Iterable, uvs: np.ndarray | None = None) -> Object:
-    """A smooth object of a mesh; vertices (V, 3), uvs one per corner of each face."""
+    """A smooth object of a mesh, linked to the scene.
+
+    Args:
+        name: Of the object.
+        vertices: (V, 3).
+        faces: Indices of vertices, a row for each face.
+        uvs: A place for each corner of each face; None for no UV map.
+    """
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata(vertices.tolist(), [], np.asarray(faces).tolist())
     if uvs is not None:
@@ -41,7 +54,14 @@ def mesh(name: str, vertices: np.ndarray, faces: Iterable, uvs: np.ndarray | Non
 
 
 def ball(name: str, radius: float, place: tuple[float, float, float], rings: int = 32) -> Object:
-    """A ball with UVs. (Blender's own has its faces in another order every time.)"""
+    """A ball with UVs. (Blender's own has its faces in another order every time.)
+
+    Args:
+        name: Of the object.
+        radius: Meters.
+        place: Its middle.
+        rings: Rows of faces from pole to pole; twice as many around.
+    """
     thing = mesh(name, *fields.sphere(2 * rings, rings + 1, radius))
     thing.location = place
     return thing
@@ -54,6 +74,15 @@ def box(
     turn: float = 0.0,
     bevel: float = 0.02,
 ) -> Object:
+    """A box with rounded edges.
+
+    Args:
+        name: Of the object.
+        size: Along x, y and z, meters.
+        place: Its middle.
+        turn: Around z, radians.
+        bevel: Width of the rounding, meters; 0 for sharp edges.
+    """
     bpy.ops.mesh.primitive_cube_add(size=1.0, location=place, rotation=(0.0, 0.0, turn))
     thing = bpy.context.object
     thing.scale = size
@@ -62,7 +91,13 @@ def box(
 
 
 def lathe(name: str, profile: list[tuple[float, float]], thickness: float = 0.0) -> Object:
-    """A profile (radius, height) turned around the z axis; without a thickness it is an open surface."""
+    """A profile turned around the z axis.
+
+    Args:
+        name: Of the object.
+        profile: Radius and height of each point.
+        thickness: Of its wall, meters; 0 for an open surface.
+    """
     thing = mesh(name, *fields.lathe(np.array(profile, float)))
     if thickness:
         solid = thing.modifiers.new("Solid", "SOLIDIFY")

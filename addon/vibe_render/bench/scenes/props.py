@@ -66,6 +66,7 @@ def _cup(name: str, scale: float, place: tuple[float, float, float]) -> list[Obj
 
 
 def mug(_: random.Random) -> list[Object]:
+    """A mug and its handle."""
     return _cup("Mug", 1.6, (0.0, 0.0, 0.0))
 
 
@@ -84,6 +85,7 @@ def duck(_: random.Random) -> list[Object]:
 
 
 def mushroom(_: random.Random) -> list[Object]:
+    """A mushroom: cap and stem."""
     cap = making.lathe(
         "Cap", [(0.0, 1.95), (0.45, 1.85), (0.85, 1.5), (1.0, 1.15), (0.9, 1.05), (0.3, 1.2), (0.0, 1.2)]
     )
@@ -100,6 +102,7 @@ def donut(_: random.Random) -> list[Object]:
 
 
 def rocket(_: random.Random) -> list[Object]:
+    """A toy rocket with three fins."""
     hull = making.lathe("Hull", [(0.0, 0.3), (0.3, 0.3), (0.46, 0.8), (0.42, 1.4), (0.22, 1.9), (0.0, 2.15)])
     fins = []
     for i in range(3):

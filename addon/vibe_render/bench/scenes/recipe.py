@@ -181,5 +181,10 @@ IMAGES = ("map", "weave", "crate", "cut-out")
 
 
 def chance(recipe: SceneRecipe, seed: int) -> random.Random:
-    """The scene's own random numbers: they depend on its name and the seed alone."""
+    """The scene's own random numbers, which depend on nothing but its name and the seed.
+
+    Args:
+        recipe: The scene.
+        seed: Of the measurement.
+    """
     return random.Random(f"{seed}/{recipe.name}")

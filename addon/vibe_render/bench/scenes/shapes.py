@@ -23,10 +23,12 @@ def head(_: random.Random) -> list[Object]:
 
 
 def ball(_: random.Random) -> list[Object]:
+    """A ball of radius 0.9."""
     return [making.ball("Ball", 0.9, (0, 0, 0.9), 48)]
 
 
 def trio(_: random.Random) -> list[Object]:
+    """Three balls in a row."""
     places = [(-1.25, 0.1, 0.6), (0.0, -0.2, 0.6), (1.25, 0.1, 0.6)]
     return [making.ball(f"Ball {i}", 0.6, place) for i, place in enumerate(places)]
 
@@ -54,6 +56,7 @@ def rings(_: random.Random) -> list[Object]:
 
 
 def vase(_: random.Random) -> list[Object]:
+    """A vase."""
     profile = [
         (0.0, 0.0),
         (0.3, 0.0),
@@ -80,6 +83,7 @@ def bowl(_: random.Random) -> list[Object]:
 
 
 def bottle(_: random.Random) -> list[Object]:
+    """A bottle."""
     profile = [
         (0.0, 0.0),
         (0.36, 0.0),
@@ -117,6 +121,7 @@ def cloth(_: random.Random) -> list[Object]:
 
 
 def curtain(_: random.Random) -> list[Object]:
+    """A curtain."""
     return [making.mesh("Curtain", *fields.curtain(160))]
 
 
@@ -141,12 +146,14 @@ def tree(chance: random.Random) -> list[Object]:
 
 
 def cushion(_: random.Random) -> list[Object]:
+    """A cushion."""
     bpy.ops.mesh.primitive_cube_add(size=1.6, location=(0, 0, 0.55), rotation=(0, 0, 0.35))
     bpy.context.object.scale = (1.0, 1.0, 0.62)
     return [making.finish_active("Cushion", 180.0, subsurf={"levels": 4, "render_levels": 4})]
 
 
 def crystal(_: random.Random) -> list[Object]:
+    """A crystal."""
     bpy.ops.mesh.primitive_ico_sphere_add(
         subdivisions=1, radius=1.0, location=(0, 0, 0.95), rotation=(0.3, 0.2, 0)
     )

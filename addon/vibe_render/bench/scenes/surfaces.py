@@ -18,7 +18,13 @@ TextureBuilder = Callable[[NodeTree, Color], NodeSocket]
 
 
 def material(name: str, finish: FinishRecipe, chance: random.Random) -> Material:
-    """A Principled material; its color is shifted a little by chance."""
+    """A Principled material.
+
+    Args:
+        name: Of the material.
+        finish: Its inputs and its texture.
+        chance: Shifts its color a little.
+    """
     new_material = bpy.data.materials.new(name)
     tree = compat.enable_nodes(new_material)
     shader = next(n for n in tree.nodes if n.bl_idname == "ShaderNodeBsdfPrincipled")
@@ -37,12 +43,23 @@ def material(name: str, finish: FinishRecipe, chance: random.Random) -> Material
 
 
 def shifted(color: Color, chance: random.Random, by: float = 0.15) -> Color:
-    """A color whose components are each up to this share darker or lighter; black and white stay."""
+    """A color whose components are each a little darker or lighter; black stays.
+
+    Args:
+        color: Linear RGB.
+        chance: Draws by how much.
+        by: The largest share of a component.
+    """
     return tuple(min(max(c * chance.uniform(1 - by, 1 + by), 0.0), max(c, 0.95)) for c in color)  # type: ignore[return-value]
 
 
 def picture(name: str, pixels: np.ndarray) -> bpy.types.Image:
-    """A packed image of (H, W, 3 or 4) sRGB-encoded values, row 0 at the bottom."""
+    """A packed image.
+
+    Args:
+        name: Of the image.
+        pixels: (H, W, 3 or 4), sRGB-encoded, row 0 at the bottom.
+    """
     height, width, channels = pixels.shape
     new_image = bpy.data.images.new(name, width, height, alpha=channels == 4)
     if channels == 3:
