@@ -13,6 +13,7 @@ from marks import few_of
 from torch import Tensor
 
 from proxy_renderer.bench.scenes import balls
+from proxy_renderer.render.lights.types import LIGHT_TYPES
 from proxy_renderer.render.proxy import Proxy, Render
 from proxy_renderer.scene import SceneData, Texture, WorldData
 from proxy_renderer.schema import FAMILIES, PARAMETERS, Instance
@@ -38,7 +39,7 @@ OFF_BOUNDS = {  # away from kinks: every lobe is there, nothing sits on a bound
 
 def _scene() -> SceneData:
     """Two balls on a floor under four kinds of lamp, in fog."""
-    scene = balls(3, 4, subdivisions=3)
+    scene = balls(3, len(LIGHT_TYPES), subdivisions=3)
     return dataclasses.replace(scene, instances=_off_bounds(scene.instances))
 
 
@@ -177,7 +178,7 @@ def _lit_by(kind: str) -> SceneData:
 
 PLACES = [
     (kind, family)
-    for kind in ("AREA", "POINT", "SUN", "SPOT")
+    for kind in LIGHT_TYPES
     for family in PLACED
     if not FAMILIES[family].only or kind in FAMILIES[family].only
     if not (kind == "SUN" and family == "light/distance")
