@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a batch would do, and how long that would take: `vibe batch --dry-run`."""
+"""The work of a batch and an estimate of its time: `vibe batch --dry-run`."""
 
 from __future__ import annotations
 

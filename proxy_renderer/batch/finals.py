@@ -13,7 +13,7 @@ from .store import Store, read_json
 
 
 class Finals:
-    """A job for the final frames of every result that is there.
+    """A job for the final frames of every finished result.
 
     Frames that have been rendered stay when a job is tried again, so that a time limit costs one frame at most.
 
@@ -40,7 +40,7 @@ class Finals:
 
 
 def takes(shots: list[dict[str, Any]], blends: list[str], frames: str) -> tuple[Take, ...]:
-    """What is to be rendered of a vibe's shots: each .blend through each of its cameras, once.
+    """The renders of a vibe's shots: each .blend through each of its cameras, once.
 
     Args:
         shots: As in report.json; none for a vibe of one.

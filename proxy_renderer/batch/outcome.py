@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a finished job leaves behind for the sheet: its row, small pictures, and its parameters with their reasons."""
+"""The files of a finished job for the sheet: its row, small pictures, and its parameters with their reasons."""
 
 from __future__ import annotations
 

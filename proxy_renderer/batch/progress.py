@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a batch gets on: a bar in a terminal, a line for each job elsewhere."""
+"""A batch's progress: a bar in a terminal, a line for each job elsewhere."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ class BatchProgress:
             print(text, file=self._stream, flush=True)
 
     def summary(self) -> str:
-        """What came of it, in a line."""
+        """The outcome in one line."""
         seconds = time.monotonic() - self._start
         new = self.counts["done"] - self._before
         waiting = self._total - self.counts["done"] - self.counts["failed"]

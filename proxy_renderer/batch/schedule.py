@@ -23,7 +23,7 @@ def run(
     tell: Callable[[str, Job, JobRow], None],
     finished: bytearray | None = None,
 ) -> None:
-    """Carries out what is not done yet. Jobs are made only when there is a worker for them.
+    """Carries out the jobs that are not done yet. Jobs are made only when there is a worker for them.
 
     Args:
         plan: The jobs.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What comes out of a batch: a contact sheet for people, tables for programs; all rewritten as jobs end."""
+"""The results of a batch: a contact sheet for people, tables for programs; all rewritten as jobs end."""
 
 from __future__ import annotations
 

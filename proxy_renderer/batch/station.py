@@ -59,7 +59,7 @@ class Station:
             return row, {p.relative_to(folder).as_posix(): p.read_bytes() for p in files}
 
     def close(self) -> None:
-        """Ends what is under way."""
+        """Ends the running job."""
         self._worker.close()
 
 

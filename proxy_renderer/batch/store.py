@@ -88,7 +88,7 @@ class Store:
         return sum(self.finished(plan))
 
     def row(self, job: Job) -> JobRow:
-        """What is known of a job: its result, its failure, or that it waits."""
+        """A job's row: its result, its failure, or that it waits."""
         for name in (DONE, FAILED):
             if row := read_json(self.jobs / job.name / name):
                 final = read_json(self.jobs / job.name / FINAL) or {}
@@ -96,7 +96,7 @@ class Store:
         return head(job) | {"status": "waiting"}
 
     def rows(self, plan: Iterable[Job]) -> Iterator[JobRow]:
-        """Those of all jobs, read as they are needed."""
+        """The rows of all jobs, read as they are needed."""
         return map(self.row, plan)
 
     def fail(self, job: Job, row: JobRow) -> None:
@@ -143,7 +143,7 @@ def head(job: Job) -> JobRow:
 
 
 def read_json(path: Path) -> JobRow | None:
-    """What a file holds; None if there is no such file, or if it was cut off."""
+    """The content of a JSON file; None if there is no such file, or if it was cut off."""
     try:
         return json.loads(path.read_bytes())
     except (OSError, ValueError):
@@ -190,7 +190,7 @@ def unwritable(path: Path, error: OSError) -> VibeError:
 
 
 def tidy(folder: Path) -> None:
-    """Makes a job's folder ready for another attempt: what was cut off in the last one is removed."""
+    """Makes a job's folder ready for another attempt: unfinished files of the last one are removed."""
     folder.mkdir(parents=True, exist_ok=True)
     for left in (*folder.glob(".*part-*"), *folder.glob(f"{FRAMES}/**/.*")):
         left.unlink(missing_ok=True)

@@ -98,7 +98,7 @@ class Worker:
             return head(job) | {"status": "failed", "seconds": seconds, "memory_gb": watch.peak_gb} | failure
 
     def close(self) -> None:
-        """Ends the process and all of its children now; a job that is under way is interrupted."""
+        """Ends the process and all of its children now; a running job is interrupted."""
         self._closed = True
         self._kill()
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What `vibe batch` costs beside the vibes themselves: with real jobs by workers, with simulated ones by jobs."""
+"""The overhead of `vibe batch`: by workers with real jobs, by jobs with simulated ones."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ def _numbers(text: str) -> Sequence[int]:
 
 
 class _Simulated:
-    """A worker whose vibes take no time; it leaves what marks a job as done."""
+    """A worker whose vibes take no time; it writes only the row of a finished job."""
 
     def run(self, job: Job, folder: Path) -> JobRow:
         tidy(folder)

@@ -65,7 +65,7 @@ def _render(blender: str, scene: Path, size: int) -> str:
 
 
 def _script() -> Path:
-    """What Blender runs."""
+    """The script that Blender runs."""
     spec = importlib.util.find_spec("vibe_render")
     places = [Path(p) for p in (spec.submodule_search_locations or [])] if spec else []
     places.append(Path(__file__).resolve().parents[2] / "addon" / "vibe_render")

@@ -129,7 +129,7 @@ def _mean(values: Any) -> float | None:
 
 
 def _in_other_words(classes: dict[str, str], _noun: str, wording: float) -> str:
-    """What the encoder is told when somebody says this in words that no caption of training used.
+    """The encoder's text for attributes in words that no caption of training used.
 
     A sentence names one thing: "vase, a photo of a metallic truck", as training has it, asks for no metallic vase.
     """

@@ -112,7 +112,7 @@ def measure(event: Mapping[str, Any], encoder: Encoder) -> dict[str, dict[str, A
 
 
 def functionals(display: Tensor, mask: Tensor, encoder: Encoder, caption: Tensor) -> Tensor:
-    """What is differentiated: luminance in percent and Lab of both regions, the encoder's loss, and cells (8 + 1 + 36).
+    """The values that are differentiated: luminance in percent and Lab of both regions, the encoder's loss, and cells (8 + 1 + 36).
 
     Args:
         display: (H, W, 3).

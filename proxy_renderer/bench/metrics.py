@@ -19,7 +19,7 @@ _C1, _C2 = 0.01**2, 0.03**2
 
 @dataclass(frozen=True)
 class Difference:
-    """What lies between a picture and its reference.
+    """The difference of a picture from its reference.
 
     Attributes:
         delta_e: Mean CIEDE2000.

@@ -38,7 +38,7 @@ Step = Callable[[SceneData, Sequence[str], int], float]
 
 
 def require() -> None:
-    """Says what to install.
+    """Refuses to start without Mitsuba, and names the package to install.
 
     Raises:
         VibeError: Mitsuba is not there.
@@ -97,7 +97,7 @@ def _row(event: dict[str, Any], folder: Path, size: int, step: Step) -> dict[str
 
 
 def _mitsuba(job: Path, size: int) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    """What its process prints, and its linear pictures by their samples per pixel."""
+    """Mitsuba's printed figures, and its linear pictures by samples per pixel."""
     with tempfile.TemporaryDirectory(prefix="vibe-mitsuba-") as folder:
         module = "proxy_renderer.bench.mitsuba.steps"
         threads = str(torch.get_num_threads())

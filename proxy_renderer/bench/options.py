@@ -33,7 +33,7 @@ def _gradients(sub: argparse.ArgumentParser) -> None:
 
 
 def _pictures(sub: argparse.ArgumentParser, size: int, samples: int) -> None:
-    """What every measurement against Cycles asks."""
+    """The options of every measurement against Cycles."""
     sub.add_argument(
         "--size", type=int, default=size, metavar="N", help=f"side of the pictures (default: {size})"
     )

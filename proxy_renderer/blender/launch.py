@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Starts Blender in a process of its own and shows how it gets on.
+"""Starts Blender in a process of its own and shows its progress.
 
 Blender's side (`vibe_render/batch.py --events`) prints lines `VIBE {json}`: "stage", "progress",
 "result" and "error", besides whatever Blender itself prints.

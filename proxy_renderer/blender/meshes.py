@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bare meshes before Blender is started: what is wrong with one is said at once, and Draco is unpacked.
+"""Checks bare meshes before Blender is started, and unpacks Draco.
 
 Blender's side checks again what it imports: it also runs without this package.
 """

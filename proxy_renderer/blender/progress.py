@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a vibe gets on, for people: a progress bar in a terminal, plain lines elsewhere."""
+"""A vibe's progress, for people: a bar in a terminal, plain lines elsewhere."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class VibeProgress:
             self._result = event
 
     def stage(self, name: str) -> None:
-        """Something new begins."""
+        """Shows that a new stage begins."""
         if self._bar is not None:
             self._bar.update(self._task, description=name, total=None, detail="")
         else:
@@ -74,7 +74,7 @@ class VibeProgress:
             print(text, file=self._stream, flush=True)
 
     def end(self, out: Path) -> None:
-        """What came of it, and what to open: the comparison in a folder, or a file."""
+        """Prints the outcome, and the file or the comparison picture to open."""
         seconds = time.monotonic() - self._start
         for line in self._result.get("lines", []):
             self.note(line)

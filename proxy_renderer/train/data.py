@@ -28,7 +28,7 @@ _LESSONS = 32
 
 @dataclass
 class Batch:
-    """Pictures and what is true of them.
+    """Pictures with their labels and captions.
 
     Attributes:
         pictures: (B, 3, H, W) display values in 0..1.

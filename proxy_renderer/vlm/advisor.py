@@ -74,7 +74,7 @@ class ModelAdvisor:
         return self._combine(draft, reply, instances, context)
 
     def account(self) -> dict[str, Any]:
-        """For report.json: who was asked, what it cost, what went wrong and what was not used."""
+        """For report.json: the model, its cost, its failures, and the parts of its answers that were not used."""
         return {
             "model": self._client.endpoint.model,
             "endpoint": self._client.endpoint.place,
@@ -135,7 +135,7 @@ class ModelAdvisor:
         context: PlanContext,
         why: str,
     ) -> Advice:
-        """Without the model: the draft, or what it said earlier, in words that the vocabulary knows."""
+        """The advice without the model: the draft, or the model's earlier caption as the vocabulary reads it."""
         if draft is None and self._caption:
             parsed = self._read(self._caption)
             if parsed.attributes:
@@ -149,7 +149,7 @@ class ModelAdvisor:
         return replace(draft, source=f"offline planner: {why}")
 
     def _read(self, caption: str) -> Parsed:
-        """What the vocabulary makes of the model's caption."""
+        """The model's caption, parsed with the vocabulary."""
         try:
             return replace(parse(caption, self._words), prompt=self._prompt)
         except VibeError:

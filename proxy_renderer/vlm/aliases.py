@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What of a scene a model may plan: parameters under short names of ours, with values that it can judge.
+"""The parameters that a model may plan, under short names of ours, with values that it can judge.
 
 Names of lights and materials are the artist's, and may hold anything, instructions included. So a
 model speaks of "material1/roughness"; the names are told once, as data.

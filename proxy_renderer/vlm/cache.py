@@ -17,7 +17,7 @@ _MOST = 500  # answers that are kept; the ones used longest ago go first
 
 
 class Cache:
-    """One small JSON file for each answer. What cannot be read or written is as if it were not there.
+    """One small JSON file for each answer. A file that cannot be read or written counts as missing.
 
     Args:
         folder: Made when needed; None for the user's cache folder.

@@ -26,7 +26,7 @@ _AGAIN = (
 
 @dataclass
 class Usage:
-    """What has been asked so far.
+    """Requests, tokens and cost so far.
 
     Attributes:
         calls: Requests sent, repetitions included.

@@ -45,7 +45,7 @@ class Question:
 
 
 class Dialect:
-    """What has not been refused so far.
+    """The options of a request that the server has not refused so far.
 
     Attributes:
         format: "json_schema", "json_object" or "text".
@@ -92,7 +92,7 @@ class Dialect:
         return {**body, "messages": messages}
 
     def give_up(self, complaint: str, question: Question) -> bool:
-        """Leaves out what a refusal is about; False if there is nothing more to leave out.
+        """Leaves out the option that the server refuses; False if there is nothing more to leave out.
 
         Args:
             complaint: The server's words.

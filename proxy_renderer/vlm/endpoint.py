@@ -43,7 +43,7 @@ class Endpoint:
 
     @property
     def place(self) -> str:
-        """Host and port, for messages; never what else a URL may hold."""
+        """Host and port, for messages; the rest of the URL may hold secrets."""
         parts = urlsplit(self.url)
         return parts.netloc.rpartition("@")[2]
 

@@ -61,7 +61,7 @@ class Column:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a judge says.
+    """A judge's decision.
 
     Attributes:
         winner: A row's name in capitals, or "TIE".

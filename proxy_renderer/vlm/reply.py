@@ -34,7 +34,7 @@ _HEX = re.compile(r"#[0-9a-fA-F]{6}")
 
 @dataclass
 class Reply:
-    """What a model proposes; empty where it said nothing that could be used.
+    """A model's proposals; fields are empty where its answer had nothing usable.
 
     Attributes:
         objects: What the look describes.

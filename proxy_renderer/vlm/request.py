@@ -55,7 +55,7 @@ def make_question(
     draft: tuple[Parsed, Prompts, Plan],
     picture: bytes | None,
 ) -> Question:
-    """What the model is asked in a round.
+    """The question of a round.
 
     Args:
         look: What the artist typed.
@@ -163,7 +163,7 @@ def _row(name: str, table: AliasTable, context: PlanContext, plan: Plan) -> dict
 
 
 def _measured(context: PlanContext) -> dict[str, Any]:
-    """What the current picture measures, for models that see badly or not at all."""
+    """Measures of the current picture, for models that see badly or not at all."""
     if context.picture is None:
         return {}
     figures: dict[str, Any] = {

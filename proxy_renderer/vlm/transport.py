@@ -26,7 +26,7 @@ _OVERFULL = re.compile(r"context[ _](length|size|window)|too many tokens|n_ctx",
 
 @dataclass(frozen=True)
 class Completion:
-    """What a server sent back.
+    """A server's answer.
 
     Attributes:
         text: The model's words.
@@ -135,7 +135,7 @@ class Transport:
         )
 
     def _explain(self, error: Exception) -> ModelError:
-        """What an exception of the openai package means for its reader."""
+        """The error, with its remedy, for an exception of the openai package."""
         import openai
 
         point = self.endpoint

@@ -58,7 +58,7 @@ class SceneCapture:
 
 @dataclass(frozen=True)
 class SceneAnalysis:
-    """What is known about a scene before anything is changed.
+    """A scene's geometry, visible surfaces and subject, before anything is changed.
 
     Attributes:
         scene: The scene.

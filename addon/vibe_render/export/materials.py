@@ -170,13 +170,13 @@ def _has_shader(tree: bpy.types.NodeTree) -> bool:
 
 
 def _foreign(material: bpy.types.Material) -> list[str]:
-    """What to say about nodes that a render leaves out."""
+    """Warnings about nodes that a render leaves out."""
     labels = {node.bl_idname: node.bl_label for node in shaders.foreign(material)}
     return [f"{label}, which {shaders.FOREIGN[kind]}, is left out" for kind, label in labels.items()]
 
 
 def _rare(constants: Mapping[str, Any]) -> list[str]:
-    """What to say about inputs that the engine knows only roughly, or not at all."""
+    """Warnings about inputs that the engine approximates or ignores."""
     notes = []
     if constants.get("subsurface", 0.0) > 0:
         notes.append("Subsurface is shown as plain diffuse color")

@@ -104,7 +104,7 @@ def export_captured(
 
 
 def prepare_and_snapshot(scene: bpy.types.Scene, choice: SubjectChoice) -> None:
-    """Adds what the scene lacks and starts its snapshot, which every change after it is undone by.
+    """Adds what the scene lacks and starts its snapshot, by which later changes are undone.
 
     Args:
         scene: Is changed.
@@ -116,7 +116,7 @@ def prepare_and_snapshot(scene: bpy.types.Scene, choice: SubjectChoice) -> None:
 
 @dataclass(frozen=True)
 class SceneReading:
-    """What presets need to know of a scene: less than a job, and nothing is written to disk.
+    """A scene's parameters for presets: less than a job, and nothing is written to disk.
 
     Attributes:
         analysis: The scene's geometry, subject and visible surfaces.

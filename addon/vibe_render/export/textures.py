@@ -160,7 +160,7 @@ def shrink(image: np.ndarray, longest: int) -> np.ndarray:
 
 
 def untinted(source: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-    """What goes into our own tint, if the output is that of one; otherwise the output itself."""
+    """The source behind our own tint node, if the output is that of one; otherwise the output itself."""
     node = source.node
     if node.type == "GROUP" and node.node_tree and owned.is_owned(node.node_tree):
         entry = next((s for s in node.inputs if s.type == "RGBA" and active_links(s)), None)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Camera, lights and film as the engine sees them: what no vibe changes about them."""
+"""Camera, lights and film for the engine: the properties that no vibe changes."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ _KNOWN = ("scenes", "prompts", "seeds", "files", "options", "limits", "scene", "
 
 @dataclass(frozen=True)
 class Limits:
-    """What a job may use.
+    """Cores, memory and time of a job.
 
     Attributes:
         minutes: Of wall time; it is ended after that.

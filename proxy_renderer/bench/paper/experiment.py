@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The experiment: runs, readings, verdicts, and what is left of them."""
+"""The experiment: runs, readings, verdicts and their summary."""
 
 from __future__ import annotations
 

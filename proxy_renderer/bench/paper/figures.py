@@ -14,7 +14,7 @@ from .pairs import Pair
 
 
 def columns(rows: Sequence[tuple[Pair, Path, Path]]) -> list[judge.Column]:
-    """For each pair what the judge looks at.
+    """The judge's columns, one for each pair.
 
     Args:
         rows: The pair, and the folders of its two runs.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is measured on finished pictures. Each measure takes a picture and a region and gives one number.
+"""Measures of finished pictures. Each takes a picture and a region and gives one number.
 
 None of them knows the parameters that made the picture.
 """

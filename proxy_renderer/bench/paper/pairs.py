@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is asked for, and what the words of it mean in measured amounts: `pairs.toml` and `traits.toml`."""
+"""The prompts with their asks, and the measured amounts behind the asks' words: `pairs.toml` and `traits.toml`."""
 
 from __future__ import annotations
 

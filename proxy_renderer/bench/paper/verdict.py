@@ -49,7 +49,7 @@ class Reading:
 
 @dataclass(frozen=True)
 class Score:
-    """What a reading is worth beside another.
+    """The score of a reading beside another.
 
     Attributes:
         asks: Of each ask, 0 to 1.

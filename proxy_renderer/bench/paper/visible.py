@@ -35,7 +35,7 @@ class SubjectVisibility:
 
     @property
     def whole(self) -> float:
-        """Their product: whatever hides the subject hides it."""
+        """The product of all three: each can hide the subject."""
         return self.outline * self.detail * self.frame
 
 

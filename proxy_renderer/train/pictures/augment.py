@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What guidance does to pictures, done to training pictures: cut to a region, cropped, mirrored, blurred."""
+"""Augments training pictures as guidance does: cut to a region, cropped, mirrored, blurred."""
 
 import random
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What every part of a training picture shows: a second lesson that classes alone teach far more slowly.
+"""Dense labels of training pictures: a second task, which teaches faster than classes alone.
 
 A head that says "lit from the left" has to tell shape from shadow and color from light first. The traced views know
 all of that for every pixel, so the last grid of the picture tower learns to tell it too; nothing of this is exported.

@@ -101,7 +101,7 @@ def _surface(
 
 
 def _mirrored(view: Buffers, look: dict[str, Tensor], way: Tensor, rough: Tensor) -> Tensor:
-    """What a mirror ray meets: world, ground and two rectangular light panels, blurred by roughness.
+    """The light along a mirror ray: world, ground and two rectangular light panels, blurred by roughness.
 
     An edge seen in GGX of width α = roughness² rises over about 2.7 α to either side (the lobe's half vectors, projected
     on one axis, are distributed like x / √(α² + x²)); a logistic edge of scale 1.2 α comes closest.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The sentence encoder all-MiniLM-L6-v2, from its files alone: what words and glosses mean to it."""
+"""The sentence encoder all-MiniLM-L6-v2, from its files alone: vectors of words and glosses."""
 
 from __future__ import annotations
 

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The measured scenes: recipes, subjects and surfaces, and what builds them."""
+"""The measured scenes: recipes, subjects, surfaces, and their builders."""

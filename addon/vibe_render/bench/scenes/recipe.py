@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a measured scene is made of, as data, and the features that follow from it. No bpy here."""
+"""The recipe of a measured scene, as data, and the features that follow from it. No bpy here."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class FinishRecipe:
     inputs: Mapping[str, float | Color] = field(default_factory=dict)
 
     def features(self) -> Iterator[str]:
-        """What kind of surface it is."""
+        """The features of the surface."""
         weight = {name: value for name, value in self.inputs.items() if isinstance(value, float)}
         special = {
             "metal": weight.get("Metallic", 0.0) >= 0.5,
@@ -154,7 +154,7 @@ _GRADE_ONLY = ("exposure", "gamma")
 
 
 def features(recipe: SceneRecipe, mesh: tuple[str, ...]) -> list[str]:
-    """The features of a scene, for the table: derived, so that none is claimed that is not there.
+    """The features of a scene, for the table, derived from its recipe.
 
     Args:
         mesh: What the shape is, from `shapes.SHAPES`.

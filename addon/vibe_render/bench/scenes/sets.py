@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The sets that the benchmark of the words is played on: none of them shows yet what it will be asked for. No bpy here."""
+"""The sets of the paper's benchmark; none shows yet the look that will be asked for. No bpy here."""
 
 from __future__ import annotations
 
