@@ -139,7 +139,7 @@ def test_a_few_foreign_words_are_said():
 
 
 def test_a_hundred_kilobytes_are_one_clear_error(capsys):
-    assert main.main(["explain", "glossy teal, " * 8000]) == 2
+    assert main(["explain", "glossy teal, " * 8000]) == 2
     said = capsys.readouterr().err
     assert said.count("\n") == 1
     assert len(said) < 300
@@ -210,14 +210,14 @@ def test_errors_in_a_vocabulary_say_file_line_and_remedy(tmp_path, old, new, lin
 
 
 def test_the_command_refuses_a_vocabulary_that_is_not_there(capsys):
-    assert main.main(["explain", "red", "--vocabulary", "/nowhere/v.toml"]) == 2
+    assert main(["explain", "red", "--vocabulary", "/nowhere/v.toml"]) == 2
     assert "/nowhere/v.toml" in capsys.readouterr().err
 
 
 def test_the_command_uses_an_own_vocabulary(own, monkeypatch, capsys):
     monkeypatch.delenv(VARIABLE)
     monkeypatch.setenv(VARIABLE, "")
-    assert main.main(["explain", "our red teapot", "--vocabulary", str(own)]) == 0
+    assert main(["explain", "our red teapot", "--vocabulary", str(own)]) == 0
     assert "our red" in capsys.readouterr().out
 
 
