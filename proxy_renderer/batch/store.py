@@ -166,6 +166,10 @@ def write_json(path: Path, content: Any) -> None:
 def write_bytes(path: Path, content: bytes) -> None:
     """Writes a file, all at once or not at all.
 
+    Args:
+        path: The file.
+        content: All of it.
+
     Raises:
         VibeError: It cannot be written.
     """
