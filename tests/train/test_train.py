@@ -161,7 +161,7 @@ def test_choices_are_between_lessons_about_one_attribute_that_a_picture_shows() 
 
 
 def test_wordings_kept_back_are_not_those_of_training() -> None:
-    kept, dice = wording.Split(held_out=True), random.Random(0)
+    kept, dice = wording.WordingSplit(held_out=True), random.Random(0)
     for name, table in (("subject_finish", wording.FINISH_WORDS), ("fog", wording.FOG_WORDS)):
         for value, words in table.items():
             trained, back = wording.TRAINED.of(words), kept.of(words)
@@ -169,7 +169,7 @@ def test_wordings_kept_back_are_not_those_of_training() -> None:
             assert back == words or not {*trained} & {*back}
             said = [captions.caption({name: value}, dice, split=kept) for _ in range(20)]
             assert all(any(word in sentence for word in back) for sentence in said)
-    assert wording.Split(wording.JUDGES).of(wording.NOUNS) != wording.TRAINED.of(wording.NOUNS)
+    assert wording.WordingSplit(wording.JUDGES).of(wording.NOUNS) != wording.TRAINED.of(wording.NOUNS)
 
 
 def test_maps_are_cut_and_mirrored_with_their_pictures(bank: dict[str, np.ndarray]) -> None:
