@@ -29,7 +29,9 @@ def _hue(b: Tensor, a: Tensor) -> Tensor:
     return torch.where(angle < 0, angle + 2 * math.pi, angle)
 
 
-def ciede2000(lab1: Float[Tensor, "*#pixels 3"], lab2: Float[Tensor, "*#pixels 3"]) -> Float[Tensor, "*#pixels"]:
+def ciede2000(
+    lab1: Float[Tensor, "*#pixels 3"], lab2: Float[Tensor, "*#pixels 3"]
+) -> Float[Tensor, "*#pixels"]:
     """Perceived difference (...) of two colors in Lab (..., 3): 1 is just visible.
 
     Source: Sharma, Wu, Dalal, "The CIEDE2000 color-difference formula", 2005; kL = kC = kH = 1.
