@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from ..schema import VibeError
@@ -42,7 +43,7 @@ class ViewTransform:
     ) -> None:
         self._lut = _bake(str(ocio), display, view, look).to(device)
 
-    def __call__(self, linear: Tensor) -> Tensor:
+    def __call__(self, linear: Float[Tensor, "*pixels 3"]) -> Float[Tensor, "*pixels 3"]:
         """Display values (..., 3), unclamped, of linear light (..., 3); differentiable in `linear`."""
         stops = torch.log2(linear.clamp(0, BRIGHTEST) * (1 / _TOE) + 1)
         position = (stops * (2 / _STOPS) - 1).reshape(-1, 3)
@@ -60,7 +61,9 @@ def _bake(ocio: str, display: str, view: str, look: str) -> Tensor:
     return torch.from_numpy(table).permute(3, 0, 1, 2)[None].contiguous()
 
 
-def apply_ocio(colors: np.ndarray, ocio: str, display: str, view: str, look: str = "") -> np.ndarray:
+def apply_ocio(
+    colors: Float[np.ndarray, "*pixels 3"], ocio: str, display: str, view: str, look: str = ""
+) -> Float[np.ndarray, "*pixels 3"]:
     """Exact transform of scene-linear Rec.709 colors (..., 3), composed as Blender composes it.
 
     A look chosen by the artist replaces those that the view has of its own

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import torch
+from operation_tests import OperationTests, colors
 from tiny_job import blender_config
 
 from proxy_renderer.color.floats import lab_from_srgb, oklab_from_srgb
@@ -49,6 +50,44 @@ def test_the_table_is_ocio(view, look):
     got = ViewTransform(SPEC.ocio, "sRGB", view, look)(torch.from_numpy(colors)).clamp(0, 1).numpy()
     assert np.abs(got - exact).mean() < 0.3 / 255
     assert np.quantile(np.abs(got - exact), 0.99) < 2.5 / 255
+
+
+def shown(view):
+    """A view's display values, in single or double precision."""
+
+    def operation(linear):
+        transform = ViewTransform(SPEC.ocio, "sRGB", view)
+        transform._lut = transform._lut.to(linear.dtype)
+        return transform(linear)
+
+    return staticmethod(operation)
+
+
+class _ViewTests(OperationTests):
+    """A table of 65 colors in each direction: it comes within 1/255."""
+
+    rtol, atol = 0.0, 1 / 255
+    inputs = (colors(4, 5),)
+    shape = (4, 5, 3)
+    wrong = (torch.rand(3, 4),)
+
+
+class TestStandardView(_ViewTests):
+    """The sRGB curve of IEC 61966-2-1, and no more."""
+
+    operation = shown("Standard")
+    values = (
+        ((torch.full((1, 3), 0.2140411),), 0.5),
+        ((torch.tensor([[0.001, 0.2140411, 1.0]]),), [[0.01292, 0.5, 1.0]]),
+        ((torch.zeros(1, 3),), 0.0),
+    )
+
+
+class TestFilmicView(_ViewTests):
+    """Black, and the white of its log encoding, 16.29 times scene-linear one (Blender's Filmic, 6.5 stops over gray)."""
+
+    operation = shown("Filmic")
+    values = (((torch.zeros(1, 3),), 0.0), ((torch.full((1, 3), 0.18 * 2**6.5),), 1.0))
 
 
 @pytest.mark.parametrize("view", ["AgX", "Filmic"])

@@ -6,13 +6,15 @@ from dataclasses import replace
 
 import pytest
 import torch
+from operation_tests import OperationTests, colors, number
 from tiny_job import write_job
 
+from proxy_renderer.bench.scenes import balls
 from proxy_renderer.render.geometry.camera import view_of
 from proxy_renderer.render.lights.types import light_sources
 from proxy_renderer.render.transport.fog import FogMedium
 from proxy_renderer.render.transport.volume import DIRECTIONS, SingleScattering
-from proxy_renderer.scene import load_scene
+from proxy_renderer.scene import FogBounds, load_scene
 from proxy_renderer.scene.values import RenderValues
 
 SIZE = (64, 48)
@@ -58,19 +60,72 @@ def test_thickness_is_the_integral(scene, falloff):
             assert medium.thickness(begin, toward, 25.0).item() == pytest.approx(wanted, rel=2e-3, abs=2e-3)
 
 
-def test_light_leaves_the_box(scene):
-    medium = fog(scene, density=0.3)
-    start = torch.tensor([[0.0], [0.0], [2.0]])
-    assert medium.transmittance(start, UP, math.inf).item() == pytest.approx(math.exp(-0.3 * 5), rel=1e-4)
-    assert medium.transmittance(start, UP, 2.0).item() == pytest.approx(math.exp(-0.3 * 2), rel=1e-4)
+class DoubleValues(RenderValues):
+    """Values in double precision, for gradients against finite differences."""
+
+    def scalar(self, key, default=0.0):
+        return self.given[key].reshape(-1)[0] if key in self.given else super().scalar(key, default)
 
 
-def test_an_infinite_fog_swallows_the_sun_unless_it_thins(scene):
+def passing(kind):
+    """Transmittance of a fog of some density, falloff and height above 1 m, between ±3 m or everywhere."""
+    bounds = FogBounds(kind, (0.0, 0.0, 0.0), (3.0, 3.0, 3.0), 1.0)
+    scene = replace(balls(1, 1, 1), volume=bounds)
+
+    def operation(density, falloff, offset, start, toward, distance):
+        given = {"volume/density": density, "volume/falloff": falloff, "volume/offset": offset}
+        return FogMedium(scene, DoubleValues(scene, given, "cpu")).transmittance(start, toward, distance)
+
+    return staticmethod(operation)
+
+
+def along(density, falloff, offset, start, toward, distance):
+    """Arguments of `passing` for one ray."""
+    ray = (torch.tensor(v, dtype=torch.float64)[:, None] for v in (start, toward))
+    return number(density), number(falloff), number(offset), *ray, distance
+
+
+ALOFT, SLANTED = (0.0, 0.0, 1.0), (0.8, 0.0, 0.6)
+
+
+class TestBoxOfFog(OperationTests):
+    """Beer and Lambert's law over the part of the way that is in the fog."""
+
+    operation = passing("box")
+    inputs = (
+        number(0.3), number(0.4), number(0.2), 2 * colors(4).T, torch.nn.functional.normalize(colors(4).T - 0.4, dim=0),
+        torch.tensor([0.7, 2.0, 5.0, 9.0], dtype=torch.float64),
+    )  # fmt: skip
+    shape = (4,)
+    wrong = (number(0.3), number(0.0), number(0.0), torch.zeros(2, 4), torch.zeros(2, 4), 1.0)
+    values = (
+        (along(0.3, 0.0, 0.0, (0, 0, -2), ALOFT, math.inf), math.exp(-0.3 * 5)),
+        (along(0.3, 0.0, 0.0, (0, 0, -2), ALOFT, 2.0), math.exp(-0.3 * 2)),
+        (along(0.3, 0.0, 0.0, (-9, 0, 0), (1, 0, 0), math.inf), math.exp(-0.3 * 6)),
+        (along(0.3, 0.0, 0.0, (-9, 0, 0), (1, 0, 0), 5.0), 1.0),
+        (along(0.3, 0.0, 0.0, (0, 9, 0), (1, 0, 0), math.inf), 1.0),
+    )
+
+
+class TestEndlessFog(OperationTests):
+    """It thins above 1.5 m by exp(-h / 2): a way up from there to h has (1 - exp(-h / 2)) / (1 / 2) of its depth."""
+
+    operation = passing("world")
+    inputs = TestBoxOfFog.inputs
+    shape = (4,)
+    wrong = TestBoxOfFog.wrong
+    values = (
+        (along(0.1, 0.5, 0.5, (0, 0, 1.5), ALOFT, math.inf), math.exp(-0.1 * 2)),
+        (along(0.1, 0.5, 0.5, (0, 0, 0.5), ALOFT, math.inf), math.exp(-0.1 * 3)),
+        (along(0.1, 0.5, 0.5, (0, 0, 1.5), SLANTED, 5.0), math.exp(-0.1 * 2 * (1 - math.exp(-1.5)) / 0.6)),
+        (along(0.1, 0.5, 0.5, (0, 0, 3.5), (1, 0, 0), 4.0), math.exp(-0.1 * 4 * math.exp(-1))),
+        (along(0.1, 0.5, 0.5, (0, 0, 1.0), (1, 0, 0), 4.0), math.exp(-0.1 * 4)),
+    )
+
+
+def test_an_infinite_fog_swallows_the_sun(scene):
     everywhere = replace(scene, volume=replace(scene.volume, kind="world"))
-    start = torch.zeros(3, 1)
-    assert fog(everywhere, density=0.1).transmittance(start, UP, math.inf).item() == 0
-    thinning = fog(everywhere, density=0.1, falloff=0.5).transmittance(start, UP, math.inf)
-    assert thinning.item() == pytest.approx(math.exp(-0.1 / 0.5), rel=1e-3)
+    assert fog(everywhere, density=0.1).transmittance(torch.zeros(3, 1), UP, math.inf).item() == 0
 
 
 def haze(scene, volume, world=NO_WORLD, lamps=None, clear=None):

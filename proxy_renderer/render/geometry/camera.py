@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from ...scene import SceneData
@@ -17,13 +18,13 @@ from ...scene.values import RenderValues, wanted
 from .vectors import dot, unit
 
 
-def direction(azimuth: Tensor, elevation: Tensor) -> Tensor:
+def direction(azimuth: Float[Tensor, ""], elevation: Float[Tensor, ""]) -> Float[Tensor, "3"]:
     """Unit vector (3,) from the subject towards an orbit's angles () in degrees: `schema.orbit.direction`."""
     a, e = torch.deg2rad(azimuth), torch.deg2rad(elevation)
     return torch.stack((e.cos() * a.sin(), -e.cos() * a.cos(), e.sin()))
 
 
-def frame(azimuth: Tensor, elevation: Tensor) -> Tensor:
+def frame(azimuth: Float[Tensor, ""], elevation: Float[Tensor, ""]) -> Float[Tensor, "3 3"]:
     """Rotation (3, 3) with columns right, up, towards the viewer: the torch twin of `schema.orbit.frame`."""
     a = torch.deg2rad(azimuth)
     z = direction(azimuth, elevation)
@@ -46,9 +47,9 @@ class View:
         clip: Distances of the near and the far plane.
     """
 
-    position: Tensor
-    rotation: Tensor
-    scale: Tensor
+    position: Float[Tensor, "3"]
+    rotation: Float[Tensor, "3 3"]
+    scale: Float[Tensor, ""]
     orthographic: bool
     size: tuple[int, int]
     extent: tuple[float, float]
@@ -68,9 +69,9 @@ class View:
     def signature(self) -> tuple[float, ...]:
         """Numbers that change when anything that rays depend on does."""
         flat = torch.cat((self.position, self.rotation.flatten(), self.scale[None])).detach()
-        return (*flat.tolist(), *self.size)
+        return (*flat.tolist(), *map(float, self.size))
 
-    def rays(self, pixel: Tensor) -> tuple[Tensor, Tensor]:
+    def rays(self, pixel: Float[Tensor, "2 n"]) -> tuple[Float[Tensor, "3 n"], Float[Tensor, "3 n"]]:
         """Rays through picture positions.
 
         Args:
@@ -89,12 +90,12 @@ class View:
         toward = across - back[:, None]
         return self.position[:, None].expand_as(toward), unit(toward)
 
-    def span(self, toward: Tensor) -> tuple[Tensor, Tensor]:
+    def span(self, toward: Float[Tensor, "3 n"]) -> tuple[Float[Tensor, " n"], Float[Tensor, " n"]]:
         """Distances (N,) along rays with unit directions (3, N) at which the near and the far plane lie."""
         slant = 1.0 / -dot(self.rotation[:, 2:3], toward).clamp_max(-1e-6)
         return slant * self.clip[0], slant * self.clip[1]
 
-    def project(self, points: Tensor) -> Tensor:
+    def project(self, points: Float[Tensor, "3 n"]) -> Float[Tensor, "2 n"]:
         """Picture positions (2, N) in pixels of points (3, N), which must lie in front of the camera."""
         x, y, z = (self.rotation.T @ (points - self.position[:, None])).unbind(0)
         depth = self.scale if self.orthographic else (-z).clamp_min(1e-6) * self.scale

@@ -13,6 +13,7 @@ import math
 from dataclasses import dataclass, field, replace
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from ...scene.values import wanted
@@ -38,11 +39,11 @@ class AreaSpecular:
             (5, N) for an ellipse, see `_round_place`.
     """
 
-    strength: Tensor
-    curve: Tensor
-    slope_in: Tensor
-    slope_out: Tensor
-    outline: Tensor
+    strength: Float[Tensor, " n"]
+    curve: Float[Tensor, "7 n"]
+    slope_in: Float[Tensor, " n"]
+    slope_out: Float[Tensor, " n"]
+    outline: Float[Tensor, "outline n"]
     _lobes: dict[float, Tensor] = field(default_factory=dict, repr=False, compare=False)
 
     def pick(self, index: slice) -> AreaSpecular:
@@ -59,11 +60,11 @@ class AreaSpecular:
             _lobes={},
         )
 
-    def times(self, visible: Tensor) -> AreaSpecular:
+    def times(self, visible: Float[Tensor, " n"]) -> AreaSpecular:
         """The same, shadowed by visible shares (N,)."""
         return replace(self, strength=self.strength * visible, _lobes={})
 
-    def lobe(self, roughness: Tensor) -> Tensor:
+    def lobe(self, roughness: Float[Tensor, "*varying"]) -> Float[Tensor, " n"]:
         """Reflected radiance (N,) per unit of the lamp's color, Fresnel aside, for a roughness () or (N,).
 
         Kept until the roughness changes, unless gradients are wanted.
@@ -85,7 +86,11 @@ class AreaSpecular:
 
 
 def area_specular(
-    lamp: LightSource, direct: DirectIrradiance, points: Tensor, normal: Tensor, view: Tensor
+    lamp: LightSource,
+    direct: DirectIrradiance,
+    points: Float[Tensor, "3 n"],
+    normal: Float[Tensor, "3 n"],
+    view: Float[Tensor, "3 n"],
 ) -> AreaSpecular:
     """The highlight of a lamp, unshadowed, at points (3, N) seen along `view` (3, N), towards the eye.
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from ..material import albedo
@@ -13,7 +14,9 @@ from ..material.shading_inputs import ShadingInputs
 from .lobes import IncidentLight, multiple_scattering, single_scattering, specular
 
 
-def coat(inputs: ShadingInputs, light: IncidentLight) -> tuple[Tensor, Tensor]:
+def coat(
+    inputs: ShadingInputs, light: IncidentLight
+) -> tuple[Float[Tensor, "3 n"], Float[Tensor, "*tinted n"]]:
     """Reflection (3, N) of the lacquer, and the share that reaches what is below."""
     e, mean = single_scattering(inputs.coat_roughness, light.view)
     ior = torch.tensor(inputs.coat_ior, device=e.device).clamp_min(1.0001)
@@ -54,13 +57,13 @@ _SHEEN = (
 """Albedo of Cycles' microfiber sheen: rows of rising roughness, columns of rising cosine, 0 to 1."""
 
 
-def sheen(inputs: ShadingInputs, light: IncidentLight) -> tuple[Tensor, Tensor]:
+def sheen(inputs: ShadingInputs, light: IncidentLight) -> tuple[Float[Tensor, "3 n"], Float[Tensor, " n"]]:
     """Microfiber sheen (3, N), lit as if diffuse, and the share (N,) left to the layers below."""
     table = light.view.new_tensor(_SHEEN)
     place = inputs.sheen_roughness * 8
     low = min(int(place), 7)
     row = torch.lerp(table[low], table[low + 1], place - low)
-    nodes = albedo.basis(torch.linspace(0, 1, 9, device=row.device)[1:])
+    nodes = albedo.basis(torch.linspace(0, 1, 9, dtype=row.dtype, device=row.device)[1:])
     amount = (torch.linalg.pinv(nodes.T) @ row[1:] @ light.view).clamp(0.0, 1.0) * inputs.sheen
     tint = light.view.new_tensor(inputs.sheen_tint)[:, None]
     return tint * (light.irradiance * (amount / math.pi)), 1 - amount * float(tint.max())

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from ..lights.area_specular import AreaSpecular
@@ -26,12 +27,12 @@ class IncidentLight:
         behind: (3, N) radiance seen through the surface, None where nothing is transparent.
     """
 
-    irradiance: Tensor
-    lamps: Tensor
+    irradiance: Float[Tensor, "3 n"]
+    lamps: Float[Tensor, "lamps 3"]
     highlights: Sequence[AreaSpecular]
-    view: Tensor
+    view: Float[Tensor, "7 n"]
     reflected: ReflectedRadiance
-    behind: Tensor | None
+    behind: Float[Tensor, "3 n"] | None
 
 
 @dataclass(frozen=True)
@@ -44,9 +45,9 @@ class ReflectedRadiance:
     """
 
     knots: tuple[float, ...]
-    images: Sequence[Tensor]
+    images: Sequence[Float[Tensor, "3 n"]]
 
-    def at(self, roughness: Tensor) -> Tensor:
+    def at(self, roughness: Float[Tensor, "*varying"]) -> Float[Tensor, "3 n"]:
         """Radiance (3, N) between the two nearest knots of one roughness () or of many (N,)."""
         if roughness.dim():
             return self._varying(roughness)
@@ -62,18 +63,20 @@ class ReflectedRadiance:
         return result
 
 
-def single_scattering(roughness: Tensor, view: Tensor) -> tuple[Tensor, Tensor]:
+def single_scattering(
+    roughness: Float[Tensor, "*varying"], view: Float[Tensor, "7 n"]
+) -> tuple[Float[Tensor, " n"], Float[Tensor, "*varying"]]:
     """Single-scattering albedo (N,) without Fresnel, and its mean ()."""
     coefficients, mean = albedo.energy(roughness)
     return albedo.weigh(coefficients, view).clamp(0.05, 1.0), mean.clamp(0.05, 1.0)
 
 
-def multiple_scattering(fss: Tensor, mean: Tensor) -> Tensor:
+def multiple_scattering(fss: Float[Tensor, "*#n"], mean: Float[Tensor, "*#n"]) -> Float[Tensor, "*n"]:
     """Fresnel factor of light that bounces between microfacets (Kulla and Conty 2017, appendix)."""
     return fss * mean / (1 - fss * (1 - mean))
 
 
-def summed(lamps: Tensor, lobes: Sequence[Tensor]) -> Tensor:
+def summed(lamps: Float[Tensor, "lamps 3"], lobes: Sequence[Float[Tensor, " n"]]) -> Float[Tensor, "*light"]:
     """Lobes (N,) of all lamps times their colors (L, 3): (3, N), or 0 without lamps."""
     if not lobes:
         return lamps.new_zeros(())
@@ -83,13 +86,13 @@ def summed(lamps: Tensor, lobes: Sequence[Tensor]) -> Tensor:
 
 
 def specular(
-    lamps: Tensor,
+    lamps: Float[Tensor, "lamps 3"],
     highlights: Sequence[AreaSpecular],
-    lobes: Sequence[Tensor],
-    curve: Tensor,
-    f0: Tensor,
+    lobes: Sequence[Float[Tensor, " n"]],
+    curve: Float[Tensor, "7"],
+    f0: Float[Tensor, "3 f0"],
     f90: Tensor | float,
-) -> Tensor:
+) -> Float[Tensor, "3 n"]:
     """Highlights (3, N) with Fresnel mix(f0, f90, curve at the half vector); f0 is (3, 1) or (3, N)."""
     plain = summed(lamps, lobes)
     bent = summed(

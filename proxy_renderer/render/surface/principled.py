@@ -11,6 +11,7 @@ import math
 from collections.abc import Sequence
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from ...scene.values import wanted
@@ -24,7 +25,9 @@ _FAINT = 1e-4
 """Reflectance seen head on below which the dielectric layer fades out."""
 
 
-def shade(inputs: ShadingInputs, light: IncidentLight, texture: Tensor | None) -> Tensor:
+def shade(
+    inputs: ShadingInputs, light: IncidentLight, texture: Float[Tensor, "3 n"] | None
+) -> Float[Tensor, "3 n"]:
     """Outgoing radiance (3, N) towards the viewer."""
     base = inputs.colored(texture)
     clamped = within(base, 0.0, 1.0)

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from ...scene import SceneData
@@ -60,7 +61,12 @@ class FogMedium:
         low, high = self._box
         return float(torch.maximum((origin - low).abs(), (origin - high).abs()).norm())
 
-    def transmittance(self, start: Tensor, toward: Tensor, distance: Tensor | float) -> Tensor:
+    def transmittance(
+        self,
+        start: Float[Tensor, "3 *#n"],
+        toward: Float[Tensor, "3 *#n"],
+        distance: Float[Tensor, "*#n"] | float,
+    ) -> Float[Tensor, "*n"]:
         """Share of light (…) that gets through.
 
         Args:
@@ -70,7 +76,12 @@ class FogMedium:
         """
         return torch.exp(-self.density * self.thickness(start, toward, distance))
 
-    def thickness(self, start: Tensor, toward: Tensor, distance: Tensor | float) -> Tensor:
+    def thickness(
+        self,
+        start: Float[Tensor, "3 *#n"],
+        toward: Float[Tensor, "3 *#n"],
+        distance: Float[Tensor, "*#n"] | float,
+    ) -> Float[Tensor, "*n"]:
         """Optical depth over density, in meters (…); arguments as for `transmittance`."""
         first, last = self._inside(start, toward, distance)
         length = last - first
@@ -115,12 +126,12 @@ class FogMedium:
 class LightPaths:
     """Segments through one scene's fog, as `FogMedium.transmittance` takes them; their thickness is cached."""
 
-    start: Tensor
-    toward: Tensor
-    distance: Tensor
+    start: Float[Tensor, "3 *#n"]
+    toward: Float[Tensor, "3 *#n"]
+    distance: Float[Tensor, "*#n"]
     _measured: dict[tuple[float, ...], Tensor] = field(default_factory=dict, repr=False, compare=False)
 
-    def transmittance(self, fog: FogMedium) -> Tensor:
+    def transmittance(self, fog: FogMedium) -> Float[Tensor, "*n"]:
         """Share of light (…) that gets through."""
         shape = fog.shape
         if shape is None or wanted(self.start, self.toward, self.distance):

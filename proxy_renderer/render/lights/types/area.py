@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from ....scene import Light
@@ -31,7 +32,7 @@ class AreaLight(LightSource):
     segment_parts: ClassVar[int] = 1
 
     @staticmethod
-    def read_size(light: Light, values: RenderValues) -> Tensor:
+    def read_size(light: Light, values: RenderValues) -> Float[Tensor, ""]:
         """Its width () in meters."""
         return values.scalar(f"light/{light.name}/size") * light.scale
 
@@ -46,25 +47,25 @@ class AreaLight(LightSource):
         return self.light.spread / 2 <= math.pi / 2 - 1e-3
 
     @property
-    def area(self) -> Tensor:
+    def area(self) -> Float[Tensor, ""]:
         """Area () in square meters."""
         rectangle = self.size * self.size * self.light.aspect
         return (rectangle * (math.pi / 4 if self.round else 1.0)).clamp_min(1e-8)
 
-    def half_axes(self) -> tuple[Tensor, Tensor]:
+    def half_axes(self) -> tuple[Float[Tensor, "3 1"], Float[Tensor, "3 1"]]:
         """Half the sides, (3, 1) each; an ellipse counts as a rectangle of the same area."""
         half = self.size / 2 * (math.sqrt(math.pi) / 2 if self.round else 1.0)
         return self.axes[:, 0:1] * half, self.axes[:, 1:2] * (half * self.light.aspect)
 
-    def half_sides(self) -> tuple[Tensor, Tensor] | None:
+    def half_sides(self) -> tuple[Float[Tensor, "3 1"], Float[Tensor, "3 1"]] | None:
         """See `LightSource.half_sides`."""
         return None if self.round else self.half_axes()
 
-    def toward(self, points: Tensor) -> tuple[Tensor, Tensor]:
+    def toward(self, points: Float[Tensor, "3 n"]) -> tuple[Float[Tensor, "3 n"], Float[Tensor, " n"]]:
         """See `LightSource.toward`."""
         return offsets(self.position, points)[:2]
 
-    def irradiance(self, points: Tensor, normals: Tensor) -> DirectIrradiance:
+    def irradiance(self, points: Float[Tensor, "3 n"], normals: Float[Tensor, "3 n"]) -> DirectIrradiance:
         """See `LightSource.irradiance`."""
         toward, distance, squared = offsets(self.position, points)
         facing = dot(toward, self.axes[:, 2:3]).clamp_min(0.0)
@@ -79,8 +80,12 @@ class AreaLight(LightSource):
         return DirectIrradiance(toward, distance, irradiance, radiance * front * solid * spread, solid)
 
     def shadow_targets(
-        self, toward: Tensor, distance: Tensor, solid_angle: Tensor, uv: Tensor
-    ) -> tuple[Tensor, Tensor]:
+        self,
+        toward: Float[Tensor, "3 n"],
+        distance: Float[Tensor, " n"],
+        solid_angle: Float[Tensor, " n"],
+        uv: Float[Tensor, "2 n"],
+    ) -> tuple[Float[Tensor, "3 n"], Float[Tensor, " n"]]:
         """See `LightSource.shadow_targets`."""
         if self.round:
             radius, angle = uv[0].sqrt(), 2 * math.pi * uv[1]
@@ -102,7 +107,7 @@ class AreaLight(LightSource):
         facing = (self.axes[:, 2] @ toward).clamp_min(0)
         return facing * self.spread(facing) * ((1.0 if self.light.normalize else self.area) / math.pi)
 
-    def spread(self, facing: Tensor) -> Tensor:
+    def spread(self, facing: Float[Tensor, " n"]) -> Float[Tensor, " n"]:
         """Cycles' attenuation (N,) of a focused light, by the cosine (N,) to a point of it."""
         if not self.focused:
             return torch.ones_like(facing)

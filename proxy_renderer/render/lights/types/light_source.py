@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from ....color.blackbody import blackbody
@@ -39,11 +40,11 @@ class DirectIrradiance:
         solid_angle: (N,) that the light fills, steradians.
     """
 
-    toward: Tensor
-    distance: Tensor
-    irradiance: Tensor
-    frontal: Tensor
-    solid_angle: Tensor
+    toward: Float[Tensor, "3 n"]
+    distance: Float[Tensor, " n"]
+    irradiance: Float[Tensor, " n"]
+    frontal: Float[Tensor, " n"]
+    solid_angle: Float[Tensor, " n"]
 
 
 @dataclass(frozen=True)
@@ -57,10 +58,10 @@ class SegmentLight:
         irradiance: (S · parts, …) mean over a part, on a surface that faces the light.
     """
 
-    points: Tensor
-    toward: Tensor
-    distance: Tensor
-    irradiance: Tensor
+    points: Float[Tensor, "3 *n"]
+    toward: Float[Tensor, "3 *n"]
+    distance: Float[Tensor, "*n"]
+    irradiance: Float[Tensor, "*n"]
 
 
 @dataclass(frozen=True)
@@ -79,10 +80,10 @@ class LightSource(ABC):
     """
 
     light: Light
-    color: Tensor
-    position: Tensor
-    axes: Tensor
-    size: Tensor
+    color: Float[Tensor, "3"]
+    position: Float[Tensor, "3"]
+    axes: Float[Tensor, "3 3"]
+    size: Float[Tensor, ""]
 
     energy_name: ClassVar[str]
     at_infinity: ClassVar[bool]
@@ -109,21 +110,25 @@ class LightSource(ABC):
 
     @staticmethod
     @abstractmethod
-    def read_size(light: Light, values: RenderValues) -> Tensor:
+    def read_size(light: Light, values: RenderValues) -> Float[Tensor, ""]:
         """Radius of a point or spot and width of an area light in meters, angular diameter of a sun in radians: ()."""
 
     @abstractmethod
-    def toward(self, points: Tensor) -> tuple[Tensor, Tensor]:
+    def toward(self, points: Float[Tensor, "3 n"]) -> tuple[Float[Tensor, "3 n"], Float[Tensor, " n"]]:
         """Unit vectors (3, N) from points (3, N) to the light's center, and distances (N,) in meters."""
 
     @abstractmethod
-    def irradiance(self, points: Tensor, normals: Tensor) -> DirectIrradiance:
+    def irradiance(self, points: Float[Tensor, "3 n"], normals: Float[Tensor, "3 n"]) -> DirectIrradiance:
         """Unshadowed light at points (3, N) with unit normals (3, N)."""
 
     @abstractmethod
     def shadow_targets(
-        self, toward: Tensor, distance: Tensor, solid_angle: Tensor, uv: Tensor
-    ) -> tuple[Tensor, Tensor]:
+        self,
+        toward: Float[Tensor, "3 n"],
+        distance: Float[Tensor, " n"],
+        solid_angle: Float[Tensor, " n"],
+        uv: Float[Tensor, "2 n"],
+    ) -> tuple[Float[Tensor, "3 n"], Float[Tensor, " n"]]:
         """Points on the light to which shadow rays go.
 
         Args:
@@ -135,7 +140,7 @@ class LightSource(ABC):
         """
 
     @abstractmethod
-    def half_sides(self) -> tuple[Tensor, Tensor] | None:
+    def half_sides(self) -> tuple[Float[Tensor, "3 1"], Float[Tensor, "3 1"]] | None:
         """Half the sides, (3, 1) each, of a rectangular outline; None for a round one."""
 
     @abstractmethod

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from ....scene import Light
@@ -27,15 +28,15 @@ class PointLight(LightSource):
     segment_parts: ClassVar[int] = 1
 
     @staticmethod
-    def read_size(light: Light, values: RenderValues) -> Tensor:
+    def read_size(light: Light, values: RenderValues) -> Float[Tensor, ""]:
         """Its radius () in meters."""
         return values.scalar(f"light/{light.name}/size") * light.scale
 
-    def toward(self, points: Tensor) -> tuple[Tensor, Tensor]:
+    def toward(self, points: Float[Tensor, "3 n"]) -> tuple[Float[Tensor, "3 n"], Float[Tensor, " n"]]:
         """See `LightSource.toward`."""
         return offsets(self.position, points)[:2]
 
-    def irradiance(self, points: Tensor, normals: Tensor) -> DirectIrradiance:
+    def irradiance(self, points: Float[Tensor, "3 n"], normals: Float[Tensor, "3 n"]) -> DirectIrradiance:
         """Power / (4 pi d^2), which Blender's soft falloff (its default) lowers near large lights.
 
         With it Cycles takes the light for a disc that faces the point, whose view factor is r^2 / (d^2 + r^2);
@@ -54,7 +55,9 @@ class PointLight(LightSource):
         solid = (math.pi * radius2 / squared).clamp(math.pi * POINT_RADIUS**2, 2 * math.pi)
         return DirectIrradiance(toward, distance, frontal * cosine, frontal, solid)
 
-    def directivity(self, toward: Tensor, radius: Tensor | None = None) -> Tensor:
+    def directivity(
+        self, toward: Float[Tensor, "3 n"], radius: Float[Tensor, " n"] | None = None
+    ) -> Float[Tensor, " n"]:
         """What it shines to points relative to a light that is the same to all sides.
 
         Args:
@@ -66,13 +69,17 @@ class PointLight(LightSource):
         """
         return torch.ones_like(toward[0])
 
-    def surface_cosine(self, cosine: Tensor, share: Tensor) -> Tensor:
+    def surface_cosine(self, cosine: Float[Tensor, " n"], share: Float[Tensor, " n"]) -> Float[Tensor, " n"]:
         """Cosine (N,) by which a surface is lit, from that of its center and its squared angular radius (N,)."""
         return cosine
 
     def shadow_targets(
-        self, toward: Tensor, distance: Tensor, solid_angle: Tensor, uv: Tensor
-    ) -> tuple[Tensor, Tensor]:
+        self,
+        toward: Float[Tensor, "3 n"],
+        distance: Float[Tensor, " n"],
+        solid_angle: Float[Tensor, " n"],
+        uv: Float[Tensor, "2 n"],
+    ) -> tuple[Float[Tensor, "3 n"], Float[Tensor, " n"]]:
         """See `LightSource.shadow_targets`: points of the disc that faces the shaded point."""
         target = toward * distance + disc_offsets(toward, solid_angle, uv) * distance
         away = length(target)

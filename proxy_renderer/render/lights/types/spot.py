@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from ...geometry.vectors import dot
@@ -24,7 +25,9 @@ class SpotLight(PointLight):
 
     segment_parts: ClassVar[int] = 4  # its cone has an edge
 
-    def directivity(self, toward: Tensor, radius: Tensor | None = None) -> Tensor:
+    def directivity(
+        self, toward: Float[Tensor, "3 n"], radius: Float[Tensor, " n"] | None = None
+    ) -> Float[Tensor, " n"]:
         """Blender's smoothstep between the cone's rim and its blend.
 
         Cycles evaluates it at the point of the light that it has sampled: a large light has a soft rim. The mean over

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from ....scene import Light
@@ -27,15 +28,15 @@ class SunLight(LightSource):
     segment_parts: ClassVar[int] = 1
 
     @staticmethod
-    def read_size(light: Light, values: RenderValues) -> Tensor:
+    def read_size(light: Light, values: RenderValues) -> Float[Tensor, ""]:
         """Its angular diameter () in radians."""
         return torch.deg2rad(values.scalar(f"light/{light.name}/angle"))
 
-    def toward(self, points: Tensor) -> tuple[Tensor, Tensor]:
+    def toward(self, points: Float[Tensor, "3 n"]) -> tuple[Float[Tensor, "3 n"], Float[Tensor, " n"]]:
         """The same direction from everywhere, at an infinite distance."""
         return self.axes[:, 2:3].expand_as(points), torch.full_like(points[0], math.inf)
 
-    def irradiance(self, points: Tensor, normals: Tensor) -> DirectIrradiance:
+    def irradiance(self, points: Float[Tensor, "3 n"], normals: Float[Tensor, "3 n"]) -> DirectIrradiance:
         """See `LightSource.irradiance`."""
         toward = self.axes[:, 2:3]
         cosine = dot(normals, toward).clamp_min(0.0)
@@ -45,8 +46,12 @@ class SunLight(LightSource):
         return DirectIrradiance(toward.expand_as(normals), one * math.inf, cosine, one, one * solid)
 
     def shadow_targets(
-        self, toward: Tensor, distance: Tensor, solid_angle: Tensor, uv: Tensor
-    ) -> tuple[Tensor, Tensor]:
+        self,
+        toward: Float[Tensor, "3 n"],
+        distance: Float[Tensor, " n"],
+        solid_angle: Float[Tensor, " n"],
+        uv: Float[Tensor, "2 n"],
+    ) -> tuple[Float[Tensor, "3 n"], Float[Tensor, " n"]]:
         """See `LightSource.shadow_targets`."""
         target = toward + disc_offsets(toward, solid_angle, uv)
         return target / length(target), distance
