@@ -58,8 +58,8 @@ class SegmentLight:
         irradiance: (S · parts, …) mean over a part, on a surface that faces the light.
     """
 
-    points: Float[Tensor, "3 *n"]
-    toward: Float[Tensor, "3 *n"]
+    points: Float[Tensor, 3 * n]
+    toward: Float[Tensor, 3 * n]
     distance: Float[Tensor, "*n"]
     irradiance: Float[Tensor, "*n"]
 
@@ -80,8 +80,8 @@ class LightSource(ABC):
     """
 
     light: Light
-    color: Float[Tensor, "3"]
-    position: Float[Tensor, "3"]
+    color: Float[Tensor, 3]
+    position: Float[Tensor, 3]
     axes: Float[Tensor, "3 3"]
     size: Float[Tensor, ""]
 
