@@ -58,8 +58,8 @@ class SegmentLight:
         irradiance: (S · parts, …) mean over a part, on a surface that faces the light.
     """
 
-    points: Float[Tensor, 3 * n]
-    toward: Float[Tensor, 3 * n]
+    points: Float[Tensor, "3 ..."]
+    toward: Float[Tensor, "3 ..."]
     distance: Float[Tensor, "*n"]
     irradiance: Float[Tensor, "*n"]
 
