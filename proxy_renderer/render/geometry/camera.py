@@ -18,7 +18,7 @@ from ...scene.values import RenderValues, wanted
 from .vectors import dot, unit
 
 
-def direction(azimuth: Float[Tensor, ""], elevation: Float[Tensor, ""]) -> Float[Tensor, 3]:
+def direction(azimuth: Float[Tensor, ""], elevation: Float[Tensor, ""]) -> Float[Tensor, " 3"]:
     """Unit vector (3,) from the subject towards an orbit's angles () in degrees: `schema.orbit.direction`."""
     a, e = torch.deg2rad(azimuth), torch.deg2rad(elevation)
     return torch.stack((e.cos() * a.sin(), -e.cos() * a.cos(), e.sin()))
@@ -47,7 +47,7 @@ class View:
         clip: Distances of the near and the far plane.
     """
 
-    position: Float[Tensor, 3]
+    position: Float[Tensor, " 3"]
     rotation: Float[Tensor, "3 3"]
     scale: Float[Tensor, ""]
     orthographic: bool

@@ -89,7 +89,7 @@ def specular(
     lamps: Float[Tensor, "lamps 3"],
     highlights: Sequence[AreaSpecular],
     lobes: Sequence[Float[Tensor, " n"]],
-    curve: Float[Tensor, 7],
+    curve: Float[Tensor, " 7"],
     f0: Float[Tensor, "3 f0"],
     f90: Tensor | float,
 ) -> Float[Tensor, "3 n"]:

@@ -80,8 +80,8 @@ class LightSource(ABC):
     """
 
     light: Light
-    color: Float[Tensor, 3]
-    position: Float[Tensor, 3]
+    color: Float[Tensor, " 3"]
+    position: Float[Tensor, " 3"]
     axes: Float[Tensor, "3 3"]
     size: Float[Tensor, ""]
 
