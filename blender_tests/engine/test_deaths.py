@@ -60,7 +60,7 @@ def test_given_up_for_its_silence(addon, monkeypatch):
 
 @pytest.mark.slow
 def test_an_engine_that_hangs_when_given_up_does_not_hold_up_the_next(addon, monkeypatch):
-    from vibe_render.engine.process import process
+    from vibe_render.engine import process
 
     monkeypatch.setattr(process, "_ABANDON_TIMEOUT", 0.5)
     running = advance(lambda r: r.asked)
