@@ -105,6 +105,7 @@ def energy_at(frame):
     return bpy.data.lights["Point"].energy
 
 
+@pytest.mark.slow
 def test_two_blends_get_the_same_values_and_a_grade_each(folder):
     out = folder / "both"
     report, _ = run(out, folder / "shot.blend", folder / "other.blend", "--grade-each")

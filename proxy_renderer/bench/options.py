@@ -6,6 +6,9 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 
+HALVES = ("development", "held-out", "all")
+"""Of a corpus of scenes: where faults may be looked for, where not, and both."""
+
 
 def _speed(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
@@ -99,6 +102,26 @@ def _encoder(sub: argparse.ArgumentParser) -> None:
     )
 
 
+def _wild(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("--scenes", required=True, metavar="DIR", help="folder of .blend, .glb and other scenes")
+    sub.add_argument(
+        "--half",
+        default="development",
+        choices=HALVES,
+        help="which scenes; the hash of a name says to which half it belongs (default: development)",
+    )
+    sub.add_argument(
+        "--list", dest="listed", default="", metavar="FILE", help="only the paths in this file, one a line"
+    )
+    sub.add_argument(
+        "--prompt", default="", metavar="TEXT", help="for all scenes (default: one of eight each)"
+    )
+    sub.add_argument("--only", default="*", metavar="GLOB", help='only paths like this: "*car*"')
+    sub.add_argument(
+        "--size", type=int, default=256, metavar="N", help="longer side of the pictures (default: 256)"
+    )
+
+
 AddOptions = Callable[[argparse.ArgumentParser], None]
 
 BENCHES: dict[str, tuple[str, AddOptions]] = {
@@ -110,6 +133,7 @@ BENCHES: dict[str, tuple[str, AddOptions]] = {
     ),
     "batch": ("What a batch costs beside its vibes: by workers, and by jobs.", _batch),
     "encoder": ("How well the encoder reads looks off pictures, and words, that it never saw.", _encoder),
+    "wild": ("How a vibe fares on a folder of other people's scenes.", _wild),
     "gradients": ("Whether the proxy's gradients point where Cycles' pictures go.", _gradients),
 }
 """By name: a summary, and what declares the options, which are the keywords of its module's `run`."""

@@ -5,6 +5,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+import pytest
 import torch
 from PIL import Image
 
@@ -14,6 +15,7 @@ from proxy_renderer.train.evaluate import Mistake
 from proxy_renderer.train.pictures.looks import NAMES
 
 
+@pytest.mark.slow
 def test_the_command_measures_and_writes(tmp_path: Path) -> None:
     results = encoder.run(tmp_path / "out", views=6, pairs=0, cache_folder=str(tmp_path / "cache"))
     written = json.loads((tmp_path / "out" / "results.json").read_text())

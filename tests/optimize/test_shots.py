@@ -102,6 +102,7 @@ def test_what_is_locked_or_moves_in_one_is_locked_in_all(views):
     assert LAMP not in {**first, **other}
 
 
+@pytest.mark.slow
 def test_every_variant_is_drawn_in_every_shot(tmp_path):
     """A column for each variant, a row for each shot; what they share is one set of values."""
     names, sides = ("Wide", "Close"), ({}, {"camera/azimuth": 50.0})

@@ -59,6 +59,7 @@ def _check(proxy: Proxy, values: dict[str, Tensor]) -> None:
     assert not broken
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("group", GROUPS)
 def test_one_at_its_bound(proxy: Proxy, group: str) -> None:
     usual = {key: torch.tensor(i.value) for key, i in SCENE.instances.items()}

@@ -155,6 +155,7 @@ def _outlines(picture: Render) -> Tensor:
     return (picture.mask * ramp).mean()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", CAMERA)
 def test_camera_outlines(family: str) -> None:
     """15 % at 96 pixels, or 7 % of what a degree of field of view does where the outlines' sides cancel."""

@@ -110,6 +110,7 @@ class _Run:
             self._save(number)
             measured.append(self.conversation.wait(messages.Finished))
             self.out.copy("compare.png", compared)
+            self._copy_prediction(number, result)
             self.stopwatch.lap("save and measure")
         return measured, skipped
 
@@ -170,6 +171,10 @@ class _Run:
         compared = Path(self.shot_list.jobs[number].folder) / "compare.png"
         self.conversation.ask(messages.Finish(before, after, str(compared), shot=number))
         return compared
+
+    def _copy_prediction(self, number: int, result: messages.Result) -> None:
+        predicted = Path(self.shot_list.jobs[number].folder) / result.prediction
+        self.out.copy(numbered("predicted.png", number), predicted)
 
     def _save(self, number: int) -> None:
         """Saves the .blend after its last shot, or of every shot that has a grade of its own."""

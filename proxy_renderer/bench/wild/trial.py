@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One scene of a stranger's: a vibe in a process of its own, its time and memory, and what it left behind."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import time
+from collections import deque
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import psutil
+import torch
+
+from ...blender import launch
+from ...color.differences import ciede2000
+from ...color.tensors import lab_from_srgb
+from ...engine.report import load_picture
+from ...schema import atomic
+
+_SHORT = ("--rounds", "1", "--steps", "8", "--samples", "64")
+"""A short vibe: what is tried is whether a scene can be read, changed, predicted and given back."""
+_LONGEST = 900
+"""Seconds after which a vibe counts as hanging."""
+_TICK = 0.2
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A vibe to be tried.
+
+    Attributes:
+        scene: A .blend or a mesh.
+        prompt: The words.
+        folder: Gets "row.json", "log.txt", and in "out" what `vibe run` writes.
+        size: Longer side of the pictures, pixels.
+    """
+
+    scene: Path
+    prompt: str
+    folder: Path
+    size: int
+
+    def row(self) -> dict[str, Any]:
+        """What was measured, from row.json if the trial has been made already."""
+        kept = self.folder / "row.json"
+        if not kept.is_file():
+            atomic.write_text(kept, json.dumps(self._made(), indent=1))
+        row: dict[str, Any] = json.loads(kept.read_text(encoding="utf-8"))
+        return row
+
+    def _made(self) -> dict[str, Any]:
+        current, temporary = self.folder / "current", self.folder / "temporary"
+        for each in (current, temporary):
+            each.mkdir(parents=True, exist_ok=True)
+        before = _files(self.scene.parent)
+        code, seconds, memory = self._vibe(current, temporary)
+        left = sorted(_files(self.scene.parent) - before) + sorted(_files(current) | _files(temporary))
+        return {
+            "prompt": self.prompt,
+            "megabytes": round(self.scene.stat().st_size / 1e6, 2),
+            "code": code,
+            "error": "" if code == 0 else self._last_line(),
+            "seconds": round(seconds, 1),
+            "memory_gb": round(memory / 1e9, 2),
+            "left_behind": left,
+            **(self._report() if code == 0 else {}),
+            **self._reverted(),
+        }
+
+    def _vibe(self, current: Path, temporary: Path) -> tuple[int, float, int]:
+        """Exit code, seconds, and the most memory that all its processes held together, bytes."""
+        options = [
+            "--prompt",
+            self.prompt,
+            "--out",
+            str((self.folder / "out").resolve()),
+            "--budget",
+            "quick",
+        ]
+        command = [sys.executable, "-m", "proxy_renderer.cli", "run", str(self.scene.resolve()), *options]
+        environment = {
+            **launch.environment(),
+            "TMPDIR": str(temporary.resolve()),
+            "TORCHINDUCTOR_CACHE_DIR": str(self.folder / "inductor"),
+        }
+        start, most = time.monotonic(), 0
+        with (self.folder / "log.txt").open("w", encoding="utf-8") as log:
+            process = subprocess.Popen(
+                [*command, "--size", str(self.size)],
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                cwd=current,
+                env=environment,
+            )
+            while process.poll() is None:
+                most = max(most, _memory(process.pid))
+                if time.monotonic() - start > _LONGEST:
+                    _kill(process.pid)
+                time.sleep(_TICK)
+        return process.returncode, time.monotonic() - start, most
+
+    def _last_line(self) -> str:
+        lines = (self.folder / "log.txt").read_text(encoding="utf-8", errors="replace").strip().splitlines()
+        return lines[-1].strip() if lines else "nothing was said"
+
+    def _report(self) -> dict[str, Any]:
+        """What the vibe said of itself, and how far its prediction was from Cycles."""
+        out = self.folder / "out"
+        report = json.loads((out / "report.json").read_text(encoding="utf-8"))
+        after, predicted = (
+            torch.from_numpy(load_picture(out / f"{n}.png").copy()) for n in ("after", "predicted")
+        )
+        apart = ciede2000(lab_from_srgb(predicted), lab_from_srgb(after))
+        subject = torch.from_numpy(load_picture(out / "mask.png").copy())[..., 0] > 0.5
+        return {
+            "delta_e": round(float(apart.mean()), 3),
+            "p95": round(float(apart.flatten().quantile(0.95)), 3),
+            "delta_e_subject": round(float(apart[subject].mean()), 3) if subject.any() else None,
+            "black": bool(after.amax() < 0.02),
+            "subject": report["subject"],
+            "read_seconds": report["timings"]["open and export"],
+            "similarity": report["similarity"],
+            "ignored": report["understood"]["ignored"],
+            "notes": report["understood"]["notes"],
+            "warnings": report["warnings"],
+        }
+
+    def _reverted(self) -> dict[str, Any]:
+        """Whether Revert gives the artist's file back; {} where there is no .blend to compare with."""
+        vibed = self.folder / "out" / "vibed.blend"
+        if self.scene.suffix.lower() != ".blend" or not vibed.is_file():
+            return {}
+        places = [str(path.resolve()) for path in (self.scene, vibed, self.folder)]
+        tail: deque[str] = deque(maxlen=20)
+        process = launch.start(["-m", "vibe_render.bench.wild", *places])
+        told = [event for event in launch.events(process, tail) if event["type"] == "scene"]
+        process.wait()
+        if not told:
+            return {"revert": {"differ": None, "examples": [line.strip() for line in tail][-3:]}}
+        return {"revert": {key: value for key, value in told[0].items() if key != "type"}}
+
+
+def _files(folder: Path) -> set[str]:
+    """The names of everything in a folder, but not in the folders in it."""
+    return set(os.listdir(folder))
+
+
+def _memory(number: int) -> int:
+    """Bytes that a process and all it has started hold."""
+    total = 0
+    for process in _family(number):
+        try:
+            total += process.memory_info().rss
+        except psutil.Error:
+            continue
+    return total
+
+
+def _family(number: int) -> list[psutil.Process]:
+    try:
+        first = psutil.Process(number)
+        return [first, *first.children(recursive=True)]
+    except psutil.Error:
+        return []
+
+
+def _kill(number: int) -> None:
+    for process in reversed(_family(number)):
+        try:
+            process.kill()
+        except psutil.Error:
+            continue
