@@ -79,8 +79,7 @@ class Trial:
             self.prompt,
             "--out",
             str((self.folder / "out").resolve()),
-            "--budget",
-            "quick",
+            *_SHORT,
         ]
         command = [sys.executable, "-m", "proxy_renderer.cli", "run", str(self.scene.resolve()), *options]
         environment = {
