@@ -55,9 +55,6 @@ def carry_out(a: argparse.Namespace, what: str, scenes: Sequence[Path] = ()) -> 
         scenes: Its scenes.
     """
     checks.prompt(a.prompt)
-    check.vocabulary(a.vocabulary)
-    if not check.model(a):
-        check.words(a.prompt)
     checks.numbers(a)
     a.groups = checks.groups(a.groups)
     checks.locks(a.lock)
@@ -68,4 +65,7 @@ def carry_out(a: argparse.Namespace, what: str, scenes: Sequence[Path] = ()) -> 
 
     with ExitStack() as stack:
         places = [str(stack.enter_context(prepared(scene))) for scene in scenes]
+        check.vocabulary(a.vocabulary)  # after the meshes: it takes as long as they do
+        if not check.model(a):
+            check.words(a.prompt)
         return launch([what, *places, f"--out={out}", *command_line.to_arguments(a)], out)
