@@ -21,7 +21,7 @@ def summary(rows: Mapping[str, Row]) -> dict[str, Any]:
 
     Returns:
         `scenes`: how many; `pictures`: of those, with a picture that is not black; `refused`: with one clear line;
-        `broken`: neither; `exact_reverts` of `compared_reverts`; `clean`: nothing left behind; `delta_e`, `p95` and
+        `failed`: the names of those with neither; `exact_reverts` of `compared_reverts`; `clean`: nothing left behind; `delta_e`, `p95` and
         `delta_e_subject`: median and 90th percentile; `seconds`: likewise; `rows`.
     """
     every = list(rows.values())
@@ -30,7 +30,7 @@ def summary(rows: Mapping[str, Row]) -> dict[str, Any]:
         "scenes": len(every),
         "pictures": sum(outcome(row) == "picture" for row in every),
         "refused": sum(outcome(row) == "refused" for row in every),
-        "broken": [name for name, row in rows.items() if outcome(row) == "broken"],
+        "failed": [name for name, row in rows.items() if outcome(row) == "broken"],
         "exact_reverts": sum(each["differ"] == 0 for each in compared),
         "compared_reverts": len(compared),
         "clean": sum(not row["left_behind"] for row in every),
@@ -89,7 +89,7 @@ def _closing(results: Mapping[str, Any]) -> str:
     far = f"CIEDE2000 {apart['median']} / {apart['p90']}" if apart else "no prediction"
     return (
         f"{results['scenes']} scenes: {results['pictures']} pictures, {results['refused']} refused with a remedy, "
-        f"{len(results['broken'])} broken; {results['exact_reverts']} of {results['compared_reverts']} reverts exact; "
+        f"{len(results['failed'])} broken; {results['exact_reverts']} of {results['compared_reverts']} reverts exact; "
         f"{results['clean']} left nothing behind; {far} (median / 90th percentile)."
     )
 
