@@ -24,6 +24,8 @@ _SHOWN = 8
 def compare(original: Path, vibed: Path, folder: Path) -> dict[str, Any]:
     """Reverts a vibed file and compares it with its original; both as this Blender saves and reopens them.
 
+    Both have been saved twice then: each time Blender drops what nothing in the file uses.
+
     Args:
         original: The artist's file.
         vibed: What a vibe has made of it.
@@ -34,6 +36,7 @@ def compare(original: Path, vibed: Path, folder: Path) -> dict[str, Any]:
         `lost`: what Revert says that it could not restore.
     """
     open_blend(original)
+    _save(folder / "original.blend")
     before = _saved(folder / "original.blend")
     open_blend(vibed)
     lost = [line for scene in bpy.data.scenes if snapshot.exists(scene) for line in snapshot.revert(scene)]
@@ -44,9 +47,14 @@ def compare(original: Path, vibed: Path, folder: Path) -> dict[str, Any]:
 
 def _saved(path: Path) -> dict[str, Any]:
     """What the open file holds after it has been saved and opened again, without what Blender makes for any render."""
+    _save(path)
+    return {path: value for path, value in dump().items() if "images[Render Result]" not in path}
+
+
+def _save(path: Path) -> None:
+    """Saves the open file and opens what has been saved."""
     save_blend(path)
     open_blend(path)
-    return {path: value for path, value in dump().items() if "images[Render Result]" not in path}
 
 
 if __name__ == "__main__":
