@@ -102,16 +102,20 @@ def materials(scene: Scene, subject: Sequence[Object], everything: bool = False)
     graph = depsgraph(scene)
     chosen, to_clip = set(subject), None if everything else frustum(scene)
     roles: dict[Material, str] = {}
+    used: dict[tuple[int, int], list[Material]] = {}
     for item in graph.object_instances:
-        original, parent = item.object.original, item.parent and item.parent.original
-        if item.object.type not in GEOMETRY or owned.is_fog(original) or not item.show_self:
+        if item.object.type not in GEOMETRY or not item.show_self:
             continue
-        if (parent or original).hide_render or not (to_clip is None or in_frame(to_clip, item)):
+        original, parent = item.object.original, item.parent and item.parent.original
+        if (parent or original).hide_render or owned.is_fog(original):
             continue
         role = "subject" if original in chosen or parent in chosen else "surroundings"
-        for material in _used(item.object):
-            if roles.get(material) != "subject":
-                roles[material] = role
+        key = original.as_pointer(), item.object.data.as_pointer()
+        materials_of = used[key] if key in used else used.setdefault(key, _used(item.object))
+        # Of thousands of instances that have the same materials, one in the frame is enough.
+        new = [m for m in materials_of if roles.get(m) not in ("subject", role)]
+        if new and (to_clip is None or in_frame(to_clip, item)):
+            roles.update(dict.fromkeys(new, role))
     return dict(sorted(roles.items(), key=lambda pair: pair[0].name_full))
 
 

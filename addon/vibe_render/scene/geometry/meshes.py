@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import bpy
 import numpy as np
@@ -27,25 +28,48 @@ def collect(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[list[Place
         The meshes that the render shows, and notes about what could not be read.
     """
     meshes: dict[tuple, SourceMesh] = {}
+    # Thousands of instances share an object and its mesh: what these say is asked for once.
+    known: dict[tuple[int, int], _Shown] = {}
     placed: list[PlacedMesh] = []
     warnings: dict[str, None] = {}
     for instance in depsgraph.object_instances:
         thing = instance.object
         if thing.type in _SKIPPED and instance.show_self:
             warnings[f"{thing.name} is {_SKIPPED[thing.type]}: the prediction leaves it out."] = None
-        if instance.show_self and thing.type == "MESH":
-            warnings.update(dict.fromkeys(_special(thing)))
         # Curves, texts and metaballs come once as themselves and once as the mesh that they become.
-        if thing.type != "MESH" or not instance.show_self or not thing.visible_camera:
+        if thing.type != "MESH" or not instance.show_self:
             continue
-        slots = _materials(thing)
-        names = tuple(m.name_full if m else DEFAULT_MATERIAL for m in slots)
-        key = (thing.data.as_pointer(), *names)
-        mesh = meshes.get(key) or meshes.setdefault(key, _read(thing.data, slots, uv_of))
-        parent = instance.parent.original.name_full if instance.parent else ""
-        owner = (thing.original.name_full, parent)
-        placed.append(PlacedMesh(mesh, names, np.array(instance.matrix_world), owner))
+        key = thing.original.as_pointer(), thing.data.as_pointer()
+        if key not in known:
+            warnings.update(dict.fromkeys(_special(thing)))
+            known[key] = _shown(thing, meshes, uv_of)
+        shown = known[key]
+        if shown.mesh is not None:
+            parent = instance.parent.original.name_full if instance.parent else ""
+            matrix = np.array(instance.matrix_world)
+            placed.append(PlacedMesh(shown.mesh, shown.materials, matrix, (shown.name, parent)))
     return placed, list(warnings)
+
+
+@dataclass(frozen=True)
+class _Shown:
+    """What an evaluated object shows of itself: its mesh, None if the camera does not see it."""
+
+    mesh: SourceMesh | None
+    materials: tuple[str, ...]
+    name: str
+
+
+def _shown(thing: bpy.types.Object, meshes: dict[tuple, SourceMesh], uv_of: UvLookup) -> _Shown:
+    """Reads an object with a mesh, unless the same mesh with the same materials has been read already."""
+    name = thing.original.name_full
+    if not thing.visible_camera:
+        return _Shown(None, (), name)
+    slots = _materials(thing)
+    names = tuple(m.name_full if m else DEFAULT_MATERIAL for m in slots)
+    key = (thing.data.as_pointer(), *names)
+    mesh = meshes.get(key) or meshes.setdefault(key, _read(thing.data, slots, uv_of))
+    return _Shown(mesh, names, name)
 
 
 def _special(thing: bpy.types.Object) -> list[str]:

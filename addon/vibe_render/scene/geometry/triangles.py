@@ -3,12 +3,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 _FARTHEST = 1e9
 """Meters from the origin beyond which squares of areas leave the range of 32-bit floats."""
+_BATCH = 1_000_000
+"""Vertices of copies of a mesh that are placed at once: bounds the memory for it."""
 
 
 @dataclass(frozen=True)
@@ -88,12 +91,15 @@ def assembled(things: list[PlacedMesh], warnings: list[str]) -> SceneGeometry:
         things: What a picture shows.
         warnings: Notes about what could not be read.
     """
-    parts: dict[int, _Part] = {}
+    copies: dict[int, list[int]] = {}
+    for number, thing in enumerate(things):
+        copies.setdefault(id(thing.mesh), []).append(number)
+    pieces: dict[int, _Piece] = {}
+    for numbers in copies.values():
+        pieces.update(zip(numbers, _pieces([things[n] for n in numbers]), strict=False))
     result = _Builder(dict.fromkeys(warnings))
-    for thing in things:
-        part = parts.get(id(thing.mesh)) or parts.setdefault(id(thing.mesh), _part(thing.mesh))
-        if len(part.faces):
-            result.add(part, thing)
+    for number in sorted(pieces):
+        result.add(pieces[number], things[number])
     return result.geometry()
 
 
@@ -107,11 +113,6 @@ class _Part:
     uvs: np.ndarray
     slot: np.ndarray
 
-    def pick(self, faces: np.ndarray) -> _Part:
-        """The same mesh with some of its faces, (F,) bool."""
-        rest = (self.faces[faces], self.normals[faces], self.uvs[faces], self.slot[faces])
-        return _Part(self.vertices, *rest)
-
 
 def _part(mesh: SourceMesh) -> _Part:
     solid = mesh.solid[mesh.slot]
@@ -123,8 +124,27 @@ def _part(mesh: SourceMesh) -> _Part:
     return _Part(mesh.vertices, mesh.corners[corners], mesh.normals[corners], uvs, slot)
 
 
+@dataclass
+class _Piece:
+    """A placed mesh: arrays as in `SceneGeometry`, but `faces` count from its own vertices.
+
+    Attributes:
+        slot: (F,) numbers of material slots.
+        box: (2, 3), the least and the greatest corner.
+        broken: Whether some vertices have no usable place.
+    """
+
+    vertices: np.ndarray
+    faces: np.ndarray
+    normals: np.ndarray
+    uvs: np.ndarray
+    slot: np.ndarray
+    box: np.ndarray
+    broken: bool
+
+
 class _Builder:
-    """Gathers placed parts and numbers their materials and objects."""
+    """Gathers placed pieces and numbers their materials and objects."""
 
     def __init__(self, warnings: dict[str, None]) -> None:
         self.pieces: list[tuple[np.ndarray, ...]] = []
@@ -134,32 +154,22 @@ class _Builder:
         self.warnings = warnings
         self.count = 0
 
-    def add(self, part: _Part, thing: PlacedMesh) -> None:
-        vertices, normals = _place(part, thing.matrix)
-        usable = (np.abs(vertices) < _FARTHEST).all(1)  # also false for what is not a number
-        if not usable.all():
+    def add(self, piece: _Piece, thing: PlacedMesh) -> None:
+        if piece.broken:
             name = thing.owner[0]
             self.warnings[f"{name} has corners without a usable place: their faces are left out."] = None
-            vertices[~usable] = 0.0
-        corners = vertices[part.faces]
-        whole = usable[part.faces].all(1) & _has_area(corners)
-        if not whole.any():
+        if not len(piece.faces):
             return
-        owner = self._owner(thing.owner, corners[whole].reshape(-1, 3))
-        part, normals = part.pick(whole), normals[whole]
         numbers = np.array(
             [self.materials.setdefault(n, len(self.materials)) for n in thing.materials], np.int32
         )
-        # a mirrored instance keeps its winding counter-clockwise seen from outside
-        order = [2, 1, 0] if np.linalg.det(thing.matrix[:3, :3]) < 0 else [0, 1, 2]
-        faces, normals, uvs = part.faces[:, order] + self.count, normals[:, order], part.uvs[:, order]
-        owners = np.full(len(faces), owner, np.int32)
-        self.pieces.append((vertices, faces, normals, uvs, numbers[part.slot], owners))
-        self.count += len(vertices)
+        owners = np.full(len(piece.faces), self._owner(thing.owner, piece.box), np.int32)
+        rest = piece.normals, piece.uvs, numbers[piece.slot], owners
+        self.pieces.append((piece.vertices, piece.faces + self.count, *rest))
+        self.count += len(piece.vertices)
 
-    def _owner(self, who: tuple[str, str], points: np.ndarray) -> int:
-        """The object's number; its box grows around the points, (P, 3)."""
-        box = np.stack([points.min(0), points.max(0)])
+    def _owner(self, who: tuple[str, str], box: np.ndarray) -> int:
+        """The object's number; its box grows by another, (2, 3)."""
         number = self.objects.setdefault(who, len(self.objects))
         if number == len(self.boxes):
             self.boxes.append(box)
@@ -180,22 +190,65 @@ class _Builder:
         return SceneGeometry(vertices, faces, normals, uvs, material, owner, *rest)
 
 
+def _pieces(copies: list[PlacedMesh]) -> Iterator[_Piece]:
+    """The placed copies of one mesh. Many at once: a tree has thousands of leaves."""
+    part = _part(copies[0].mesh)
+    if not len(part.faces):
+        return
+    step = max(1, _BATCH // len(part.vertices))
+    for first in range(0, len(copies), step):
+        matrices = np.stack([copy.matrix for copy in copies[first : first + step]])
+        mirrored = np.linalg.det(matrices[:, :3, :3]) < 0
+        vertices, normals = _place(part, matrices, np.where(mirrored, -1.0, 1.0))
+        x, y, z = np.moveaxis(np.abs(vertices) < _FARTHEST, -1, 0)  # also false for what is not a number
+        usable = x & y & z
+        vertices[~usable] = 0.0
+        corners = vertices[:, part.faces]
+        whole = _has_area(corners)
+        if not usable.all():
+            whole &= usable[:, part.faces].all(2)
+        boxes = np.stack([corners.min((1, 2)), corners.max((1, 2))], axis=1)
+        for copy in range(len(matrices)):
+            complete = whole[copy].all()
+            keep = slice(None) if complete else whole[copy]
+            # a mirrored copy keeps its winding counter-clockwise seen from outside
+            order = slice(None, None, -1 if mirrored[copy] else 1)
+            yield _Piece(
+                vertices[copy],
+                part.faces[keep][:, order],
+                normals[copy][keep][:, order],
+                part.uvs[keep][:, order],
+                part.slot[keep],
+                boxes[copy] if complete else _box(corners[copy][keep].reshape(-1, 3)),
+                not usable[copy].all(),
+            )
+
+
+def _box(points: np.ndarray) -> np.ndarray:
+    """(2, 3), the least and the greatest of points (P, 3); zeros without points."""
+    return np.stack([points.min(0), points.max(0)]) if len(points) else np.zeros((2, 3), np.float32)
+
+
 def _has_area(corners: np.ndarray) -> np.ndarray:
-    """(F,) bool: whether triangles (F, 3, 3) are more than lines and points."""
-    a, b, c = corners.astype(float).transpose(1, 2, 0)
-    (x, y, z), (u, v, w) = b - a, c - a
+    """(..., F) bool: whether triangles (..., F, 3, 3) are more than lines and points."""
+    a, b, c = np.moveaxis(corners.astype(float), -2, 0)
+    (x, y, z), (u, v, w) = np.moveaxis(b - a, -1, 0), np.moveaxis(c - a, -1, 0)
     return (y * w != z * v) | (z * u != x * w) | (x * v != y * u)  # np.cross takes four times as long
 
 
-def _place(part: _Part, matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Vertices and corner normals in world space."""
-    linear = matrix[:3, :3]
+def _place(part: _Part, matrices: np.ndarray, sign: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices (I, V, 3) and corner normals (I, F, 3, 3) in world space, of copies at matrices (I, 4, 4).
+
+    `sign` (I,) is -1 for mirrored copies.
+    """
+    linear = matrices[:, :3, :3]
     with np.errstate(invalid="ignore", over="ignore"):
-        vertices = (part.vertices @ linear.T + matrix[:3, 3]).astype(np.float32)
+        placed = part.vertices @ linear.transpose(0, 2, 1) + matrices[:, None, :3, 3]
+        vertices = placed.astype(np.float32)
     # Normals go with the inverse transpose; the cofactor matrix is that times the determinant, and
     # flattened objects have one too.
-    a, b, c = linear
-    cofactor = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)])
-    normals = part.normals @ (cofactor.T * (-1 if np.linalg.det(linear) < 0 else 1))
+    a, b, c = linear.transpose(1, 0, 2)
+    cofactor = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
+    normals = part.normals @ (cofactor.transpose(0, 2, 1) * sign[:, None, None])[:, None]
     normals /= np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), 1e-12)
     return vertices, normals.astype(np.float32)
