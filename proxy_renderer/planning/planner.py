@@ -182,9 +182,12 @@ class _Planner:
         return next((srgb_from_linear(self._planned(i)) for i in found if i), (1.0, 1.0, 1.0))
 
     def _glows(self, owner: str) -> bool:
+        """Whether a material is to glow, or does: many have a strength of 1 and a black emission color."""
         key = f"material/{owner}/emission"
         asked = self.settled[key][0][1][0] if key in self.settled else 0.0
-        return max(asked, self.instances[key].value[0] if key in self.instances else 0.0) > 0.02
+        strength, color = (self.instances.get(k) for k in (key, f"{key}_color"))
+        glow = strength.value[0] * max(color.value) if strength and color else 0.0
+        return max(asked, glow) > 0.02
 
     def _entry(self, instance: Instance) -> PlanEntry:
         settled = self.settled.get(instance.key)

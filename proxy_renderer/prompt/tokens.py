@@ -97,12 +97,8 @@ class Lexer:
                 part = words[start : start + count]
                 if self._ends_in_thing(part):
                     continue
-                token = (
-                    self._tinged(part)
-                    or self._shaded(part)
-                    or self._shaded_material(part)
-                    or self._phrase(" ".join(part))
-                )
+                composed = None if self._cuts_a_phrase(words, start, start + count) else self._composed(part)
+                token = composed or self._phrase(" ".join(part))
                 if token.known or count == 1:
                     tokens.append(token if token.known else self._guess(token))
                     start += count
@@ -157,6 +153,16 @@ class Lexer:
         if len(words) < 2 or last not in self.names or " ".join(words) in self.names:
             return False
         return last not in v.synonyms and last not in v.colors and self._phrase(" ".join(words[:-1])).known
+
+    def _cuts_a_phrase(self, words: list[str], start: int, end: int) -> bool:
+        """Whether words from start to end take the first word of a listed phrase: "warm golden" of "golden hour"."""
+        later = range(end + 1, min(end + _LONGEST, len(words) + 1))
+        synonyms = self.vocabulary.synonyms
+        return any(" ".join(words[i:j]) in synonyms for i in range(start + 1, end) for j in later)
+
+    def _composed(self, words: list[str]) -> Token | None:
+        """A color or material with the words that shift it: "warm golden", "very dark blue", "dark walnut"."""
+        return self._tinged(words) or self._shaded(words) or self._shaded_material(words)
 
     def _tinged(self, words: list[str]) -> Token | None:
         color = tinged(words, self.vocabulary.colors)
