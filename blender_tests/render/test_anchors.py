@@ -6,7 +6,6 @@ import pytest
 import small_scenes as scenes
 import torch
 from dump import difference, dump
-from vibe_render.core import compat
 from vibe_render.export import reading
 from vibe_render.render import anchors, final_render
 from vibe_render.scene import bindings, snapshot
@@ -171,16 +170,3 @@ def test_an_anchored_proxy_shows_what_cycles_renders(scene, tmp_path):
         anchored = mean_difference(proxy.render(moved).display, after)
     assert anchored < before
     assert anchored < 1.0
-
-
-def test_other_files_formats_come_back(studio):
-    scene, _, path = studio
-    picture = scene.render.image_settings
-    if hasattr(picture, "media_type"):
-        picture.media_type = "MULTI_LAYER_IMAGE"
-    picture.file_format = "OPEN_EXR_MULTILAYER"
-    picture.color_depth = "32"
-    before = contents()
-    final_render.render(scene, path.with_suffix(".png"), 32, 1)
-    assert difference(before, contents()) == {}
-    assert compat.compositor(scene) is not None

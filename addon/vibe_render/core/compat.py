@@ -142,6 +142,37 @@ def drop_compositor(scene: Scene) -> None:
         scene.use_nodes = False
 
 
+def separate_compositor(twin: Scene, scene: Scene) -> list[NodeTree]:
+    """Separates the compositor of a copied scene from the original's: it shows the copy, and writes no files.
+
+    Args:
+        twin: The copy.
+        scene: The original.
+
+    Returns:
+        The node groups that this has added.
+    """
+    added: list[NodeTree] = []
+    tree = compositor(twin)
+    if tree is None:
+        return added
+    if COMPOSITOR_IS_GROUP:
+        tree = twin.compositing_node_group = tree.copy()
+        added.append(tree)
+    trees = [tree]
+    for tree in trees:  # grows by the groups inside
+        for node in tree.nodes:
+            if getattr(node, "scene", None) == scene:
+                node.scene = twin
+            if node.bl_idname == "CompositorNodeOutputFile":
+                node.mute = True
+            if node.bl_idname == "CompositorNodeGroup" and node.node_tree:
+                node.node_tree = node.node_tree.copy()
+                added.append(node.node_tree)
+                trees.append(node.node_tree)
+    return added
+
+
 def own_compositor(journal: Journal, scene: Scene, tree: NodeTree) -> NodeTree:
     """The scene's compositor tree; if other scenes use it too, a copy of its own.
 

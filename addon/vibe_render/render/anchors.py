@@ -18,7 +18,8 @@ from bpy.types import Object, Scene
 from ..core.overrides import changed
 from ..core.schema_import import messages, schema
 from ..scene import bindings, scene_context
-from . import bake, final_render
+from ..scene.copies import copied_scene
+from . import final_render
 
 
 def answer(
@@ -78,7 +79,7 @@ def render_anchor(
         VibeError: A value is not usable, or the file cannot be written.
     """
     lit = {key: value for key, value in values.items() if not key.startswith("film/")}
-    with bindings.trial(scene, lit, subject, pivot), bake.copied_scene(scene) as twin:
+    with bindings.trial(scene, lit, subject, pivot), copied_scene(scene) as twin:
         layer = scene_context.layer(twin)
         layer.cycles.denoising_store_passes = True
         with _light_groups(scene, layer) as groups:

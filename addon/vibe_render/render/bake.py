@@ -8,36 +8,13 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import bpy
 import numpy as np
 
-from ..core import compat
 from ..core.files import whole
 from ..core.overrides import changed
-
-
-@contextmanager
-def copied_scene(scene: bpy.types.Scene, **render: Any) -> Iterator[bpy.types.Scene]:
-    """A copy of the scene that shares its objects, without compositor and sequencer; removed after the block.
-
-    Passes and the picture of a render belong to a scene: the artist's compositor, whose sockets follow the
-    passes, and the artist's last render are left alone this way.
-
-    Args:
-        render: Settings of the copy's `render`.
-    """
-    twin = scene.copy()
-    try:
-        twin.name = "Vibe Bake"
-        compat.drop_compositor(twin)
-        settings = {"use_sequencer": False, "use_border": False, "use_multiview": False, **render}
-        for name, value in settings.items():
-            setattr(twin.render, name, value)
-        yield twin
-    finally:
-        bpy.data.scenes.remove(twin)
+from ..scene.copies import copied_scene
 
 
 def render_linear(scene: bpy.types.Scene, samples: int, bounces: int = 0) -> np.ndarray:

@@ -16,7 +16,8 @@ import numpy as np
 
 from ..core.overrides import changed
 from ..scene import scene_context
-from . import bake, exr
+from ..scene.copies import copied_scene
+from . import exr
 from .planar_captures import CapturePlane, straight_on
 
 COLORS = ("base_color", "emission_color", "specular_tint", "normal")
@@ -84,7 +85,7 @@ def measure(
             material = next(w.material for w in wanted if w.material.name_full == name)
             stack.enter_context(_marked(material, float(number)))
         twin = stack.enter_context(
-            bake.copied_scene(
+            copied_scene(
                 scene,
                 resolution_x=width,
                 resolution_y=height,

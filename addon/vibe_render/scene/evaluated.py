@@ -12,8 +12,8 @@ from typing import TypeVar
 
 import bpy
 
-from ..core.overrides import changed
 from . import scene_context
+from .copies import copied_scene
 
 T = TypeVar("T")
 
@@ -46,18 +46,14 @@ def evaluate(scene: bpy.types.Scene, read: Callable[[bpy.types.Depsgraph], T]) -
 
     bpy.utils.register_class(Viewer)
     try:
-        with changed(
-            scene.render,
+        with copied_scene(
+            scene,
             engine=Viewer.bl_idname,
             resolution_percentage=100,
             resolution_x=_SMALL,
             resolution_y=_SMALL,
-            use_compositing=False,
-            use_sequencer=False,
-            use_multiview=False,
-            use_border=False,
-        ):
-            bpy.ops.render.render(scene=scene.name, layer=scene_context.layer(scene).name)
+        ) as twin:
+            bpy.ops.render.render(scene=twin.name, layer=scene_context.layer(twin).name)
     finally:
         bpy.utils.unregister_class(Viewer)
     if errors:
