@@ -33,7 +33,7 @@ def account(prompt: str, as_json: bool, scene: Path | None = None, subject: Sequ
         scene: A .blend or a mesh, which Blender reads; None for a subject, its surroundings and three lights.
         subject: Arguments that say what in the scene is the subject: "--subject=Cup".
     """
-    words, instances, context = _read(scene, subject) if scene else _plain()
+    words, instances, context = _read(prompt, scene, subject) if scene else _plain()
     parsed = parse(prompt, words)
     prompts = compose(parsed)
     decided = plan(parsed, prompts, instances, context)
@@ -42,7 +42,9 @@ def account(prompt: str, as_json: bool, scene: Path | None = None, subject: Sequ
     return explain(parsed, prompts, decided)
 
 
-def _read(scene: Path, subject: Sequence[str]) -> tuple[SceneWords, dict[str, Instance], PlanContext]:
+def _read(
+    prompt: str, scene: Path, subject: Sequence[str]
+) -> tuple[SceneWords, dict[str, Instance], PlanContext]:
     """A scene as the first round of a vibe sees it: its names, its parameters, and the picture that they give."""
     from ..blender.launch import launch
     from ..blender.meshes import prepared
@@ -50,6 +52,7 @@ def _read(scene: Path, subject: Sequence[str]) -> tuple[SceneWords, dict[str, In
 
     with tempfile.TemporaryDirectory(prefix="vibe-explain-") as folder, prepared(scene) as place:
         launch(["export", str(place), f"--out={folder}", *subject], scene, VibeProgress(sys.stderr))
+        from ..engine.added_lights import with_added_lights
         from ..optimize import context
         from ..optimize.drawing import draw
         from ..optimize.plan import lock
@@ -57,7 +60,7 @@ def _read(scene: Path, subject: Sequence[str]) -> tuple[SceneWords, dict[str, In
         from ..render.proxy import Proxy
         from ..scene import load_scene
 
-        data = load_scene(Path(folder))
+        data = with_added_lights([load_scene(Path(folder))], prompt)[0]
         vector = ParameterVector(lock(data.instances, (), (), scene.suffix.lower() != ".blend"))
         proxy = Proxy(data, context.picture_size(data.resolution, _LOOK), device="cpu", seed=0)
         u = vector.encode({})

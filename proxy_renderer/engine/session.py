@@ -28,6 +28,7 @@ from ..vlm.advisor import ModelAdvisor
 from ..vlm.client import Client
 from ..vlm.endpoint import find_endpoint
 from . import predictions, report
+from .added_lights import with_added_lights
 from .device import pick_device
 
 
@@ -67,7 +68,7 @@ class EngineSession:
         heads = encoder if encoder.heads is not None else _embedded(device)
         clock.lap("load encoder")
         self._observer.stage("loading the scene")
-        scenes = [load_scene(Path(shot.job)) for shot in self.shots]
+        scenes = with_added_lights([load_scene(Path(shot.job)) for shot in self.shots], self.prompt)
         clock.lap("load scene")
         advisor = self._advisor(scenes)
         ask, seed = self._observer.ask, self.options.seed

@@ -67,6 +67,7 @@ def plan_context(proxy: Proxy, values: dict[str, Values], picture: Render) -> Pl
         camera_azimuth=values["camera/azimuth"][0] if "camera/azimuth" in values else 0.0,
         view=scene.film.view,
         light_types={light.name: light.type for light in scene.lights},
+        added_lights=tuple(light.name for light in scene.lights if light.added),
         light_stops={light.name: light.exposure for light in scene.lights if light.exposure},
         light_elevations=headroom.elevations(scene),
         world_share=world,

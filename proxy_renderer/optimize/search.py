@@ -27,7 +27,7 @@ from .objective import RoundObjective
 from .plan import carry, feasible_ranges, lock
 from .progress import Clock, Observer
 from .selection import pull, select
-from .shots import ShotInput, ShotState, enter, share
+from .shots import ShotInput, ShotState, added_powers, enter, share
 from .vector import ParameterVector, project
 
 INNER_SIZE, _LEAST_SIZE = 256, 192
@@ -98,6 +98,7 @@ class Search:
             size = inner_size(scene, options, encoder)
             return Proxy(scene, size, device=str(encoder.device), seed=options.seed)
 
+        self.vector.taken = added_powers(views[0].scene)
         self.shots = enter(views, names, self.vector, proxy)
         words = context.scene_words(*(view.scene for view in views))
         self.advisor = advisor or OfflineAdvisor(prompt, words)

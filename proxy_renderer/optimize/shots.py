@@ -119,10 +119,16 @@ def enter(
     shots = []
     for view, mine in zip(views, names, strict=True):
         own_vector, renderer = vector.view(mine), proxy(view.scene)
+        own_vector.taken = added_powers(view.scene)
         shots.append(
             ShotState(view.scene, mine, own_vector, renderer, Anchoring(renderer, own_vector, view.source))
         )
     return shots
+
+
+def added_powers(scene: SceneData) -> set[str]:
+    """Keys of the powers of lights that the artist's scene lacks: writing them adds the lights."""
+    return {f"light/{light.name}/power" for light in scene.lights if light.added}
 
 
 def _alike(a: Instance, b: Instance) -> bool:

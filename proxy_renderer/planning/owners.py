@@ -3,11 +3,12 @@
 
 from __future__ import annotations
 
-from ..prompt.lexicon.vocabulary import OWNERS, Effect
+from ..prompt.lexicon.vocabulary import OWNERS, Effect, Vocabulary
 from ..prompt.names import is_detail, kind_of
 from ..prompt.types import Attribute, Parsed, PlanContext
 from ..schema import Instance
 from .illumination import facing_radiance
+from .lights.meant import KnownLight, assigned, named
 
 _PART = 0.12  # materials on less of their region are parts: tyres, eyes, screws
 _SLIVER = 0.05  # of the surroundings: so little world counts as none
@@ -21,14 +22,19 @@ class Owners:
         rim: Names of the rim lights; else the one nearest to behind the subject, if there are several.
         fill: Names of the fill lights.
         lights: All lights.
+        lamps: The lights that the prompt tells apart: number -> names, of which the first is meant above all.
     """
 
-    def __init__(self, parsed: Parsed, instances: dict[str, Instance], context: PlanContext) -> None:
+    def __init__(
+        self, parsed: Parsed, instances: dict[str, Instance], context: PlanContext, vocabulary: Vocabulary
+    ) -> None:
         self.parsed, self.instances, self.context = parsed, instances, context
+        self.vocabulary = vocabulary
         self.lights = list(dict.fromkeys(i.owner for i in instances.values() if i.parameter.group == "light"))
-        self.key = self._roles("key") or self._brightest()
-        self.rim = [n for n in self._roles("rim") if n not in self.key] or self._nearest_behind()
-        self.fill = [n for n in self._roles("fill") if n not in self.key]
+        self.key = self.of_role("key") or self._brightest()
+        self.rim = [n for n in self.of_role("rim") if n not in self.key] or self._nearest_behind()
+        self.fill = [n for n in self.of_role("fill") if n not in self.key]
+        self.lamps = assigned(parsed.attributes, self._known_lights(), vocabulary)
 
     def of(self, effect: Effect, attribute: Attribute) -> list[Instance]:
         """The instances of an effect's family that an attribute means; may be empty."""
@@ -36,7 +42,7 @@ class Owners:
         if group == "material":
             names = self._materials(effect, attribute)
         elif group == "light":
-            names = self._lights(effect.owner, attribute.role)
+            names = self._lights(effect, attribute)
         else:
             names = [""] if self._concerns(effect, attribute) else []
         keys = (f"{group}/{name}/{effect.name}" if name else f"{group}/{effect.name}" for name in names)
@@ -85,7 +91,14 @@ class Owners:
 
     # ---- lights
 
-    def _lights(self, owner: str, role: str) -> list[str]:
+    def _lights(self, effect: Effect, attribute: Attribute) -> list[str]:
+        owner, role = effect.owner, attribute.role
+        if (own := self._meant(attribute)) is not None:
+            if owner in ("light", "key", "lights"):
+                return own[:1] if owner != "lights" and effect.name in ("azimuth", "elevation") else own
+            if owner == "others":
+                spoken_of = {*own, *(name for names in self.lamps.values() for name in names)}
+                return [name for name in self.lights if name not in spoken_of]
         meant = {"key": self.key, "rim": self.rim, "fill": self.fill, "others": self._others("key")}.get(role)
         if owner == "light":
             return self.key if meant is None else meant
@@ -95,11 +108,36 @@ class Owners:
             return self._others(role)
         return {"key": self.key, "rim": self.rim, "fill": self.fill}[owner]
 
+    def _meant(self, attribute: Attribute) -> list[str] | None:
+        """The lights that a word is said of, where the prompt tells several apart or calls one by its name."""
+        if attribute.lamp:
+            return self.lamps[attribute.lamp]
+        if attribute.kind != "light" or attribute.role or attribute.cause:
+            return None
+        return named(attribute.thing, self._known_lights(), self.vocabulary)
+
+    def _known_lights(self) -> list[KnownLight]:
+        """All lights, the key first and those that are added for the words last."""
+        order = {name: place for place, name in enumerate(self.key)}
+        added = self.context.added_lights
+        names = sorted(self.lights, key=lambda n: (n in added, order.get(n, len(order))))
+        return [
+            KnownLight(
+                name,
+                next((i.role for i in self.instances.values() if i.owner == name and i.role), ""),
+                self.context.light_types.get(name, ""),
+                (self._value(name, "azimuth") or 0.0) - self.context.camera_azimuth,
+                name in added,
+            )
+            for name in names
+        ]
+
     def _others(self, role: str) -> list[str]:
         own = {"rim": self.rim, "fill": self.fill}.get(role, self.key)
         return [name for name in self.lights if name not in own]
 
-    def _roles(self, role: str) -> list[str]:
+    def of_role(self, role: str) -> list[str]:
+        """The lights that have a role in the scene."""
         return [
             n for n in self.lights if any(i.owner == n and i.role == role for i in self.instances.values())
         ]
@@ -122,5 +160,5 @@ class Owners:
             return abs((turned - 180 + 180) % 360 - 180)
 
         others = [n for n in self.lights if n not in self.key]
-        unassigned = [n for n in others if n not in self._roles("fill")] or others
+        unassigned = [n for n in others if n not in self.of_role("fill")] or others
         return [min(unassigned, key=frontal)] if unassigned else []

@@ -49,7 +49,7 @@ class _Planner:
         self, parsed: Parsed, instances: dict[str, Instance], context: PlanContext, vocabulary: Vocabulary
     ) -> None:
         self.parsed, self.instances, self.vocabulary = parsed, instances, vocabulary
-        self.owners = Owners(parsed, instances, context)
+        self.owners = Owners(parsed, instances, context, vocabulary)
         self.wishes = Wishes(parsed, vocabulary, self.owners)
         stops = [i.value[0] for i in instances.values() if i.parameter.name in ("exposure", "grade_exposure")]
         self.sources = Sources(context, exposure=sum(stops), constancy=self.wishes.constancy())

@@ -20,6 +20,7 @@ from .standing_out import LATE, is_silhouette, stand_out
 
 _BEHIND = 68.0  # L* behind a silhouette
 _FORMING = (82.0, 91.0)  # L* of a white surface that faces the light of a black subject
+_ADDED = (56.0, 74.0)  # L* of a white surface that faces a light that is added
 _WHITE, _SHOULDER = 93.0, 1.5  # L* of white, and the radiance from which a view shows it with a long shoulder
 _PALE = 4.0  # chroma by which a color may exceed its name before everything is made more vivid
 _VIVID, _BRIGHT = 30.0, 80.0  # chroma of a color that mirrored light bleaches, L* of what does so
@@ -43,6 +44,7 @@ def supports(
         found["world/strength"] = _around(
             free["world/strength"], 0.5, 2.0, LATE + 2, "keeps the shadows readable"
         )
+    found |= _added_lights(free, sources)
     found |= _mirroring(parsed, free, owners, sources.context)
     if "film/contrast" in free and (entry := _contrast(parsed, free["film/contrast"], sources.context)):
         found["film/contrast"] = entry
@@ -96,6 +98,17 @@ def _key_light(
                 entry = PlanEntry(lower, upper, LATE + 1, why, prior=0.2)
             found[instance.key] = entry
     return found
+
+
+def _added_lights(free: dict[str, Instance], sources: Sources) -> dict[str, PlanEntry]:
+    """A light that the words ask for has to show, whatever else they say of it."""
+    why = "supports the words: they ask for a light that the scene lacks"
+    keys = (f"light/{name}/power" for name in sources.context.added_lights)
+    return {
+        key: PlanEntry(*facing_white(free[key], *_ADDED, sources), LATE - 2, why, prior=0.0)
+        for key in keys
+        if key in free
+    }
 
 
 def _exposure(parsed: Parsed, instance: Instance, context: PlanContext) -> PlanEntry:

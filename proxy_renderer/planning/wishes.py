@@ -58,21 +58,17 @@ class Wishes:
         return [a for a in self._parsed.attributes if a not in self._parsed.overruled]
 
     def _shared_out(self) -> list[Attribute]:
-        """What is not overruled, with "red and blue lights" shared out: the first color to the key, the next to the others.
-
-        A scene of one light has the world for the other.
-        """
+        """What is not overruled; the world has the color of a light that is told apart and that the scene lacks."""
         said = self._said()
         gels = [a for a in said if a.color and a.kind == "light" and not a.role and not a.cause]
         shared: dict[int, Attribute] = {}
-        if len(gels) > 1:
-            shared = {id(gels[0]): replace(gels[0], role="key"), id(gels[1]): self._to_others(gels[1])}
+        if any(a.lamp for a in gels):
+            shared = {
+                id(a): replace(a, kind="world") for a in gels if a.lamp and not self._owners.lamps[a.lamp]
+            }
         elif gels and self._would_hide(gels[0], said):
-            shared = {id(gels[0]): self._to_others(gels[0])}
+            shared = {id(gels[0]): replace(gels[0], role="others")}
         return [shared.get(id(a), a) for a in said]
-
-    def _to_others(self, gel: Attribute) -> Attribute:
-        return replace(gel, kind="world") if self._one_light() else replace(gel, role="others")
 
     def _one_light(self) -> bool:
         return len(self._owners.lights) <= len(self._owners.key)

@@ -10,6 +10,7 @@ from ..schema import Values
 from ..schema.spec import Region
 from .lexicon.attributes import ATTRIBUTES, COLORS
 from .lexicon.vocabulary import Vocabulary
+from .lights.described import numbered
 from .types import Attribute, Parsed, PromptObject
 
 _COLORED = {
@@ -26,7 +27,7 @@ _NamedThing = tuple[str, Region, tuple[str, ...]]
 
 def complete(parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[_NamedThing]) -> None:
     """Fills in objects, targets, colors and conflicts of a prompt whose attributes are bound."""
-    parsed.attributes = _qualified(parsed.attributes, vocabulary)
+    parsed.attributes = numbered(_qualified(parsed.attributes, vocabulary), vocabulary)
     parsed.objects = _objects(parsed.attributes, subject, things)
     _settle_targets(parsed, vocabulary)
     _region_colors(parsed, parsed.attributes)
@@ -56,6 +57,7 @@ def _settle_targets(parsed: Parsed, vocabulary: Vocabulary) -> None:
                 continue
             usual = attribute.slot == "material" and head == "subject_finish"  # matte ceramic
             apart = attribute.owners and first.owners and not {*attribute.owners} & {*first.owners}
+            apart = apart or attribute.lamp != first.lamp
             if settled != value and not (attribute.cause or usual or apart or head.endswith("_color")):
                 lost += 1
                 parsed.conflicts.append(
@@ -124,10 +126,8 @@ def _heads(attribute: Attribute, vocabulary: Vocabulary) -> dict[str, str]:
         opposite = vocabulary.entries.get(entry.opposite)
         return entry.never_heads or (opposite.heads if opposite else {})
     heads = dict(entry.heads)
-    if attribute.role in ("rim", "fill") or attribute.kind in (
-        "rim",
-        "fill",
-    ):  # the heads speak of the key light
+    fill_or_rim = attribute.role in ("rim", "fill") or attribute.kind in ("rim", "fill")
+    if fill_or_rim or attribute.lamp:  # the heads speak of the key light
         heads = {head: value for head, value in heads.items() if not head.startswith("light_")}
     if attribute.region == "surroundings" or attribute.kind in ("light", "fog", "tone", "shadow"):
         heads = {head: value for head, value in heads.items() if not head.startswith("subject_")}

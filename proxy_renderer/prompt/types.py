@@ -40,6 +40,7 @@ class Attribute:
         strength: 1 as named; below for "slightly", above for "very".
         negated: "no", "without", "not".
         owners: Materials that are meant; empty for all of the region.
+        lamp: Number of the light that is meant, where the prompt tells several apart by color or side; else 0.
         role: The lights that are meant: "key", "fill", "rim" or "others"; "" for light in general.
         color: The named color, sRGB in [0, 1]; None unless the slot is "color".
         thing: What the prompt calls the thing that it describes: "teapot", "wall", "key light".
@@ -62,6 +63,7 @@ class Attribute:
     cause: str = ""
     guess: bool = False
     shades: tuple[tuple[float, float, float, float], ...] = ()
+    lamp: int = 0
 
 
 @dataclass
@@ -154,6 +156,7 @@ class PlanContext:
         camera_azimuth: Degrees, as in `schema.orbit`: light directions are relative to it.
         view: View transform: "AgX", "Filmic", "Standard", ...
         light_types: Light -> "POINT", "SPOT", "AREA" or "SUN"; watts mean different things to them.
+        added_lights: Lights that the scene lacks and gets because the words ask for them.
         light_stops: Light -> stops that Blender adds to its power (its `exposure`); none where missing.
         light_elevations: Light -> lowest and highest elevation that floor and ceiling leave it, degrees; any where missing.
         world_share: Fraction of the surroundings' pixels that show the world, not a surface; None if unknown.
@@ -167,6 +170,7 @@ class PlanContext:
     camera_azimuth: float = 0.0
     view: str = "AgX"
     light_types: dict[str, str] = field(default_factory=dict)
+    added_lights: tuple[str, ...] = ()
     light_stops: dict[str, float] = field(default_factory=dict)
     light_elevations: dict[str, tuple[float, float]] = field(default_factory=dict)
     world_share: float | None = None

@@ -10,6 +10,7 @@ from .data import (
     MeshObject,
     SceneData,
     SceneMesh,
+    Standby,
     Texture,
     WorldData,
 )
@@ -24,6 +25,7 @@ __all__ = [
     "MeshObject",
     "SceneData",
     "SceneMesh",
+    "Standby",
     "Texture",
     "WorldData",
     "load_scene",

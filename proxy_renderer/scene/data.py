@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -56,6 +56,7 @@ class Light:
         role: "key", "fill", "rim" or "other".
         tint: What the light's own nodes multiply its color by.
         scale: What its object's scale multiplies the width of an area light by.
+        added: Whether the artist's scene lacks it, and gets it because the words ask for it.
     """
 
     name: str
@@ -75,6 +76,7 @@ class Light:
     role: str = "other"
     tint: Vector = (1.0, 1.0, 1.0)
     scale: float = 1.0
+    added: bool = False
 
 
 @dataclass(frozen=True)
@@ -177,6 +179,14 @@ class SceneMesh:
 
 
 @dataclass(frozen=True)
+class Standby:
+    """Lights that the scene gets if the words ask for a light that it lacks, and their parameters by key."""
+
+    lights: tuple[Light, ...] = ()
+    instances: Mapping[str, Instance] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
 class SceneData:
     """Everything that the engine knows about a scene.
 
@@ -185,6 +195,7 @@ class SceneData:
         pivot: What the camera and the lights orbit: the center of the subject's bounding box.
         references: Scene-wide lengths that bounds are multiples of.
         instances: Every parameter of this scene by key, with the artist's value.
+        standby: Lights that it may get.
     """
 
     folder: Path
@@ -201,6 +212,13 @@ class SceneData:
     film: FilmSettings
     mesh: SceneMesh
     instances: Mapping[str, Instance]
+    standby: Standby = field(default_factory=Standby)
+
+    def with_lights(self, names: Collection[str]) -> SceneData:
+        """The scene with some of the lights on standby in it."""
+        lights = tuple(replace(light, added=True) for light in self.standby.lights if light.name in names)
+        theirs = {key: i for key, i in self.standby.instances.items() if i.owner in names}
+        return replace(self, lights=(*self.lights, *lights), instances={**self.instances, **theirs})
 
     def value(self, key: str, default: float | Values = 0.0) -> Values:
         """The artist's value of a parameter, or the default where the scene does not have it."""

@@ -22,6 +22,7 @@ from .data import (
     MeshObject,
     SceneData,
     SceneMesh,
+    Standby,
     Texture,
     WorldData,
 )
@@ -93,7 +94,8 @@ def _scene(folder: Path, content: dict[str, Any]) -> SceneData:
         volume=_record(FogBounds, content["volume"]),
         film=_record(FilmSettings, content["film"]),
         mesh=_mesh(folder / "meshes.npz", len(materials), len(objects)),
-        instances={key: _instance(key, p) for key, p in content["parameters"].items()},
+        instances=_instances(content["parameters"]),
+        standby=_standby(content.get("standby", {})),
     )
 
 
@@ -185,6 +187,15 @@ def _drop_broken(arrays: dict[str, Array]) -> dict[str, Array]:
     arrays["normals"] = np.where(sound, arrays["normals"] / np.where(sound, length, 1.0), facet[:, None])
     arrays["uvs"] = np.nan_to_num(arrays["uvs"], nan=0.0, posinf=0.0, neginf=0.0)
     return {k: v if k == "vertices" else v[keep] for k, v in arrays.items()}
+
+
+def _standby(row: dict[str, Any]) -> Standby:
+    lights = tuple(_record(Light, light) for light in row.get("lights", ()))
+    return Standby(lights, _instances(row.get("parameters", {})))
+
+
+def _instances(rows: dict[str, Any]) -> dict[str, Instance]:
+    return {key: _instance(key, row) for key, row in rows.items()}
 
 
 def _instance(key: str, row: dict[str, Any]) -> Instance:

@@ -4,6 +4,7 @@
 import pytest
 
 from proxy_renderer.planning.owners import Owners
+from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.types import PlanContext, SceneWords
 from proxy_renderer.schema import FAMILIES, Instance
@@ -27,9 +28,13 @@ def instances(brighter: str) -> dict[str, Instance]:
 @pytest.mark.parametrize("brighter", TYPES)
 def test_the_brightest_light_is_the_key(brighter):
     context = PlanContext(light_types={kind.title(): kind for kind in TYPES})
-    assert Owners(parse("noir", SceneWords()), instances(brighter), context).key == [brighter.title()]
+    assert Owners(parse("noir", SceneWords()), instances(brighter), context, default_vocabulary()).key == [
+        brighter.title()
+    ]
 
 
 def test_a_lights_own_exposure_counts():
     context = PlanContext(light_types={kind.title(): kind for kind in TYPES}, light_stops={"Spot": 1.0})
-    assert Owners(parse("noir", SceneWords()), instances("SUN"), context).key == ["Spot"]
+    assert Owners(parse("noir", SceneWords()), instances("SUN"), context, default_vocabulary()).key == [
+        "Spot"
+    ]

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,7 @@ from mathutils import Vector
 from ..core.schema_import import atomic, schema
 from ..scene import bindings, fog, scene_context
 from ..scene.nodes import shaders
-from . import measured, sanitize, view, world_light
+from . import measured, sanitize, standby, view, world_light
 from .analysis import SceneAnalysis
 from .materials import NO_MATERIAL, ExportedMaterial
 
@@ -31,13 +31,21 @@ class SceneJob:
         folder: Where it is.
         analysis: The scene's analysis.
         instances: Its parameters, by key.
+        standby: Those of the lights that are added if the words ask for a light that the scene lacks.
         warnings: What the engine sees only approximately, in words for the artist.
     """
 
     folder: Path
     analysis: SceneAnalysis
     instances: dict[str, schema.Instance]
+    standby: dict[str, schema.Instance] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
+
+    def with_lights_of(self, values: Mapping[str, Sequence[float]]) -> SceneJob:
+        """The job of the scene with the lights on standby that values (by key) add to it."""
+        owners = {schema.split_key(key)[1] for key in values if key in self.standby}
+        added = {key: i for key, i in self.standby.items() if i.owner in owners}
+        return replace(self, instances={**self.instances, **added})
 
 
 def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
@@ -52,6 +60,7 @@ def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
     bound = bindings.instances(scene, analysis.objects, analysis.pivot)
     materials = measured.materials(analysis)
     instances, mended = sanitize.instances(_with_materials(bound, analysis, materials))
+    spare, spare_instances = standby.lights(analysis)
     warnings = [*geometry.warnings, *(m.row["warning"] for m in materials.values() if m.row["warning"])]
     warnings += [*view.ignored(scene), *mended]
     image, note = world_light.environment(scene.world)
@@ -68,6 +77,10 @@ def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
         "references": bindings.references(scene, analysis.objects, analysis.pivot),
         "camera": view.camera(analysis),
         "lights": view.lights(analysis),
+        "standby": {
+            "lights": spare,
+            "parameters": {key: _parameter(instance) for key, instance in spare_instances.items()},
+        },
         "materials": _write_textures(analysis, materials, folder),
         "objects": [
             {"name": name, "subject": bool(chosen)}
@@ -81,7 +94,8 @@ def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
     _write_meshes(analysis, folder)
     content = sanitize.content(content, "", warnings)
     atomic.write_text(folder / "scene.json", json.dumps(content, indent=1, allow_nan=False))
-    return SceneJob(folder, analysis, instances, list(dict.fromkeys(w for w in (*warnings, note) if w)))
+    said = list(dict.fromkeys(w for w in (*warnings, note) if w))
+    return SceneJob(folder, analysis, instances, spare_instances, said)
 
 
 def parameters(analysis: SceneAnalysis) -> dict[str, schema.Instance]:

@@ -39,10 +39,11 @@ def lights(analysis: SceneAnalysis) -> list[dict[str, Any]]:
     """
     pivot = Vector(analysis.pivot)
     context = scene_context.SceneContext(analysis.scene, analysis.objects, pivot)
-    return [_light(thing, role, pivot) for thing, role in scene_context.light_roles(context).items()]
+    return [light(thing, role, pivot) for thing, role in scene_context.light_roles(context).items()]
 
 
-def _light(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, Any]:
+def light(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, Any]:
+    """One light's entry in scene.json."""
     data = thing.data
     row: dict[str, Any] = {
         "name": thing.name_full,

@@ -15,7 +15,7 @@ from . import take
 from .take import SceneParameters, camera_azimuth, owners
 
 _TEXTURE_LUMA = 0.5  # of a typical texture: what a color is divided by to become a tint
-_OURS = {"key": "Vibe Key", "fill": "Vibe Fill", "rim": "Vibe Rim"}
+_OURS = {role: name for name, role in prepare.ROLES.items()}
 _DIM = 0.01  # radiance of white below which a light is too dark to be added
 _PROMINENT = 0.5  # of the visible area of the subject's largest material: smaller materials keep their look
 _ONLY_LAMPS = {"distance"}  # suns have none, which needs no note

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..core.schema_import import preset, schema
 from ..export.analysis import SceneAnalysis
+from ..scene import prepare
 
 
 class SceneParameters(Protocol):
@@ -63,7 +64,7 @@ def extract(
         if any(entries.values()):
             roles[role] = list(entries.values())
             if group == "light":
-                kinds[role] = [bpy.data.objects[owner].data.type for owner in entries]
+                kinds[role] = [_kind(owner) for owner in entries]
     return preset.Preset(preset.title(name or prompt), roles, kinds, prompt)
 
 
@@ -98,9 +99,14 @@ def _brightness(scene: SceneParameters, owner: str) -> float:
     """What a white surface at the subject that faces the light sends back."""
     for name in ("power", "strength"):
         if instance := scene.instances.get(f"light/{owner}/{name}"):
-            kind = bpy.data.objects[owner].data.type
-            return schema.radiometry.radiance(kind, instance.value[0] / instance.reference)
+            return schema.radiometry.radiance(_kind(owner), instance.value[0] / instance.reference)
     return 0.0
+
+
+def _kind(light: str) -> str:
+    """The type of a light; of one that another variant would add, that of all of ours."""
+    known = light in bpy.data.objects
+    return bpy.data.objects[light].data.type if known else prepare.LIGHT_TYPE
 
 
 def _entry(

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
@@ -98,10 +98,10 @@ BINDINGS: tuple[ParameterBinding, ...] = (
 
 
 def _slots(
-    context: scene_context.SceneContext,
+    context: scene_context.SceneContext, groups: Sequence[str] = schema.GROUPS
 ) -> Iterator[tuple[ParameterBinding, scene_context.Owner, ValueSlot]]:
     """Every value that the scene has, group by group, owner by owner, in the order of the rows."""
-    for group in schema.GROUPS:
+    for group in groups:
         rows = [b for b in BINDINGS if b.parameter.group == group]
         for owner in scene_context.owners(context, group):
             for row in rows:
@@ -112,18 +112,24 @@ def _slots(
                     yield row, owner, slot
 
 
-def instances(scene: Scene, subject: Sequence[Object], pivot: Sequence[float]) -> dict[str, schema.Instance]:
+def instances(
+    scene: Scene,
+    subject: Sequence[Object],
+    pivot: Sequence[float],
+    groups: Sequence[str] = schema.GROUPS,
+) -> dict[str, schema.Instance]:
     """Every parameter that the scene has, with its value, its role, and why it is locked if it is.
 
     Args:
         scene: The scene; nothing in it is changed.
         subject: The objects that the picture is about.
         pivot: Center of their bounding box, world space: what cameras and lights orbit.
+        groups: Of the schema: only parameters of these.
     """
     context = scene_context.SceneContext(scene, tuple(subject), Vector(pivot))
     lengths = scene_context.references(context)
     by_key = {}
-    for row, owner, slot in _slots(context):
+    for row, owner, slot in _slots(context, groups):
         reference = {"": 1.0, **lengths, **owner.references}[row.parameter.reference]
         value = row.codec.decode(slot.get())
         instance = schema.Instance(row.parameter, owner.name, value, reference, owner.role, slot.locked)
@@ -194,7 +200,8 @@ def _put(
     for key, value in values.items():
         _check(key, value)
     rest = dict.fromkeys(values, "there is nothing of that name in this scene")
-    _add_lights(journal, scene, values, subject)
+    owners = {owner for group, owner, _ in map(schema.split_key, values) if group == "light"}
+    add_lights(journal, scene, owners, subject)
     context = scene_context.SceneContext(scene, tuple(subject), Vector(pivot), everything=True)
     for row, owner, slot in list(_slots(context)):
         key = row.parameter.key(owner.name)
@@ -206,16 +213,25 @@ def _put(
     return {key: reason for key, reason in rest.items() if reason}
 
 
-def _add_lights(
-    journal: Journal, scene: Scene, values: Mapping[str, Sequence[float]], subject: Sequence[Object]
-) -> None:
-    """Adds those of our lights that have values here and are missing from the scene."""
-    owners = {owner for group, owner, _ in map(schema.split_key, values) if group == "light"}
-    missing = [name for name in prepare.LIGHTS if name in owners and name not in scene.objects]
-    if missing:
-        corners = scene_context.bounds(scene, subject or scene_context.meshes(scene))
-        for name in missing:
-            prepare.add_light(journal, scene, name, *corners)
+def add_lights(
+    journal: Journal, scene: Scene, names: Collection[str], subject: Sequence[Object]
+) -> list[Object]:
+    """Adds those of our lights that are named and missing from the scene.
+
+    Args:
+        journal: Records them.
+        scene: The scene.
+        names: Of `prepare.LIGHTS`; others are passed over.
+        subject: What they are to light; without it, everything that a render sees.
+
+    Returns:
+        The lights that have been added.
+    """
+    missing = [name for name in prepare.LIGHTS if name in names and name not in scene.objects]
+    if not missing:
+        return []
+    corners = scene_context.bounds(scene, subject or scene_context.meshes(scene))
+    return [prepare.add_light(journal, scene, name, *corners) for name in missing]
 
 
 def _check(key: str, value: Sequence[float]) -> None:

@@ -24,6 +24,9 @@ LIGHTS = {
 }
 """Lights that we may add: azimuth from the camera, elevation (degrees), size in distances, and the radiance
 of a white surface that faces them."""
+ROLES = {"Vibe Key": "key", "Vibe Fill": "fill", "Vibe Rim": "rim"}
+"""What each of them is for."""
+_CLEAR = 0.2  # of the way from the subject to a wall: how far from the wall a light stands
 LIGHT_TYPE = AreaLightType.name
 """The type of the lights that we add."""
 
@@ -111,13 +114,23 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
     light = journal.new("objects", name, data)
     for block in (data, light):
         owned.mark(block, name)
-    pivot, distance = (low + high) / 2.0, light_distance(low, high)
+    pivot = (low + high) / 2.0
+    front = schema.orbit.angles(scene.camera.matrix_world.translation - pivot)[0] if scene.camera else 0.0
+    toward = Vector(schema.orbit.direction(front + azimuth, elevation))
+    distance = _inside(scene, pivot, toward, (high - low).length / 2.0, light_distance(low, high))
     data.size = size * distance
     data.energy = brightness * schema.radiometry.unit_energy(data.type, distance)
-    front = schema.orbit.angles(scene.camera.matrix_world.translation - pivot)[0] if scene.camera else 0.0
     _stand(light, pivot, front + azimuth, elevation, distance)
     scene.collection.objects.link(light)
     return light
+
+
+def _inside(scene: Scene, pivot: Vector, toward: Vector, radius: float, distance: float) -> float:
+    """The distance of a light that no wall around the subject stands in the way of, meters."""
+    start = pivot + 1.01 * radius * toward
+    graph = scene_context.depsgraph(scene)
+    hit, place, *_ = scene.ray_cast(graph, start, toward, distance=max(distance - 1.01 * radius, 1e-3))
+    return (place - pivot).length - _CLEAR * (place - start).length if hit else distance
 
 
 def light_distance(low: Vector, high: Vector) -> float:

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The lights that words ask for and a scene lacks: a rim light, or a second one for "warm lamp, cold window light"."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ...prompt.lexicon.vocabulary import OWNERS, Effect, Vocabulary
+from ...prompt.lights.described import side
+from ...prompt.types import Attribute, Parsed, PlanContext
+from ...schema import Instance
+from ..owners import Owners
+from ..wishes import Wishes
+
+_BEHIND = 110.0  # degrees from the camera beyond which a light stands behind the subject
+
+
+def lacking(
+    parsed: Parsed,
+    instances: dict[str, Instance],
+    context: PlanContext,
+    standby: Mapping[str, str],
+    vocabulary: Vocabulary,
+) -> list[str]:
+    """The lights on standby that the words ask for.
+
+    Args:
+        parsed: The prompt, understood.
+        instances: The scene's parameters by key.
+        context: The scene.
+        standby: Names of the lights on standby, with their roles.
+        vocabulary: What words mean.
+    """
+    owners = Owners(parsed, instances, context, vocabulary)
+    roles = [_described(owners, number) for number, names in owners.lamps.items() if not names]
+    for attribute, effect in Wishes(parsed, vocabulary, owners).all():
+        role = _asked(effect, attribute, owners)
+        roles += [role] if role and role not in roles else []
+    found: list[str] = []
+    for role in roles:
+        free = [name for name in standby if name not in found]
+        found += sorted(free, key=lambda name: standby[name] != role)[:1]
+    return found
+
+
+def _described(owners: Owners, number: int) -> str:
+    """The role of a light that the prompt tells apart and that is missing."""
+    said = [a for a in owners.parsed.attributes if a.lamp == number]
+    if given := next((a.role or a.kind for a in said if a.role or a.kind != "light"), ""):
+        return given
+    ends = side(said, owners.vocabulary)
+    if ends and abs((sum(ends) / 2 + 180.0) % 360.0 - 180.0) > _BEHIND:
+        return "rim"
+    return "fill" if owners.lights else "key"
+
+
+def _asked(effect: Effect, attribute: Attribute, owners: Owners) -> str:
+    """The role of the light that an effect needs and that nothing in the scene has; else ""."""
+    if effect.weak or effect.mode == "times" or OWNERS[effect.owner] != "light" or attribute.lamp:
+        return ""
+    owner = attribute.role if effect.owner in ("light", "lights") and attribute.role else effect.owner
+    if owner in ("rim", "fill"):
+        return "" if owners.of_role(owner) else owner
+    if owner == "others":
+        return "" if owners.of(effect, attribute) else "fill"
+    return "key" if effect.name in ("azimuth", "elevation") and not owners.lights else ""

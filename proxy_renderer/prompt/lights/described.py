@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The lights that a prompt tells apart: "warm lamp, cold blue window light" describes two."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+
+from ...color.floats import srgb_from_hex
+from ...color.shades import hue_apart
+from ...schema import Values
+from ..lexicon.vocabulary import Effect, Vocabulary
+from ..types import Attribute
+
+_KINDS = ("light", "fill", "rim")
+_WARM, _COOL = (1.0, 0.7, 0.35), (0.5, 0.7, 1.0)
+"""sRGB that stands for light below and above the temperatures that count as white."""
+_WHITE = (5000.0, 7000.0)  # kelvin
+_APART = 60.0  # degrees of hue from which one light cannot have both colors
+
+
+@dataclass
+class Mention:
+    """What the words say of one light.
+
+    Attributes:
+        role: "key", "fill" or "rim"; "" where the words do not say.
+        fixture: Words that say which one it is: {"street", "lamps"}.
+        said: Its attributes.
+        places: Their places in the prompt.
+    """
+
+    role: str
+    fixture: frozenset[str]
+    said: list[Attribute] = field(default_factory=list)
+    places: list[int] = field(default_factory=list)
+
+
+def numbered(attributes: list[Attribute], vocabulary: Vocabulary) -> list[Attribute]:
+    """The attributes, with the number of the light that each is said of: `Attribute.lamp`.
+
+    Numbers are given only where the words contradict each other on color or side, so that one light cannot be all.
+    """
+    mentions = _mentions(attributes, vocabulary)
+    unnamed = [m for m in mentions if not m.role]
+    if not any(
+        _contradicts(a, b, vocabulary)
+        for one in unnamed
+        for other in mentions
+        if one is not other
+        for a in one.said
+        for b in other.said
+    ):
+        return attributes
+    number = {place: n for n, mention in enumerate(mentions, start=1) for place in mention.places}
+    return [replace(a, lamp=number.get(place, 0)) for place, a in enumerate(attributes)]
+
+
+def fixture(thing: str, vocabulary: Vocabulary) -> frozenset[str]:
+    """Words of a light's name that say which one is meant: of "warm light" and "from the left" none does."""
+    words = thing.split()
+    if thing in vocabulary.lists["hour"] or not vocabulary.lists["where"].isdisjoint(words):
+        return frozenset()
+    plain = vocabulary.lists["anylight"] | vocabulary.lists["stop"] | vocabulary.adjectives.keys()
+    return frozenset(words) - plain
+
+
+def side(said: Iterable[Attribute], vocabulary: Vocabulary) -> tuple[float, float] | None:
+    """Azimuths relative to the camera, degrees, that words say a light comes from; None if they do not."""
+    for attribute in said:
+        for effect in _strong(attribute, vocabulary):
+            if effect.name == "azimuth" and effect.mode == "camera":
+                return effect.lower[0], effect.upper[0]
+    return None
+
+
+def _mentions(attributes: list[Attribute], vocabulary: Vocabulary) -> list[Mention]:
+    found: list[Mention] = []
+    for place, attribute in enumerate(attributes):
+        if attribute.kind not in _KINDS or attribute.cause or attribute.slot not in ("lighting", "color"):
+            continue
+        role = attribute.role or (attribute.kind if attribute.kind != "light" else "")
+        words = fixture(attribute.thing, vocabulary)
+        mention = next(
+            (m for m in reversed(found) if _continues(m, role, words, attribute, m is found[-1], vocabulary)),
+            None,
+        )
+        if mention is None:
+            mention = Mention(role, words)
+            found.append(mention)
+        mention.fixture |= words
+        mention.said.append(attribute)
+        mention.places.append(place)
+    return found
+
+
+def _continues(
+    mention: Mention,
+    role: str,
+    words: frozenset[str],
+    attribute: Attribute,
+    newest: bool,
+    vocabulary: Vocabulary,
+) -> bool:
+    """Whether an attribute goes on about the light that was spoken of, the newest one if it does not say which."""
+    if mention.role != role or any(_contradicts(a, attribute, vocabulary) for a in mention.said):
+        return False
+    if newest and (not words or not mention.fixture):
+        return True
+    return words == mention.fixture and bool(words or role)
+
+
+def _contradicts(one: Attribute, other: Attribute, vocabulary: Vocabulary) -> bool:
+    """Whether no light can be both: of two colors, or on two sides."""
+    if one.negated or other.negated:
+        return False
+    sides = side([one], vocabulary), side([other], vocabulary)
+    if sides[0] and sides[1] and (sides[0][1] < sides[1][0] or sides[1][1] < sides[0][0]):
+        return True
+    if one.color and other.color:
+        return one.entry != other.entry
+    tones = _tone(one, vocabulary), _tone(other, vocabulary)
+    if tones[0] is None or tones[1] is None or one.thing == other.thing:  # "a cold green light" is one
+        return False
+    return hue_apart(tones[0], tones[1]) > _APART
+
+
+def _tone(attribute: Attribute, vocabulary: Vocabulary) -> Values | None:
+    """sRGB of the color that a word gives to light; None for white light and for words that give none."""
+    if attribute.color:
+        return attribute.color
+    for effect in _strong(attribute, vocabulary):
+        if effect.name == "temperature":
+            return _WARM if effect.upper[0] < _WHITE[0] else _COOL if effect.lower[0] > _WHITE[1] else None
+        if effect.family == "light/color" and effect.color.startswith("#"):
+            return srgb_from_hex(effect.color)
+    return None
+
+
+def _strong(attribute: Attribute, vocabulary: Vocabulary) -> list[Effect]:
+    entry = vocabulary.entries.get(attribute.entry) if not attribute.color else None
+    return [e for e in entry.effects if not e.weak and e.owner in ("light", "lights")] if entry else []
