@@ -20,7 +20,7 @@ from .standing_out import LATE, is_silhouette, stand_out
 
 _BEHIND = 68.0  # L* behind a silhouette
 _FORMING = (82.0, 91.0)  # L* of a white surface that faces the light of a black subject
-_ADDED = (56.0, 74.0)  # L* of a white surface that faces a light that is added
+_ADDED = (64.0, 80.0)  # L* of a white surface that faces a light that is added
 _WHITE, _SHOULDER = 93.0, 1.5  # L* of white, and the radiance from which a view shows it with a long shoulder
 _PALE = 4.0  # chroma by which a color may exceed its name before everything is made more vivid
 _VIVID, _BRIGHT = 30.0, 80.0  # chroma of a color that mirrored light bleaches, L* of what does so
