@@ -80,6 +80,27 @@ def test_hidden_things_are_left_out_and_instances_are_placed(stage, tmp_path):
     np.testing.assert_allclose(high, (1.75, 0.25, 1.25), atol=1e-5)
 
 
+def test_a_softbox_that_the_camera_does_not_see_comes_with_its_light(stage, tmp_path):
+    """Behind the camera, and hidden from it: its values are no parameters, but they light the picture."""
+    cube()
+    softbox = cube("Softbox", (0, -9, 0))
+    softbox.visible_camera = softbox.visible_shadow = False
+    _, _, shader = material("Soft", softbox)
+    shader.inputs["Emission Strength"].default_value = 7.0
+    job, scene = job_of(stage, tmp_path)
+    assert {o.name: o.hidden for o in scene.objects} == {"Cube": (), "Softbox": ("camera", "shadow")}
+    assert scene.value("material/Soft/emission") == (7.0,)
+    assert "material/Soft/emission" not in scene.instances
+    assert not job.warnings
+
+
+def test_what_is_hidden_from_the_camera_is_not_the_subject(stage, tmp_path):
+    cube("Seen", (0, 3, 0))
+    cube("Unseen", (0, 0, 0)).visible_camera = False
+    _, scene = job_of(stage, tmp_path)
+    assert {o.name: o.subject for o in scene.objects} == {"Seen": True, "Unseen": False}
+
+
 def test_curves_texts_and_metaballs_come_once(stage, tmp_path):
     bpy.ops.object.text_add(location=(-1, 0, 0), rotation=(np.pi / 2, 0, 0))
     bpy.context.object.data.extrude = 0.1

@@ -113,7 +113,9 @@ def _look(proxy: Proxy, values: dict[str, Values]) -> tuple[Tensor, Tensor]:
     cameras = {k: torch.tensor(v) for k, v in values.items() if k.startswith("camera/")}
     view = view_of(scene, RenderValues(scene, cameras, geometry.device), (_GRID, _GRID))
     y, x = torch.meshgrid(torch.arange(_GRID), torch.arange(_GRID), indexing="ij")
-    hits = geometry.first_hits(*view.rays(torch.stack((x.flatten(), y.flatten())).to(geometry.device) + 0.5))
+    hits = geometry.first_hits(
+        *view.rays(torch.stack((x.flatten(), y.flatten())).to(geometry.device) + 0.5), "camera"
+    )
     triangle, hit = hits.triangle.cpu().clamp_min(0), hits.hit.cpu()
     material = torch.where(hit, geometry.material.cpu()[triangle].long(), -1)
     subjects = torch.tensor([o.subject for o in scene.objects])

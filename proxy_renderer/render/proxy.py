@@ -164,7 +164,6 @@ class Proxy:
         metals = torch.stack([mirror_weight(p) for p in shading_inputs])
         if self.geometry.let_through(torch.stack([glass_transmittance(p) for p in shading_inputs])):
             self._cache, self.volume = None, SingleScattering(self.geometry.clear)
-            self.emitters = Emitters(self.geometry, self._near)
         if self.emitters.notice(shading_inputs):
             self._cache = None
         lamps = len(self.scene.lights) + len(self.environment.suns) + len(self.emitters.lamps(shading_inputs))

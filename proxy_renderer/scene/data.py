@@ -121,10 +121,15 @@ class Material:
 
 @dataclass(frozen=True)
 class MeshObject:
-    """An object, and whether it belongs to the subject."""
+    """An object, and whether it belongs to the subject.
+
+    Attributes:
+        hidden: Kinds of rays that pass it: "camera", "diffuse", "glossy", "transmission", "shadow".
+    """
 
     name: str
     subject: bool
+    hidden: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -196,6 +201,7 @@ class SceneData:
         references: Scene-wide lengths that bounds are multiples of.
         instances: Every parameter of this scene by key, with the artist's value.
         standby: Lights that it may get.
+        unseen: The values of materials that the camera does not see, whose light it sees.
     """
 
     folder: Path
@@ -219,9 +225,12 @@ class SceneData:
         lights = tuple(replace(light, added=True) for light in self.standby.lights if light.name in names)
         theirs = {key: i for key, i in self.standby.instances.items() if i.owner in names}
         return replace(self, lights=(*self.lights, *lights), instances={**self.instances, **theirs})
+    unseen: Mapping[str, Values] = field(default_factory=dict)
 
     def value(self, key: str, default: float | Values = 0.0) -> Values:
         """The artist's value of a parameter, or the default where the scene does not have it."""
         if key in self.instances:
             return self.instances[key].value
+        if key in self.unseen:
+            return self.unseen[key]
         return default if isinstance(default, tuple) else (default,)

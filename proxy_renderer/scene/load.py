@@ -96,6 +96,7 @@ def _scene(folder: Path, content: dict[str, Any]) -> SceneData:
         mesh=_mesh(folder / "meshes.npz", len(materials), len(objects)),
         instances=_instances(content["parameters"]),
         standby=_standby(content.get("standby", {})),
+        unseen={key: i.value for key, i in _instances(content.get("unseen", {})).items()},
     )
 
 

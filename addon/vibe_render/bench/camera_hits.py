@@ -28,14 +28,16 @@ def save_camera_hits(analysis: SceneAnalysis, path: Path, count: int) -> None:
         count: Rays along each side of the picture.
     """
     geometry = analysis.geometry
-    tree = BVHTree.FromPolygons(geometry.vertices.tolist(), geometry.faces.tolist(), all_triangles=True)
+    seen = np.flatnonzero(geometry.seen)
+    faces = geometry.faces[seen].tolist()
+    tree = BVHTree.FromPolygons(geometry.vertices.tolist(), faces, all_triangles=True)
     starts, directions = rays(ray_camera(analysis.scene), count)
     face = np.full((count, count), -1)
     depth = np.full((count, count), np.inf, np.float32)
     for index in np.ndindex(face.shape):
         _, _, hit, away = tree.ray_cast(Vector(starts[index]), Vector(directions[index]))
         if hit is not None:
-            face[index], depth[index] = hit, away
+            face[index], depth[index] = seen[hit], away
     mean = geometry.normals.mean(1)
     mean /= np.maximum(np.linalg.norm(mean, axis=1, keepdims=True), 1e-9)
     toward = np.array(analysis.scene.camera.matrix_world.normalized())[:3, :3]

@@ -83,13 +83,16 @@ def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
         },
         "materials": _write_textures(analysis, materials, folder),
         "objects": [
-            {"name": name, "subject": bool(chosen)}
-            for (name, _), chosen in zip(geometry.objects, analysis.is_subject, strict=True)
+            {"name": name, "subject": bool(chosen), "hidden": sorted(hidden)}
+            for (name, _), chosen, hidden in zip(
+                geometry.objects, analysis.is_subject, geometry.hidden, strict=True
+            )
         ],
         "world": {"kind": "color"} if image is None else {"kind": "environment", "image": "world.npy"},
         "volume": _volume(analysis, instances),
         "film": view.film(scene),
         "parameters": {key: _parameter(instance) for key, instance in instances.items()},
+        "unseen": {key: _parameter(i) for key, i in _unseen(analysis).items() if key not in instances},
     }
     _write_meshes(analysis, folder)
     content = sanitize.content(content, "", warnings)
@@ -137,6 +140,14 @@ def _with_materials(
                 instance = schema.Instance(parameter, owner, value, role=roles[owner], locked=reason)
                 instances[instance.key] = instance
     return instances
+
+
+def _unseen(analysis: SceneAnalysis) -> dict[str, schema.Instance]:
+    """Of the materials whose light the camera sees, if not themselves."""
+    shot = analysis.scene, analysis.objects, analysis.pivot
+    every = bindings.instances(*shot, groups=("material",), everything=True)
+    shown = set(analysis.geometry.materials)
+    return sanitize.instances({key: i for key, i in every.items() if i.owner in shown})[0]
 
 
 def _parameter(instance: schema.Instance) -> dict[str, Any]:

@@ -117,6 +117,7 @@ def instances(
     subject: Sequence[Object],
     pivot: Sequence[float],
     groups: Sequence[str] = schema.GROUPS,
+    everything: bool = False,
 ) -> dict[str, schema.Instance]:
     """Every parameter that the scene has, with its value, its role, and why it is locked if it is.
 
@@ -125,8 +126,9 @@ def instances(
         subject: The objects that the picture is about.
         pivot: Center of their bounding box, world space: what cameras and lights orbit.
         groups: Of the schema: only parameters of these.
+        everything: Whether materials that the camera does not see count too.
     """
-    context = scene_context.SceneContext(scene, tuple(subject), Vector(pivot))
+    context = scene_context.SceneContext(scene, tuple(subject), Vector(pivot), everything)
     lengths = scene_context.references(context)
     by_key = {}
     for row, owner, slot in _slots(context, groups):

@@ -159,6 +159,6 @@ def _split(neighbors: Tensor, clear: Tensor) -> tuple[Tensor, Tensor]:
 def _contour(geometry: RayGeometry, origin: Tensor, toward: Tensor, distance: Tensor) -> Tensor:
     """Points (3, E) in the middle of what blocks rays (3, E): between its first hits from either end."""
     far = distance.clamp_max(2 * geometry.size)
-    first = geometry.first_hits(origin, toward).distance.minimum(far)
-    last = far - geometry.first_hits(origin + toward * far, -toward).distance.minimum(far)
+    first = geometry.first_hits(origin, toward, "shadow").distance.minimum(far)
+    last = far - geometry.first_hits(origin + toward * far, -toward, "shadow").distance.minimum(far)
     return origin + toward * ((first + last.maximum(first)) / 2)

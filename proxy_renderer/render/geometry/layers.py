@@ -47,7 +47,7 @@ def follow(geometry: RayGeometry, view: View, origin: Tensor, toward: Tensor) ->
     index = torch.arange(origin.shape[1], device=geometry.device)
     left = torch.ones(len(index), device=geometry.device)
     near, far = view.span(toward)
-    hits = geometry.nearest(origin + toward * near, toward)
+    hits = geometry.nearest(origin + toward * near, toward, "camera")
     hits = _before(far, Hits(hits.triangle, hits.u, hits.v, hits.distance + near))
     if geometry.opacity is None:
         return HitLayers(index, torch.zeros_like(index), hits, left)
@@ -66,7 +66,7 @@ def follow(geometry: RayGeometry, view: View, origin: Tensor, toward: Tensor) ->
         if not bool(onward.any()):
             break
         index, left = index[onward], rest[onward]
-        further = geometry.onward(hits.pick(onward), origin[:, index], toward[:, index])
+        further = geometry.onward(hits.pick(onward), origin[:, index], toward[:, index], "camera")
         hits = _before(far[index], further)
     numbers = [torch.full_like(rays, i) for i, (rays, _, _) in enumerate(collected)]
     rays, met, shares = zip(*collected, strict=True)

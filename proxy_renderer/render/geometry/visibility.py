@@ -8,11 +8,10 @@ from typing import Protocol
 
 import numpy as np
 import torch
-from embreex import rtcore_scene
-from embreex.mesh_construction import TriangleMesh
 from torch import Tensor
 
 from ...scene import SceneMesh
+from .trees import TriangleClass, classes_of
 from .vectors import cross, damped, dot, unit
 
 _GRAZING = 0.3
@@ -69,6 +68,7 @@ class RayGeometry:
 
     Args:
         mesh: The triangles, world space, meters.
+        hidden: For each object the kinds of rays that pass it, of `RAYS`.
         opacity: Alpha of their materials.
         device: Where to compute; rays are traced on the CPU.
 
@@ -82,9 +82,10 @@ class RayGeometry:
         size: Diagonal of the bounding box; offsets and tolerances are relative to it.
     """
 
-    def __init__(self, mesh: SceneMesh, opacity: Opacity, device: torch.device) -> None:
+    def __init__(
+        self, mesh: SceneMesh, hidden: list[frozenset[str]], opacity: Opacity, device: torch.device
+    ) -> None:
         triangles = mesh.vertices[mesh.faces]
-        self._embree = _embree(triangles)
         self.device = device
         self.corners = torch.from_numpy(triangles).to(device).permute(1, 0, 2).contiguous()
         self.normals = torch.from_numpy(mesh.normals).to(device).permute(1, 0, 2).contiguous()
@@ -94,9 +95,10 @@ class RayGeometry:
         flat = triangles.reshape(-1, 3)
         self.size = float(np.linalg.norm(flat.max(0) - flat.min(0)))
         self.opacity = opacity if bool(opacity.clear[self.material].any()) else None
-        self._triangles = triangles
         self.glass = torch.zeros(len(opacity.clear), device=device)
-        self._split_triangles()
+        self._mesh, self._hidden = mesh, hidden
+        self._apart: frozenset[int] = frozenset()
+        self._sort()
 
     def let_through(self, glass: Tensor) -> bool:
         """Sets the transmittance (M,) of each material's glass.
@@ -107,30 +109,24 @@ class RayGeometry:
         changed = not torch.equal(glass, self.glass)
         if changed:
             self.glass = glass
-            self._split_triangles()
+            self._sort()
         return changed
 
-    def hide(self, triangles: Tensor) -> None:
-        """Hides triangles (n,) from rays; the others keep their indices."""
-        self._triangles = self._triangles.copy()
-        self._triangles[triangles.cpu().numpy()] = 1e30
-        self._embree = _embree(self._triangles)
-        self._split_triangles()
+    def set_apart(self, materials: set[int]) -> None:
+        """Lets shadow rays leave a material's surface out, as its own light wants them to."""
+        if not materials <= self._apart:
+            self._apart |= materials
+            self._sort()
 
-    def _split_triangles(self) -> None:
-        """Builds one Embree scene of opaque triangles and one of those that may let light through."""
+    def _sort(self) -> None:
+        """Sorts the triangles by how rays treat them."""
         clear = self.glass > 0 if self.opacity is None else self.opacity.clear | (self.glass > 0)
-        passing = clear[self.material].cpu().numpy()
-        self._filter = bool(passing.any())
-        if self._filter:
-            nowhere = np.full((1, 3, 3), 1e30, np.float32)  # for lack of solid ones
-            self._solid = _embree(nowhere if passing.all() else self._triangles[~passing])
-            self._clear = _embree(self._triangles[passing])
-            self._numbers = torch.from_numpy(passing.nonzero()[0]).to(self.device)
+        self._classes = classes_of(self._mesh, self._hidden, clear.cpu().numpy(), self._apart)
+        self._filter = any(c.clear for c in self._classes)
 
-    def first_hits(self, origin: Tensor, toward: Tensor) -> Hits:
-        """Where rays (3, N) with unit directions (3, N) end; a transparent surface stops a share of them."""
-        hits = self.nearest(origin, toward)
+    def first_hits(self, origin: Tensor, toward: Tensor, ray: str) -> Hits:
+        """Where rays (3, N) of a kind with unit directions (3, N) end; a transparent surface stops a share of them."""
+        hits = self.nearest(origin, toward, ray)
         if not self._filter:
             return hits
         number = torch.arange(origin.shape[1], device=self.device)
@@ -143,33 +139,52 @@ class RayGeometry:
             index = index[passes]
             if not len(index):
                 break
-            further = self.onward(Hits(*(p[index] for p in parts)), origin[:, index], toward[:, index])
+            further = self.onward(Hits(*(p[index] for p in parts)), origin[:, index], toward[:, index], ray)
             parts = [p.index_copy(0, index, f) for p, f in zip(parts, further.parts, strict=True)]
         return Hits(*parts)
 
-    def onward(self, hits: Hits, origin: Tensor, toward: Tensor) -> Hits:
+    def onward(self, hits: Hits, origin: Tensor, toward: Tensor, ray: str) -> Hits:
         """What rays meet after their hits; distances still count from the origin."""
         gap = 1e-5 * (self.size + hits.distance)
         start = hits.distance + gap
-        further = self.nearest(origin + toward * start, toward)
+        further = self.nearest(origin + toward * start, toward, ray)
         return Hits(further.triangle, further.u, further.v, further.distance + start)
 
-    def nearest(self, origin: Tensor, toward: Tensor) -> Hits:
-        """Nearest intersections of rays (3, N) with unit directions (3, N), transparent or not."""
-        answer = self._embree.run(_rows(origin), _rows(toward), output=1)
-        triangle = torch.from_numpy(answer["primID"]).to(self.device, torch.int64)
-        distance = torch.from_numpy(answer["tfar"]).to(self.device)
-        distance = torch.where(triangle >= 0, distance, torch.inf)
-        u, v = (torch.from_numpy(answer[name]).to(self.device) for name in "uv")
-        return Hits(triangle, u, v, distance)
+    def nearest(self, origin: Tensor, toward: Tensor, ray: str) -> Hits:
+        """Nearest intersections of rays (3, N) of a kind with unit directions (3, N), transparent or not."""
+        return self._nearest(origin, toward, [c for c in self._classes if ray not in c.hidden])
 
-    def clear(self, origin: Tensor, toward: Tensor, distance: Tensor) -> Tensor:
-        """Share (N,) of light that passes along rays (3, N) over distances (N,)."""
+    def _nearest(self, origin: Tensor, toward: Tensor, classes: list[TriangleClass]) -> Hits:
+        rays, met = (_rows(origin), _rows(toward)), None
+        for each in classes:
+            met = each.tree.nearest(*rays, met)
+        if met is None:
+            none = torch.zeros(origin.shape[1], device=self.device)
+            return Hits(torch.full_like(none, -1, dtype=torch.int64), none, none, none + torch.inf)
+        triangle = torch.from_numpy(met.triangle).to(self.device, torch.int64)
+        u, v, distance = (torch.from_numpy(p).to(self.device) for p in (met.u, met.v, met.distance))
+        return Hits(triangle, u, v, torch.where(triangle >= 0, distance, torch.inf))
+
+    def clear(
+        self, origin: Tensor, toward: Tensor, distance: Tensor, without: int = -1, ray: str = "shadow"
+    ) -> Tensor:
+        """Share (N,) of light that passes along rays (3, N) over distances (N,).
+
+        Args:
+            origin, toward, distance: The rays; directions of unit length.
+            without: A material that was set apart and does not block them; -1 for none.
+            ray: Their kind.
+        """
+        passing = torch.ones(origin.shape[1], device=self.device)
+        blocking = [
+            c for c in self._classes if ray not in c.hidden and (c.material < 0 or c.material != without)
+        ]
         limit = distance.clamp_max(1e30).cpu().numpy().astype(np.float32)
-        solid = self._solid if self._filter else self._embree
-        blocked = solid.run(_rows(origin), _rows(toward), limit, query="OCCLUDED")
-        passing = torch.from_numpy((blocked < 0).astype(np.float32)).to(self.device)
-        return self._filtered(origin, toward, distance, passing) if self._filter else passing
+        rays = _rows(origin), _rows(toward)
+        for solid in (c.tree for c in blocking if not c.clear):
+            passing[torch.from_numpy(solid.blocks(*rays, limit)).to(self.device)] = 0.0
+        veils = [c for c in blocking if c.clear]
+        return self._filtered(origin, toward, distance, passing, veils) if veils else passing
 
     def _stopping(self, surface: Surface, toward: Tensor) -> Tensor:
         """Share (N,) of light along rays (3, N) that a surface stops.
@@ -180,7 +195,9 @@ class RayGeometry:
         through = self.glass[surface.material] * dot(surface.normal, toward).abs()
         return solid * (1 - through)
 
-    def _filtered(self, origin: Tensor, toward: Tensor, distance: Tensor, passing: Tensor) -> Tensor:
+    def _filtered(
+        self, origin: Tensor, toward: Tensor, distance: Tensor, passing: Tensor, veils: list[TriangleClass]
+    ) -> Tensor:
         """The passing share (N,) after the transparent surfaces along the rays."""
         index = (passing > 0).nonzero()[:, 0]
         start = torch.zeros_like(passing)
@@ -188,13 +205,11 @@ class RayGeometry:
             if not len(index):
                 break
             way = toward[:, index]
-            answer = self._clear.run(_rows(origin[:, index] + way * start[index]), _rows(way), output=1)
-            triangle = torch.from_numpy(answer["primID"]).to(self.device, torch.int64)
-            reach = start[index] + torch.from_numpy(answer["tfar"]).to(self.device)
-            met = (triangle >= 0) & (reach < distance[index])
-            u, v = (torch.from_numpy(answer[name]).to(self.device)[met] for name in "uv")
+            near = self._nearest(origin[:, index] + way * start[index], way, veils)
+            reach = start[index] + near.distance
+            met = near.hit & (reach < distance[index])
             index, reach = index[met], reach[met]
-            hits = Hits(self._numbers[triangle[met]], u, v, reach)
+            hits = Hits(near.triangle[met], near.u[met], near.v[met], reach)
             passing[index] *= 1 - self._stopping(self.surface(hits, toward[:, index]), toward[:, index])
             start[index] = reach + 1e-5 * (self.size + reach)
             index = index[passing[index] > 1e-3]
@@ -291,13 +306,6 @@ def sphere_points(count: int, copies: int, generator: torch.Generator) -> Tensor
     base = torch.stack((index * 0.7548776662466927, index * 0.5698402909980532))
     shift = torch.rand((2, copies, 1), generator=generator, dtype=torch.float64)
     return ((base[:, None, :] + shift) % 1.0).to(torch.float32)
-
-
-def _embree(triangles: np.ndarray) -> rtcore_scene.EmbreeScene:
-    """Triangles (F, 3, 3) ready for rays."""
-    embree_scene = rtcore_scene.EmbreeScene()
-    TriangleMesh(embree_scene, np.ascontiguousarray(triangles, np.float32))
-    return embree_scene
 
 
 def _rows(vectors: Tensor) -> np.ndarray:

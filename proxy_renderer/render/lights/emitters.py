@@ -9,7 +9,6 @@ same mean: exactly so for planes, spheres and cylinders.
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -43,12 +42,12 @@ class EmitterLight(PointLight):
     Attributes:
         form: (3, 3) symmetric: the root of w.form.w is how brightly it shines to the unit vector w and to -w.
         lean: (3,) what it shines more to w than to -w, as a factor of w.
-        others: The scene without the surface.
+        material: Of the surface.
     """
 
     form: Tensor
     lean: Tensor
-    others: RayGeometry
+    material: int
 
     @property
     def owner(self) -> str:
@@ -61,9 +60,9 @@ class EmitterLight(PointLight):
         return True
 
     @property
-    def blockers(self) -> RayGeometry:
+    def shadowless(self) -> int:
         """It casts no shadow in its own light."""
-        return self.others
+        return self.material
 
     @property
     def has_shadow_edges(self) -> bool:
@@ -116,10 +115,15 @@ class Emitters:
             Whether there are new lights.
         """
         before = self.materials
-        for material, inputs in enumerate(shading_inputs):
-            if material not in self._clusters and float(luminance(inputs.emission.detach())) > _LEAST:
-                with torch.no_grad():
-                    self._clusters[material] = clusters_of(self._geometry, material, self._near)
+        new = {
+            material
+            for material, inputs in enumerate(shading_inputs)
+            if material not in self._clusters and float(luminance(inputs.emission.detach())) > _LEAST
+        }
+        self._geometry.set_apart(new)
+        for material in sorted(new):
+            with torch.no_grad():
+                self._clusters[material] = clusters_of(self._geometry, material, self._near)
         return self.materials != before
 
     def lamps(self, shading_inputs: Sequence[ShadingInputs]) -> list[EmitterLight]:
@@ -156,10 +160,9 @@ def clusters_of(geometry: RayGeometry, material: int, near: float) -> list[Emitt
     else:
         if float(size.max()) > _COARSE * near:
             return []
-    blockers = _without(geometry, triangles)
     share = area / place.shape[1]
     parts = [(place[:, g], normal[:, g], outside[g], inside[g]) for g in groups]
-    clusters = [_cluster(*p, share, blockers, f"{material}/{k}") for k, p in enumerate(parts)]
+    clusters = [_cluster(*p, share, material, k) for k, p in enumerate(parts)]
     return [cluster for cluster in clusters if cluster.power > 0]
 
 
@@ -182,7 +185,7 @@ def _open(geometry: RayGeometry, material: int, place: Tensor, side: Tensor) -> 
     """Where (P,) light that leaves to a side does not meet the same material, as 0 or 1."""
     uv = torch.rand((2, place.shape[1]), generator=torch.Generator().manual_seed(4)).to(place.device)
     toward = cosine_directions(side, uv)
-    hits = geometry.nearest(place + side * (1e-5 * geometry.size), toward)
+    hits = geometry.nearest(place + side * (1e-5 * geometry.size), toward, "diffuse")
     own = hits.hit & (geometry.material[hits.triangle.clamp_min(0)] == material)
     return (~own).to(place.dtype)
 
@@ -220,8 +223,8 @@ def _cluster(
     outside: Tensor,
     inside: Tensor,
     share: float,
-    blockers: RayGeometry,
-    name: str,
+    material: int,
+    number: int,
 ) -> EmitterCluster:
     """From points (3, n) with normals, seen from outside and inside (n,), that stand for an area each."""
     even, odd = (outside + inside) / 2 * share, (outside - inside) / 2 * share
@@ -232,10 +235,15 @@ def _cluster(
     form = form / root.mean().clamp_min(1e-6).square()
     lean = 2 * (normal * odd).sum(1) / max(area, 1e-20)
     axes = torch.eye(3, device=place.device)
-    light = Light(f"emitter/{name}", "POINT", ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), (0.0,) * 3)
+    light = Light(
+        f"emitter/{material}/{number}",
+        "POINT",
+        ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
+        (0.0,) * 3,
+    )
     light = replace(light, soft_falloff=False)
     ones, middle = torch.ones(3, device=place.device), place.mean(1)
-    lamp = EmitterLight(light, ones, middle, axes, _radius(place), form, lean, blockers)
+    lamp = EmitterLight(light, ones, middle, axes, _radius(place), form, lean, material)
     return EmitterCluster(lamp, 2 * math.pi * area)
 
 
@@ -245,10 +253,3 @@ def _sphere(count: int = 2048) -> Tensor:
     z, angle = 1 - 2 * index / count, index * (math.pi * (3 - math.sqrt(5)))
     radius = (1 - z * z).sqrt()
     return torch.stack((radius * angle.cos(), radius * angle.sin(), z))
-
-
-def _without(geometry: RayGeometry, triangles: Tensor) -> RayGeometry:
-    """The scene as what blocks light, without some triangles."""
-    rest = copy.copy(geometry)
-    rest.hide(triangles)
-    return rest

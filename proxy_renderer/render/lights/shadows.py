@@ -46,13 +46,12 @@ def shadow(
     visible, lit = (facing & ~reached).to(torch.float32), facing & reached
     index = lit.nonzero()[:, 0]
     origin = geometry.lifted(surface)[:, index]
-    blockers = lamp.blockers or geometry
     spots = sphere_points(rays, count, torch.Generator().manual_seed(11)).to(visible.device)[:, index]
     part = direct.toward[:, index], direct.distance[index], direct.solid_angle[index]
     total = torch.zeros(len(index), device=visible.device)
     for k in range(rays):
         toward, distance = lamp.shadow_targets(*part, spots[:, :, k])
-        total += blockers.clear(origin, toward, distance * (1 - 1e-4))
+        total += geometry.clear(origin, toward, distance * (1 - 1e-4), lamp.shadowless)
     visible[index] = total / rays
     return smoothing(visible, radius=1 if rays == 1 else 2)
 

@@ -98,7 +98,7 @@ class MaterialTextures:
         ahead = dot(-self._view.rotation[:, 2:3].expand_as(offset), offset) > 0
         inside = ((place > 0) & (place < 1)).all(0) & ahead
         start = surface.position - offset
-        open_ = geometry.clear(start, offset / distance, distance * (1 - 1e-3))
+        open_ = geometry.clear(start, offset / distance, distance * (1 - 1e-3), ray="camera")
         return inside & (open_ > 0)
 
     def _footprints(self, material: int, name: str, surface: Surface) -> Tensor:
@@ -184,4 +184,5 @@ class MaterialOpacity:
 
 def geometry_of(scene: SceneData, device: torch.device) -> RayGeometry:
     """The scene's triangles, with the opacity of their materials."""
-    return RayGeometry(scene.mesh, MaterialOpacity(scene, device), device)
+    hidden = [frozenset(thing.hidden) for thing in scene.objects]
+    return RayGeometry(scene.mesh, hidden, MaterialOpacity(scene, device), device)

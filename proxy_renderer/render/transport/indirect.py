@@ -79,10 +79,14 @@ class FinalGather:
         glossy = _glossy_rays(points, samples.toward[:, gather_points.index], generator)
         # What metals send on is a caustic on a matte surface: as if they scattered it evenly, on average.
         matte = geometry, torch.zeros_like(metals), lamps
-        self.diffuse = _secondary_hits(*matte, origin, _diffuse_rays(points, generator), _DIFFUSE_RAYS)
-        self.glossy = _secondary_hits(*shape, origin, glossy, _GLOSSY_RAYS)
+        self.diffuse = _secondary_hits(
+            *matte, origin, _diffuse_rays(points, generator), _DIFFUSE_RAYS, "diffuse"
+        )
+        self.glossy = _secondary_hits(*shape, origin, glossy, _GLOSSY_RAYS, "glossy")
         mirrored = above(reflect(samples.toward[:, : samples.surfaces], surface.normal), surface.facet)
-        self.mirror = SecondaryHits(geometry, geometry.lifted(surface), mirrored, 1, metals, lamps, maps)
+        self.mirror = SecondaryHits(
+            geometry, geometry.lifted(surface), mirrored, 1, metals, lamps, "glossy", maps
+        )
         self._mirror_ambient = self.spread_to(self.mirror)
         self._paths = LightPaths(surface.position, mirrored, self.mirror.distance)
         self._open_glossy = gather_points.spread(self.glossy.open[:, None])[:, 0]
@@ -189,10 +193,10 @@ class FinalGather:
 
 
 def _secondary_hits(
-    geometry: RayGeometry, metals: Tensor, lamps: int, origin: Tensor, toward: Tensor, count: int
+    geometry: RayGeometry, metals: Tensor, lamps: int, origin: Tensor, toward: Tensor, count: int, ray: str
 ) -> SecondaryHits:
     origins = origin.repeat_interleave(count, 1)
-    return SecondaryHits(geometry, origins, toward, count, metals, lamps, deep=True)
+    return SecondaryHits(geometry, origins, toward, count, metals, lamps, ray, deep=True)
 
 
 def _diffuse_rays(points: Surface, generator: torch.Generator) -> Tensor:

@@ -92,7 +92,7 @@ class IndirectFogRays:
         self._toward = rays
         self._start = geometry.lifted(points)[:, :, None].expand_as(rays)
         start, toward = self._start.flatten(1), rays.flatten(1)
-        hits = geometry.first_hits(start, toward)
+        hits = geometry.first_hits(start, toward, "diffuse")
         self._hit = hits.hit.view(rays.shape[1:])
         self._distance = hits.distance.view(rays.shape[1:])
         self._surface = geometry.surface(hits, toward)

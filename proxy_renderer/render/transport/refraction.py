@@ -65,7 +65,7 @@ def through(
     index = torch.arange(toward.shape[1], device=toward.device)
     for _ in range(_MOST_WALLS):
         way, start = direction[:, index], origin[:, index]
-        hits = geometry.nearest(start, way)
+        hits = geometry.nearest(start, way, "transmission")
         wall = geometry.surface(hits, way)
         met = hits.hit & (wall.material == surface.material[index])
         if not bool(met.any()):
@@ -80,7 +80,7 @@ def through(
         index, bent, goes_on = index[met], bent[:, met], goes_on[:, met]
         direction = direction.index_copy(1, index, bent)
         origin = origin.index_copy(1, index, goes_on)
-    return SecondaryHits(geometry, origin, direction, 1, metals, lamps, maps), direction
+    return SecondaryHits(geometry, origin, direction, 1, metals, lamps, "transmission", maps), direction
 
 
 def _across(geometry: RayGeometry, surface: Surface) -> Tensor:

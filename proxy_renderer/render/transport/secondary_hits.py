@@ -85,6 +85,7 @@ class SecondaryHits:
         count: R.
         metals: (M,) weight of mirror reflection of each material, 0 for what is no metal.
         lamps: How many the scene has.
+        ray: Their kind, of `RAYS`.
         maps: Textures of the hits; None for each material's mean color.
         deep: Whether hits get the world's light and a second bounce.
 
@@ -102,11 +103,12 @@ class SecondaryHits:
         count: int,
         metals: Tensor,
         lamps: int,
+        ray: str,
         maps: MaterialTextures | None = None,
         deep: bool = False,
     ) -> None:
         self.geometry, self.count = geometry, count
-        hits = geometry.first_hits(origin, toward)
+        hits = geometry.first_hits(origin, toward, ray)
         self.hit = hits.hit.to(torch.float32)
         self.surface: Surface = geometry.surface(hits, toward)
         self.distance = hits.distance
@@ -151,7 +153,7 @@ class SecondaryHits:
         anywhere = cosine_directions(start.normal, uv)
         toward = torch.lerp(anywhere, reflect(arrived, start.normal), mirror_weight)
         toward = above(unit(toward), start.facet)
-        hits = self.geometry.first_hits(self.geometry.lifted(start), toward)
+        hits = self.geometry.first_hits(self.geometry.lifted(start), toward, "diffuse")
         hit_share = hits.hit.to(torch.float32)
         beyond = self.geometry.surface(hits, toward)
         leaving = float((1 - hit_share).mean())
@@ -244,8 +246,8 @@ def _clear(geometry: RayGeometry, lamp: LightSource, direct: DirectIrradiance, s
     if not lamp.light.shadow:
         return torch.ones_like(direct.irradiance)
     facing = dot(surface.facet, direct.toward) > 0
-    blockers = lamp.blockers or geometry
-    return blockers.clear(geometry.lifted(surface), direct.toward, direct.distance * 0.999) * facing
+    ways = geometry.lifted(surface), direct.toward, direct.distance * 0.999
+    return geometry.clear(*ways, lamp.shadowless) * facing
 
 
 class _HitRadiance(torch.autograd.Function):

@@ -10,6 +10,7 @@ bounces. Vectors are planar, (3, …).
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
@@ -143,7 +144,9 @@ class SingleScattering:
         strength = direct.irradiance
         if lamp.light.shadow:
             signature = rays.signature, lamp.signature()
-            clear = lamp.blockers.clear if self._clear and lamp.blockers else self._clear
+            clear = self._clear
+            if clear and lamp.shadowless >= 0:
+                clear = functools.partial(clear, without=lamp.shadowless)
             ways = direct.points, direct.toward, direct.distance
             strength = strength * self._shadow(lamp.light.name, signature, *ways, clear)
         strength = strength * fog.transmittance(direct.points, direct.toward, direct.distance)

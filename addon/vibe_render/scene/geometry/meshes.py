@@ -18,6 +18,7 @@ DEFAULT_MATERIAL = ""
 UvLookup = Callable[[bpy.types.Material], tuple[str, np.ndarray]]
 """For a material: the name of its UV map ("" for the active one), and a 3x3 matrix applied to the UVs."""
 
+_RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
 _SKIPPED = {"CURVES": "hair", "VOLUME": "a volume object", "POINTCLOUD": "a point cloud"}
 
 
@@ -30,6 +31,7 @@ def collect(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[list[Place
     meshes: dict[tuple, SourceMesh] = {}
     # Thousands of instances share an object and its mesh: what these say is asked for once.
     known: dict[tuple[int, int], _Shown] = {}
+    hidden: dict[str, frozenset[str]] = {}
     placed: list[PlacedMesh] = []
     warnings: dict[str, None] = {}
     for instance in depsgraph.object_instances:
@@ -44,47 +46,44 @@ def collect(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[list[Place
             warnings.update(dict.fromkeys(_special(thing)))
             known[key] = _shown(thing, meshes, uv_of)
         shown = known[key]
-        if shown.mesh is not None:
-            parent = instance.parent.original.name_full if instance.parent else ""
-            matrix = np.array(instance.matrix_world)
-            placed.append(PlacedMesh(shown.mesh, shown.materials, matrix, (shown.name, parent)))
+        parent = instance.parent.original.name_full if instance.parent else ""
+        if parent not in hidden:
+            hidden[parent] = hidden_from(instance.parent) if parent else frozenset()
+        matrix, owner = np.array(instance.matrix_world), (shown.name, parent)
+        placed.append(PlacedMesh(shown.mesh, shown.materials, matrix, owner, shown.hidden | hidden[parent]))
     return placed, list(warnings)
 
 
 @dataclass(frozen=True)
 class _Shown:
-    """What an evaluated object shows of itself: its mesh, None if the camera does not see it."""
+    """What an evaluated object shows of itself: its mesh, and the kinds of rays that pass it."""
 
-    mesh: SourceMesh | None
+    mesh: SourceMesh
     materials: tuple[str, ...]
     name: str
+    hidden: frozenset[str]
 
 
 def _shown(thing: bpy.types.Object, meshes: dict[tuple, SourceMesh], uv_of: UvLookup) -> _Shown:
     """Reads an object with a mesh, unless the same mesh with the same materials has been read already."""
-    name = thing.original.name_full
-    if not thing.visible_camera:
-        return _Shown(None, (), name)
     slots = _materials(thing)
     names = tuple(m.name_full if m else DEFAULT_MATERIAL for m in slots)
     key = (thing.data.as_pointer(), *names)
     mesh = meshes.get(key) or meshes.setdefault(key, _read(thing.data, slots, uv_of))
-    return _Shown(mesh, names, name)
+    return _Shown(mesh, names, thing.original.name_full, hidden_from(thing))
+
+
+def hidden_from(thing: bpy.types.Object) -> frozenset[str]:
+    """The kinds of rays that pass an object, and its instances."""
+    return frozenset(ray for ray in _RAYS if not getattr(thing, f"visible_{ray}"))
 
 
 def _special(thing: bpy.types.Object) -> list[str]:
-    """Notes about ray visibility and holdouts that the prediction leaves out."""
-    notes = []
-    if not thing.visible_camera:
-        notes.append(
-            f"{thing.name} is hidden from the camera: the prediction leaves it out, shadows and all."
-        )
-    elif thing.is_holdout or thing.is_shadow_catcher:
-        kind = "a holdout" if thing.is_holdout else "a shadow catcher"
-        notes.append(f"{thing.name} is {kind}: the prediction shows it as a plain surface.")
-    elif not all((thing.visible_diffuse, thing.visible_glossy, thing.visible_shadow)):
-        notes.append(f"{thing.name} is hidden from some rays: the prediction shows it to all.")
-    return notes
+    """Notes about holdouts, which the prediction leaves out."""
+    if not (thing.is_holdout or thing.is_shadow_catcher):
+        return []
+    kind = "a holdout" if thing.is_holdout else "a shadow catcher"
+    return [f"{thing.name} is {kind}: the prediction shows it as a plain surface."]
 
 
 def _materials(thing: bpy.types.Object) -> list[bpy.types.Material | None]:

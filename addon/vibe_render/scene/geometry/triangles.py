@@ -47,12 +47,14 @@ class PlacedMesh:
         materials: A name for each slot.
         matrix: (4, 4), to world space.
         owner: Name, and name of the object that it is an instance of or for, otherwise "".
+        hidden: Kinds of rays that pass it, by Blender's names: "camera", "shadow", …
     """
 
     mesh: SourceMesh
     materials: tuple[str, ...]
     matrix: np.ndarray
     owner: tuple[str, str]
+    hidden: frozenset[str] = frozenset()
 
 
 @dataclass
@@ -69,6 +71,7 @@ class SceneGeometry:
         materials: Names; "" for faces without one.
         objects: (name, name of the object that it is an instance of or for, otherwise "").
         boxes: (N, 2, 3), the least and the greatest corner of each object.
+        hidden: For each object the kinds of rays that pass it.
         warnings: Notes about what was left out, in words for the artist.
     """
 
@@ -81,7 +84,13 @@ class SceneGeometry:
     materials: list[str]
     objects: list[tuple[str, str]]
     boxes: np.ndarray
+    hidden: list[frozenset[str]]
     warnings: list[str]
+
+    @property
+    def seen(self) -> np.ndarray:
+        """(F,) bool: triangles that are not hidden from the camera."""
+        return ~np.array(["camera" in rays for rays in self.hidden], bool)[self.object]
 
 
 def assembled(things: list[PlacedMesh], warnings: list[str]) -> SceneGeometry:
@@ -151,6 +160,7 @@ class _Builder:
         self.materials: dict[str, int] = {}
         self.objects: dict[tuple[str, str], int] = {}
         self.boxes: list[np.ndarray] = []
+        self.hidden: list[frozenset[str]] = []
         self.warnings = warnings
         self.count = 0
 
@@ -163,16 +173,17 @@ class _Builder:
         numbers = np.array(
             [self.materials.setdefault(n, len(self.materials)) for n in thing.materials], np.int32
         )
-        owners = np.full(len(piece.faces), self._owner(thing.owner, piece.box), np.int32)
+        owners = np.full(len(piece.faces), self._owner(thing, piece.box), np.int32)
         rest = piece.normals, piece.uvs, numbers[piece.slot], owners
         self.pieces.append((piece.vertices, piece.faces + self.count, *rest))
         self.count += len(piece.vertices)
 
-    def _owner(self, who: tuple[str, str], box: np.ndarray) -> int:
+    def _owner(self, thing: PlacedMesh, box: np.ndarray) -> int:
         """The object's number; its box grows by another, (2, 3)."""
-        number = self.objects.setdefault(who, len(self.objects))
+        number = self.objects.setdefault(thing.owner, len(self.objects))
         if number == len(self.boxes):
             self.boxes.append(box)
+            self.hidden.append(thing.hidden)
         else:
             before = self.boxes[number]
             self.boxes[number] = np.stack([np.minimum(before[0], box[0]), np.maximum(before[1], box[1])])
@@ -186,7 +197,7 @@ class _Builder:
             arrays = [np.zeros(shape, np.float32) for shape in shapes]
         vertices, faces, normals, uvs, material, owner = arrays
         boxes = np.array(self.boxes).reshape(-1, 2, 3)
-        rest = list(self.materials), list(self.objects), boxes, list(self.warnings)
+        rest = list(self.materials), list(self.objects), boxes, self.hidden, list(self.warnings)
         return SceneGeometry(vertices, faces, normals, uvs, material, owner, *rest)
 
 

@@ -57,7 +57,7 @@ def visible_surfaces(camera: RayCamera, geometry: SceneGeometry) -> VisibleSurfa
     """Casts the camera's rays; reads nothing of Blender's data. All -1 for an empty geometry."""
     hits = np.full((RAYS, RAYS), -1)
     if len(geometry.faces):
-        near = np.flatnonzero(_may_meet(camera, geometry))
+        near = np.flatnonzero(_may_meet(camera, geometry) & geometry.seen)
         corners = geometry.vertices[geometry.faces[near]].reshape(-1, 3)
         faces = np.arange(len(corners)).reshape(-1, 3)
         tree = BVHTree.FromPolygons(corners.tolist(), faces.tolist(), all_triangles=True)

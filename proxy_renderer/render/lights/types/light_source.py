@@ -22,7 +22,6 @@ from ....scene.values import RenderValues, wanted
 from ...geometry.camera import direction, frame
 from ...geometry.segments import RaySegments
 from ...geometry.vectors import within
-from ...geometry.visibility import RayGeometry
 
 POINT_RADIUS = 1e-3
 """Least angular radius of a light in radians: a true point would have no highlight in a mirror."""
@@ -163,9 +162,9 @@ class LightSource(ABC):
         return False
 
     @property
-    def blockers(self) -> RayGeometry | None:
-        """What casts shadows in its light; None for the whole scene."""
-        return None
+    def shadowless(self) -> int:
+        """The material whose surfaces cast no shadow in its light; -1 for none."""
+        return -1
 
     @property
     def has_shadow_edges(self) -> bool:

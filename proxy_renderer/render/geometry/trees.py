@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Triangles in Embree's trees. Building one takes longer than many rays through it: each is built once, when needed."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import weakref
+from dataclasses import dataclass
+
+import numpy as np
+from embreex import rtcore_scene
+from embreex.mesh_construction import TriangleMesh
+
+from ...scene import SceneMesh
+
+RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
+"""Kinds of rays that an object may be hidden from, by Blender's names."""
+
+
+@dataclass(frozen=True)
+class TraceResult:
+    """Where N rays end: `triangle` (N,) is -1 for a miss; the weights u and v, and the distance, float32."""
+
+    triangle: np.ndarray
+    u: np.ndarray
+    v: np.ndarray
+    distance: np.ndarray
+
+
+class TriangleTree:
+    """Some triangles of a mesh, ready for rays.
+
+    Args:
+        mesh: The mesh.
+        members: (n,) indices of the triangles.
+    """
+
+    def __init__(self, mesh: SceneMesh, members: np.ndarray) -> None:
+        self._mesh, self._members = mesh, members
+
+    @property
+    def count(self) -> int:
+        """How many triangles it has."""
+        return len(self._members)
+
+    @functools.cached_property
+    def _embree(self) -> rtcore_scene.EmbreeScene:
+        faces = self._mesh.faces[self._members]
+        used = np.zeros(len(self._mesh.vertices), bool)
+        used[faces] = True
+        number = np.cumsum(used, dtype=np.int32) - 1
+        scene = rtcore_scene.EmbreeScene()
+        TriangleMesh(scene, self._mesh.vertices[used], np.ascontiguousarray(number[faces], np.int32))
+        return scene
+
+    def nearest(self, origin: np.ndarray, toward: np.ndarray, before: TraceResult | None) -> TraceResult:
+        """The nearest hits of rays (N, 3), those that another tree gave among them."""
+        if before is None:
+            answer = self._embree.run(origin, toward, output=1)
+        else:
+            answer = self._embree.run(origin, toward, before.distance, query="INTERSECT", output=1)
+        met = answer["primID"] >= 0
+        triangle = self._members[answer["primID"].clip(0)]
+        if before is None:
+            distance = np.where(met, answer["tfar"], np.float32(1e30))
+            return TraceResult(np.where(met, triangle, -1), answer["u"], answer["v"], distance)
+        pairs = (
+            (triangle, before.triangle),
+            (answer["u"], before.u),
+            (answer["v"], before.v),
+            (answer["tfar"], before.distance),
+        )
+        return TraceResult(*(np.where(met, new, old) for new, old in pairs))
+
+    def blocks(self, origin: np.ndarray, toward: np.ndarray, distance: np.ndarray) -> np.ndarray:
+        """(N,) bool: rays (N, 3) that meet a triangle before a distance (N,)."""
+        return self._embree.run(origin, toward, distance, query="OCCLUDED") >= 0
+
+
+_trees: weakref.WeakValueDictionary[tuple[int, bytes], TriangleTree] = weakref.WeakValueDictionary()
+
+
+def tree_of(mesh: SceneMesh, members: np.ndarray) -> TriangleTree:
+    """The tree of some triangles (n,) of a mesh: all that trace the same ones share it."""
+    # A living tree holds its mesh, so no other mesh has its id.
+    key = id(mesh), hashlib.blake2b(members.tobytes(), digest_size=16).digest()
+    tree = _trees.get(key)
+    if tree is None:
+        tree = _trees[key] = TriangleTree(mesh, members)
+    return tree
+
+
+@dataclass(frozen=True)
+class TriangleClass:
+    """Triangles that all rays treat alike.
+
+    Attributes:
+        tree: The triangles.
+        hidden: Kinds of rays that pass them, of `RAYS`.
+        clear: Whether they may let light through.
+        material: The glowing material of which they all are, which casts no shadow in its own light; -1 for others.
+    """
+
+    tree: TriangleTree
+    hidden: frozenset[str]
+    clear: bool
+    material: int
+
+
+def classes_of(
+    mesh: SceneMesh, hidden: list[frozenset[str]], clear: np.ndarray, apart: frozenset[int]
+) -> list[TriangleClass]:
+    """Sorts the triangles of a mesh into classes.
+
+    Args:
+        mesh: The triangles.
+        hidden: For each object the kinds of rays that pass it.
+        clear: (M,) bool: materials that may let light through.
+        apart: Materials with classes of their own.
+    """
+    kinds = list(dict.fromkeys(hidden))
+    kind = np.array([kinds.index(h) for h in hidden])
+    own = np.array([m if m in apart else -1 for m in range(len(clear))])
+    names = len(clear) + 1
+    code = (kind[mesh.object] * 2 + clear[mesh.material]) * names + own[mesh.material] + 1
+    classes = []
+    for number in np.flatnonzero(np.bincount(code)).tolist():
+        rest, material = divmod(number, names)
+        tree = tree_of(mesh, np.flatnonzero(code == number))
+        classes.append(TriangleClass(tree, kinds[rest // 2], bool(rest % 2), material - 1))
+    return sorted(classes, key=lambda c: -c.tree.count)
