@@ -48,7 +48,7 @@ DIRECTIONS = _lebedev()
 """(3, 14) unit vectors over which the world's light is summed; the rule is exact to the fifth degree."""
 WEIGHTS = torch.tensor([1 / 15] * 6 + [3 / 40] * 8)
 
-VisibilityTest = Callable[[Tensor, Tensor, Tensor], Tensor]
+VisibilityTest = Callable[..., Tensor]
 """(origins (3, N), unit directions (3, N), distances (N,)) to (N,): 1 where nothing is in the way (`Geometry.clear`)."""
 
 
