@@ -225,6 +225,7 @@ class SceneData:
         lights = tuple(replace(light, added=True) for light in self.standby.lights if light.name in names)
         theirs = {key: i for key, i in self.standby.instances.items() if i.owner in names}
         return replace(self, lights=(*self.lights, *lights), instances={**self.instances, **theirs})
+
     unseen: Mapping[str, Values] = field(default_factory=dict)
 
     def value(self, key: str, default: float | Values = 0.0) -> Values:
