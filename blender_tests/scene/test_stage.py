@@ -54,6 +54,28 @@ def test_every_format_stands_on_the_stage_and_fills_the_picture(tmp_path, suffix
     assert max(np.ptp(rows), np.ptp(columns)) >= 24
 
 
+def test_a_mesh_stands_as_its_skeleton_poses_it(tmp_path):
+    """The file has its mesh ten times as large as it is shown."""
+    path = write_mesh(tmp_path / "still.glb")
+    armature = bpy.data.objects.new("Bones", bpy.data.armatures.new("Bones"))
+    thing = bpy.data.objects["t"]
+    bpy.context.scene.collection.objects.link(armature)
+    bpy.context.view_layer.objects.active = armature
+    bpy.ops.object.mode_set(mode="EDIT")
+    armature.data.edit_bones.new("All").tail = (0.0, 0.0, 1.0)
+    bpy.ops.object.mode_set(mode="POSE")
+    armature.pose.bones["All"].scale = (0.1, 0.1, 0.1)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    thing.parent = armature
+    thing.modifiers.new("Bones", "ARMATURE").object = armature
+    thing.vertex_groups.new(name="All").add(range(4), 1.0, "REPLACE")
+    bpy.ops.export_scene.gltf(filepath=str(path), export_rest_position_armature=False)
+    staged = analysis.analyze(stage.build_stage(path), SubjectChoice(selected=True))
+    size = np.linalg.norm(np.array(staged.high) - np.array(staged.low)) / 2
+    assert size == pytest.approx(1.0, abs=1e-3)
+    assert {o.name for o in staged.objects} == {"t"}
+
+
 @pytest.mark.parametrize("kind", options.STAGES)
 def test_the_stage_is_not_the_subject_and_fills_the_frame(tmp_path, kind):
     scene = stage.build_stage(write_mesh(tmp_path / "thing.obj"), kind)

@@ -11,6 +11,7 @@ import numpy as np
 from mathutils import Matrix, Vector
 
 from ...core.schema_import import limits, options, schema
+from .. import scene_context
 from . import parts
 
 _CAMERA = (32.0, 12.0)  # azimuth, elevation
@@ -76,7 +77,8 @@ def _import(path: Path) -> list[bpy.types.Object]:
         raise schema.VibeError(f"{path.name} cannot be read: {reason}.", "Export it again.") from error
     for extra in [o for o in bpy.data.objects if o.type in ("LIGHT", "CAMERA")]:
         bpy.data.objects.remove(extra)
-    meshes = [o for o in bpy.context.scene.objects if o.type == "MESH" and o.data.polygons]
+    shown = scene_context.meshes(bpy.context.scene)  # not the shapes that stand for bones
+    meshes = [o for o in shown if o.type == "MESH" and o.data.polygons]
     if not meshes:
         raise schema.VibeError(f"There is no mesh with faces in {path.name}.", "Check that it is a model.")
     return meshes
@@ -99,9 +101,11 @@ def _normalize(meshes: list[bpy.types.Object], path: Path) -> np.ndarray:
 
 
 def _vertices(thing: bpy.types.Object) -> np.ndarray:
-    flat = np.empty(len(thing.data.vertices) * 3, np.float32)
-    thing.data.vertices.foreach_get("co", flat)
-    matrix = np.array(thing.matrix_world)
+    """Its vertices (V, 3) as they are shown: a skeleton may put them far from where the file has them."""
+    posed = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    flat = np.empty(len(posed.data.vertices) * 3, np.float32)
+    posed.data.vertices.foreach_get("co", flat)
+    matrix = np.array(posed.matrix_world)
     return flat.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]
 
 
