@@ -47,7 +47,7 @@ def light(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, Any]:
     data = thing.data
     row: dict[str, Any] = {
         "name": thing.name_full,
-        "type": data.type,
+        "type": type_of(thing).name,
         "residual": _rows(orbits.Pose.of(thing, pivot).residual),
         "position": list(thing.matrix_world.translation),
         "shadow": data.use_shadow,

@@ -10,7 +10,7 @@ import bpy
 from ..core.schema_import import labels, preset, schema
 from ..scene import prepare, scene_context
 from ..scene.lights.light_type import EXTENTS
-from ..scene.lights.registry import light_type
+from ..scene.lights.registry import light_type, type_of
 from . import take
 from .take import SceneParameters, camera_azimuth, owners
 
@@ -57,7 +57,7 @@ def fit(look: preset.Preset, target: SceneParameters) -> Fit:
             index = min(place, len(entries) - 1)
             entry = entries[index]
             if group == "light":
-                entry = _for_light(entry, kinds[index], bpy.data.objects[owner].data.type)
+                entry = _for_light(entry, kinds[index], type_of(bpy.data.objects[owner]).name)
             for name, value in entry.items():
                 _put(result, target, group, owner, name, value)
         spare = sum(map(bool, entries[len(theirs) :])) if theirs else 0

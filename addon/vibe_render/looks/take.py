@@ -13,6 +13,7 @@ import numpy as np
 from ..core.schema_import import preset, schema
 from ..export.analysis import SceneAnalysis
 from ..scene import prepare
+from ..scene.lights.registry import type_of
 
 
 class SceneParameters(Protocol):
@@ -106,7 +107,7 @@ def _brightness(scene: SceneParameters, owner: str) -> float:
 def _kind(light: str) -> str:
     """The type of a light; of one that another variant would add, that of all of ours."""
     known = light in bpy.data.objects
-    return bpy.data.objects[light].data.type if known else prepare.LIGHT_TYPE
+    return type_of(bpy.data.objects[light]).name if known else prepare.LIGHT_TYPE
 
 
 def _entry(

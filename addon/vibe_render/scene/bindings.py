@@ -17,6 +17,7 @@ from ..core.value_slots import ValueSlot
 from . import locators as at
 from . import prepare, scene_context, snapshot
 from .codecs import COLOR, DEGREES, LENS, NUMBER, Codec
+from .lights.registry import type_of
 
 
 @dataclass(frozen=True)
@@ -106,7 +107,7 @@ def _slots(
         for owner in scene_context.owners(context, group):
             for row in rows:
                 kinds = row.parameter.only
-                if kinds and owner.thing.data.type not in kinds:
+                if kinds and type_of(owner.thing).name not in kinds:
                     continue
                 if slot := row.locator(context, owner.thing):
                     yield row, owner, slot

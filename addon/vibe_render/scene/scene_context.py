@@ -236,4 +236,4 @@ def _brightness(obj: Object, pivot: Vector) -> float:
     data: Light = obj.data
     distance = _light_lengths(obj, pivot)["light_distance"]
     power = data.energy * max(data.color)
-    return schema.radiometry.radiance(data.type, power, distance, getattr(data, "exposure", 0.0))
+    return schema.radiometry.radiance(type_of(obj).name, power, distance, getattr(data, "exposure", 0.0))
