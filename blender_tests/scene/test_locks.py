@@ -6,6 +6,7 @@ import pytest
 import small_scenes as scenes
 from mathutils import Matrix
 from vibe_render.scene import bindings, snapshot
+from vibe_render.scene.nodes import owned, tint
 
 PIVOT = (0.0, 0.0, 0.0)
 
@@ -112,7 +113,7 @@ def test_computed_values(scene):
     assert {"world/tint", "world/rotation"} <= parameters.keys()
 
 
-def test_a_value_node_is_followed_and_a_shared_one_is_not(scene):
+def test_a_value_node_is_followed_and_a_shared_one_stays(scene):
     subject = scenes.studio(scene)
     material = bpy.data.materials["Body"]
     tree, node = material.node_tree, scenes.shader(material)
@@ -122,7 +123,10 @@ def test_a_value_node_is_followed_and_a_shared_one_is_not(scene):
     bindings.write(scene, {"material/Body/roughness": (0.25,)}, subject, PIVOT)
     assert number.outputs[0].default_value == 0.25
     tree.links.new(number.outputs[0], node.inputs["Metallic"])
-    assert "Value" in locked(scene, subject, "material/Body/roughness")
+    bindings.write(scene, {"material/Body/roughness": (0.75,)}, subject, PIVOT)
+    assert number.outputs[0].default_value == 0.25
+    values = bindings.read(scene, subject, PIVOT)
+    assert (values["material/Body/roughness"], values["material/Body/metallic"]) == ((0.75,), (0.25,))
 
 
 def grouped(material):
@@ -152,11 +156,13 @@ def test_a_shader_inside_a_group(scene):
     assert locked(scene, subject, "material/Body/metallic") == ""  # the snapshot is no second user
     other = bpy.data.materials["Ground"].node_tree.nodes.new("ShaderNodeGroup")
     other.node_tree = outer.node_tree
-    assert "shared" in locked(scene, subject, "material/Body/metallic")
-    assert locked(scene, subject, "material/Body/roughness") == ""
+    assert bindings.write(scene, {"material/Body/metallic": (0.25,)}, subject, PIVOT) == {}
+    assert inner.inputs["Metallic"].default_value == 0.75  # the other material's
+    assert outer.inputs["Grain"].default_value == 0.25
+    assert bindings.read(scene, subject, PIVOT)["material/Body/metallic"] == (0.25,)
 
 
-def test_a_tint_inside_a_shared_group_is_locked(scene):
+def test_a_tint_inside_a_shared_group_is_in_a_copy_of_it(scene):
     subject = scenes.studio(scene)
     outer, inner = grouped(bpy.data.materials["Body"])
     tree = outer.node_tree
@@ -164,7 +170,9 @@ def test_a_tint_inside_a_shared_group_is_locked(scene):
     tree.links.new(noise.outputs["Color"], inner.inputs["Base Color"])
     assert locked(scene, subject, "material/Body/tint") == ""
     bpy.data.materials["Ground"].node_tree.nodes.new("ShaderNodeGroup").node_tree = tree
-    assert "shared" in locked(scene, subject, "material/Body/tint")
+    assert bindings.write(scene, {"material/Body/tint": (0.5, 1.0, 1.0)}, subject, PIVOT) == {}
+    assert inner.inputs["Base Color"].links[0].from_node == noise
+    assert owned.group_nodes(outer.node_tree, tint.NAME)
 
 
 def test_other_shaders_have_what_they_share_with_the_principled_one(scene):

@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import bpy
-from bpy.types import NodeSocket, NodeTree, Object, bpy_struct
+from bpy.types import Node, NodeSocket, NodeTree, Object, bpy_struct
 
 from . import compat
 from .journal import address
@@ -20,11 +22,16 @@ def of_property(owner: bpy_struct, name: str) -> str:
     Returns:
         "" where it may change.
     """
-    block, path = address(owner)
+    block, _ = address(owner)
     if block.library:
         return f'"{block.name}" is linked from {bpy.path.basename(block.library.filepath)}'
     if block.override_library and not owner.is_property_overridable_library(name):
         return f'"{block.name}" is a library override that keeps this value'
+    return _animated(owner, name)
+
+
+def _animated(owner: bpy_struct, name: str) -> str:
+    block, path = address(owner)
     full = f"{path}.{name}" if path else name
     # The curves of a node tree inside a material belong to the tree, and their paths start there.
     if any(c.data_path == full for c in compat.curves(block)):
@@ -50,13 +57,19 @@ def of_pose(obj: Object) -> str:
     return next(filter(None, (of_property(obj, name) for name in names)), "")
 
 
-def of_socket(socket: NodeSocket, source: NodeSocket | None) -> str:
-    """The reason for a node input; `source` is the output that computes it, None where none does."""
+def of_socket(socket: NodeSocket, source: NodeSocket | None, inside: Sequence[Node] = ()) -> str:
+    """The reason for a node input.
+
+    Args:
+        socket: The input.
+        source: The output that computes it; None where none does.
+        inside: The group nodes that lead to it. A group may be anybody's, for a copy of it changes: it is the
+            material around it that must not be linked from a library.
+    """
     if source is not None:
         return f'{socket.name} comes from "{source.node.label or source.node.name}"'
-    tree = socket.id_data
-    if not tree.is_embedded_data and uses(tree) > 1:
-        return f'{socket.name} is inside the shared node group "{tree.name}"'
+    if inside:
+        return of_property(inside[0], "node_tree") or _animated(socket, "default_value")
     return of_property(socket, "default_value")
 
 

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -86,6 +86,31 @@ class LazySlot:
             slot = self.make(journal)
         if slot is not None:
             slot.set(journal, raw)
+
+
+@dataclass
+class JointSlot:
+    """Value slot: several slots that have one value, that of the first."""
+
+    slots: Sequence[ValueSlot]
+    locked: str = ""
+
+    def get(self) -> Any:
+        """The first one's value."""
+        return self.slots[0].get()
+
+    def set(self, journal: Journal, raw: Any) -> None:
+        """Sets all that may change."""
+        for slot in self.slots:
+            slot.set(journal, raw)
+
+
+def together(slots: Sequence[ValueSlot]) -> ValueSlot | None:
+    """One slot for those that may change; one that says why if none may, and None if there are none."""
+    free = [slot for slot in slots if not slot.locked]
+    if len(free) > 1:
+        return JointSlot(free)
+    return free[0] if free else slots[0] if slots else None
 
 
 def same(a: Any, b: Any) -> bool:

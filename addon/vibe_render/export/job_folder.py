@@ -16,7 +16,7 @@ from mathutils import Vector
 from ..core.schema_import import atomic, schema
 from ..scene import bindings, fog, scene_context
 from ..scene.nodes import shaders
-from . import measured, sanitize, standby, view, world_light
+from . import measured, notes, sanitize, standby, view, world_light
 from .analysis import SceneAnalysis
 from .materials import NO_MATERIAL, ExportedMaterial
 
@@ -61,7 +61,7 @@ def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
     materials = measured.materials(analysis)
     instances, mended = sanitize.instances(_with_materials(bound, analysis, materials))
     spare, spare_instances = standby.lights(analysis)
-    warnings = [*geometry.warnings, *(m.row["warning"] for m in materials.values() if m.row["warning"])]
+    warnings = [*notes.by_reason(_material_notes(analysis, materials)), *geometry.warnings]
     warnings += [*view.ignored(scene), *mended]
     image, note = world_light.environment(scene.world)
     if image is not None:
@@ -99,6 +99,17 @@ def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
     atomic.write_text(folder / "scene.json", json.dumps(content, indent=1, allow_nan=False))
     said = list(dict.fromkeys(w for w in (*warnings, note) if w))
     return SceneJob(folder, analysis, instances, spare_instances, said)
+
+
+def _material_notes(
+    analysis: SceneAnalysis, materials: Mapping[str, ExportedMaterial]
+) -> dict[str, list[str]]:
+    """What is approximated of the materials that the camera sees, those that fill most of the picture first."""
+    seen = analysis.visible.material
+    counts = np.bincount(seen[seen >= 0].ravel(), minlength=len(analysis.geometry.materials))
+    order = np.argsort(-counts, kind="stable")
+    names = [analysis.geometry.materials[n] for n in order if counts[n]]
+    return {materials[name].row["name"]: materials[name].notes for name in names}
 
 
 def parameters(analysis: SceneAnalysis) -> dict[str, schema.Instance]:

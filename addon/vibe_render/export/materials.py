@@ -12,71 +12,14 @@ import numpy as np
 
 from ..core import compat
 from ..core.schema_import import schema
-from ..scene.nodes import shaders
-from . import mix_shader
-from .textures import ExportedTexture, untinted, uv_mapping
+from ..scene.nodes import layers, shaders
+from ..scene.nodes.trails import FOREIGN, ValueOrigin, resolve
+from . import principled
+from .mixture import Mixture
+from .textures import ExportedTexture, uv_mapping
 
 NO_MATERIAL = "(no material)"
 """What faces without a material are called; a name that Blender would not give."""
-
-# What the other shaders are in the words of the Principled BSDF.
-_APPROXIMATE: dict[str, dict[str, tuple[float, ...]]] = {
-    "ShaderNodeBsdfDiffuse": {"roughness": (1.0,), "specular": (0.0,)},
-    "ShaderNodeBsdfTranslucent": {"roughness": (1.0,), "specular": (0.0,)},
-    "ShaderNodeSubsurfaceScattering": {"roughness": (1.0,), "specular": (0.0,)},
-    "ShaderNodeBsdfToon": {"roughness": (1.0,), "specular": (0.0,)},
-    "ShaderNodeBsdfSheen": {"base_color": (0.0, 0.0, 0.0), "specular": (0.0,), "sheen": (1.0,)},
-    "ShaderNodeBsdfHair": {"roughness": (0.6,)},
-    "ShaderNodeBsdfHairPrincipled": {"roughness": (0.6,)},
-    "ShaderNodeBsdfRefraction": {"transmission": (1.0,)},
-    "ShaderNodeBsdfGlossy": {"metallic": (1.0,), "specular_tint": (1.0, 1.0, 1.0)},
-    "ShaderNodeBsdfAnisotropic": {"metallic": (1.0,), "specular_tint": (1.0, 1.0, 1.0)},
-    "ShaderNodeBsdfMetallic": {"metallic": (1.0,)},
-    "ShaderNodeBsdfGlass": {"transmission": (1.0,)},
-    "ShaderNodeEmission": {"base_color": (0.0, 0.0, 0.0), "specular": (0.0,)},
-}
-_BLACK: dict[str, tuple[float, ...]] = {
-    "base_color": (0.0, 0.0, 0.0),
-    "specular": (0.0,),
-    "roughness": (1.0,),
-}
-_DEFAULTS = {
-    "base_color": (0.8, 0.8, 0.8),
-    "emission": (0.0,),
-    "emission_color": (1.0, 1.0, 1.0),
-    "roughness": (0.5,),
-}
-
-_CONSTANTS = {
-    "coat_ior": "Coat IOR",
-    "coat_tint": "Coat Tint",
-    "sheen_roughness": "Sheen Roughness",
-    "sheen_tint": "Sheen Tint",
-    "diffuse_roughness": "Diffuse Roughness",
-    "anisotropic": "Anisotropic",
-    "subsurface": "Subsurface Weight",
-    "thin_film": "Thin Film Thickness",
-}
-_COMPUTED = {
-    "base_color": "Base Color",
-    "alpha": "Alpha",
-    "normal": "Normal",
-    "metallic": "Metallic",
-    "roughness": "Roughness",
-    "specular": "Specular IOR Level",
-    "specular_tint": "Specular Tint",
-    "coat": "Coat Weight",
-    "coat_roughness": "Coat Roughness",
-    "sheen": "Sheen Weight",
-    "transmission": "Transmission Weight",
-    "emission_color": "Emission Color",
-    "emission": "Emission Strength",
-}
-"""Inputs that nodes may compute, and what the Principled BSDF calls them."""
-_UNIFORM = {"specular", "specular_tint", "coat_roughness", "sheen"}
-"""Those of them that the engine takes for the same everywhere."""
-
-_COLORS = ("base_color", "emission_color", "specular_tint")
 
 
 @dataclass(frozen=True)
@@ -85,6 +28,11 @@ class MeasuredChannel:
 
     mean: np.ndarray
     picture: ExportedTexture | None = None
+
+    @property
+    def values(self) -> np.ndarray:
+        """(h, w, C), or (1, 1, C) where it does not vary."""
+        return self.picture.image if self.picture else self.mean[None, None].astype(np.float32)
 
 
 @dataclass
@@ -97,29 +45,39 @@ class ExportedMaterial:
             base color as mirrors may show it.
         values: Values that bindings cannot know: of other shaders, and means of computed inputs.
         reason: Why those values are locked.
+        notes: What is only approximate about it, each a sentence without its full stop.
     """
 
     row: dict[str, Any]
     pictures: dict[str, ExportedTexture] = field(default_factory=dict)
     values: dict[str, schema.Values] = field(default_factory=dict)
     reason: str = ""
+    notes: list[str] = field(default_factory=list)
 
 
 def uv_of(material: bpy.types.Material) -> tuple[str, np.ndarray]:
     """The UV map that a material's textures are laid over, and the 3x3 matrix of its mapping."""
-    sources = computed(material)
-    return uv_mapping(sources.get("base_color") or sources.get("alpha"))
+    origins = computed(material)
+    origin = origins.get("base_color") or origins.get("alpha")
+    return uv_mapping(origin.source if origin else None)
 
 
-def computed(material: bpy.types.Material | None) -> dict[str, bpy.types.NodeSocket | None]:
-    """The outputs that compute a material's inputs, before our tint; None for the normal that Displacement makes."""
-    if material is None or shaders.surface(material) is None:
+def computed(material: bpy.types.Material | None) -> dict[str, ValueOrigin | None]:
+    """Where a material's inputs are computed, before our tint; None for the normal that Displacement makes.
+
+    Besides inputs of the Principled BSDF: the channels of `Mixture`.
+    """
+    if material is None or layers.surface(material) is None:
         return {}
-    sources = {name: _input(material, socket)[1] for name, socket in _COMPUTED.items()}
-    outputs = {name: untinted(source) for name, source in sources.items() if source}
-    cut = shaders.cutout(material)
-    if cut and cut.source:
-        outputs["alpha"] = cut.source
+    mixture = Mixture.of(material)
+    entries = {name: layers.entry(material, socket) for name, socket in principled.COMPUTED.items()}
+    outputs: dict[str, ValueOrigin | None] = dict(mixture.channels())
+    outputs |= {name: o for name, each in entries.items() if each and (o := resolve(each)).source}
+    outputs.pop("base_color", None)
+    if len(mixture.colors) == 1 and mixture.colors[0].source:
+        outputs["base_color"] = mixture.colors[0]
+    if cut := mixture.cutout():
+        outputs["alpha"] = cut[0]
     bumps = shaders.bumps(material)
     return {**outputs, "normal": None} if bumps and "normal" not in outputs else outputs
 
@@ -131,52 +89,55 @@ def export(material: bpy.types.Material | None, measured: Mapping[str, MeasuredC
         measured: What `computed` inputs give; those that could not be measured are missing.
     """
     if material is None:
-        values = {**_DEFAULTS, **_APPROXIMATE["ShaderNodeBsdfDiffuse"]}
+        values = {**principled.DEFAULTS, **principled.APPROXIMATE["ShaderNodeBsdfDiffuse"]}
         return ExportedMaterial(_row(NO_MATERIAL, "approximate"), {}, values, "it has no material")
-    tree, shader = compat.node_tree(material), shaders.surface(material)
-    if tree is None:
+    if compat.node_tree(material) is None:
         values = {"metallic": (material.metallic,), "roughness": (material.roughness,)}
         return ExportedMaterial(_row(material.name_full, "approximate"), {}, values, "its nodes are off")
+    mixture, shown = Mixture.of(material), layers.by_prominence(material)
     notes = _foreign(material)
-    if shader is None:
-        black = not _has_shader(tree)  # as Cycles shows what it has no shader for
-        notes.append(f"its shader is not known; it is shown {'black' if black else 'gray'}")
-        row = _row(material.name_full, "approximate", f"{material.name}: {'; '.join(notes)}.")
-        values = {**_DEFAULTS, **(_BLACK if black else {})}
-        return ExportedMaterial(row, {}, values, "its shader is not known")
-    result = ExportedMaterial(_row(material.name_full, "principled"))
-    kind = shader.node.bl_idname
-    if kind != "ShaderNodeBsdfPrincipled":
-        result.row["model"], result.reason = "approximate", f"its shader is a {shader.node.bl_label}"
-        result.values.update(mix_shader.plastic(material) or _APPROXIMATE[kind])
-        mixed = mix_shader.plastic(material) is not None
-        notes.append(f"{'its mix of shaders' if mixed else shader.node.bl_label} is approximated")
-    elif not _is_output(material, shader.node) and not shaders.cutout(material):
-        notes.append("its mix of shaders is shown as its Principled BSDF alone")
-    _constants(shader, result.row)
+    if not shown and mixture.layers:
+        clear = ExportedMaterial(
+            _row(material.name_full, "principled"), {}, {**principled.DEFAULTS, **principled.BLACK}
+        )
+        clear.row["alpha"], clear.reason = float(mixture.opacity(measured).mean()), "it is transparent"
+        return clear
+    if not shown:
+        black = not layers.is_linked(material)  # as Cycles shows what it has no shader for
+        notes.append(f"A shader that is not known is shown {'black' if black else 'gray'}")
+        values = {**principled.DEFAULTS, **(principled.BLACK if black else {})}
+        row = _row(material.name_full, "approximate")
+        return ExportedMaterial(row, {}, values, "its shader is not known", notes)
+    base = next((layer for layer in shown if layer.shader.input("Base Color")), shown[0])
+    result = ExportedMaterial(_row(material.name_full, "principled"), notes=notes)
+    if base.kind != principled.PRINCIPLED:
+        result.row["model"], result.reason = "approximate", f"its shader is a {base.shader.node.bl_label}"
+        result.values.update(principled.APPROXIMATE[base.kind])
+        result.values.update(mixture.values(base, measured))
+    notes += _approximations(base, shown)
+    _constants(base, mixture, result.row)
     notes += _rare(result.row["constants"])
-    cut = shaders.cutout(material)
-    if cut and cut.share is not None:
-        result.row["alpha"] *= cut.share
-    _varying(result, measured, cut is not None and cut.inverted, notes)
-    result.row["warning"] = f"{material.name}: {'; '.join(notes)}." if notes else ""
+    _mixed(result, material, mixture, measured)
+    _varying(result, measured, mixture)
     return result
 
 
-def _has_shader(tree: bpy.types.NodeTree) -> bool:
-    """Whether anything is linked to the surface of the output that Cycles takes."""
-    output = tree.get_output_node("CYCLES")
-    return bool(output and shaders.active_links(output.inputs["Surface"]))
+def _approximations(base: layers.Layer, shown: list[layers.Layer]) -> list[str]:
+    """Notes about shaders that are not what the engine knows."""
+    rest = [layer for layer in shown if layer is not base and layer.matter != "light"]
+    if rest:
+        return ["The mix of shaders is approximated"]
+    return [] if base.kind in principled.EXACT else [f"{base.shader.node.bl_label} is approximated"]
 
 
 def _foreign(material: bpy.types.Material) -> list[str]:
-    """Warnings about nodes that a render leaves out."""
+    """Notes about nodes that a render leaves out."""
     labels = {node.bl_idname: node.bl_label for node in shaders.foreign(material)}
-    return [f"{label}, which {shaders.FOREIGN[kind]}, is left out" for kind, label in labels.items()]
+    return [f"{label}, which {FOREIGN[kind]}, is left out" for kind, label in labels.items()]
 
 
 def _rare(constants: Mapping[str, Any]) -> list[str]:
-    """Warnings about inputs that the engine approximates or ignores."""
+    """Notes about inputs that the engine approximates or ignores."""
     notes = []
     if constants.get("subsurface", 0.0) > 0:
         notes.append("Subsurface is shown as plain diffuse color")
@@ -187,61 +148,70 @@ def _rare(constants: Mapping[str, Any]) -> list[str]:
     return notes
 
 
-def _row(name: str, model: str, warning: str = "") -> dict[str, Any]:
-    return {"name": name, "model": model, "warning": warning, "alpha": 1.0, "constants": {}, "texture": None}
+def _row(name: str, model: str) -> dict[str, Any]:
+    return {"name": name, "model": model, "alpha": 1.0, "constants": {}, "texture": None}
 
 
-def _input(material: bpy.types.Material, name: str) -> tuple[Any, bpy.types.NodeSocket | None]:
-    """The socket that holds an input of the surface's shader, and the output that computes it."""
-    shader = shaders.surface(material)
-    entry = shader.input(name) if shader else None
-    return shaders.resolve(entry, shader.inside) if shader and entry else (None, None)
-
-
-def _is_output(material: bpy.types.Material, node: bpy.types.Node) -> bool:
-    """Whether a shader goes straight to the output, or is inside a group."""
-    if node.id_data != material.node_tree:
-        return True
-    output = material.node_tree.get_output_node("CYCLES")
-    links = shaders.active_links(output.inputs["Surface"]) if output else []
-    while links and links[0].from_node.type == "REROUTE":
-        links = shaders.active_links(links[0].from_node.inputs[0])
-    return bool(links) and links[0].from_node == node
-
-
-def _constants(shader: shaders.NodeInGroups, row: dict[str, Any]) -> None:
+def _constants(base: layers.Layer, mixture: Mixture, row: dict[str, Any]) -> None:
     """Inputs that no vibe changes."""
-    for name, socket in _CONSTANTS.items():
-        entry = shader.input(socket)
+    for name, socket in principled.CONSTANTS.items():
+        entry = base.shader.input(socket)
         if entry is not None:
             value = entry.default_value
             row["constants"][name] = (
                 [float(v) for v in value[:3]] if hasattr(value, "__len__") else float(value)
             )
-    alpha = shader.node.inputs.get("Alpha")
+    if ior := mixture.coat_ior(base):
+        row["constants"]["coat_ior"] = ior
+    alpha = base.shader.node.inputs.get("Alpha")
     if alpha:
         row["alpha"] = float(alpha.default_value)
 
 
-def _varying(
-    result: ExportedMaterial, measured: Mapping[str, MeasuredChannel], inverted: bool, notes: list[str]
+def _mixed(
+    result: ExportedMaterial,
+    material: bpy.types.Material,
+    mixture: Mixture,
+    measured: Mapping[str, MeasuredChannel],
 ) -> None:
+    """What shaders give together: the color of several, the opacity that transparent ones leave, the glow's share."""
+    window = next((c.picture for name, c in measured.items() if name.startswith("mix")), None)
+    frame = window or ExportedTexture(np.ones((1, 1, 1), np.float32))
+    if len(mixture.colors) > 1:
+        result.pictures["base_color"] = replace(frame, image=mixture.color(material, measured))
+    if not mixture.cutout():
+        opacity = mixture.opacity(measured)
+        own = measured.get("alpha")
+        result.row["alpha"] *= float(opacity.mean())
+        if opacity.size > 1 and own is None:
+            result.pictures["alpha"] = replace(frame, image=opacity)
+    share = mixture.glow(measured)
+    if share is not None and (entry := layers.entry(material, "Emission Color")):
+        channel = measured.get("emission_color")
+        color = channel.values if channel else np.array(resolve(entry).socket.default_value[:3])[None, None]
+        result.pictures["emission_color"] = replace(frame, image=(share * color).astype(np.float32))
+
+
+def _varying(result: ExportedMaterial, measured: Mapping[str, MeasuredChannel], mixture: Mixture) -> None:
     """Takes over what nodes compute: pictures where the engine takes them, means of the others."""
+    cut = mixture.cutout()
     for name, channel in measured.items():
+        if name not in principled.COMPUTED and name != "far":
+            continue  # a part of a mix
         picture, mean = channel.picture, channel.mean
-        if name == "alpha" and inverted:
+        if name == "alpha" and cut and cut[1]:
             mean = 1 - mean
             picture = replace(picture, image=1 - picture.image) if picture else None
-        if picture and name not in _UNIFORM:
-            result.pictures[name] = picture
-            notes += [picture.warning] if picture.warning else []
+        if picture and name not in principled.UNIFORM:
+            result.pictures.setdefault(name, picture)
+            result.notes += [picture.warning] if picture.warning else []
         elif name != "normal":
-            notes.append(f"{_COMPUTED[name]} is shown as its average")
+            result.notes.append(f"{principled.COMPUTED[name]} is shown as its average")
         if name == "alpha":
             result.row["alpha"] = float(np.clip(mean.mean(), 0.0, 1.0))
-        elif name in _COMPUTED and name not in ("normal", "base_color"):
+        elif name in principled.COMPUTED and name not in ("normal", "base_color"):
             color = tuple(float(v) for v in mean)
-            result.values[name] = color if name in _COLORS else (sum(color) / len(color),)
+            result.values[name] = color if name in principled.COLORS else (sum(color) / len(color),)
         if name == "base_color" and not picture:
             result.pictures[name] = ExportedTexture(mean[None, None].astype(np.float32))
     result.reason = result.reason or "it is computed by nodes"

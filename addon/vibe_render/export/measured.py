@@ -7,9 +7,13 @@ import bpy
 import numpy as np
 
 from ..render import baked_passes, planar_captures
+from ..scene.nodes.trails import ValueOrigin
 from . import textures
 from .analysis import SceneAnalysis
 from .materials import ExportedMaterial, MeasuredChannel, computed, export, uv_of
+
+_SEEN_ELSEWHERE = ("base_color", "emission_color", "emission", "alpha")
+"""What counts of materials that the camera does not see: the light that they send to others."""
 
 
 def materials(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
@@ -23,12 +27,12 @@ def materials(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
         if material is None:
             continue
         uvs = geometry.uvs[geometry.material == geometry.materials.index(name)]
-        for channel, source in computed(material).items():
-            picture = _over_uvs(material, channel, source, uvs)
+        for channel, origin in computed(material).items():
+            picture = _over_uvs(material, channel, origin, uvs)
             if picture:
                 channels[name][channel] = MeasuredChannel(picture.image.mean((0, 1)), picture)
             else:
-                wanted.append(baked_passes.PassRequest(material, channel, source))
+                wanted.append(baked_passes.PassRequest(material, channel, origin))
     baked = baked_passes.measure(analysis.scene, wanted)
     for w in wanted:
         name = w.material.name_full
@@ -39,25 +43,25 @@ def materials(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
             far = _straight_on(analysis, w) if w.channel == "base_color" else None
             if far:
                 channels[name]["far"] = MeasuredChannel(view.mean, far)
-        elif w.source is not None and w.channel != "normal":
-            channels[name][w.channel] = MeasuredChannel(_mean(analysis, w))
+        elif w.origin is not None and w.channel != "normal":
+            channels[name][w.channel] = MeasuredChannel(_mean(analysis, w, w.origin))
     return {name: export(material, channels[name]) for name, material in chosen.items()}
 
 
 def _over_uvs(
-    material: bpy.types.Material, channel: str, source: bpy.types.NodeSocket | None, uvs: np.ndarray
+    material: bpy.types.Material, channel: str, origin: ValueOrigin | None, uvs: np.ndarray
 ) -> textures.ExportedTexture | None:
     """A texture where one is enough, and as sharp as the original: of base colors and cut-outs."""
-    if source is None or channel not in ("base_color", "alpha"):
+    if origin is None or channel not in ("base_color", "alpha"):
         return None
     chosen, matrix = uv_of(material)
-    name, own = textures.uv_mapping(source)
+    name, own = textures.uv_mapping(origin.source)
     if name != chosen or not np.allclose(matrix, own):
         return None
     outputs = ("Color", "Alpha") if channel == "alpha" else ("Color",)
-    tiles = textures.plain_image(source, outputs) is not None
+    tiles = textures.plain_image(origin.source, outputs) is not None
     inside = uvs.size and -1e-3 <= uvs.min() <= uvs.max() <= 1 + 1e-3
-    return textures.over_uvs(material, channel, source) if tiles or inside else None
+    return textures.over_uvs(material, channel, origin) if tiles or inside else None
 
 
 def _straight_on(
@@ -83,8 +87,9 @@ def _straight_on(
     return textures.ExportedTexture(view.image, "CLIP", "", None, (mapping * scale[:, None]).tolist())
 
 
-def _mean(analysis: SceneAnalysis, wanted: baked_passes.PassRequest) -> np.ndarray:
+def _mean(analysis: SceneAnalysis, wanted: baked_passes.PassRequest, origin: ValueOrigin) -> np.ndarray:
     number = analysis.geometry.materials.index(wanted.material.name_full)
     mask = analysis.visible.material == number
-    assert wanted.source is not None
-    return textures.measured(analysis.scene, wanted.material, wanted.source, mask)
+    if not mask.any() and wanted.channel not in _SEEN_ELSEWHERE:
+        return np.full(3, 0.5, np.float32)
+    return textures.measured(analysis.scene, wanted.material, origin, mask)

@@ -10,8 +10,7 @@ import numpy as np
 
 from ..core.color import to_linear
 from ..render import bake
-from ..scene.nodes import owned
-from ..scene.nodes.shaders import active_links
+from ..scene.nodes.trails import ValueOrigin, active_links
 
 _LONGEST = 1024
 _BAKED = 512
@@ -60,25 +59,25 @@ def uv_mapping(source: bpy.types.NodeSocket | None) -> tuple[str, np.ndarray]:
     return (maps[0] if maps else ""), np.eye(3)
 
 
-def over_uvs(
-    material: bpy.types.Material, channel: str, source: bpy.types.NodeSocket
-) -> ExportedTexture | None:
+def over_uvs(material: bpy.types.Material, channel: str, origin: ValueOrigin) -> ExportedTexture | None:
     """The picture of an input that depends on nothing but UVs in the unit square; otherwise None.
 
     Args:
         channel: "alpha", or a color that is not tinted.
-        source: The output that computes it.
+        origin: The output that computes it.
     """
+    source = origin.source
+    assert source
     node = plain_image(source, ("Color", "Alpha") if channel == "alpha" else ("Color",))
     if node is None:
-        if source.id_data != material.node_tree or not _reads_uv_only(source):
+        if not _reads_uv_only(source):
             return None
-        with bake.emitting(material, source) as glowing:
+        with bake.emitting(material, origin) as glowing:
             return ExportedTexture(bake.plane_of(glowing, _BAKED))
     alpha = channel == "alpha" and source.name == "Alpha"
     image = image_alpha(node.image) if alpha else image_colors(node.image)
     if image is None:
-        missing = f"the image {node.image.name!r} of {material.name} is missing"
+        missing = f"The image {node.image.name!r} is missing"
         return ExportedTexture(
             np.array([[[1.0, 0.0, 1.0]]], np.float32), warning=missing
         )  # as Cycles shows it
@@ -90,29 +89,30 @@ Mask = np.ndarray
 
 
 def measured(
-    scene: bpy.types.Scene, material: bpy.types.Material, source: bpy.types.NodeSocket, mask: Mask
+    scene: bpy.types.Scene, material: bpy.types.Material, origin: ValueOrigin, mask: Mask
 ) -> np.ndarray:
-    """The mean color of a socket's output over the visible part of a material.
+    """The mean color that an output gives over the visible part of a material.
 
-    An image that is read directly counts whole. An output inside a node group cannot be measured and counts as
-    middle gray.
+    An image that is read directly counts whole. Of a material that the camera does not see, the unit square of its
+    UVs counts: mirrors and light that bounces may show it.
 
     Args:
         scene: The scene, for the render that measures.
-        material: The material that the socket belongs to.
-        source: The output.
+        material: The material that the output belongs to.
+        origin: The output, inside node groups or not.
         mask: where the camera sees the material.
 
     Returns:
         (3,) float32, linear.
     """
-    if source.id_data != material.node_tree or not mask.any():
-        return np.full(3, 0.5, np.float32)
-    plain = plain_image(source)
+    assert origin.source
+    plain = plain_image(origin.source)
     image = image_colors(plain.image) if plain else None
     if image is not None:
         return image.reshape(-1, 3).mean(0)
-    with bake.emitting(material, source) as glowing:
+    with bake.emitting(material, origin) as glowing:
+        if not mask.any():
+            return bake.plane_of(glowing, _VIEW).mean((0, 1))
         view = bake.view_of(scene, glowing, _VIEW)
     rows, columns = ((np.arange(len(mask)) + 0.5) / len(mask) * side for side in view.shape[:2])
     return view[rows.astype(int)][:, columns.astype(int)][mask].mean(0)
@@ -157,15 +157,6 @@ def shrink(image: np.ndarray, longest: int) -> np.ndarray:
     tall, wide = min(step, image.shape[0]), min(step, image.shape[1])
     blocks = image[: height * tall, : width * wide].reshape(height, tall, width, wide, image.shape[2])
     return blocks.mean((1, 3))
-
-
-def untinted(source: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-    """The source behind our own tint node, if the output is that of one; otherwise the output itself."""
-    node = source.node
-    if node.type == "GROUP" and node.node_tree and owned.is_owned(node.node_tree):
-        entry = next((s for s in node.inputs if s.type == "RGBA" and active_links(s)), None)
-        return active_links(entry)[0].from_socket if entry else source
-    return source
 
 
 def plain_image(

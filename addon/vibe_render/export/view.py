@@ -12,7 +12,7 @@ from mathutils import Vector
 from ..core import compat
 from ..scene import orbits, scene_context
 from ..scene.lights.registry import type_of
-from ..scene.nodes import shaders
+from ..scene.nodes.trails import active_links
 from .analysis import SceneAnalysis
 
 
@@ -67,11 +67,11 @@ def _glow(data: bpy.types.Light) -> tuple[float, float, float] | None:
     if tree is None:
         return 1.0, 1.0, 1.0
     output = tree.get_output_node("CYCLES")
-    links = shaders.active_links(output.inputs["Surface"]) if output else []
+    links = active_links(output.inputs["Surface"]) if output else []
     if not links or links[0].from_node.bl_idname != "ShaderNodeEmission":
         return None
     color, strength = (links[0].from_node.inputs[name] for name in ("Color", "Strength"))
-    if shaders.active_links(color) or shaders.active_links(strength):
+    if active_links(color) or active_links(strength):
         return None
     red, green, blue = (float(c) * strength.default_value for c in color.default_value[:3])
     return red, green, blue

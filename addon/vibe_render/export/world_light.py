@@ -10,8 +10,9 @@ import bpy
 import numpy as np
 
 from ..render import bake
-from ..scene.nodes import shaders
-from .textures import image_colors, untinted
+from ..scene.nodes import shaders, tint
+from ..scene.nodes.trails import active_links
+from .textures import image_colors
 
 _HEIGHT = 256
 _SAMPLES = 32
@@ -27,10 +28,10 @@ def environment(world: bpy.types.World | None) -> tuple[np.ndarray | None, str]:
     background = shaders.background(world) if world else None
     if world is None or background is None:
         return None, ""
-    _, source = shaders.resolve(background.node.inputs["Color"], background.inside)
+    color = background.entry("Color")
+    source = tint.untinted(color).source if color else None
     if source is None:
         return None, _mixed(world, background.node)
-    source = untinted(source)
     node = source.node
     if node.bl_idname == "ShaderNodeTexEnvironment" and node.projection == "EQUIRECTANGULAR":
         image = image_colors(node.image)
@@ -46,7 +47,7 @@ def environment(world: bpy.types.World | None) -> tuple[np.ndarray | None, str]:
 def _mixed(world: bpy.types.World, background: bpy.types.Node) -> str:
     tree = world.node_tree
     output = tree.get_output_node("ALL") if tree else None
-    links = shaders.active_links(output.inputs["Surface"]) if output else []
+    links = active_links(output.inputs["Surface"]) if output else []
     straight = not links or links[0].from_node == background or background.id_data != tree
     return "" if straight else "the world's mix of backgrounds is shown as its first one"
 

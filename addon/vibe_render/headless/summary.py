@@ -13,6 +13,7 @@ from typing import Any
 import bpy
 
 from ..core.schema_import import labels, messages, schema
+from ..export.notes import shortened
 from ..session.model_notes import model_lines
 from ..session.word_notes import word_notes
 from .shots import ShotList
@@ -100,7 +101,7 @@ def _mean(rows: Sequence[dict[str, float]]) -> dict[str, float]:
 def _warnings(shot_list: ShotList, result: messages.Result) -> list[str]:
     """What the prediction leaves out, in words for the artist."""
     ours = [warning for job in shot_list.jobs for warning in job.warnings]
-    return list(dict.fromkeys([*ours, *result.report.get("anchored", {}).get("notes", [])]))
+    return shortened([*ours, *result.report.get("anchored", {}).get("notes", [])])
 
 
 def closing_lines(
@@ -111,7 +112,7 @@ def closing_lines(
 ) -> list[str]:
     """The lines for people at the end of a vibe; see `report_fields` for the arguments."""
     values = {k: v for k, v in result.values.items() if k not in skipped}
-    notes = [*word_notes(result.report)[:6], *_warnings(shot_list, result)[:4]]
+    notes = [*word_notes(result.report)[:6], *_warnings(shot_list, result)]
     lines = [*(f"Note: {note}" for note in notes), *change_lines(shot_list.jobs[0].instances, values)]
     if result.variants:
         lines.append(

@@ -15,6 +15,7 @@ import numpy as np
 from ..core.files import whole
 from ..core.overrides import changed
 from ..scene.copies import copied_scene
+from ..scene.nodes.trails import ValueOrigin, group_output, same_socket
 
 
 def render_linear(scene: bpy.types.Scene, samples: int, bounces: int = 0) -> np.ndarray:
@@ -65,16 +66,15 @@ def pixels(image: bpy.types.Image) -> np.ndarray:
 
 
 @contextmanager
-def emitting(material: bpy.types.Material, source: bpy.types.NodeSocket) -> Iterator[bpy.types.Material]:
+def emitting(material: bpy.types.Material, origin: ValueOrigin) -> Iterator[bpy.types.Material]:
     """A copy of a material that emits the value of one of its outputs; removed after the block.
 
     Args:
-        source: An output of a node in the material's own tree.
+        origin: Where the output is: in the material's own tree, or in node groups, which are copied for the time.
     """
     twin = material.copy()
     tree = twin.node_tree
-    node = tree.nodes[source.node.name]
-    exit_ = next(s for s in node.outputs if s.identifier == source.identifier)
+    exit_, groups = _led_out(tree, origin)
     glow = tree.nodes.new("ShaderNodeEmission")
     tree.links.new(exit_, glow.inputs["Color"])
     for output in [n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial"]:
@@ -86,6 +86,28 @@ def emitting(material: bpy.types.Material, source: bpy.types.NodeSocket) -> Iter
         yield twin
     finally:
         bpy.data.materials.remove(twin)
+        for group in groups:
+            bpy.data.node_groups.remove(group)
+
+
+def _led_out(
+    tree: bpy.types.NodeTree, origin: ValueOrigin
+) -> tuple[bpy.types.NodeSocket, list[bpy.types.NodeTree]]:
+    """An output in a tree that gives the value of one inside its node groups, and the copies of groups made for it."""
+    groups, holders = [], []
+    for name in (group.name for group in origin.inside):
+        holders.append(tree.nodes[name])
+        holders[-1].node_tree = holders[-1].node_tree.copy()
+        tree = holders[-1].node_tree
+        groups.append(tree)
+    source = origin.source
+    assert source
+    socket = same_socket(tree.nodes[source.node.name].outputs, source)
+    for holder, group in zip(reversed(holders), reversed(groups), strict=True):
+        item = group.interface.new_socket("Vibe Bake", in_out="OUTPUT", socket_type="NodeSocketColor")
+        group.links.new(socket, next(s for s in group_output(holder) if s.identifier == item.identifier))
+        socket = next(s for s in holder.outputs if s.identifier == item.identifier)
+    return socket, groups
 
 
 def view_of(scene: bpy.types.Scene, material: bpy.types.Material, size: int) -> np.ndarray:

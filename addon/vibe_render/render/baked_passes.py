@@ -17,11 +17,15 @@ import numpy as np
 from ..core.overrides import changed
 from ..scene import scene_context
 from ..scene.copies import copied_scene
+from ..scene.nodes.trails import ValueOrigin
 from . import exr
 from .planar_captures import CapturePlane, straight_on
 
 COLORS = ("base_color", "emission_color", "specular_tint", "normal")
-"""Channels of three components; the others have one. Normals are in world space, halved and raised to [0, 1]."""
+"""Channels of three components, with "color0", "color1" …; the others have one.
+
+Normals are in world space, halved and raised to [0, 1].
+"""
 
 _LONGEST = 512
 _SAMPLES = 4
@@ -32,14 +36,14 @@ _INDEX, _SQUARE = "Vibe Index", "Vibe Square"
 
 @dataclass(frozen=True)
 class PassRequest:
-    """A computed input to bake: its material, its channel, and the output that computes it.
+    """A computed input to bake: its material, its channel, and where it is computed.
 
-    `source` is None for the normal that Displacement makes where it is rendered as bump.
+    `origin` is None for the normal that Displacement makes where it is rendered as bump.
     """
 
     material: bpy.types.Material
     channel: str
-    source: bpy.types.NodeSocket | None
+    origin: ValueOrigin | None
 
 
 @dataclass(frozen=True)
@@ -103,10 +107,14 @@ def measure(
     for w in wanted:
         number = names.index(w.material.name_full) + 1
         shown = alone & (np.abs(index - number) < 1e-3)
-        values = passes[f"Vibe {w.channel}"][..., : 3 if w.channel in COLORS else 1]
+        values = passes[f"Vibe {w.channel}"][..., : 3 if _is_color(w.channel) else 1]
         if shown.any():
             baked[w.material.name_full, w.channel] = _cropped(values, shown)
     return baked
+
+
+def _is_color(channel: str) -> bool:
+    return channel in COLORS or channel.startswith("color")
 
 
 def _editable(w: PassRequest) -> bool:
@@ -123,7 +131,7 @@ def _once(wanted: Sequence[PassRequest]) -> list[PassRequest]:
 
 def _tree(w: PassRequest) -> bpy.types.NodeTree:
     """Where a value is computed."""
-    return w.source.id_data if w.source else w.material.node_tree
+    return w.origin.socket.id_data if w.origin else w.material.node_tree
 
 
 def _render(twin: bpy.types.Scene, channels: Sequence[str], samples: int) -> dict[str, np.ndarray]:
@@ -134,7 +142,7 @@ def _render(twin: bpy.types.Scene, channels: Sequence[str], samples: int) -> dic
     for name in (*channels, _INDEX, _SQUARE):
         aov = layer.aovs.add()
         aov.name = name if name in (_INDEX, _SQUARE) else f"Vibe {name}"
-        aov.type = "COLOR" if name in COLORS else "VALUE"
+        aov.type = "COLOR" if _is_color(name) else "VALUE"
     with (
         changed(
             cycles,
@@ -162,7 +170,7 @@ def _sent(w: PassRequest, name: str) -> Iterator[None]:
         output = tree.nodes.new("ShaderNodeOutputAOV")
         added.append(output)
         output.aov_name = name
-        source = w.source
+        source = w.origin.source if w.origin else None
         if w.channel == "normal":
             if source is None:
                 added.append(tree.nodes.new("ShaderNodeNewGeometry"))
@@ -173,7 +181,7 @@ def _sent(w: PassRequest, name: str) -> Iterator[None]:
             half.inputs[1].default_value = half.inputs[2].default_value = (0.5, 0.5, 0.5)
             tree.links.new(source, half.inputs[0])
             source = half.outputs[0]
-        tree.links.new(source, output.inputs["Color" if w.channel in COLORS else "Value"])
+        tree.links.new(source, output.inputs["Color" if _is_color(w.channel) else "Value"])
         yield
     finally:
         for node in added:

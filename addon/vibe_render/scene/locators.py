@@ -5,16 +5,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from bpy.types import Camera, Light, Material, Object, Scene, World
 
 from ..core import compat, locks
 from ..core.journal import Journal
-from ..core.value_slots import LazySlot, PropertySlot, ValueSlot, socket_slot
+from ..core.value_slots import LazySlot, PropertySlot, ValueSlot, together
 from . import fog, scene_context
 from .lights.registry import type_of
-from .nodes import environment_rotation, grade, shaders, tint
+from .nodes import environment_rotation, grade, inputs, layers, shaders, tint
+from .nodes.trails import NodeEntry
 from .orbits import OrbitSlot, Pose
 from .scene_context import SceneContext
 
@@ -110,38 +112,36 @@ def lamp_temperature(context: SceneContext, obj: Object) -> ValueSlot | None:
 def shader(name: str) -> Locator:
     """An input of the shader of a material's surface, in the words of the Principled BSDF.
 
-    A color that is computed has a tint instead of a slot; anything else that is computed is locked.
+    Anything that is computed is locked.
     """
 
     def locate(context: SceneContext, material: Material) -> ValueSlot | None:
-        principled = shaders.surface(material)
-        entry = principled.input(name) if principled else None
-        if not principled or not entry:
-            return None
-        socket, source = shaders.resolve(entry, principled.inside)
-        if source and name == "Base Color":
-            return None
-        return socket_slot(socket, locks.of_socket(socket, source))
+        return inputs.slot(lambda: layers.entry(material, name))
 
     return locate
 
 
 def surface_color(context: SceneContext, material: Material) -> ValueSlot | None:
-    """The base color, or the plain color of a material without nodes."""
+    """The base color, or the plain color of a material without nodes. One that is computed or mixed has a tint instead."""
     if compat.node_tree(material) is None:
         return PropertySlot(material, "diffuse_color", locks.of_property(material, "diffuse_color"))
-    return shader("Base Color")(context, material)
+    colors = layers.colors(material)
+    return inputs.slot(lambda: layers.colors(material)[0], tinted=True) if len(colors) == 1 else None
 
 
 def material_tint(name: str) -> Locator:
-    """An input of the owned tint on a computed base color."""
+    """An input of the owned tint on a base color that is computed, or on each of several that are mixed."""
 
     def locate(context: SceneContext, material: Material) -> ValueSlot | None:
-        principled = shaders.surface(material)
-        entry = principled and principled.input("Base Color")
-        return tint.slot(entry, principled.inside, name) if principled and entry else None
+        count = len(layers.colors(material))
+        slots = [tint.slot(partial(_color, material, n), name, plain=count > 1) for n in range(count)]
+        return together([slot for slot in slots if slot])
 
     return locate
+
+
+def _color(material: Material, number: int) -> NodeEntry | None:
+    return layers.colors(material)[number]
 
 
 def background(name: str) -> Locator:
@@ -152,22 +152,19 @@ def background(name: str) -> Locator:
         if node is None:
             plain = name == "Color" and compat.node_tree(world) is None
             return PropertySlot(world, "color", locks.of_property(world, "color")) if plain else None
-        socket, source = shaders.resolve(node.node.inputs[name], node.inside)
-        if source and name == "Color":
-            return None
-        return socket_slot(socket, locks.of_socket(socket, source))
+        return inputs.slot(lambda: _background(world, name), tinted=name == "Color")
 
     return locate
 
 
+def _background(world: World, name: str) -> NodeEntry | None:
+    node = shaders.background(world)
+    return node.entry(name) if node else None
+
+
 def world_tint(context: SceneContext, world: World) -> ValueSlot | None:
     """The owned tint on a computed background."""
-    background_node = shaders.background(world)
-    return (
-        tint.slot(background_node.node.inputs["Color"], background_node.inside, "Tint")
-        if background_node
-        else None
-    )
+    return tint.slot(lambda: _background(world, "Color"), "Tint")
 
 
 def world_rotation(context: SceneContext, world: World) -> ValueSlot | None:
@@ -184,10 +181,14 @@ def volume(name: str) -> Locator:
             return fog.slot(context, name)
         if name not in node.node.inputs:
             return None
-        socket, source = shaders.resolve(node.node.inputs[name], node.inside)
-        return socket_slot(socket, locks.of_socket(socket, source))
+        return inputs.slot(lambda: _world_volume(scene, name))
 
     return locate
+
+
+def _world_volume(scene: Scene, name: str) -> NodeEntry | None:
+    node = shaders.world_volume(scene.world) if scene.world else None
+    return node.entry(name) if node else None
 
 
 def view(name: str) -> Locator:

@@ -16,6 +16,7 @@ from ..core.schema_import import schema
 from . import scene_context, snapshot
 from .lights.area import AreaLightType
 from .nodes import owned, shaders
+from .nodes.trails import active_links
 
 LIGHTS = {
     "Vibe Key": (-40.0, 40.0, 0.4, 1.2),
@@ -143,7 +144,7 @@ def _is_lit(scene: Scene) -> bool:
     if background is None:
         return False
     color, strength = background.node.inputs["Color"], background.node.inputs["Strength"]
-    if shaders.active_links(color) or shaders.active_links(strength):
+    if active_links(color) or active_links(strength):
         return True
     return max(color.default_value[:3]) * strength.default_value > 0.1
 

@@ -46,6 +46,7 @@ class Session(SessionStatus):
         scene: The scene's name at the start.
         shared: What to do about materials that other things use too: "ASK", "ALL" or "SINGLE".
         question: Such materials with their other users, by name, while we wait for the artist's answer.
+        warnings: What the engine sees only approximately, in words for the artist.
     """
 
     def __init__(self, context: bpy.types.Context, engine: Engine, ask: bool = False) -> None:
@@ -55,6 +56,7 @@ class Session(SessionStatus):
         self.prompt = settings.prompt.strip()
         self.shared = settings.shared if ask or settings.shared != "ASK" else "ALL"
         self.question: dict[str, list[str]] = {}
+        self.warnings: list[str] = []
         self._subject: list[str] = []
         self._pivot = (0.0, 0.0, 0.0)
         self._before_path = Path()  # of the before image
@@ -155,6 +157,7 @@ class Session(SessionStatus):
             job = reading.export_captured(self._find_scene(), self._job, self._choice, visible_scene)
         self._subject = [obj.name_full for obj in job.analysis.objects]
         self._pivot = job.analysis.pivot
+        self.warnings = job.warnings
 
     def _ask_about_shared(self) -> Generator[str]:
         """Asks about materials that other things use too, unless that is settled; may export anew."""

@@ -11,6 +11,7 @@ from ...core import locks
 from ...core.journal import Journal
 from ...core.value_slots import LazySlot, PropertySlot, ValueSlot
 from . import owned, shaders
+from .trails import NodeEntry, active_links, resolve
 
 NAME = "Vibe Rotation"
 
@@ -27,8 +28,8 @@ class EnvironmentTurnSlot:
     @property
     def locked(self) -> str:
         """Why the angle must be left alone."""
-        socket, source = shaders.resolve(self.mapping.inputs["Rotation"], ())
-        return locks.of_socket(socket, source)
+        origin = resolve(NodeEntry(self.mapping.inputs["Rotation"]))
+        return locks.of_socket(origin.socket, origin.source)
 
     @property
     def _sign(self) -> float:
@@ -52,7 +53,7 @@ def slot(world: World) -> ValueSlot | None:
     vector = texture.node.inputs["Vector"]
 
     def find() -> ValueSlot | None:
-        links = shaders.active_links(vector)
+        links = active_links(vector)
         node = links[0].from_node if links else None
         return EnvironmentTurnSlot(node) if node and node.bl_idname == "ShaderNodeMapping" else None
 
@@ -68,7 +69,7 @@ def slot(world: World) -> ValueSlot | None:
 
 
 def _direction(journal: Journal, vector: NodeSocket, mapping: Node) -> NodeSocket:
-    links = shaders.active_links(vector)
+    links = active_links(vector)
     if links:
         return links[0].from_socket
     node = journal.node(vector.id_data, "ShaderNodeTexCoord", "Vibe Direction")

@@ -16,7 +16,8 @@ from ...core import compat
 from ...core.color import LUMA
 from ...core.journal import Journal
 from ...core.value_slots import LazySlot, ValueSlot, socket_slot
-from . import owned, shaders
+from . import owned
+from .trails import active_links
 
 NAME = "Vibe Grade"
 _WHITE = (1.0, 1.0, 1.0)
@@ -61,7 +62,7 @@ def _lock(tree: NodeTree | None) -> str:
     if tree.library:
         return f'the compositor tree "{tree.name}" is linked from another file'
     target = compat.compositor_output(tree)
-    if target is None or not shaders.active_links(target):
+    if target is None or not active_links(target):
         return "no picture reaches the output of the compositor"
     return ""
 
@@ -75,7 +76,7 @@ def chain(journal: Journal, scene: Scene) -> Node:
     target = compat.compositor_output(tree)
     assert target
     node = owned.group_node(journal, tree, _group(journal), target.node)
-    owned.insert(journal, shaders.active_links(target)[0].from_socket, node, "Image", target, "Image")
+    owned.insert(journal, active_links(target)[0].from_socket, node, "Image", target, "Image")
     return node
 
 

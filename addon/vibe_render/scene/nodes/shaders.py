@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Finds its way through the artist's node trees: which node shades a surface, and where a value really is."""
+"""The nodes that shade surfaces and worlds, by what they call their inputs."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import bpy
 from bpy.types import Material, Node, NodeSocket, World
 
 from ...core import compat
+from .trails import NodeEntry, active_links, group_output, is_foreign, same_socket
 
 ALIASES: dict[str, dict[str, str]] = {
     "ShaderNodeBsdfPrincipled": {},
@@ -34,12 +35,6 @@ _UNLIKE = {
     "ShaderNodeBsdfSheen": {"Roughness"},
     "ShaderNodeBsdfHairPrincipled": {"Roughness", "IOR", "Coat Weight", "Coat Roughness"},
 }
-FOREIGN = {
-    "ShaderNodeShaderToRGB": "Cycles does not know",
-    "ShaderNodeEeveeSpecular": "Cycles does not know",
-    "ShaderNodeScript": "only Cycles with Open Shading Language knows",
-}
-"""Nodes that a render on a CPU takes for absent, and what to say of them."""
 
 
 @dataclass(frozen=True)
@@ -56,56 +51,15 @@ class NodeInGroups:
             return None
         return self.node.inputs.get(ALIASES.get(kind, {}).get(name, name))
 
-
-def surface(material: Material) -> NodeInGroups | None:
-    """The shader of a material's surface: the Principled BSDF if there is one, else another known one."""
-    return _from_output(compat.node_tree(material), "ShaderNodeOutputMaterial", "Surface", tuple(ALIASES))
+    def entry(self, name: str, alike: tuple[NodeSocket, ...] = ()) -> NodeEntry | None:
+        """The same input, with the way to it and inputs that mean the same."""
+        socket = self.input(name)
+        return NodeEntry(socket, self.inside, alike) if socket else None
 
 
 def background(world: World) -> NodeInGroups | None:
     """The Background node of a world."""
-    return _from_output(
-        compat.node_tree(world), "ShaderNodeOutputWorld", "Surface", ("ShaderNodeBackground",)
-    )
-
-
-@dataclass(frozen=True)
-class Cutout:
-    """How a Mix Shader lets a Transparent BSDF through.
-
-    Attributes:
-        share: How much of the surface is left, where that is one number.
-        source: The output that computes the mix, where one does.
-        inverted: Whether that output is the share of the Transparent BSDF.
-    """
-
-    share: float | None
-    source: NodeSocket | None
-    inverted: bool
-
-
-def cutout(material: Material) -> Cutout | None:
-    """The mix with a plain Transparent BSDF that a material's surface ends in, if it does."""
-    mix = last_mix(material)
-    if mix is None:
-        return None
-    sides = [[link.from_node.bl_idname for link in active_links(s)] for s in mix.node.inputs[1:3]]
-    clear = [side == ["ShaderNodeBsdfTransparent"] for side in sides]
-    if sum(clear) != 1:
-        return None
-    inverted = clear[1]
-    socket, source = resolve(mix.node.inputs[0], mix.inside)
-    if source is not None:
-        return Cutout(None, source, inverted)
-    share = min(max(float(socket.default_value), 0.0), 1.0)
-    return Cutout(1 - share if inverted else share, None, inverted)
-
-
-def last_mix(material: Material) -> NodeInGroups | None:
-    """The Mix Shader that a material's surface ends in, reroutes and groups aside."""
-    kinds = ("ShaderNodeMixShader", "ShaderNodeAddShader", *ALIASES)
-    mix = _from_output(compat.node_tree(material), "ShaderNodeOutputMaterial", "Surface", kinds, nearest=True)
-    return mix if mix and mix.node.bl_idname == "ShaderNodeMixShader" else None
+    return _from_output(compat.node_tree(world), "Surface", ("ShaderNodeBackground",))
 
 
 def bumps(material: Material) -> bool:
@@ -118,7 +72,7 @@ def bumps(material: Material) -> bool:
 def world_volume(world: World) -> NodeInGroups | None:
     """The node of the artist's own fog: on the World Output's Volume."""
     kinds = ("ShaderNodeVolumePrincipled", "ShaderNodeVolumeScatter")
-    return _from_output(compat.node_tree(world), "ShaderNodeOutputWorld", "Volume", kinds)
+    return _from_output(compat.node_tree(world), "Volume", kinds)
 
 
 def environment(color: NodeSocket) -> NodeInGroups | None:
@@ -126,18 +80,14 @@ def environment(color: NodeSocket) -> NodeInGroups | None:
     return _search(color, (), ("ShaderNodeTexEnvironment",))
 
 
-def _from_output(
-    tree: bpy.types.NodeTree | None, output: str, entry: str, kinds: tuple[str, ...], nearest: bool = False
-) -> NodeInGroups | None:
-    """The first of some kinds of nodes behind an output's input; `nearest` searches for all kinds at once."""
+def _from_output(tree: bpy.types.NodeTree | None, entry: str, kinds: tuple[str, ...]) -> NodeInGroups | None:
+    """The first of some kinds of nodes behind an input of a world's output."""
     if tree is None:
         return None
-    target = "CYCLES" if output == "ShaderNodeOutputMaterial" else "ALL"
-    node = tree.get_output_node(target) or next((n for n in tree.nodes if n.bl_idname == output), None)
+    output = "ShaderNodeOutputWorld"
+    node = tree.get_output_node("ALL") or next((n for n in tree.nodes if n.bl_idname == output), None)
     if node is None or entry not in node.inputs:
         return None
-    if nearest:
-        return _search(node.inputs[entry], (), kinds)
     matches = (_search(node.inputs[entry], (), (kind,)) for kind in kinds)
     return next(filter(None, matches), None)
 
@@ -149,14 +99,10 @@ def _search(socket: NodeSocket, inside: tuple[Node, ...], kinds: tuple[str, ...]
         if node.bl_idname in kinds:
             return NodeInGroups(node, inside)
         if node.type == "GROUP" and node.node_tree:
-            entry = next((s for s in _group_output(node) if s.identifier == exit_.identifier), None)
+            entry = same_socket(group_output(node), exit_)
             match = entry and _search(entry, (*inside, node), kinds)
         elif node.type == "GROUP_INPUT":
-            outer = (
-                next((s for s in inside[-1].inputs if s.identifier == exit_.identifier), None)
-                if inside
-                else None
-            )
+            outer = same_socket(inside[-1].inputs, exit_) if inside else None
             match = outer and _search(outer, inside[:-1], kinds)
         else:
             match = next(filter(None, (_search(s, inside, kinds) for s in node.inputs)), None)
@@ -165,55 +111,12 @@ def _search(socket: NodeSocket, inside: tuple[Node, ...], kinds: tuple[str, ...]
     return None
 
 
-def _group_output(group: Node) -> list[NodeSocket]:
-    outputs = [n for n in group.node_tree.nodes if n.type == "GROUP_OUTPUT"]
-    outputs.sort(key=lambda n: not n.is_active_output)
-    return list(outputs[0].inputs) if outputs else []
-
-
-def active_links(socket: NodeSocket) -> list[bpy.types.NodeLink]:
-    """The links into a socket that count in Cycles."""
-    usable = (link for link in socket.links if link.is_valid and not link.is_muted)
-    return [link for link in usable if not _is_foreign(link.from_node)]
-
-
-def _is_foreign(node: Node) -> bool:
-    scripts = node.bl_idname == "ShaderNodeScript" and any(s.cycles.shading_system for s in bpy.data.scenes)
-    return node.bl_idname in FOREIGN and not scripts
-
-
 def foreign(material: Material) -> list[Node]:
     """The nodes of a material, its groups included, that Cycles takes for absent."""
     tree, nodes = compat.node_tree(material), []
     trees = [tree] if tree else []
     for tree in trees:
-        nodes += [n for n in tree.nodes if _is_foreign(n) and any(s.is_linked for s in n.outputs)]
+        nodes += [n for n in tree.nodes if is_foreign(n) and any(s.is_linked for s in n.outputs)]
         inner = (n.node_tree for n in tree.nodes if n.type == "GROUP" and n.node_tree)
         trees += [t for t in inner if t not in trees]
     return nodes
-
-
-def resolve(socket: NodeSocket, inside: tuple[Node, ...]) -> tuple[NodeSocket, NodeSocket | None]:
-    """Follows an input to where its value is set.
-
-    Through reroutes, out of groups to the group node's own input, and to a Value or RGB node that
-    nothing else uses.
-
-    Returns:
-        The socket that holds the value, and None; or, where the value is computed, the socket where
-        the trail ends and the output that computes it.
-    """
-    links = active_links(socket)
-    if not links:
-        return socket, None
-    source = links[0].from_socket
-    node = source.node
-    if node.type == "REROUTE" and active_links(node.inputs[0]):
-        end, computed = resolve(node.inputs[0], inside)
-        return (socket, computed) if computed else (end, None)
-    if node.type == "GROUP_INPUT" and inside:
-        outer = next((s for s in inside[-1].inputs if s.identifier == source.identifier), None)
-        return resolve(outer, inside[:-1]) if outer else (socket, source)
-    if node.type in {"VALUE", "RGB"} and len(source.links) == 1:
-        return source, None
-    return socket, source

@@ -12,36 +12,80 @@ from ...core import locks
 from ...core.color import LUMA
 from ...core.journal import Journal
 from ...core.value_slots import LazySlot, ValueSlot, socket_slot
-from . import owned, shaders
+from . import inputs, owned
+from .inputs import FindEntry
+from .trails import NodeEntry, ValueOrigin, active_links, resolve
 
 NAME = "Vibe Tint"
 _IDENTITY = {"Tint": (1.0, 1.0, 1.0), "Recolor": 0.0}
 
 
-def slot(entry: NodeSocket, inside: tuple[Node, ...], name: str) -> ValueSlot | None:
-    """An input of the tint on a shader's color input; None where the color is not computed.
+def slot(find: FindEntry, name: str, plain: bool = False) -> ValueSlot | None:
+    """An input of the tint on a color input; None where there is no such input, or its color is not computed.
 
     Args:
-        entry: The shader's color input.
-        inside: The group nodes that the shader is in.
+        find: Finds the color input.
         name: "Tint" or "Recolor".
+        plain: Whether a color that is not computed gets a tint too: one of several colors that are mixed.
     """
-    socket, source = shaders.resolve(entry, inside)
-    if source is None:
+    entry = find()
+    if entry is None:
+        return None
+    first = resolve(entry)
+    if first.source is None and not plain:
         return None
 
-    def find() -> ValueSlot | None:
-        links = shaders.active_links(socket)
-        nodes = owned.group_nodes(socket.id_data, NAME)
-        node = next((n for n in nodes if links and n == links[0].from_node), None)
-        return socket_slot(node.inputs[name]) if node else None
+    def origin() -> ValueOrigin:
+        entry = find()
+        assert entry
+        return resolve(entry)
+
+    def own() -> NodeEntry | None:
+        node = of(origin().source)
+        return NodeEntry(node.inputs[name], origin().inside) if node else None
+
+    def tinted() -> ValueSlot | None:
+        return inputs.slot(own) if of(origin().source) else None
 
     def make(journal: Journal) -> ValueSlot:
-        node = owned.group_node(journal, socket.id_data, _group(journal), socket.node)
-        owned.insert(journal, shaders.active_links(socket)[0].from_socket, node, "Color", socket, "Color")
+        inputs.own_groups(journal, first.inside)
+        node = of(origin().source) or _insert(journal, origin())
         return socket_slot(node.inputs[name])
 
-    return LazySlot(find, make, _IDENTITY[name], locks.of_socket(socket, None))
+    return LazySlot(tinted, make, _IDENTITY[name], locks.of_socket(first.socket, None, first.inside))
+
+
+def of(source: NodeSocket | None) -> Node | None:
+    """The tint that an output belongs to, if it is one's."""
+    if source is None or source.node.type != "GROUP" or source.node.node_tree is None:
+        return None
+    return source.node if source.node.node_tree.get(owned.MARK) == NAME else None
+
+
+def untinted(entry: NodeEntry) -> ValueOrigin:
+    """Where the color of an input comes from before its tint."""
+    origin = resolve(entry)
+    node = of(origin.source)
+    if node is None:
+        return origin
+    color = node.inputs["Color"]
+    source = active_links(color)[0].from_socket if active_links(color) else None
+    return ValueOrigin(color, source, origin.inside)
+
+
+def _insert(journal: Journal, origin: ValueOrigin) -> Node:
+    """Puts a tint before all inputs that mean the same; what else gets the color keeps it as it is."""
+    socket = origin.socket
+    targets = origin.targets or (socket,)
+    node = owned.group_node(journal, socket.id_data, _group(journal), targets[0].node)
+    feed = origin.source or (socket if socket.is_output else None)
+    if feed:
+        journal.link(feed, node.inputs["Color"])
+    else:
+        node.inputs["Color"].default_value = socket.default_value
+    for target in targets:
+        journal.link(node.outputs["Color"], target)
+    return node
 
 
 def _group(journal: Journal) -> NodeTree:

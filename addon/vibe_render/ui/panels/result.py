@@ -12,6 +12,7 @@ import bpy
 
 from ...core.drawing import GROUP_ICONS, columns, paragraph
 from ...core.schema_import import labels, schema
+from ...export.notes import shortened
 from ...scene import snapshot
 from ...session import changes
 from ...session.session import Session
@@ -57,9 +58,9 @@ class ResultPanel:
         if reason := result_obstacle(context):
             paragraph(layout, context, reason, "INFO", faint=True)
         if addon_state.session and addon_state.session.scene == context.scene.name:
-            for note in [*addon_state.session.prompt_notes, *addon_state.session.anchor_notes][
-                :4
-            ]:  # below what is always there
+            session = addon_state.session
+            notes = [*session.prompt_notes[:4], *shortened([*session.anchor_notes, *session.warnings])]
+            for note in notes:  # below what is always there
                 paragraph(layout, context, note, "INFO", faint=True)
 
 

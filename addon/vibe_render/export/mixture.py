@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mixes of shaders as one Principled BSDF: their weighted sum, by what the mixes were measured to be."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import bpy
+import numpy as np
+
+from ..core.schema_import import schema
+from ..scene.nodes import layers, tint
+from ..scene.nodes.layers import TRANSPARENT, Layer, MixSide
+from ..scene.nodes.trails import ValueOrigin, active_links, resolve
+
+_HEAD_ON = 0.04  # what a dielectric with the default IOR of 1.5 reflects at Specular IOR Level 0.5
+_USUAL_BLEND = 0.5  # of a Layer Weight node: the IOR is 1 / (1 - blend)
+
+
+class Measured(Protocol):
+    """What a channel was measured to be."""
+
+    @property
+    def values(self) -> np.ndarray:
+        """(h, w, C), or (1, 1, C) where it is the same everywhere."""
+
+
+@dataclass
+class Mixture:
+    """The shaders of a material, with the computed factors of their mixes.
+
+    Attributes:
+        layers: All shaders.
+        factors: Where the computed factors come from, each once; their channels are "mix0", "mix1" …
+        colors: Where the colors of its body come from; the channels of computed ones are "color0", "color1" …
+            if there are several.
+    """
+
+    layers: list[Layer]
+    factors: list[ValueOrigin] = field(default_factory=list)
+    colors: list[ValueOrigin] = field(default_factory=list)
+
+    @classmethod
+    def of(cls, material: bpy.types.Material) -> Mixture:
+        """The mixture of a material."""
+        mixture = cls(layers.layers(material))
+        for side in (side for layer in mixture.layers for side in layer.sides):
+            origin = resolve(side.factor)
+            if origin.source and origin.source not in (known.source for known in mixture.factors):
+                mixture.factors.append(origin)
+        mixture.colors = [tint.untinted(color) for color in layers.colors(material)]
+        return mixture
+
+    def cutout(self) -> tuple[ValueOrigin, bool] | None:
+        """The factor of a last mix with a Transparent BSDF, if it is computed, and whether it is the latter's share."""
+        clear = [layer for layer in self.layers if layer.kind == TRANSPARENT]
+        if len(clear) != 1 or len(clear[0].sides) != 1:
+            return None
+        origin = resolve(clear[0].sides[0].factor)
+        return (origin, clear[0].sides[0].second) if origin.source else None
+
+    def channels(self) -> dict[str, ValueOrigin]:
+        """What has to be measured of it."""
+        wanted = {f"mix{number}": origin for number, origin in enumerate(self.factors)}
+        if len(self.colors) > 1:
+            computed = ((n, origin) for n, origin in enumerate(self.colors) if origin.source)
+            wanted |= {f"color{number}": origin for number, origin in computed}
+        return wanted
+
+    def share(self, layer: Layer, measured: Mapping[str, Measured], coats: bool = False) -> np.ndarray:
+        """How much of the surface a shader makes: (h, w, 1) or (1, 1, 1).
+
+        Args:
+            layer: The shader.
+            measured: What `channels` give.
+            coats: Whether what shows at grazing angles lies on top of the rest, which is whole then.
+        """
+        total: np.ndarray = np.ones((1, 1, 1), np.float32)
+        for side in layer.sides:
+            if coats and side.grazing:
+                factor: np.ndarray = np.zeros((1, 1, 1), np.float32)
+            else:
+                factor = self._factor(side, measured)
+            total = total * (factor if side.second else 1.0 - factor)
+        return total
+
+    def _factor(self, side: MixSide, measured: Mapping[str, Measured]) -> np.ndarray:
+        source = resolve(side.factor).source
+        numbers = [n for n, origin in enumerate(self.factors) if origin.source == source]
+        channel = measured.get(f"mix{numbers[0]}") if source and numbers else None
+        if channel is None:
+            return np.full((1, 1, 1), side.share if side.second else 1.0 - side.share, np.float32)
+        return np.clip(channel.values[..., :1], 0.0, 1.0)
+
+    def opacity(self, measured: Mapping[str, Measured]) -> np.ndarray:
+        """What transparent shaders leave of the surface: (h, w, 1) or (1, 1, 1)."""
+        total: np.ndarray = np.ones((1, 1, 1), np.float32)
+        for layer in self.layers:
+            if layer.kind == TRANSPARENT and (layer.sides or len(self.layers) == 1):
+                clear = float(np.mean(layer.shader.node.inputs["Color"].default_value[:3]))
+                total = total - self.share(layer, measured) * clear
+        return np.clip(total, 0.0, 1.0)
+
+    def color(self, material: bpy.types.Material, measured: Mapping[str, Measured]) -> np.ndarray:
+        """The color that several shaders of a body make together, untinted: (h, w, 3) or (1, 1, 3)."""
+        total, weight = np.zeros((1, 1, 3), np.float32), np.full((1, 1, 1), 1e-6, np.float32)
+        for layer in layers.body(material):
+            entry = layer.shader.entry("Base Color")
+            assert entry
+            origin = tint.untinted(entry)
+            share = self.share(layer, measured, coats=True)
+            total = total + share * self._color(origin, measured)
+            weight = weight + share
+        return (total / weight).astype(np.float32)
+
+    def _color(self, origin: ValueOrigin, measured: Mapping[str, Measured]) -> np.ndarray:
+        places = [(each.source, each.socket) for each in self.colors]
+        same = [
+            n
+            for n, (source, socket) in enumerate(places)
+            if (source or socket) == (origin.source or origin.socket)
+        ]
+        channel = measured.get(f"color{same[0]}") if same else None
+        if channel is not None:
+            return channel.values
+        return np.array(origin.socket.default_value[:3], np.float32)[None, None]
+
+    def glow(self, measured: Mapping[str, Measured]) -> np.ndarray | None:
+        """The share (h, w, 1) that an Emission node makes of what is not transparent; None if it is all or nothing."""
+        lights = [layer for layer in self.layers if layer.matter == "light"]
+        if not lights or not lights[0].sides:
+            return None
+        share = self.share(lights[0], measured) / np.maximum(self.opacity(measured), 1e-3)
+        return None if (share > 0.99).all() else share
+
+    def values(self, base: Layer, measured: Mapping[str, Measured]) -> dict[str, schema.Values]:
+        """Inputs of a Principled BSDF for the shaders that are mixed with the one that has the base color."""
+        shares = {layer.matter: 0.0 for layer in self.layers}
+        for layer in self.layers:
+            if layer.kind != TRANSPARENT:
+                shares[layer.matter] += float(self.share(layer, measured, coats=True).mean())
+        whole = max(sum(s for matter, s in shares.items() if matter != "light"), 1e-6)
+        values: dict[str, schema.Values] = {}
+        if shares.get("glass", 0.0) > 0.0 and base.matter != "light":
+            values["transmission"] = (shares["glass"] / whole,)
+        gloss = self._gloss(base)
+        if base.matter == "metal":
+            values["metallic"] = (shares["metal"] / whole,)
+            values |= _coat(gloss) if gloss and gloss.sides[-1].grazing else {}
+        elif gloss and base.matter == "matte":
+            values |= _plastic(gloss, float(self.share(gloss, measured).mean()))
+        return values
+
+    def _gloss(self, base: Layer) -> Layer | None:
+        """The glossy shader that is mixed with the one that has the base color."""
+        return next((x for x in self.layers if x.matter == "metal" and x != base and x.sides), None)
+
+    def coat_ior(self, base: Layer) -> float | None:
+        """The IOR of a lacquer: of a glossy shader that a Fresnel node lays over another one."""
+        gloss = self._gloss(base)
+        node = gloss.sides[-1].grazing if gloss and base.matter == "metal" else None
+        return _ior(node) if node else None
+
+
+def _gloss(layer: Layer) -> tuple[float, schema.Values, float]:
+    """The strongest component of a glossy color, the color with that as 1, and the roughness."""
+    color, rough = layer.shader.input("Base Color"), layer.shader.input("Roughness")
+    assert color
+    tinge = (0.8, 0.8, 0.8) if active_links(color) else tuple(map(float, color.default_value[:3]))
+    strongest = max(*tinge, 1e-6)
+    known = rough is not None and not active_links(rough)
+    roughness = float(rough.default_value) if rough is not None and known else 0.3
+    return strongest, tuple(c / strongest for c in tinge), roughness
+
+
+def _ior(node: bpy.types.Node) -> float:
+    """Of a Fresnel or Layer Weight node."""
+    if node.bl_idname == "ShaderNodeFresnel":
+        return float(node.inputs["IOR"].default_value)
+    linked = active_links(node.inputs["Blend"])
+    blend = _USUAL_BLEND if linked else float(node.inputs["Blend"].default_value)
+    return 1.0 / max(1.0 - min(blend, 0.9), 0.1)
+
+
+def _coat(gloss: Layer) -> dict[str, schema.Values]:
+    """A glossy shader that a Fresnel node lays over another one is a lacquer."""
+    strongest, _, roughness = _gloss(gloss)
+    return {"coat": (min(strongest, 1.0),), "coat_roughness": (roughness,)}
+
+
+def _plastic(gloss: Layer, share: float) -> dict[str, schema.Values]:
+    """The nearest dielectric layer: a share f of a glossy color c is a reflectance of f·c head on, a Fresnel node an IOR."""
+    strongest, tinge, roughness = _gloss(gloss)
+    values: dict[str, schema.Values] = {"roughness": (roughness,), "specular_tint": tinge}
+    node = gloss.sides[-1].grazing
+    if node is None:
+        return {**values, "specular": (min(max(share, 0.0), 1.0) * strongest * 0.5 / _HEAD_ON,)}
+    return {**values, "specular": (0.5 * strongest,), "ior": (_ior(node),)}

@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The shaders that a surface is mixed of, how much each makes of what the eye sees, and which of them has a value."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import prod
+
+from bpy.types import Material, Node, NodeSocket
+
+from ...core import compat
+from .shaders import ALIASES, NodeInGroups
+from .trails import NodeEntry, active_links, giver, resolve
+
+TRANSPARENT = "ShaderNodeBsdfTransparent"
+_MIX, _ADD, EMISSION = "ShaderNodeMixShader", "ShaderNodeAddShader", "ShaderNodeEmission"
+_REFLECTIVE = {"ShaderNodeBsdfGlossy", "ShaderNodeBsdfAnisotropic", "ShaderNodeBsdfMetallic"}
+_CLEAR = {"ShaderNodeBsdfGlass", "ShaderNodeBsdfRefraction"}
+_SHOWS = {
+    **dict.fromkeys(_REFLECTIVE, 0.5),
+    **dict.fromkeys(_CLEAR, 0.6),
+    "ShaderNodeBsdfTranslucent": 0.9,
+    "ShaderNodeBsdfSheen": 0.3,
+    EMISSION: 0.5,
+}
+"""How much of a shader's own color shows, against that of a matte one: coats and glass show what is around them."""
+_GRAZING = {"Fresnel": 0.1, "Facing": 0.3}
+"""The mean share of the second shader where a Fresnel or Layer Weight node mixes: little but at the edges."""
+_PART = (
+    0.3  # what makes less than this of the most prominent shader is an accent, not a part of the body's color
+)
+
+
+@dataclass(frozen=True)
+class MixSide:
+    """A side of a Mix Shader that a shader is on.
+
+    Attributes:
+        factor: The Mix Shader's factor.
+        second: Whether it is the side that the factor is the share of.
+    """
+
+    factor: NodeEntry
+    second: bool
+
+    @property
+    def grazing(self) -> Node | None:
+        """The Fresnel or Layer Weight node that mixes, if one does."""
+        source = resolve(self.factor).source
+        kinds = ("ShaderNodeFresnel", "ShaderNodeLayerWeight")
+        return source.node if source and source.node.bl_idname in kinds else None
+
+    @property
+    def share(self) -> float:
+        """The side's share: exact where it is one number, otherwise what is usual."""
+        origin = resolve(self.factor)
+        if origin.source is None:
+            factor = min(max(float(origin.socket.default_value), 0.0), 1.0)
+        elif origin.source.node.bl_idname == "ShaderNodeLightPath":
+            factor = float(origin.source.name == "Is Camera Ray")  # the camera decides what is seen
+        elif self.grazing:
+            factor = _GRAZING["Facing" if origin.source.name == "Facing" else "Fresnel"]
+        else:
+            factor = 0.5
+        return factor if self.second else 1.0 - factor
+
+
+@dataclass(frozen=True)
+class Layer:
+    """One of the shaders that a surface is made of.
+
+    Attributes:
+        shader: The shader.
+        sides: The sides of the Mix Shaders that it comes through, from the output inwards.
+    """
+
+    shader: NodeInGroups
+    sides: tuple[MixSide, ...] = ()
+
+    @property
+    def kind(self) -> str:
+        """Blender's name of the shader's type."""
+        return self.shader.node.bl_idname
+
+    @property
+    def share(self) -> float:
+        """How much of the surface it makes, about, in [0, 1]."""
+        return prod(side.share for side in self.sides)
+
+    @property
+    def prominence(self) -> float:
+        """How much of what the eye sees is its color. Of nothing that a vibe changes: the choice has to stay."""
+        return self.share * _SHOWS.get(self.kind, 1.0)
+
+    @property
+    def matter(self) -> str:
+        """What the layer is of: layers of the same can share the color of a body."""
+        if self.kind in _REFLECTIVE:
+            return "metal"
+        return "glass" if self.kind in _CLEAR else "light" if self.kind == EMISSION else "matte"
+
+
+def layers(material: Material) -> list[Layer]:
+    """All shaders behind the Surface of the output that Cycles takes, transparent ones included."""
+    tree = compat.node_tree(material)
+    output = tree.get_output_node("CYCLES") if tree else None
+    return list(_behind(output.inputs["Surface"], (), ())) if output else []
+
+
+def _behind(socket: NodeSocket, inside: tuple[Node, ...], sides: tuple[MixSide, ...]) -> Iterator[Layer]:
+    given = giver(socket, inside)
+    if given is None:
+        return
+    node, inside = given[0].node, given[1]
+    if node.bl_idname == _MIX:
+        for number, second in ((1, False), (2, True)):
+            side = MixSide(NodeEntry(node.inputs[0], inside), second)
+            yield from _behind(node.inputs[number], inside, (*sides, side))
+    elif node.bl_idname == _ADD:
+        for entry in node.inputs:
+            yield from _behind(entry, inside, sides)
+    elif node.bl_idname in ALIASES or node.bl_idname == TRANSPARENT:
+        yield Layer(NodeInGroups(node, inside), sides)
+
+
+def by_prominence(material: Material) -> list[Layer]:
+    """The shaders that show, the most prominent first; of equal ones, the first on the way from the output."""
+    shown = [layer for layer in layers(material) if layer.kind != TRANSPARENT]
+    visible = [layer for layer in shown if layer.share > 0.0]
+    return sorted(visible or shown, key=lambda layer: -layer.prominence)
+
+
+def surface(material: Material) -> NodeInGroups | None:
+    """The shader that makes most of what the eye sees of a material's surface."""
+    shown = by_prominence(material)
+    return shown[0].shader if shown else None
+
+
+def entry(material: Material, name: str) -> NodeEntry | None:
+    """The input, named as by the Principled BSDF, where an artist would drag a value of a surface.
+
+    It is the most prominent shader's that has such an input: the roughness of a Diffuse BSDF with a coat is that of the
+    coat. The glow is that of an Emission node, if there is one.
+    """
+    shown = by_prominence(material)
+    if name.startswith("Emission"):
+        shown.sort(key=lambda layer: layer.kind != EMISSION)
+    owners = [layer for layer in shown if layer.shader.input(name)]
+    if not owners:
+        return None
+    alike = tuple(s for layer in owners if (s := layer.shader.input(name)))
+    return owners[0].shader.entry(name, alike)
+
+
+def body(material: Material) -> list[Layer]:
+    """The shaders whose colors together are the color of the material: the most prominent one, and its like."""
+    shown = [layer for layer in by_prominence(material) if layer.shader.input("Base Color")]
+    if not shown:
+        return []
+    least, matter = _PART * shown[0].share, shown[0].matter
+    return [layer for layer in shown if layer.matter == matter and layer.share >= least]
+
+
+def is_linked(material: Material) -> bool:
+    """Whether anything is linked to the surface of the output that Cycles takes."""
+    tree = compat.node_tree(material)
+    output = tree.get_output_node("CYCLES") if tree else None
+    return bool(output and active_links(output.inputs["Surface"]))
+
+
+def colors(material: Material) -> list[NodeEntry]:
+    """The inputs that hold the color of a material, those with one origin once: several if shaders of the same matter are mixed."""
+    first = entry(material, "Base Color")
+    if first is None:
+        return []
+    found: list[NodeEntry] = []
+    origins: list[NodeSocket] = []
+    for layer in body(material):
+        color = layer.shader.entry("Base Color", first.alike)
+        assert color
+        origin = resolve(color)
+        if (origin.source or origin.socket) not in origins:
+            origins.append(origin.source or origin.socket)
+            found.append(color)
+    return found
