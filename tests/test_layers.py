@@ -23,7 +23,7 @@ LAYERS = {
         bench.mitsuba bench bench.paper bench.wild cli=cli.commands
     """,
     "vibe_render": """
-        core engine scene.geometry scene.lights scene.nodes scene.stage scene render export session looks
+        core engine scene.geometry scene.lights scene.nodes scene scene.stage render export session looks
         headless ui ui.operators ui.panels
         bench.scenes bench .
     """,
