@@ -71,6 +71,8 @@ def _walk(struct: bpy_struct, path: str, seen: set[int]) -> Iterator[tuple[str, 
         name = prop.identifier
         if name in VOLATILE or (isinstance(struct, bpy.types.Mesh) and name not in OF_MESHES):
             continue
+        if name == "outputs" and isinstance(struct, bpy.types.CompositorNodeRLayers):
+            continue  # they follow the passes: any render makes them anew
         value = getattr(struct, name, None)
         here = f"{path}.{name}"
         if isinstance(struct, bpy.types.Mesh) and name in BULK:
