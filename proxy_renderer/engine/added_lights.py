@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..optimize.context import scene_words
+from ..planning.lights.glow import glows
 from ..planning.lights.lacking import lacking
 from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.parser import parse
@@ -28,6 +29,7 @@ def with_added_lights(scenes: Sequence[SceneData], prompt: str) -> list[SceneDat
         return list(scenes)
     context = PlanContext(
         camera_azimuth=first.value("camera/azimuth")[0],
+        glows=glows(first),
         light_types={light.name: light.type for light in first.lights},
     )
     roles = {light.name: light.role for light in first.standby.lights}

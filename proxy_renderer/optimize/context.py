@@ -15,6 +15,7 @@ from ..color import arrays
 from ..color.constants import Lab
 from ..color.tensors import lab_from_srgb
 from ..guidance import regions
+from ..planning.lights.glow import glows
 from ..prompt.types import PictureStats, PlanContext, SceneWords
 from ..render.geometry.camera import view_of
 from ..scene import SceneData
@@ -67,6 +68,7 @@ def plan_context(proxy: Proxy, values: dict[str, Values], picture: Render) -> Pl
         camera_azimuth=values["camera/azimuth"][0] if "camera/azimuth" in values else 0.0,
         view=scene.film.view,
         light_types={light.name: light.type for light in scene.lights},
+        glows=glows(scene),
         added_lights=tuple(light.name for light in scene.lights if light.added),
         light_stops={light.name: light.exposure for light in scene.lights if light.exposure},
         light_elevations=headroom.elevations(scene),

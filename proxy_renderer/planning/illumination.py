@@ -24,7 +24,9 @@ Value = Callable[[Instance], Values]
 
 
 def watts(instance: Instance, context: PlanContext) -> float:
-    """What `power` (per d^2) or `strength` makes a facing white surface's radiance 1, at the light's own exposure."""
+    """What `power` (per d^2), `strength` or `emission` makes a facing white surface's radiance 1, at the light's own exposure."""
+    if instance.parameter.group == "material":
+        return 1.0 / max(context.glows[instance.owner].light, 1e-6)
     sun = instance.parameter.name == "strength"
     stops = context.light_stops.get(instance.owner, 0.0)
     light_type = "SUN" if sun else context.light_types.get(instance.owner, "AREA")
@@ -40,7 +42,10 @@ def white_radiance(instances: dict[str, Instance], context: PlanContext, value: 
 def facing_radiance(
     instances: dict[str, Instance], context: PlanContext, value: Value, lights: Collection[str] | None = None
 ) -> float:
-    """Radiance, before exposure, of a white surface that faces these lights, or all of them."""
+    """Radiance, before exposure, of a white surface that faces these lights, or all of them.
+
+    A glowing material is the light "material/NAME".
+    """
     lamps = _lamps(instances, context, value)
     return sum(luminance(gel) * bright for name, gel, bright in lamps if lights is None or name in lights)
 
@@ -51,9 +56,19 @@ def warmth(instances: dict[str, Instance], context: PlanContext, value: Value) -
     for name, gel, bright in _lamps(instances, context, value):
         temperature = instances.get(f"light/{name}/temperature")
         mireds = 1e6 / value(temperature)[0] - 1e6 / 6500.0 if temperature else 0.0
-        tint = tuple(math.exp(m * mireds) for m in _MIRED)
+        tint = _tint(mireds)
         parts.append((_FACING * bright * luminance(gel), tint))
     return _mixed(parts)
+
+
+def kelvin_color(kelvin: float) -> Values:
+    """The linear color of light of a temperature, its largest component 1."""
+    tint = _tint(1e6 / kelvin - 1e6 / 6500.0)
+    return tuple(v / max(tint) for v in tint)
+
+
+def _tint(mireds: float) -> Values:
+    return tuple(math.exp(m * mireds) for m in _MIRED)
 
 
 def _mixed(parts: list[tuple[float, Values]]) -> Values:
@@ -72,6 +87,11 @@ def _lamps(
             color = instances.get(f"light/{instance.owner}/color")
             gel = value(color) if color else (1.0, 1.0, 1.0)
             yield instance.owner, gel, value(instance)[0] / (watts(instance, context) * instance.reference)
+    for material, glow in context.glows.items():
+        strength, color = (instances.get(f"material/{material}/{n}") for n in ("emission", "emission_color"))
+        if strength:
+            gel = value(color) if color else (1.0, 1.0, 1.0)
+            yield f"material/{material}", gel, value(strength)[0] * glow.light
 
 
 def world_radiance(instances: dict[str, Instance], context: PlanContext, value: Value) -> float:

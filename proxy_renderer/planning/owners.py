@@ -11,6 +11,10 @@ from .illumination import facing_radiance
 from .lights.meant import KnownLight, assigned, named
 
 _PART = 0.12  # materials on less of their region are parts: tyres, eyes, screws
+_SHARE = 0.15  # of the light on the subject from which a glow counts as a light of the scene
+_OF_GLOWS = {"power": "emission", "color": "emission_color", "temperature": "emission_color"}
+"""What the parameters of lights are of glowing materials; they have neither place nor size to change."""
+_PLACES = ("azimuth", "elevation", "distance", "size", "angle")
 _SLIVER = 0.05  # of the surroundings: so little world counts as none
 
 
@@ -22,6 +26,7 @@ class Owners:
         rim: Names of the rim lights; else the one nearest to behind the subject, if there are several.
         fill: Names of the fill lights.
         lights: All lights.
+        glows: Glowing materials that light the scene as lights do, as "material/NAME"; they may be key and fill too.
         lamps: The lights that the prompt tells apart: number -> names, of which the first is meant above all.
     """
 
@@ -31,9 +36,10 @@ class Owners:
         self.parsed, self.instances, self.context = parsed, instances, context
         self.vocabulary = vocabulary
         self.lights = list(dict.fromkeys(i.owner for i in instances.values() if i.parameter.group == "light"))
-        self.key = self.of_role("key") or self._brightest()
+        self.glows = self._glowing()
+        self.key = self._key()
         self.rim = [n for n in self.of_role("rim") if n not in self.key] or self._nearest_behind()
-        self.fill = [n for n in self.of_role("fill") if n not in self.key]
+        self.fill = [n for n in [*self.of_role("fill"), *self.glows] if n not in self.key]
         self.lamps = assigned(parsed.attributes, self._known_lights(), vocabulary)
 
     def of(self, effect: Effect, attribute: Attribute) -> list[Instance]:
@@ -42,7 +48,7 @@ class Owners:
         if group == "material":
             names = self._materials(effect, attribute)
         elif group == "light":
-            names = self._lights(effect, attribute)
+            return self._light_values(effect.name, self._lights(effect, attribute))
         else:
             names = [""] if self._concerns(effect, attribute) else []
         keys = (f"{group}/{name}/{effect.name}" if name else f"{group}/{effect.name}" for name in names)
@@ -91,19 +97,47 @@ class Owners:
 
     # ---- lights
 
+    def _light_values(self, name: str, lights: list[str]) -> list[Instance]:
+        """The instances of a light's parameter; of a glow, those that stand for it."""
+        glowing = _OF_GLOWS.get(name)
+        keys = [
+            f"{light}/{glowing}" if light in self.glows else f"light/{light}/{name}"
+            for light in lights
+            if glowing or light not in self.glows
+        ]
+        return [self.instances[key] for key in keys if key in self.instances]
+
+    def _glowing(self) -> list[str]:
+        """Materials that light the subject with a share of all light that is seen; dials and diodes do not."""
+
+        def bright(*light: str) -> float:
+            return facing_radiance(self.instances, self.context, lambda i: i.value, light or None)
+
+        least = _SHARE * max(bright(), 1e-6)
+        return [name for name in (f"material/{m}" for m in self.context.glows) if bright(name) > least]
+
+    def _key(self) -> list[str]:
+        """The light that has the role, or the brightest; a glow that is brighter takes its place."""
+        lamps = self.of_role("key")
+        if not self.glows:
+            return lamps or self._brightest(self.lights)
+        return self._brightest([*(lamps or self.lights), *self.glows])
+
     def _lights(self, effect: Effect, attribute: Attribute) -> list[str]:
         owner, role = effect.owner, attribute.role
+        if effect.name in _PLACES and not set(self.key) & set(self.lights):
+            return [] if role or owner in ("rim", "fill", "others") else self._brightest(self.lights)
         if (own := self._meant(attribute)) is not None:
             if owner in ("light", "key", "lights"):
                 return own[:1] if owner != "lights" and effect.name in ("azimuth", "elevation") else own
             if owner == "others":
                 spoken_of = {*own, *(name for names in self.lamps.values() for name in names)}
-                return [name for name in self.lights if name not in spoken_of]
+                return [name for name in (*self.lights, *self.glows) if name not in spoken_of]
         meant = {"key": self.key, "rim": self.rim, "fill": self.fill, "others": self._others("key")}.get(role)
         if owner == "light":
             return self.key if meant is None else meant
         if owner == "lights":
-            return self.lights if meant is None else meant
+            return [*self.lights, *self.glows] if meant is None else meant
         if owner == "others":
             return self._others(role)
         return {"key": self.key, "rim": self.rim, "fill": self.fill}[owner]
@@ -112,7 +146,7 @@ class Owners:
         """The lights that a word is said of, where the prompt tells several apart or calls one by its name."""
         if attribute.lamp:
             return self.lamps[attribute.lamp]
-        if attribute.kind != "light" or attribute.role or attribute.cause:
+        if attribute.role or attribute.cause or attribute.kind not in ("light", "subject", "surroundings"):
             return None
         return named(attribute.thing, self._known_lights(), self.vocabulary)
 
@@ -120,21 +154,29 @@ class Owners:
         """All lights, the key first and those that are added for the words last."""
         order = {name: place for place, name in enumerate(self.key)}
         added = self.context.added_lights
-        names = sorted(self.lights, key=lambda n: (n in added, order.get(n, len(order))))
+        names = sorted((*self.lights, *self.glows), key=lambda n: (n in added, order.get(n, len(order))))
         return [
-            KnownLight(
+            self._known_glow(name)
+            if name in self.glows
+            else KnownLight(
                 name,
-                next((i.role for i in self.instances.values() if i.owner == name and i.role), ""),
-                self.context.light_types.get(name, ""),
+                next((r for r in ("key", "fill", "rim") if name in self.of_role(r)), ""),
+                (name, self.context.light_types.get(name, "")),
                 (self._value(name, "azimuth") or 0.0) - self.context.camera_azimuth,
                 name in added,
             )
             for name in names
         ]
 
+    def _known_glow(self, name: str) -> KnownLight:
+        material = name.removeprefix("material/")
+        glow = self.context.glows[material]
+        role = "key" if name in self.key else "fill"
+        return KnownLight(name, role, (material, *glow.objects), glow.azimuth - self.context.camera_azimuth)
+
     def _others(self, role: str) -> list[str]:
         own = {"rim": self.rim, "fill": self.fill}.get(role, self.key)
-        return [name for name in self.lights if name not in own]
+        return [name for name in (*self.lights, *self.glows) if name not in own]
 
     def of_role(self, role: str) -> list[str]:
         """The lights that have a role in the scene."""
@@ -146,11 +188,11 @@ class Owners:
         instance = self.instances.get(f"light/{light}/{name}")
         return instance.value[0] / instance.reference if instance else None
 
-    def _brightest(self) -> list[str]:
+    def _brightest(self, lights: list[str]) -> list[str]:
         def bright(light: str) -> float:
             return facing_radiance(self.instances, self.context, lambda i: i.value, (light,))
 
-        return [max(self.lights, key=bright)] if self.lights else []
+        return [max(lights, key=bright)] if lights else []
 
     def _nearest_behind(self) -> list[str]:
         """The light that is most behind the subject, seen from the camera; never the key."""

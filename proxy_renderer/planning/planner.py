@@ -107,7 +107,8 @@ class _Planner:
             )
             lower, upper = effect_range(effect, replace(attribute, strength=strength), instance, sources)
             priority = effect.priority + (2 if effect.weak else 0) + (_SECOND if attribute.cause else 0)
-            priority += 2 * (effect.owner == "lights" and instance.owner not in self.owners.key)
+            light = f"material/{instance.owner}" if instance.parameter.group == "material" else instance.owner
+            priority += 2 * (effect.owner == "lights" and light not in self.owners.key)
             if effect.name == "vignette":
                 lower, upper = clip(*self._seen_vignette((lower, upper)), instance)
             reason = reason_of(attribute, shown.phrase if shown else "")

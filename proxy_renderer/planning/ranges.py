@@ -6,17 +6,20 @@ from __future__ import annotations
 import math
 
 from ..color.floats import lab_from_srgb, linear_from_srgb, luminance, srgb_from_lab, srgb_from_linear
+from ..color.shades import hue_apart
 from ..prompt.lexicon.vocabulary import Effect
 from ..prompt.types import Attribute
 from ..schema import Instance, Values
 from .color_ranges import OWN_COLOR, color_range, shaded
 from .display import radiance
-from .illumination import watts
+from .illumination import kelvin_color, watts
 from .sources import Range, Sources
 
 _MIDDLE = 45.0  # L* that neither brightens nor darkens; "slightly" moves towards it
 _MIDDLING = 0.35  # albedo of what is neither light nor dark
 _IN_PLACE_OF_KEY = Effect("world", "strength", "lightness", (62.0,), (88.0,))
+_NEUTRAL, _KELVIN, _WARM_TO_COOL = 6500.0, (1200.0, 16000.0), (2700.0, 11000.0)
+_OFF_WHITE = 50.0  # degrees of hue from warm and from cool light
 _DIRECTIONS = ("azimuth", "elevation", "rotation")
 
 
@@ -30,6 +33,8 @@ def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sourc
         low, high = ends
     elif effect.color:
         low, high = color_range(effect, attribute, instance, sources)
+    elif effect.name == "temperature" and instance.parameter.kind == "color":
+        low, high = _glow_color(effect, attribute.strength, instance)
     elif effect.name == "azimuth" and effect.mode in ("camera", "sides"):
         low, high = _azimuth(effect, instance, sources.context.camera_azimuth)
     else:
@@ -72,6 +77,17 @@ def scaled(
 
 def _spread(values: Values, instance: Instance) -> Values:
     return values * instance.parameter.components if len(values) == 1 else values
+
+
+def _glow_color(effect: Effect, strength: float, instance: Instance) -> Range:
+    """Colors of a glow between two temperatures; one of a color that no temperature has keeps it."""
+    own = srgb_from_linear(instance.value)
+    vivid = all(hue_apart(own, srgb_from_linear(kelvin_color(k))) > _OFF_WHITE for k in _WARM_TO_COOL)
+    ends = scaled(effect.lower[0], effect.upper[0], _NEUTRAL, strength, _KELVIN)
+    tints = [kelvin_color(k) for k in ends]
+    if vivid:
+        tints = [tuple(a * b for a, b in zip(instance.value, tint, strict=True)) for tint in tints]
+    return tuple(map(min, *tints)), tuple(map(max, *tints))
 
 
 def _plain(effect: Effect, strength: float, instance: Instance, _: Sources) -> Range:

@@ -77,7 +77,8 @@ def _key_light(
     world = entries.get("world/color")
     found = {}
     for name in owners.key:
-        for instance in (free.get(f"light/{name}/{parameter}") for parameter in ("power", "strength")):
+        keys = [f"light/{name}/power", f"light/{name}/strength"]
+        for instance in (free.get(key) for key in ([f"{name}/emission"] if name in owners.glows else keys)):
             if instance is None:
                 continue
             entry = _around(instance, 0.5, 2.0, LATE + 1, "keeps the subject readable")

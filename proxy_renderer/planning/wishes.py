@@ -71,7 +71,7 @@ class Wishes:
         return [shared.get(id(a), a) for a in said]
 
     def _one_light(self) -> bool:
-        return len(self._owners.lights) <= len(self._owners.key)
+        return len(self._owners.lights) + len(self._owners.glows) <= len(self._owners.key)
 
     def _would_hide(self, gel: Attribute, said: list[Attribute]) -> bool:
         """Whether a color of light, without a direction, leaves nothing of the subject's: "orange pumpkin, purple light".

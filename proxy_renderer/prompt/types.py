@@ -149,6 +149,21 @@ class PictureStats:
 
 
 @dataclass(frozen=True)
+class Glow:
+    """A material whose glow lights the scene.
+
+    Attributes:
+        light: Radiance that it gives to a white surface at the subject that faces it, if its own is 1.
+        azimuth: Direction in which it is seen from the subject, degrees, as in `schema.orbit`.
+        objects: Names of the objects that show it.
+    """
+
+    light: float
+    azimuth: float
+    objects: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class PlanContext:
     """What the planner knows about the scene besides its instances.
 
@@ -157,6 +172,7 @@ class PlanContext:
         view: View transform: "AgX", "Filmic", "Standard", ...
         light_types: Light -> "POINT", "SPOT", "AREA" or "SUN"; watts mean different things to them.
         added_lights: Lights that the scene lacks and gets because the words ask for them.
+        glows: Material -> how it lights the scene, if it glows.
         light_stops: Light -> stops that Blender adds to its power (its `exposure`); none where missing.
         light_elevations: Light -> lowest and highest elevation that floor and ceiling leave it, degrees; any where missing.
         world_share: Fraction of the surroundings' pixels that show the world, not a surface; None if unknown.
@@ -171,6 +187,7 @@ class PlanContext:
     view: str = "AgX"
     light_types: dict[str, str] = field(default_factory=dict)
     added_lights: tuple[str, ...] = ()
+    glows: dict[str, Glow] = field(default_factory=dict)
     light_stops: dict[str, float] = field(default_factory=dict)
     light_elevations: dict[str, tuple[float, float]] = field(default_factory=dict)
     world_share: float | None = None

@@ -13,7 +13,7 @@ from mathutils import Matrix, Vector
 from ..core import compat
 from ..core.journal import Journal
 from ..core.schema_import import schema
-from . import scene_context, snapshot
+from . import emission, scene_context, snapshot
 from .lights.area import AreaLightType
 from .nodes import owned, shaders
 from .nodes.trails import active_links
@@ -27,6 +27,7 @@ LIGHTS = {
 of a white surface that faces them."""
 ROLES = {"Vibe Key": "key", "Vibe Fill": "fill", "Vibe Rim": "rim"}
 """What each of them is for."""
+_LIT = 0.1  # radiance of white at the subject from which a scene is lit
 _CLEAR = 0.2  # of the way from the subject to a wall: how far from the wall a light stands
 LIGHT_TYPE = AreaLightType.name
 """The type of the lights that we add."""
@@ -91,7 +92,11 @@ def _portrait(scene: Scene) -> float:
 
 
 def _key(journal: Journal, scene: Scene, low: Vector, high: Vector) -> str:
-    if scene_context.lights(scene):
+    graph = scene_context.depsgraph(scene)
+    if (
+        scene_context.lights(scene)
+        or emission.light_at(graph, scene_context.meshes(scene), (low + high) / 2.0) > _LIT
+    ):
         return ""
     light = add_light(journal, scene, "Vibe Key", low, high)
     if not _is_lit(scene):
@@ -146,7 +151,7 @@ def _is_lit(scene: Scene) -> bool:
     color, strength = background.node.inputs["Color"], background.node.inputs["Strength"]
     if active_links(color) or active_links(strength):
         return True
-    return max(color.default_value[:3]) * strength.default_value > 0.1
+    return max(color.default_value[:3]) * strength.default_value > _LIT
 
 
 def _stand(obj: Object, pivot: Vector, azimuth: float, elevation: float, distance: float) -> None:

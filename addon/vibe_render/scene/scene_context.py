@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -13,6 +14,7 @@ from bpy.types import Light, Material, Object, Scene
 from mathutils import Matrix, Vector
 
 from ..core.schema_import import schema
+from . import emission
 from .lights.registry import type_of
 from .nodes import owned
 
@@ -97,12 +99,13 @@ def materials(scene: Scene, subject: Sequence[Object], everything: bool = False)
     """The materials that the camera sees, and whether they are the subject's or the surroundings'.
 
     Instances of collections and geometry nodes are looked into. What the frame leaves out is left
-    out, unless `everything` is asked for.
+    out, unless it glows, or `everything` is asked for.
     """
     graph = depsgraph(scene)
     chosen, to_clip = set(subject), None if everything else frustum(scene)
     roles: dict[Material, str] = {}
     used: dict[tuple[int, int], list[Material]] = {}
+    glow = functools.cache(emission.radiance)
     for item in graph.object_instances:
         if item.object.type not in GEOMETRY or not item.show_self:
             continue
@@ -114,8 +117,9 @@ def materials(scene: Scene, subject: Sequence[Object], everything: bool = False)
         materials_of = used[key] if key in used else used.setdefault(key, _used(item.object))
         # Of thousands of instances that have the same materials, one in the frame is enough.
         new = [m for m in materials_of if roles.get(m) not in ("subject", role)]
-        if new and (to_clip is None or in_frame(to_clip, item)):
-            roles.update(dict.fromkeys(new, role))
+        if new and not (to_clip is None or in_frame(to_clip, item)):
+            new = [m for m in new if glow(m) > 0.0]
+        roles.update(dict.fromkeys(new, role))
     return dict(sorted(roles.items(), key=lambda pair: pair[0].name_full))
 
 

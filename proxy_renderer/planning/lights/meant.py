@@ -19,18 +19,18 @@ class KnownLight:
     """A light of a scene, as words may mean it.
 
     Attributes:
-        name: The artist's.
+        name: As its owner is called: the artist's name of a light, or "material/NAME" of what glows.
         role: "key", "fill" or "rim".
-        type: "POINT", "SPOT", "AREA" or "SUN"; "" if unknown.
+        names: What it may be called: its own name and its type, or its material's and those of its objects.
         turn: Azimuth relative to the camera, degrees.
         added: Whether the scene lacks it and gets it for the words.
     """
 
     name: str
     role: str
-    type: str
+    names: tuple[str, ...]
     turn: float
-    added: bool
+    added: bool = False
 
 
 def assigned(
@@ -98,8 +98,7 @@ def _role(said: Sequence[Attribute]) -> str:
 
 def _is_called(light: KnownLight, words: frozenset[str]) -> bool:
     """Whether words name a light: "window", or "moonlight" a Moon; a sun is one by its type."""
-    theirs = {_singular(word) for word in plain_name(light.name).split()}
-    theirs |= {"sun"} if light.type == "SUN" else {"spot"} if light.type == "SPOT" else set()
+    theirs = {_singular(word) for name in light.names for word in plain_name(name).split()}
     spoken = {_singular(word) for word in words}
     return bool(theirs & (spoken | {word.removesuffix("light") for word in spoken}))
 

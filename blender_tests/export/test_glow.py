@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A scene that glowing surfaces light: words about light are about them, wherever they hang."""
+
+import pytest
+import small_scenes as scenes
+from vibe_render.export import reading
+from vibe_render.scene import prepare
+from vibe_render.scene.subject import SubjectChoice
+
+from proxy_renderer.engine.added_lights import with_added_lights
+from proxy_renderer.planning.lights.glow import glows
+from proxy_renderer.planning.planner import plan
+from proxy_renderer.prompt.parser import parse
+from proxy_renderer.prompt.prompts import compose
+from proxy_renderer.prompt.types import PlanContext, SceneWords
+from proxy_renderer.scene import load_scene
+
+
+@pytest.fixture
+def panel(scene):
+    """A cube under a large glowing panel that the camera does not see; a dial on it glows as well."""
+    subject = scenes.cube(scene, "Cube", (0.0, 0.0, 0.0), 2.0)
+    scenes.principled("Paint", subject)
+    scenes.camera(scene)
+    scenes.world(scene).node_tree.nodes["Background"].inputs["Color"].default_value = (0.0, 0.0, 0.0, 1.0)
+    for name, place, size, strength in (
+        ("Panel", (0.0, 0.0, 5.0), 2.0, 12.0),
+        ("Dial", (0.9, -1.1, 0.9), 0.02, 5.0),
+    ):
+        material = scenes.principled(name, scenes.cube(scene, name, place, size))
+        scenes.shader(material).inputs["Emission Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+        scenes.shader(material).inputs["Emission Strength"].default_value = strength
+    return scene
+
+
+def planned(scene, prompt, folder):
+    reading.export_scene(scene, folder, SubjectChoice(("Cube",)))
+    data = with_added_lights([load_scene(folder)], prompt)[0]
+    parsed = parse(prompt, SceneWords())
+    return plan(parsed, compose(parsed), dict(data.instances), PlanContext(glows=glows(data)))
+
+
+def test_no_key_is_added_where_a_panel_lights_the_scene(panel):
+    prepare.prepare(panel)
+    assert "Vibe Key" not in panel.objects
+
+
+def test_a_dial_does_not_light_a_scene(panel):
+    panel.objects["Panel"].hide_render = True
+    prepare.prepare(panel)
+    assert panel.objects["Vibe Key"].data.energy > 0
+
+
+def test_warm_light_is_the_panels_color_and_not_the_dials(panel, tmp_path):
+    entries = planned(panel, "warm light", tmp_path)
+    color = entries["material/Panel/emission_color"]
+    assert color.priority is not None
+    assert color.upper[2] < 0.6 < color.upper[0]
+    assert entries["material/Dial/emission_color"].priority is None
+
+
+def test_dim_light_turns_the_panel_down_from_what_it_is(panel, tmp_path):
+    entry = planned(panel, "dim light", tmp_path)["material/Panel/emission"]
+    assert 12.0 * 0.15 < entry.lower[0] < entry.upper[0] < 12.0 * 0.7
+
+
+def test_a_panel_that_a_word_names_is_meant(panel, tmp_path):
+    side = scenes.principled("Window", scenes.cube(panel, "Window", (-5.0, 0.0, 0.0), 2.0))
+    scenes.shader(side).inputs["Emission Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+    scenes.shader(side).inputs["Emission Strength"].default_value = 12.0
+    entries = planned(panel, "warm panel, cold blue window light", tmp_path)
+    warm, cold = (entries[f"material/{name}/emission_color"] for name in ("Panel", "Window"))
+    assert cold.upper[0] < cold.lower[2]
+    assert warm.upper[2] < warm.lower[0]
+
+
+def test_light_from_a_side_that_no_panel_can_take_is_added(panel, tmp_path):
+    assert "light/Vibe Key/azimuth" in planned(panel, "light from the left", tmp_path)

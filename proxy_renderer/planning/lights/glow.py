@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How much the glowing surfaces of a scene light its subject, as lamps do."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...prompt.types import Glow
+from ...scene import SceneData
+
+_MOST = 1.0  # a surface that glows all around gives white surfaces its own radiance
+
+
+def glows(scene: SceneData) -> dict[str, Glow]:
+    """Of every material that may glow: what its surfaces would give to a white surface at the subject.
+
+    The sum of area x |cosine| / (pi d^2) over its triangles, d at least half the subject's height; nothing is taken to
+    stand in the way.
+    """
+    mesh, pivot = scene.mesh, np.array(scene.pivot)
+    names = {i.owner for i in scene.instances.values() if i.parameter.name == "emission" and i.value[0] > 0}
+    near = (0.5 * float(scene.references.get("subject_height", 0.0))) ** 2
+    found: dict[str, Glow] = {}
+    for number, material in enumerate(scene.materials):
+        faces = np.flatnonzero(mesh.material == number)
+        if material.name not in names or not len(faces):
+            continue
+        corners = mesh.vertices[mesh.faces[faces]].astype(float)
+        normal = (
+            np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2.0
+        )  # as long as its area
+        way = corners.mean(1) - pivot
+        square = np.maximum((way**2).sum(1), max(near, 1e-12))
+        light = np.abs((normal * way).sum(1)) / (math.pi * square**1.5)
+        x, y, _ = (way * light[:, None]).sum(0)
+        objects = {scene.objects[o].name for o in np.unique(mesh.object[faces]).tolist()}
+        azimuth = math.degrees(math.atan2(x, -y))
+        found[material.name] = Glow(min(float(light.sum()), _MOST), azimuth, tuple(sorted(objects)))
+    return found
