@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A scene that glowing surfaces light: words about light are about them, wherever they hang."""
 
+import bpy
 import pytest
 import small_scenes as scenes
 from vibe_render.export import reading
@@ -41,6 +42,24 @@ def planned(scene, prompt, folder):
 
 
 def test_no_key_is_added_where_a_panel_lights_the_scene(panel):
+    prepare.prepare(panel)
+    assert "Vibe Key" not in panel.objects
+
+
+def test_a_glowing_curve_whose_emission_is_mixed_in_lights_the_scene(panel):
+    panel.objects["Panel"].hide_render = True
+    curve = bpy.data.curves.new("Tube", "FONT")
+    curve.body, curve.extrude, curve.size = "NEON", 0.2, 3.0
+    tube = bpy.data.objects.new("Tube", curve)
+    tube.location = (-2.0, -2.0, 2.0)
+    panel.collection.objects.link(tube)
+    material = scenes.principled("Neon", tube)
+    tree = material.node_tree
+    mix, glow = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("MixShader", "Emission"))
+    glow.inputs["Strength"].default_value = 30.0
+    tree.links.new(scenes.shader(material).outputs[0], mix.inputs[1])
+    tree.links.new(glow.outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
     prepare.prepare(panel)
     assert "Vibe Key" not in panel.objects
 

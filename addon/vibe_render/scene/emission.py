@@ -11,25 +11,27 @@ import numpy as np
 from bpy.types import Material, Object
 from mathutils import Vector
 
-from ..core import compat
-from .nodes import shaders
+from .nodes import layers
+from .nodes.shaders import NodeInGroups
+from .nodes.trails import resolve
 
-_COMPUTED = 0.5  # what a color or strength that nodes compute is taken for
+_COLOR, _STRENGTH = 0.5, 1.0  # what a color and a strength that nodes compute are taken for
 
 
 def radiance(material: Material) -> float:
     """About the radiance that a material's surface emits, its strongest component; 0 if it does not."""
-    shader = shaders.surface(material) if compat.node_tree(material) else None
-    if shader is None:
-        return 0.0
+    return sum(layer.share * _emitted(layer.shader) for layer in layers.layers(material))
+
+
+def _emitted(shader: NodeInGroups) -> float:
     values = []
-    for name in ("Emission Color", "Emission Strength"):
-        entry = shader.input(name)
+    for name, computed in (("Emission Color", _COLOR), ("Emission Strength", _STRENGTH)):
+        entry = shader.entry(name)
         if entry is None:
             return 0.0
-        socket, source = shaders.resolve(entry, shader.inside)
-        value = socket.default_value
-        values.append(_COMPUTED if source else max(value[:3]) if hasattr(value, "__len__") else value)
+        origin = resolve(entry)
+        value = origin.socket.default_value
+        values.append(computed if origin.source else max(value[:3]) if hasattr(value, "__len__") else value)
     return max(values[0] * values[1], 0.0)
 
 
@@ -38,20 +40,22 @@ def light_at(depsgraph: bpy.types.Depsgraph, objects: Iterable[Object], place: V
 
     Args:
         depsgraph: The evaluated scene.
-        objects: Those whose light counts; of them, meshes.
+        objects: Those whose light counts.
         place: World space.
     """
     total = 0.0
     for obj in objects:
         strengths = [radiance(slot.material) if slot.material else 0.0 for slot in obj.material_slots]
-        if obj.type == "MESH" and any(strengths):
-            total += _shed(obj.evaluated_get(depsgraph), strengths, place)
+        if any(strengths):
+            evaluated = obj.evaluated_get(depsgraph)
+            if mesh := evaluated.to_mesh():
+                total += _shed(mesh, np.array(evaluated.matrix_world), strengths, place)
+                evaluated.to_mesh_clear()
     return total
 
 
-def _shed(evaluated: Object, strengths: list[float], place: Vector) -> float:
-    """The sum of radiance x area / (pi d^2) over an object's faces, half of which look the other way."""
-    mesh, matrix = evaluated.data, np.array(evaluated.matrix_world)
+def _shed(mesh: bpy.types.Mesh, matrix: np.ndarray, strengths: list[float], place: Vector) -> float:
+    """The sum of radiance x area / (pi d^2) over a mesh's faces, half of which look the other way."""
     count = len(mesh.polygons)
     area, index, center = np.zeros(count), np.zeros(count, np.int32), np.zeros(3 * count)
     mesh.polygons.foreach_get("area", area)
