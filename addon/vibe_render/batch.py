@@ -4,11 +4,13 @@
     blender -b shot.blend --python-exit-code 1 --python batch.py -- --prompt "misty, cool" --out DIR
     python batch.py --events run shot.blend --prompt "misty, cool" --out DIR     (with the bpy package)
 
-A mistake of the user's is one clear line and exit code 2.
+A mistake of the user's is one clear line and exit code 2; what nobody expected, one line that names a log, and 1.
 """
 
 import atexit
+import faulthandler
 import os
+import shutil
 import sys
 import tempfile
 from pathlib import Path
@@ -22,7 +24,7 @@ if not __package__:
         sys.path.insert(1, str(here.parents[1]))
 
 from vibe_render.core import files
-from vibe_render.core.schema_import import atomic, schema
+from vibe_render.core.schema_import import atomic, faults, schema
 from vibe_render.headless.arguments import arguments_of_process, parse
 from vibe_render.headless.reporter import Reporter
 
@@ -40,13 +42,19 @@ def main() -> int:
         else:
             commands.COMMANDS[given.command](given, reporter)
         return 0
-    except schema.VibeError as error:
-        reporter.error(error)
-    except OSError as error:
-        if not atomic.is_full(error):
-            raise
-        reporter.error(files.unwritable(Path(tempfile.gettempdir(), "vibe"), error, ""))
-    return 2
+    except Exception as error:
+        known = _known(error)
+        reporter.error(known or faults.unexpected(error, reporter.doing))
+        return 2 if known and not isinstance(known, faults.UnexpectedError) else 1
+
+
+def _known(error: Exception) -> schema.VibeError | None:
+    """The error to show, where that is known."""
+    if isinstance(error, schema.VibeError):
+        return error
+    if isinstance(error, OSError) and atomic.is_full(error):
+        return files.unwritable(Path(tempfile.gettempdir(), "vibe"), error, "")
+    return None
 
 
 def _end(status: list[int]) -> None:
@@ -56,12 +64,14 @@ def _end(status: list[int]) -> None:
     """
     bpy = sys.modules.get("bpy")
     if bpy and not bpy.app.binary_path:
+        shutil.rmtree(bpy.app.tempdir, ignore_errors=True)  # Blender's own way out would
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(status[0])
 
 
 if __name__ == "__main__":
+    faulthandler.enable()  # where Blender crashes, its output says at which line of ours
     outcome = [1]
     atexit.register(_end, outcome)  # registered first, it comes last: engines are stopped before
     outcome[0] = main()

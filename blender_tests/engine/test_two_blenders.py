@@ -84,7 +84,7 @@ def test_two_runs_into_one_folder(tmp_path):
     assert [result["type"] for result in results] == ["result", "result"]
     assert {path.name for path in out.iterdir()} == FILES
     assert shot.read_bytes() == held
-    assert {path.suffix for path in temporary.glob("vibe-*")} == {".log"}
+    assert not list(temporary.iterdir())
     wanted = json.loads((out / "report.json").read_text())["parameters"]["material/Box/base_color"]["after"]
     bpy.ops.wm.open_mainfile(filepath=str(out / "vibed.blend"))
     shader = bpy.data.materials["Box"].node_tree.nodes["Principled BSDF"]

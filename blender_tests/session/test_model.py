@@ -35,7 +35,6 @@ def test_a_run_with_a_model(tmp_path):
     assert "The model's verdict: AFTER. It is teal." in output
     names = without_key(tmp_path)
     assert {"report.json", "vibed.blend", "preset.json"} <= names
-    assert any(name.startswith("vibe-engine-") for name in names)  # its log
     assert KEY not in output
 
 

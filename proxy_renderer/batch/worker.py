@@ -13,6 +13,7 @@ import os
 import queue
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from collections.abc import Sequence
@@ -22,6 +23,7 @@ from typing import Any, TextIO
 
 import psutil
 
+from ..blender.crashes import temporary
 from ..blender.launch import blender_side, environment
 from ..blender.meshes import prepared
 from ..schema import VibeError
@@ -119,10 +121,8 @@ class Worker:
             if line is None:
                 code = process.wait()
                 self._kill()
-                last_line = f" It said last: {last[:200]}" if last else ""
-                raise VibeError(
-                    f"Blender ended unexpectedly (exit code {code}).{last_line}", "See the job's log."
-                )
+                said = f' Its last words: "{last[:200]}".' if last else ""
+                raise VibeError(f"Blender crashed (exit code {code}).{said}", "See the job's log.")
             event = _event(line)
             if event.get("type") != "progress" and line:
                 log.write(line)
@@ -144,6 +144,7 @@ class Worker:
         if self._closed:
             raise VibeError("The worker is closed.")
         threads = str(self._setup.limits.cores)
+        self._scratch = tempfile.TemporaryDirectory(prefix="vibe-", ignore_cleanup_errors=True)
         process = self._process = subprocess.Popen(
             self._setup.command or (sys.executable, str(blender_side()), "--events", "serve"),
             stdin=subprocess.PIPE,
@@ -151,7 +152,10 @@ class Worker:
             stderr=subprocess.STDOUT,
             encoding="utf-8",
             errors="replace",
-            env=environment() | self._setup.variables | {"OMP_NUM_THREADS": threads},
+            env=environment()
+            | temporary(Path(self._scratch.name))
+            | self._setup.variables
+            | {"OMP_NUM_THREADS": threads},
             start_new_session=True,  # Ctrl-C is for the batch, which ends its workers itself
         )
         if self._cores and hasattr(os, "sched_setaffinity"):
@@ -171,6 +175,7 @@ class Worker:
         assert process.stdin is not None
         with contextlib.suppress(OSError):
             process.stdin.close()
+        self._scratch.cleanup()
 
 
 def _orders(job: Job, folder: Path) -> list[list[str]]:

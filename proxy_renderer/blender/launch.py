@@ -13,12 +13,14 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 from collections import deque
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..schema import VibeError
+from ..schema import VibeError, faults
+from .crashes import crash, temporary, tidy
 from .progress import VibeProgress
 
 _MARK = "VIBE "
@@ -43,37 +45,39 @@ def launch(arguments: list[str], out: Path, progress: VibeProgress | None = None
     """
     told = progress is None
     progress = progress or VibeProgress()
-    progress.stage("starting Blender")
-    process = start([str(blender_side()), "--events", *arguments], **_own_group())
-    presses = _forward_interrupts(process, progress)
-    tail: deque[str] = deque(maxlen=40)
+    progress.stage(doing := "starting Blender")
+    tail: deque[str] = deque(maxlen=400)
     failure: VibeError | None = None
-    with progress:
+    scratch = tempfile.TemporaryDirectory(prefix="vibe-", ignore_cleanup_errors=True)
+    with scratch as folder, progress:
+        process = start([str(blender_side()), "--events", *arguments], Path(folder), **_own_group())
+        presses = _forward_interrupts(process, progress)
         for event in events(process, tail):
+            doing = event["name"] if event.get("type") == "stage" else doing
             if event.get("type") == "error":
-                failure = VibeError(event.get("message", "It failed."), event.get("remedy", ""))
+                kind = faults.UnexpectedError if event.get("unexpected") else VibeError
+                failure = kind(event.get("message", "It failed."), event.get("remedy", ""))
             else:
                 progress.show(event)
-    code = process.wait()
+        code = process.wait()
+    tidy(out if out.is_dir() else out.parent, process.pid)
     if failure:
         raise failure
     if len(presses) > 1:
         return 130
     if code != 0:
-        last_line = next((line for line in reversed(tail) if line.strip()), "nothing")
-        raise VibeError(
-            f"Blender ended unexpectedly (exit code {code}). It said last: {last_line.strip()[:200]}",
-            "Run `vibe doctor`.",
-        )
+        raise crash(code, doing, tail)
     if told:
         progress.end(out)
     return 0
 
 
-def start(arguments: Sequence[str], **options: Any) -> subprocess.Popen[str]:
+def start(arguments: Sequence[str], scratch: Path | None = None, **options: Any) -> subprocess.Popen[str]:
     """Python with these arguments, as a Blender in a process of its own whose `events` can be read.
 
     Args:
+        arguments: Of Python.
+        scratch: Its folder for temporary files; None for the usual one.
         options: More options of `subprocess.Popen`.
     """
     return subprocess.Popen(
@@ -83,7 +87,7 @@ def start(arguments: Sequence[str], **options: Any) -> subprocess.Popen[str]:
         stdin=subprocess.DEVNULL,
         encoding="utf-8",
         errors="replace",
-        env=environment(),
+        env=environment() | (temporary(scratch) if scratch else {}),
         **options,
     )
 

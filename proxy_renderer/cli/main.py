@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from types import ModuleType
 
 from .. import __version__
-from ..schema import VibeError
+from ..schema import VibeError, faults
 from .commands import apply, batch, bench, demo, doctor, explain, extension, flamenco, revert, run
 from .parser import Help, Parser
 
@@ -29,18 +29,24 @@ COMMANDS: dict[str, ModuleType] = {
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Runs the command and returns its exit code: 0, or 2 with one clear line for what the user can mend."""
+    """Runs the command and returns its exit code.
+
+    It is 0, or 2 with one clear line for what the user can mend, or 1 with a line that names a log.
+    """
     arguments = _arguments(argv)
     try:
         return arguments.act(arguments)
     except VibeError as error:
         print(f"vibe: {error}", file=sys.stderr)
-        return 2
+        return 1 if isinstance(error, faults.UnexpectedError) else 2
     except KeyboardInterrupt:
         print("vibe: stopped.", file=sys.stderr)
         return 130
     except BrokenPipeError:
         sys.stderr.close()
+        return 1
+    except Exception as error:
+        print(f"vibe: {faults.unexpected(error, 'carrying out the command')}", file=sys.stderr)
         return 1
 
 

@@ -13,12 +13,12 @@ import queue
 import sys
 import threading
 import time
-import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 from .. import __version__
-from ..schema import VibeError, messages, schema_hash
+from ..folders import cache_folder
+from ..schema import VibeError, faults, messages, schema_hash
 from ..schema.wire import check_schema, encode, read
 
 if TYPE_CHECKING:
@@ -162,18 +162,19 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
         except OSError as error:
             wire.send(_file_trouble(request, error))
         except Exception as error:
-            traceback.print_exc()
-            reason = " ".join(f"{type(error).__name__}: {error}".split())[:300]
-            wire.send(
-                messages.Error(f"The engine failed: {reason}.", "Please report this with the engine's log.")
-            )
+            wire.send(_fault(error))
+
+
+def _fault(error: Exception) -> messages.Error:
+    """What to say of an error that nobody expected."""
+    fault = faults.unexpected(error, "the engine was at work")
+    return messages.Error(fault.message, fault.remedy, unexpected=True)
 
 
 def _file_trouble(request: object, error: OSError) -> messages.Error:
     """What to say where files cannot be read or written."""
     if error.errno not in (errno.ENOSPC, errno.EDQUOT):
-        remedy = "Please report this with the engine's log."
-        return messages.Error(f"The engine cannot work with its files: {error}.", remedy)
+        return _fault(error)
     folder = Path(request.compare_out).parent if isinstance(request, messages.Finish) else None
     folder = Path(request.job) if isinstance(request, messages.Vibe) else folder
     return messages.Error(
@@ -213,6 +214,9 @@ def main() -> None:
     Blender may render meanwhile: torch's threads must sleep, not spin, while they wait for a core.
     """
     os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
+    os.environ.setdefault(
+        "TORCHINDUCTOR_CACHE_DIR", str(cache_folder("compiled"))
+    )  # not the temporary folder
     sink = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # whatever else prints must not break the protocol
     serve(sys.stdin.buffer, sink)

@@ -23,13 +23,18 @@ def replacing(path: Path) -> Iterator[Path]:
     Raises:
         OSError: It cannot be written.
     """
-    part = path.with_name(f".part-{uuid.uuid4().hex[:8]}-{path.name}")
+    part = path.with_name(f"{part_prefix()}{uuid.uuid4().hex[:8]}-{path.name}")
     try:
         yield part
         os.replace(part, path)
     finally:
         with suppress(OSError):
             part.unlink(missing_ok=True)
+
+
+def part_prefix(process: int | None = None) -> str:
+    """How the names of a process's unfinished files begin; this process's if none is given."""
+    return f".part-{process or os.getpid()}-"
 
 
 def write_text(path: Path, text: str) -> None:

@@ -241,6 +241,7 @@ class Error:
     type: ClassVar[str] = "error"
     message: str
     remedy: str = ""
+    unexpected: bool = False
 
 
 @dataclass(frozen=True)

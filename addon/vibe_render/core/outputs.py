@@ -14,6 +14,7 @@ from types import TracebackType
 from typing import Any
 
 from .files import unwritable
+from .schema_import import atomic
 
 _REMEDY = "Choose another --out."
 
@@ -33,7 +34,7 @@ class Outputs:
         """The temporary path of a file; it is moved to its own name in the end."""
         if name not in self._names:
             self._names.append(name)
-        return self.folder / f".part-{self._run}-{name}"
+        return self.folder / f"{atomic.part_prefix()}{self._run}-{name}"
 
     def write_json(self, name: str, content: Any) -> None:
         """Adds a JSON file."""

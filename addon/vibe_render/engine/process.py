@@ -9,15 +9,14 @@ import os
 import queue
 import re
 import subprocess
-import tempfile
 import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO, TypeAlias, cast
 
+from ..core.schema_import import faults, schema, wire
 from ..core.schema_import import messages as message_types
-from ..core.schema_import import schema, wire
 from .find import engine_environment, find_python, own_group
 
 _ABANDON_TIMEOUT = 10.0  # seconds that an engine may take to end a vibe that was given up
@@ -32,14 +31,14 @@ class Engine:
 
     Args:
         python: A Python, or the folder of its environment; "" to search.
-        log: The file for the engine's stderr; None for a temporary one.
+        log: The file for the engine's stderr; None for one in the user's folder for logs.
         cache: The folder of its cache; None for the user's usual one.
     """
 
     def __init__(self, python: str = "", log: Path | None = None, cache: Path | None = None) -> None:
         self._choice = python
         self._variables = {"VIBE_CACHE": str(cache)} if cache else {}
-        self.log = log or Path(tempfile.gettempdir()) / f"vibe-engine-{os.getpid()}.log"
+        self.log = log or faults.log_folder() / f"vibe-engine-{os.getpid()}.log"
         self._process: subprocess.Popen[bytes] | None = None
         self._inbox: queue.Queue[_Item] = queue.Queue()
         self._abandoned = False  # an answer is on its way that nobody waits for any more
@@ -162,7 +161,8 @@ class Engine:
         for end in (lambda: None, process.terminate, process.kill):
             end()
             with contextlib.suppress(subprocess.TimeoutExpired):
-                process.wait(patience)
+                if process.wait(patience) == 0:
+                    self.log.unlink(missing_ok=True)
                 return
 
     def _checked(self, item: _Item) -> message_types.Message:
@@ -173,7 +173,8 @@ class Engine:
         if isinstance(item, schema.VibeError):
             raise item
         if isinstance(item, message_types.Error):
-            raise schema.VibeError(item.message, item.remedy)
+            kind = faults.UnexpectedError if item.unexpected else schema.VibeError
+            raise kind(item.message, item.remedy)
         if isinstance(item, message_types.Ready):
             try:
                 wire.check_schema(item.schema, "engine")

@@ -9,7 +9,7 @@ import time
 from dataclasses import asdict
 from typing import Any
 
-from ..core.schema_import import messages, schema
+from ..core.schema_import import faults, messages, schema
 
 
 class Reporter:
@@ -17,15 +17,20 @@ class Reporter:
 
     Args:
         events: Print lines `VIBE {json}` for the `vibe` command instead of lines for people.
+
+    Attributes:
+        doing: The present stage.
     """
 
     def __init__(self, events: bool) -> None:
         self._events = events
         self._start = time.monotonic()
         self._round = 0
+        self.doing = "starting"
 
     def stage(self, name: str) -> None:
         """Reports a new stage."""
+        self.doing = name
         self._print({"type": "stage", "name": name}, f"{time.monotonic() - self._start:5.1f} s  {name}")
 
     def engine(self, message: messages.Message) -> None:
@@ -51,7 +56,9 @@ class Reporter:
     def error(self, error: schema.VibeError) -> None:
         """Reports an error."""
         if self._events:
-            self._print({"type": "error", "message": error.message, "remedy": error.remedy}, "")
+            unexpected = isinstance(error, faults.UnexpectedError)
+            event = {"type": "error", "message": error.message, "remedy": error.remedy}
+            self._print({**event, "unexpected": unexpected}, "")
         else:
             print(f"vibe: {error}", file=sys.stderr, flush=True)
 

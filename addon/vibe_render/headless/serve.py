@@ -13,7 +13,7 @@ import queue
 import sys
 import threading
 
-from ..core.schema_import import schema
+from ..core.schema_import import faults, schema
 from ..engine.conversation import Conversation
 from ..engine.process import Engine
 from . import commands, vibe
@@ -39,8 +39,9 @@ def serve() -> None:
                 conversation = Conversation(engine, reporter.engine)
             try:
                 _run_command(json.loads(line), reporter, conversation)
-            except schema.VibeError as error:
-                reporter.error(error)
+            except Exception as error:  # the next command opens a file of its own
+                known = error if isinstance(error, schema.VibeError) else None
+                reporter.error(known or faults.unexpected(error, reporter.doing))
                 engine.stop(patience=0.1)  # it may be in the middle of something
     finally:
         engine.stop()

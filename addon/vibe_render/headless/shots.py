@@ -134,6 +134,7 @@ class ShotList:
             around = self.jobs[first].analysis if first < number else None
             eyes = self._eyes(scene, number) if around is None else ()
             folder = self._folder / str(number)
+            self._reporter.stage("reading the scene")
             self.jobs.append(reading.export_scene(scene, folder, choice, around, eyes))
             self.subjects.append({o.name_full for o in self.jobs[-1].analysis.objects})
             if planned := fog.planned(scene):

@@ -5,14 +5,13 @@
 from __future__ import annotations
 
 import contextlib
-import traceback
 from typing import ClassVar
 
 import bpy
 from bpy.props import BoolProperty
 
 from ...core import drawing
-from ...core.schema_import import schema
+from ...core.schema_import import faults, schema
 from ...session import prompt_history
 from ...session.session import Session
 from ...session.state import addon_state
@@ -134,8 +133,7 @@ def _advance(session: Session) -> schema.VibeError | None:
     except schema.VibeError as error:
         return error
     except Exception as error:  # an artist must never be left with a stuck panel
-        traceback.print_exc()
-        return schema.VibeError(f"Something broke: {error}.", "Please report it; the console says more.")
+        return faults.unexpected(error, session.stage.lower())
     return None
 
 

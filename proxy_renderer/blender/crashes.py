@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is said, and what is left, when Blender ends by itself."""
+
+from __future__ import annotations
+
+import re
+import signal
+from collections.abc import Sequence
+from pathlib import Path
+
+from ..schema import atomic, faults
+
+_TRACE = re.compile(
+    r"(Fatal Python error|Current thread|Thread 0x|Extension modules|\s+File |EGL Error|VIBE )"
+)
+_TELLING = re.compile(r"error|exception|abort|fail|invalid|corrupt|not a ", re.IGNORECASE)
+_LAST = 20  # lines in which the telling one is looked for
+
+
+def temporary(folder: Path) -> dict[str, str]:
+    """The environment variables of a process whose temporary files go to a folder."""
+    return dict.fromkeys(("TMPDIR", "TMP", "TEMP"), str(folder))
+
+
+def tidy(out: Path, process: int) -> None:
+    """Removes what a process that has ended left unfinished in the folder of its outputs."""
+    for part in out.glob(f"{atomic.part_prefix(process)}*"):
+        part.unlink(missing_ok=True)
+
+
+def crash(code: int, doing: str, output: Sequence[str]) -> faults.UnexpectedError:
+    """The error for a Blender that ended by itself; its output goes to a log.
+
+    Args:
+        code: Its exit code; a negative one is the number of a signal.
+        doing: What it was doing: "reading the scene".
+        output: Its last lines.
+    """
+    log = faults.write_log(f"Blender ended while {doing}, exit code {code}\n\n" + "".join(output))
+    kind = signal.strsignal(-code) if code < 0 else None
+    words = last_words(output)
+    said = f' Its last words: "{words}".' if words else ""
+    return faults.UnexpectedError(
+        f"Blender crashed while {doing} ({kind or f'exit code {code}'}).{said}",
+        "Render the file in Blender: if that crashes too, find out there which object or modifier does it. "
+        f"If not, please report it with {log}.",
+    )
+
+
+def last_words(output: Sequence[str]) -> str:
+    """The line that tells most about a crash, of the last ones."""
+    lines = [line.strip() for line in output if line.strip() and not _TRACE.match(line)][-_LAST:]
+    telling = [line for line in lines if _TELLING.search(line)]
+    return (telling or lines or [""])[-1][:200].rstrip(".")
