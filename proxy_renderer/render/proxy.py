@@ -214,4 +214,4 @@ def _resolve(frame: RenderState, radiance: Tensor) -> tuple[Tensor, Tensor]:
     if view.moving:
         term = cache.outlines().term(view, torch.cat((radiance, cache.inside)), picture.shape[1])
         picture, mask = picture + term[:-1], mask + term[-1].view(mask.shape)
-    return picture, mask
+    return (cache.defocus(picture) if cache.defocus else picture), mask

@@ -27,6 +27,9 @@ class Camera:
         shift: Lens shift, in parts of the longer side.
         sensor_fit: "AUTO", "HORIZONTAL" or "VERTICAL": the side that the field of view spans.
         clip: Near and far distances.
+        aperture: Radius of the lens, meters; 0 without depth of field.
+        focus_distance: Depth that is in focus, meters.
+        focus_point: What is in focus instead, wherever the camera moves; None for the distance.
     """
 
     name: str
@@ -36,6 +39,9 @@ class Camera:
     shift: tuple[float, float]
     sensor_fit: str
     clip: tuple[float, float]
+    aperture: float = 0.0
+    focus_distance: float = 10.0
+    focus_point: Vector | None = None
 
 
 @dataclass(frozen=True)
@@ -219,14 +225,13 @@ class SceneData:
     mesh: SceneMesh
     instances: Mapping[str, Instance]
     standby: Standby = field(default_factory=Standby)
+    unseen: Mapping[str, Values] = field(default_factory=dict)
 
     def with_lights(self, names: Collection[str]) -> SceneData:
         """The scene with some of the lights on standby in it."""
         lights = tuple(replace(light, added=True) for light in self.standby.lights if light.name in names)
         theirs = {key: i for key, i in self.standby.instances.items() if i.owner in names}
         return replace(self, lights=(*self.lights, *lights), instances={**self.instances, **theirs})
-
-    unseen: Mapping[str, Values] = field(default_factory=dict)
 
     def value(self, key: str, default: float | Values = 0.0) -> Values:
         """The artist's value of a parameter, or the default where the scene does not have it."""

@@ -28,7 +28,27 @@ def camera(analysis: SceneAnalysis) -> dict[str, Any]:
         "shift": [data.shift_x, data.shift_y],
         "sensor_fit": data.sensor_fit,
         "clip": [data.clip_start, data.clip_end],
+        **_focus(thing),
     }
+
+
+def _focus(camera: bpy.types.Object) -> dict[str, Any]:
+    """Aperture and focus of a camera, in meters, as Cycles takes them; nothing without depth of field."""
+    data, dof = camera.data, camera.data.dof
+    if not dof.use_dof:
+        return {}
+    length = 1.0 if data.type == "ORTHO" else data.lens * 1e-3
+    focus = {"aperture": length / (2 * max(dof.aperture_fstop, 1e-5)), "focus_distance": dof.focus_distance}
+    if dof.focus_object:
+        focus["focus_point"] = list(_focused(dof).translation)
+    return focus
+
+
+def _focused(dof: bpy.types.CameraDOFSettings) -> Any:
+    """The world-space matrix of the object, or of its bone, that is in focus."""
+    thing = dof.focus_object
+    bone = thing.pose.bones.get(dof.focus_subtarget) if thing.pose else None
+    return thing.matrix_world @ bone.matrix if bone else thing.matrix_world
 
 
 def lights(analysis: SceneAnalysis) -> list[dict[str, Any]]:
@@ -113,8 +133,6 @@ def ignored(scene: bpy.types.Scene) -> list[str]:
         notes.append("The view transform's curves are left out of the prediction.")
     if getattr(scene.view_settings, "use_white_balance", False):
         notes.append("The view transform's white balance is left out of the prediction.")
-    if scene.camera.data.dof.use_dof:
-        notes.append("Depth of field is left out of the prediction.")
     if scene.render.use_motion_blur:
         notes.append("Motion blur is left out of the prediction.")
     if scene.render.use_border:

@@ -27,6 +27,7 @@ from ..transport.indirect import FinalGather
 from ..transport.indirect_fog import IndirectFogRays
 from ..transport.refraction import through
 from ..transport.secondary_hits import SecondaryHits
+from .defocus import Defocus
 from .view_samples import DirectLight, ViewSamples
 
 _SMALL_STEP = 0.02
@@ -107,6 +108,7 @@ class ViewCache:
             owner = geometry.object[self._hits.triangle]
             self._on_center = owner == samples.owner[samples.pixel[: samples.surfaces]]
             self.covered = samples.hits.hit.to(torch.float32)[None]
+            self.defocus = Defocus.of(scene.camera, view.detached(), self.depth)
             self.mask = samples.resolve(self.inside).view(self.depth.shape)
         self._direct_lights: dict[int, _Shadowed] = {}
         self._varying: dict[int, dict[str, Tensor]] = {}

@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Depth of field: what lies out of focus is blurred over the circle of confusion of its depth.
+
+The picture is cut into layers of about the same blur, each is blurred by a disc, and they are laid over each other from
+far to near. What a near thing hides of the layers behind it is filled from what they show beside it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from ...scene import Camera
+from ..geometry.camera import View
+from ..geometry.vectors import dot
+
+_FIRST, _GROWTH = 0.75, 1.5
+"""Radius in pixels of the first blurred layer, and the ratio of the radii of the next ones."""
+_MOST = 0.12
+"""Largest radius, in parts of the picture's longer side."""
+_LEAST = 0.2
+"""Radius in pixels below which a whole picture counts as sharp."""
+
+
+@dataclass(frozen=True)
+class Defocus:
+    """The blur of one view; a constant for gradients, which pass through the colors.
+
+    Attributes:
+        size: Width and height of the picture in pixels.
+        layers: From far to near: opacity (H, W) of what a layer holds, and the spectrum of its disc, None for a sharp one.
+        padded: Height and width that convolutions are done at.
+    """
+
+    size: tuple[int, int]
+    layers: list[tuple[Tensor, Tensor | None]]
+    padded: tuple[int, int]
+
+    @staticmethod
+    def of(camera: Camera, view: View, distance: Tensor) -> Defocus | None:
+        """The blur of a view; None where all of it is sharp.
+
+        Args:
+            camera: Its aperture and focus.
+            view: The view.
+            distance: (H, W) along the rays through the pixels' centers; infinite where nothing is met.
+        """
+        if camera.aperture <= 0:
+            return None
+        radius = _radii(camera, view, distance)
+        if float(radius.abs().max()) < _LEAST:
+            return None
+        knots = _knots(float(radius.min()), float(radius.max()))
+        pad = int(max(abs(k) for k in knots)) + 1
+        padded = distance.shape[0] + pad, distance.shape[1] + pad
+        layers = []
+        for number, knot in enumerate(knots):
+            opacity = _opacity(radius, knots, number)
+            layers.append((opacity, _disc(abs(knot), padded).to(opacity.device) if knot else None))
+        return Defocus(view.size, layers, padded)
+
+    def __call__(self, picture: Tensor) -> Tensor:
+        """The blurred picture (C, P) of a linear one (C, P); differentiable."""
+        width, height = self.size
+        sharp = picture.view(-1, height, width)
+        total = torch.zeros((len(sharp) + 1, height, width), device=picture.device)
+        for opacity, disc in self.layers:
+            layer = torch.cat((sharp * opacity, opacity[None]))
+            if disc is not None:
+                spectrum = torch.fft.rfft2(layer, s=self.padded) * disc
+                layer = torch.fft.irfft2(spectrum, s=self.padded)[:, :height, :width]
+            total = total * (1 - layer[-1:].clamp(0.0, 1.0)) + layer
+        return (total[:-1] / total[-1:].clamp_min(1e-3)).clamp_min(0.0).view(picture.shape)
+
+
+def _radii(camera: Camera, view: View, distance: Tensor) -> Tensor:
+    """Signed radius (H, W) of the circles of confusion in pixels, below 0 behind the plane in focus.
+
+    A thin lens, as Cycles has it: all rays through a pixel meet where the one through the lens' middle is in focus.
+    """
+    height, width = distance.shape
+    y, x = torch.meshgrid(torch.arange(height), torch.arange(width), indexing="ij")
+    places = torch.stack((x, y)).flatten(1).to(distance.device) + 0.5
+    toward = view.rays(places)[1]
+    ahead = -view.rotation[:, 2:3]
+    depth = (distance.flatten() * dot(ahead, toward)).view(height, width)
+    focus = camera.focus_distance
+    if camera.focus_point is not None:
+        offset = torch.tensor(camera.focus_point, device=distance.device) - view.position
+        focus = float(dot(ahead, offset[:, None]).abs())
+    focus = max(focus, 1e-4)
+    blur = 1 - depth / focus if view.orthographic else 1 / depth.clamp_min(1e-6) - 1 / focus
+    pixel = float(view.scale) * view.extent[0] / width
+    most = _MOST * max(width, height)
+    return (blur * (camera.aperture / pixel)).clamp(-most, most)
+
+
+def _knots(least: float, greatest: float) -> list[float]:
+    """Signed radii of the layers, from far to near, 0 among them."""
+    sides = []
+    for reach in (-least, greatest):
+        radii, radius = [], _FIRST
+        while reach > 0 and (not radii or radii[-1] < reach):
+            radii.append(radius)
+            radius *= _GROWTH
+        sides.append(radii)
+    return [-r for r in reversed(sides[0])] + [0.0] + sides[1]
+
+
+def _opacity(radius: Tensor, knots: list[float], number: int) -> Tensor:
+    """(H, W) 1 at a layer's radius, down to 0 at those of its neighbors. One of two layers always hides what is behind."""
+    share, knot = torch.ones_like(radius), knots[number]
+    for neighbor in (*knots[number - 1 : number], *knots[number + 1 : number + 2]):
+        share = torch.minimum(share, (radius - neighbor) / (knot - neighbor))
+    return (2 * share).clamp(0.0, 1.0)
+
+
+def _disc(radius: float, size: tuple[int, int]) -> Tensor:
+    """Spectrum of a disc whose weights sum to 1, centered on the first pixel."""
+    y, x = (torch.minimum(torch.arange(n), n - torch.arange(n)).float() for n in size)
+    away = (y[:, None].square() + x.square()).sqrt()
+    weight = (radius + 0.5 - away).clamp(0.0, 1.0)
+    return torch.fft.rfft2(weight / weight.sum())
