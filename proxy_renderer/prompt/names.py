@@ -76,7 +76,7 @@ def in_parts(words: SceneWords) -> bool:
 
 
 def scene_names(words: SceneWords) -> dict[str, SceneName]:
-    """Spoken name -> what it names; objects come before materials, whole names before last words."""
+    """Spoken name -> what it names; objects come before materials, whole names before last words, things before their parts."""
     objects = [
         SceneName(name, region, words.object_materials.get(name, ()))
         for name, region in words.objects.items()
@@ -85,7 +85,7 @@ def scene_names(words: SceneWords) -> dict[str, SceneName]:
     names: dict[str, SceneName] = {}
     if words.subject:
         names[plain_name(words.subject)] = SceneName(plain_name(words.subject), "subject")
-    for spell in (plain_name, lambda name: plain_name(name).rpartition(" ")[2]):
+    for spell in (plain_name, lambda name: plain_name(name).rpartition(" ")[2], _whole):
         for things in (objects, materials):
             found: dict[str, SceneName] = {}
             for thing in things:
@@ -94,6 +94,12 @@ def scene_names(words: SceneWords) -> dict[str, SceneName]:
                     found[spoken] = _merged(found[spoken], thing) if spoken in found else thing
             names = found | names
     return {spoken: _with_limbs(spoken, thing, objects, materials) for spoken, thing in names.items()}
+
+
+def _whole(name: str) -> str:
+    """What a limb is a part of: of "CarShellNew", a car, where nothing else is called so; "" of what is no limb."""
+    whole, _, last = plain_name(name).rpartition(" ")
+    return whole if last in _LIMBS else ""
 
 
 def _merged(first: SceneName, other: SceneName) -> SceneName:

@@ -57,6 +57,12 @@ def test_a_thing_has_its_limbs():
     assert {a.owners for a in parse("red teapot", TEAPOT).attributes} == {("Glaze", "Lid Glaze", "Bamboo")}
 
 
+def test_a_limb_alone_is_the_thing():
+    """The paint of a car whose objects are called "Cube.012" is none of its brakes."""
+    car = scene({"Cube": "CarShellNew", "Cube.001": "Brake", "Plane": "Plate"})
+    assert {a.owners for a in parse("deep blue car", car).attributes} == {("CarShellNew",)}
+
+
 def test_names_that_say_nothing_are_kinds_of_their_own():
     assert kind_of("Material.001") != kind_of("Material.002")
     assert kind_of("Tyre.001") == kind_of("tyre_02") == "tyre"
