@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Prints the changelog's entry for a tag: `python .ci/release_notes.py v0.1.0`. Fails where there is none, or where the
-tag is not the version of the code."""
+"""Prints the changelog's entry for a tag: `python .ci/release_notes.py v0.1.0`.
+
+Fails where there is none, or where the tag is not the version of the code.
+"""
 
 import re
 import sys

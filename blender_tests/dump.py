@@ -12,8 +12,10 @@ from vibe_render.core import compat
 
 
 def contents() -> dict[str, Any]:
-    """Everything in the file but the panel's own fields, the picture that Blender makes for any render, and,
-    as Blender 4 cannot delete it, a compositor tree that is switched off."""
+    """Everything in the file but the panel's own fields and the picture that Blender makes for any render.
+
+    Blender 4 cannot delete a compositor tree: one that is switched off is left out, too.
+    """
     left_out = [".vibe", "images[Render Result]"]
     if compat.compositor(bpy.context.scene) is None:
         left_out.append("scenes[Scene].node_tree")

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An artist's way with files: presets saved, renamed, exported, deleted and imported; a look as LUT and assets, which
-are dragged back from the Asset Browser. See window_driver.py."""
+"""An artist's way with files: presets saved, renamed, exported, deleted and imported.
+
+A look is exported as LUT and as assets, which are dragged back from the Asset Browser. See window_driver.py.
+"""
 
 import shutil
 from pathlib import Path

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Things of a vibed file in another one: they come as they look, they are not ours to revert there, and a vibe of the
-other scene leads back to exactly what it was."""
+"""Things of a vibed file in another one: they come as they look, and are not ours to revert there.
+
+A vibe of the other scene leads back to exactly what it was.
+"""
 
 import bpy
 import pytest

@@ -51,14 +51,21 @@ class RayPool:
         self._lost = False
 
     def capacity(self) -> int:
+        """How many stations are ready now."""
         return len(self._ready)
 
     def submit(self, job: Job) -> None:
+        """Sends a job to an idle station, with its scenes where the station does not share the folder."""
         station = self._idle.pop()
         sources = () if self._ready[station] else (job.source, *job.more)
         self._out[station.run.remote(job, *map(self._scene, sources))] = (station, job)
 
     def wait(self, seconds: float) -> list[tuple[Job, JobRow | None]]:
+        """As `Pool.wait`; stations that come and go meanwhile are taken in.
+
+        Raises:
+            VibeError: The cluster's head is lost.
+        """
         self._look()
         waiting = [*self._coming, *self._out]
         if not waiting:
@@ -71,6 +78,7 @@ class RayPool:
         return [self._end(reference) for reference in ended if reference in self._out]
 
     def close(self) -> None:
+        """Ends all stations now, and leaves the cluster."""
         stations = [s for group in self._nodes.values() for s in group]
         with contextlib.suppress(Exception):  # the cluster may be gone, and takes them with it
             farewells = [station.close.remote() for station in stations]
@@ -178,6 +186,9 @@ def cluster_pool(address: str, store: Store, setup: Setup, most: int = 0) -> Ray
 
     Args:
         address: Of its head, HOST:PORT; "auto" for the one that this machine belongs to.
+        store: Takes what the stations send.
+        setup: Of the stations' workers.
+        most: Stations at once; 0 for as many as the nodes hold.
 
     Raises:
         VibeError: Ray is not installed, or there is no cluster.

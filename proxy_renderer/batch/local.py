@@ -32,7 +32,14 @@ class Pool(Protocol):
         """Hands out a job."""
 
     def wait(self, seconds: float) -> list[tuple[Job, JobRow | None]]:
-        """Jobs that have ended, with their rows; None for a job whose worker is lost."""
+        """Waits for jobs to end.
+
+        Args:
+            seconds: The longest to wait for the first one.
+
+        Returns:
+            Jobs that have ended, with their rows; None for a job whose worker is lost.
+        """
 
     def close(self) -> None:
         """Ends all workers now."""
@@ -42,7 +49,18 @@ class Carrier(Protocol):
     """What carries out jobs: a `Worker`, or what stands for one in measurements."""
 
     def run(self, job: Job, folder: Path) -> JobRow:
-        """Carries out a job, leaves its files in the folder, and returns its row."""
+        """Carries out a job, and leaves its files in the folder.
+
+        Args:
+            job: What to do.
+            folder: Of this job alone.
+
+        Returns:
+            The job's row of the table.
+
+        Raises:
+            Interrupted: It was closed meanwhile.
+        """
 
     def close(self) -> None:
         """Ends a job that runs, and takes no other."""
@@ -65,16 +83,24 @@ class LocalPool:
         self._out: dict[Future[JobRow], Job] = {}
 
     def capacity(self) -> int:
+        """How many workers there are, idle or not."""
         return len(self._workers)
 
     def submit(self, job: Job) -> None:
+        """Hands a job to the next worker that is idle."""
         self._out[self._threads.submit(self._run, job)] = job
 
     def wait(self, seconds: float) -> list[tuple[Job, JobRow | None]]:
+        """As `Pool.wait`; a job that was ended from outside comes back with the status "interrupted".
+
+        Args:
+            seconds: The longest to wait for the first one.
+        """
         ended, _ = wait(self._out, seconds, FIRST_COMPLETED)
         return [(self._out.pop(future), future.result()) for future in ended]
 
     def close(self) -> None:
+        """Ends the jobs that run, forgets those that wait, and returns when all threads have ended."""
         for worker in self._workers:
             worker.close()
         self._threads.shutdown(wait=True, cancel_futures=True)

@@ -63,7 +63,8 @@ def outdoors(materials: int, lamps: int, density: float = 0.04) -> SceneData:
     """The same under a picture of the sky with a sun in it, in fog.
 
     Args:
-        materials, lamps: As for `balls`.
+        materials: As for `balls`.
+        lamps: As for `balls`.
         density: Extinction of the fog, 1/m.
     """
     scene = balls(materials, lamps)

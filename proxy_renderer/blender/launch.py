@@ -78,7 +78,7 @@ def start(arguments: Sequence[str], scratch: Path | None = None, **options: Any)
     Args:
         arguments: Of Python.
         scratch: Its folder for temporary files; None for the usual one.
-        options: More options of `subprocess.Popen`.
+        **options: More options of `subprocess.Popen`.
     """
     return subprocess.Popen(
         [sys.executable, *arguments],
@@ -141,7 +141,11 @@ def _own_group() -> dict[str, Any]:
 
 
 def blender_side() -> Path:
-    """Where batch.py is: in the installed package, or in the clone that this file is in."""
+    """Where batch.py is: in the installed package, or in the clone that this file is in.
+
+    Raises:
+        VibeError: It is in neither.
+    """
     spec = importlib.util.find_spec("vibe_render")
     places = [Path(p) for p in (spec.submodule_search_locations or [])] if spec else []
     places.append(Path(__file__).resolve().parents[2] / "addon" / "vibe_render")

@@ -15,20 +15,32 @@ from .vector import project
 
 
 class Objective(Protocol):
-    """Pictures of u, and how far they are from the words.
-
-    Attributes:
-        shots: How many pictures there are: steps take them in turn, points are judged on all of them.
-    """
+    """Pictures of u, and how far they are from the words."""
 
     @property
-    def shots(self) -> int: ...
+    def shots(self) -> int:
+        """How many pictures there are: steps take them in turn, points are judged on all of them."""
 
     def render(self, u: Tensor, shot: int) -> Any:
-        """A picture of u (N,), differentiable in what may move."""
+        """A picture of u, differentiable in what may move.
+
+        Args:
+            u: (N,) in [0, 1].
+            shot: Which picture, from 0.
+        """
 
     def loss(self, picture: Any, u: Tensor, generator: torch.Generator, shot: int) -> Tensor:
-        """A scalar for that shot's picture; the generator chooses the views."""
+        """How far a picture is from the words.
+
+        Args:
+            picture: As `render` returns it.
+            u: (N,) the values that it shows.
+            generator: Chooses the views.
+            shot: Which picture it is, from 0.
+
+        Returns:
+            A scalar, differentiable in the picture and in u.
+        """
 
 
 @dataclass(frozen=True)

@@ -30,8 +30,12 @@ class Demand:
 
     @property
     def rank(self) -> tuple[bool, bool, bool, int]:
-        """Words of the prompt before those that a mood stands for, a finish or a color before the usual one of a
-        material or of an atmosphere, what a word is about before what another one implies; defaults and guessed moods last."""
+        """Where a demand stands; the least comes first.
+
+        Words of the prompt before those that a mood stands for, a finish or a color before the usual one of a
+        material or of an atmosphere, what a word is about before what another one implies; defaults and guessed
+        moods last.
+        """
         usual = self.vague or self.key.rpartition("/")[2] in _USUAL.get(self.attribute.slot, ())
         cause = bool(self.attribute.cause)
         late = self.weak or (cause and self.attribute.guess)

@@ -160,8 +160,10 @@ class _Planner:
         self.sources = replace(self.sources, cast=cast(*light), warmth=warmth(*light))
 
     def _light_for(self, effect: Effect, instance: Instance) -> float:
-        """The light that an effect reckons with: exposure is for the subject's, and what is dark is not painted
-        lighter for it."""
+        """The light that an effect reckons with.
+
+        Exposure is for the subject's, and what is dark is not painted lighter for it.
+        """
         if effect.mode == "aim":
             return self.light.get("subject", 1.0)
         level = self.light.get(instance.role, 1.0)

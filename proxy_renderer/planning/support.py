@@ -71,8 +71,11 @@ def _needs_light(parsed: Parsed) -> bool:
 def _key_light(
     parsed: Parsed, free: dict[str, Instance], entries: dict[str, PlanEntry], sources: Sources, owners: Owners
 ) -> dict[str, PlanEntry]:
-    """The key may follow the exposure. A white world lights the subject too, so the key steps back; a colored
-    one would tint it, so the key has to be the stronger of the two."""
+    """The key may follow the exposure.
+
+    A white world lights the subject too, so the key steps back; a colored one would tint it, so the key has
+    to be the stronger of the two.
+    """
     backdrop = parsed.colors.get("surroundings")
     world = entries.get("world/color")
     found = {}

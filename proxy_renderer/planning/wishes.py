@@ -109,8 +109,11 @@ class Wishes:
 
 
 def stage_of(effect: Effect) -> int:
-    """What has to wait for what: the world's strength for its color and for the key, exposure for the light,
-    surfaces for the exposure, glows for surfaces."""
+    """What has to wait for what; the least comes first.
+
+    The world's strength for its color and for the key, exposure for the light, surfaces for the exposure,
+    glows for surfaces.
+    """
     if effect.color == "own":
         return 4
     if effect.mode == "color" and OWNERS[effect.owner] == "material":

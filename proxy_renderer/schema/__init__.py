@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The contract between Blender and the engine. Standard library and relative imports only:
-building the extension copies this folder into it."""
+"""The contract between Blender and the engine.
+
+Standard library and relative imports only: building the extension copies this folder into it.
+"""
 
 from . import budgets, labels, orbit, radiometry
 from .budgets import BUDGETS, Budget

@@ -86,6 +86,7 @@ def export(material: bpy.types.Material | None, measured: Mapping[str, MeasuredC
     """Describes a material; None stands for faces without one.
 
     Args:
+        material: What a face wears; None for faces without one.
         measured: What `computed` inputs give; those that could not be measured are missing.
     """
     if material is None:

@@ -63,6 +63,7 @@ def over_uvs(material: bpy.types.Material, channel: str, origin: ValueOrigin) ->
     """The picture of an input that depends on nothing but UVs in the unit square; otherwise None.
 
     Args:
+        material: Whose input it is.
         channel: "alpha", or a color that is not tinted.
         origin: The output that computes it.
     """

@@ -64,6 +64,7 @@ def render_anchor(
     light. It appears whole or not at all, and the scene is left exactly as it was.
 
     Args:
+        scene: The artist's.
         path: Where the file goes.
         values: Parameter key to components; those of the film have no part in scene-linear light.
         subject: As for `bindings.write`.

@@ -70,6 +70,7 @@ def emitting(material: bpy.types.Material, origin: ValueOrigin) -> Iterator[bpy.
     """A copy of a material that emits the value of one of its outputs; removed after the block.
 
     Args:
+        material: The artist's; left as it is.
         origin: Where the output is: in the material's own tree, or in node groups, which are copied for the time.
     """
     twin = material.copy()

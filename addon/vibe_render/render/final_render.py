@@ -35,6 +35,8 @@ def render(
     The file appears whole or not at all.
 
     Args:
+        scene: What is rendered.
+        path: Of the PNG.
         size: Longer side of the picture, pixels; the scene's aspect is kept.
         samples: Most samples in a pixel.
         seed: Of the sampling pattern.
@@ -86,6 +88,9 @@ def render_mask(scene: bpy.types.Scene, path: Path, size: int, subject: Iterable
     What stands before the subject hides it; fog and the grade do not. Raises as `render` does.
 
     Args:
+        scene: What is rendered.
+        path: Of the PNG.
+        size: Longer side of the picture, pixels.
         subject: The objects, including instancers.
     """
     theirs = {o.name_full for o in subject}

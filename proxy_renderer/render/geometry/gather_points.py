@@ -35,6 +35,7 @@ class SparseWeights:
         self.forward = _csr(counts, self._columns.flatten(), weights.flatten(), shape)
 
     def __call__(self, values: Tensor) -> Tensor:
+        """(N, C) weighted sums of values (A, C)."""
         return _SparseProduct.apply(values, self)
 
     @functools.cached_property
@@ -160,7 +161,8 @@ def _spread(
     """Weights from the gather points that fit each point's normal, plane and place best.
 
     Args:
-        gather_points, points: From where, to where.
+        gather_points: From where.
+        points: To where.
         lists: The gather points of every cell.
         window: Cells to look at along both axes: offsets from a point's own, or from the upper left of the
             four whose middles surround it where the window has an even length.

@@ -50,7 +50,7 @@ def radiance(
 
     Args:
         frame: What is rendered.
-        beams: From `direct_lights_of`.
+        direct_lights: From `direct_lights_of`.
         table: Radiances of what secondary rays meet, from `table_of`.
         gathered: The indirect light, gathered after `direct_lights_of`, which traces its shadows.
         transparent: Whether the film is.

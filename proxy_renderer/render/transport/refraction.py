@@ -54,7 +54,9 @@ def through(
         surface: Where N rays enter.
         toward: (3, N) their unit directions.
         ior: Of the glass.
-        metals, lamps, maps: As for `SecondaryHits`.
+        metals: As for `SecondaryHits`.
+        lamps: As for `SecondaryHits`.
+        maps: As for `SecondaryHits`.
 
     Returns:
         The hits behind the glass, and the rays' final directions (3, N).

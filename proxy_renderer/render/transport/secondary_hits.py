@@ -81,7 +81,8 @@ class SecondaryHits:
 
     Args:
         geometry: The triangles.
-        origin, toward: (3, A * R) rays.
+        origin: (3, A * R) where the rays start.
+        toward: (3, A * R) their unit directions.
         count: R.
         metals: (M,) weight of mirror reflection of each material, 0 for what is no metal.
         lamps: How many the scene has.

@@ -54,7 +54,7 @@ def mesh(name: str, vertices: np.ndarray, faces: Iterable, uvs: np.ndarray | Non
 
 
 def ball(name: str, radius: float, place: tuple[float, float, float], rings: int = 32) -> Object:
-    """A ball with UVs. (Blender's own has its faces in another order every time.)
+    """A ball with UVs; Blender's own has its faces in another order every time.
 
     Args:
         name: Of the object.

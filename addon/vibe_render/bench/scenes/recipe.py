@@ -157,6 +157,7 @@ def features(recipe: SceneRecipe, mesh: tuple[str, ...]) -> list[str]:
     """The features of a scene, for the table, derived from its recipe.
 
     Args:
+        recipe: What the scene is made of.
         mesh: What the shape is, from `shapes.SHAPES`.
     """
     names = [*mesh, "no floor" if recipe.stage == "none" else "floor"]

@@ -70,10 +70,14 @@ def area_light(
     """A square area light aimed at the pivot.
 
     Args:
+        scene: What it is added to.
+        name: Of the light.
         angles: Azimuth and elevation, degrees.
         distance: From the pivot, meters.
         size: Edge length, meters.
         radiance: What a white diffuse surface at the pivot that faces the light sends back.
+        pivot: World space, meters.
+        color: Linear RGB.
     """
     lamp = bpy.data.lights.new(name, "AREA")
     lamp.shape, lamp.size, lamp.color = "SQUARE", size, color
@@ -95,6 +99,7 @@ def camera(
     """A camera that sees all points, and makes it the scene's.
 
     Args:
+        scene: What it is added to.
         points: (N, 3), world space.
         angles: Azimuth and elevation, degrees.
         fov: Along the longer side of the picture, degrees.
@@ -145,9 +150,11 @@ def cyclorama(
     floor stays flat.
 
     Args:
+        scene: What it is added to.
         radius: From the middle to the wall, meters.
         height: Of the wall, meters.
         azimuth: Of the camera, degrees.
+        stuff: What it is made of.
     """
     turn = np.linspace(0, math.pi / 2, 17)
     bend = 0.5 * radius

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panels: prompt, progress, what may change. They are in the 3D viewport's sidebar, tab "Vibe", and in the
-render properties."""
+"""The panels: prompt, progress, what may change.
+
+They are in the 3D viewport's sidebar, tab "Vibe", and in the render properties.
+"""
 
 from __future__ import annotations
 

@@ -131,7 +131,9 @@ class LightSource(ABC):
         """Points on the light to which shadow rays go.
 
         Args:
-            toward, distance, solid_angle: As in `DirectIrradiance`.
+            toward: As in `DirectIrradiance`.
+            distance: As in `DirectIrradiance`.
+            solid_angle: As in `DirectIrradiance`.
             uv: (2, N) in [0, 1), stratified.
 
         Returns:
