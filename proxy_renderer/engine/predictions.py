@@ -49,7 +49,17 @@ def predict(proxy: Proxy, outcome: Outcome, number: int, job: Path) -> list[str]
 
 
 def variants(proxy: Proxy, outcome: Outcome, number: int, job: Path) -> list[Image.Image]:
-    """Draws a shot of every variant; arguments as for `predict`."""
+    """Draws a shot of every variant, and leaves each as a file in the job folder, see `variant`.
+
+    Args:
+        proxy: As for `predict`.
+        outcome: As for `predict`.
+        number: As for `predict`.
+        job: As for `predict`.
+
+    Returns:
+        The pictures, in the order of the variants.
+    """
     pictures = []
     for place, look in enumerate(outcome.variants, start=1):
         proxy.correction, *_ = look.anchors[number]

@@ -104,13 +104,24 @@ def save_picture(picture: Tensor, path: Path) -> None:
     Args:
         picture: (H, W, 3) or (H, W) in [0, 1]; what is outside is clipped.
         path: Of the PNG.
+
+    Raises:
+        OSError: It cannot be written.
     """
     data = (picture.detach().cpu().numpy().clip(0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
     save_image(Image.fromarray(data), path)
 
 
 def save_image(image: Image.Image, path: Path) -> None:
-    """Writes a PNG, all at once or not at all."""
+    """Writes a PNG, all at once or not at all.
+
+    Args:
+        image: 8-bit, of any mode.
+        path: Of the PNG.
+
+    Raises:
+        OSError: It cannot be written.
+    """
     with atomic.replacing(path) as part:
         image.save(part, format="PNG")
 

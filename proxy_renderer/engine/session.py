@@ -60,7 +60,11 @@ class EngineSession:
         self._rows: list[list[tuple[str, Image.Image]]] = []  # of compare.png: one for each shot
 
     def run(self) -> messages.Result:
-        """Finds the values, draws the prediction and says how it went."""
+        """Finds the values, draws the prediction and says how it went.
+
+        Raises:
+            VibeError: The job cannot be read, the words name no look, or the encoder cannot be loaded.
+        """
         clock = _Laps()
         self._observer.stage("loading the encoder")
         device = pick_device(self.options.device)
@@ -124,7 +128,14 @@ class EngineSession:
         return [_variant(look, number) for number, look in enumerate(outcome.variants, start=1)]
 
     def finish(self, request: messages.Finish) -> messages.Finished:
-        """Measures Cycles' pictures against the prediction and the words, and composes them."""
+        """Measures Cycles' pictures against the prediction and the words, and composes them.
+
+        Args:
+            request: One shot's pictures; several shots come in their order.
+
+        Raises:
+            VibeError: There was no `run` before.
+        """
         if self._encoder is None:
             raise VibeError("There is nothing to finish.", "Send a vibe first.")
         before, after = (report.load_picture(Path(p)) for p in (request.before, request.after))

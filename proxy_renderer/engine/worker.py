@@ -93,14 +93,26 @@ class RemoteObserver:
         self._wire.send(messages.Stage(name))
 
     def begin(self, display: Tensor) -> None:
-        """Shows the picture of the artist's own values."""
+        """Shows the picture of the artist's own values.
+
+        Args:
+            display: (H, W, 3) in [0, 1].
+        """
         from .report import save_picture
 
         save_picture(display, self._job / BEFORE)
         self._wire.send(messages.Stage("looking for the look", BEFORE))
 
     def step(self, progress: messages.Progress, display: Tensor) -> bool:
-        """Reports a step, with a new preview about once a second; True when the loop should end."""
+        """Reports a step, with a new preview about once a second.
+
+        Args:
+            progress: What the panel shows of it.
+            display: (H, W, 3) the picture of the step's values, in [0, 1].
+
+        Returns:
+            Whether the loop should end.
+        """
         from .report import save_picture
 
         now = time.monotonic()
@@ -117,7 +129,11 @@ class RemoteObserver:
         return self._wire.stop.is_set()
 
     def ask(self, request: messages.Anchor) -> messages.Anchored | None:
-        """Has Blender render; None if the loop is to end."""
+        """Has Blender render, and waits until it has.
+
+        Returns:
+            Its answer, which holds the error if it has failed or is overdue; None if the loop is to end.
+        """
         if not self._wire.stop.is_set():
             self._wire.send(request)
         end = time.monotonic() + _ANSWER_SECONDS
@@ -134,7 +150,12 @@ class RemoteObserver:
 
 
 def serve(source: BinaryIO, sink: BinaryIO) -> None:
-    """Answers requests until the other side quits or goes."""
+    """Answers requests until the other side quits or goes. Whatever fails in one becomes an `Error` message.
+
+    Args:
+        source: Binary stream of requests, see `schema.wire`.
+        sink: Binary stream of answers.
+    """
     wire = Wire(source, sink)
     wire.send(messages.Ready(schema_hash(), __version__))
     _warm_up()

@@ -40,7 +40,17 @@ class Attributes:
     def look(
         self, display: Tensor, mask: Tensor, count: int, generator: torch.Generator
     ) -> tuple[Tensor, Tensor]:
-        """Features of some views of the whole picture (H, W, 3), and of one of the subject (H, W)."""
+        """Features of some views of the whole picture, and of one of the subject.
+
+        Args:
+            display: (H, W, 3) in [0, 1].
+            mask: (H, W) subject coverage in [0, 1].
+            count: Views of the whole.
+            generator: Chooses the views.
+
+        Returns:
+            (count, D) unit features of the whole, the full frame first, and (1, D) of the subject.
+        """
         whole = regions.whole_views(display, count, generator, self.encoder.size)
         subject = regions.subject_views(display, mask, 1, generator, self.encoder.size)
         features = self.encoder.encode_images(torch.cat([whole, subject]))
@@ -76,7 +86,15 @@ class Attributes:
 
 
 def attributes(encoder: Encoder | None, targets: Mapping[str, str]) -> Attributes | None:
-    """What an encoder's heads are to say; None if it has none, or they are asked for nothing that they know."""
+    """What an encoder's heads are to say.
+
+    Args:
+        encoder: The one whose heads are asked.
+        targets: As for `Attributes`.
+
+    Returns:
+        None if it has no heads, or they are asked for nothing that they know.
+    """
     if encoder is None or encoder.heads is None:
         return None
     asked = Attributes(encoder, encoder.heads, targets)

@@ -83,7 +83,15 @@ def warp(pictures: Tensor, corners: Tensor, size: int) -> Tensor:
 
 
 def whole(pictures: Tensor, size: int) -> Tensor:
-    """The uncropped picture (B, C, H, W), squeezed to (B, C, size, size)."""
+    """The uncropped picture, squeezed to a square.
+
+    Args:
+        pictures: (B, C, H, W).
+        size: Side of the result, pixels.
+
+    Returns:
+        (B, C, size, size), differentiable in the pictures.
+    """
     return F.interpolate(pictures, size=(size, size), mode="bilinear", antialias=True, align_corners=False)
 
 

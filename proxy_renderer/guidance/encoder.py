@@ -72,7 +72,16 @@ class AttributeHeads(nn.Module):
         return self.logits(whole) | {name: of_surfaces[name] for name in OF_SURFACES if name in self.names}
 
     def loss(self, features: Tensor, labels: Tensor, stress: Tensor) -> Tensor:
-        """Mean cross-entropy against classes (B, A), -100 where an attribute cannot be seen; attributes weigh as `stress` (A,)."""
+        """Mean cross-entropy of the heads.
+
+        Args:
+            features: (B, D) unit features of pictures.
+            labels: (B, A) indices of classes; -100 where an attribute cannot be seen.
+            stress: (A,) how much each attribute weighs.
+
+        Returns:
+            A scalar.
+        """
         terms = [
             F.cross_entropy(logits, labels[:, i], reduction="sum") / (labels[:, i] >= 0).sum().clamp_min(1)
             for i, logits in enumerate(self.logits(features).values())
@@ -109,7 +118,14 @@ class Encoder:
         )
 
     def encode_images(self, pictures: Tensor) -> Tensor:
-        """Unit features (B, D) of display pictures (B, 3, H, W) in 0..1 of any size; differentiable."""
+        """Features of pictures.
+
+        Args:
+            pictures: (B, 3, H, W) display values in [0, 1], of any size.
+
+        Returns:
+            (B, D) of length 1, differentiable in the pictures.
+        """
         return F.normalize(self._model.encode_image(self.preprocess(pictures)).float(), dim=-1)
 
     @torch.no_grad()
@@ -118,7 +134,14 @@ class Encoder:
         return F.normalize(self._model.encode_text(self._tokenizer(texts).to(self.device)).float(), dim=-1)
 
     def preprocess(self, pictures: Tensor) -> Tensor:
-        """What the model's own transform does to a picture, differentiably: resize, crop or pad, normalize."""
+        """What the model's own transform does to a picture, differentiably: resize, crop or pad, normalize.
+
+        Args:
+            pictures: (B, 3, H, W) display values in [0, 1].
+
+        Returns:
+            (B, 3, size, size).
+        """
         height, width = pictures.shape[-2:]
         pick = {"shortest": min, "longest": max}.get(self._resize)
         scale = self.size / pick(height, width) if pick else None

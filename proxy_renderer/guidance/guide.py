@@ -81,10 +81,21 @@ class Guidance(Protocol):
     views: regions.Views
 
     def __call__(self, display: Tensor, mask: Tensor, generator: torch.Generator) -> dict[str, Tensor]:
-        """The weighted loss terms of a picture (H, W, 3) with its mask (H, W)."""
+        """The weighted loss terms of a picture, whose sum is the loss.
+
+        Args:
+            display: (H, W, 3) in [0, 1].
+            mask: (H, W) soft subject coverage.
+            generator: Chooses crops and backgrounds.
+        """
 
     def measure(self, display: Tensor, mask: Tensor) -> dict[str, float]:
-        """Probabilities of the attributes that the words ask for."""
+        """Attribute -> probability of the class that the words ask for.
+
+        Args:
+            display: (H, W, 3) in [0, 1].
+            mask: (H, W) subject coverage.
+        """
 
 
 class PromptGuidance:
@@ -171,7 +182,12 @@ class PromptGuidance:
         return terms
 
     def measure(self, display: Tensor, mask: Tensor) -> dict[str, float]:
-        """Attribute -> probability of the class that the words ask for, in a picture (H, W, 3) with a subject (H, W)."""
+        """Attribute -> probability of the class that the words ask for; empty if they ask for none.
+
+        Args:
+            display: (H, W, 3) in [0, 1].
+            mask: (H, W) subject coverage.
+        """
         return self.wanted.measure(display, mask) if self.wanted else {}
 
     def _features(self, display: Tensor, mask: Tensor, generator: torch.Generator) -> dict[str, Tensor]:

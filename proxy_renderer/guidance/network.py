@@ -116,11 +116,23 @@ class Tower(nn.Sequential):
 
 @register_model
 def vibe_resnet(pretrained: bool = False, num_classes: int = 128, **unused: Any) -> Tower:
-    """What `timm_model_name: "vibe_resnet"` in an open_clip configuration builds; there are no pretrained weights."""
+    """What `timm_model_name: "vibe_resnet"` in an open_clip configuration builds.
+
+    Args:
+        pretrained: Has no effect: timm passes it, and there are no pretrained weights.
+        num_classes: timm's name for the length of a feature.
+        **unused: What else timm passes.
+    """
     return Tower(num_classes, Stem, (32, 64, 96, 160), (2, 2, 2, 2), (1, 2, 2, 1))
 
 
 @register_model
 def vibe_resnet_judge(pretrained: bool = False, num_classes: int = 192, **unused: Any) -> Tower:
-    """A tower of other proportions, which sees patches alone, for an encoder that judges results and never guides."""
+    """A tower of other proportions, which sees patches alone, for an encoder that judges results and never guides.
+
+    Args:
+        pretrained: As for `vibe_resnet`.
+        num_classes: As for `vibe_resnet`.
+        **unused: As for `vibe_resnet`.
+    """
     return Tower(num_classes, Patches, (32, 64, 128, 256), (1, 1, 1, 1), (1, 2, 2, 2))

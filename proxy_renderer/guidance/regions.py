@@ -24,7 +24,15 @@ class Views:
 
 
 def mean(values: Tensor, mask: Tensor) -> Tensor:
-    """Mean over a region: values (H, W, C), mask (H, W) -> (C,)."""
+    """Mean over a region.
+
+    Args:
+        values: (H, W, C).
+        mask: (H, W) soft membership of the region; all 0 gives 0.
+
+    Returns:
+        (C,).
+    """
     weight = mask[..., None]
     return (values * weight).sum((0, 1)) / weight.sum((0, 1)).clamp_min(1e-6)
 
@@ -60,7 +68,15 @@ def surroundings_views(
 ) -> Tensor:
     """I ⊙ (1 − M), the hole filled with the mean color of what remains.
 
-    Arguments and result as for `subject_views`.
+    Args:
+        display: As for `subject_views`.
+        mask: As for `subject_views`.
+        count: As for `subject_views`.
+        generator: As for `subject_views`.
+        size: As for `subject_views`.
+
+    Returns:
+        (count, 3, size, size), differentiable in picture and mask.
     """
     rest = (1.0 - mask)[..., None]
     filled = display * rest + mask[..., None] * mean(display, 1.0 - mask)

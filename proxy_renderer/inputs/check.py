@@ -40,7 +40,11 @@ def file(name: str, what: str) -> Path:
 
 
 def scene(name: str) -> Path:
-    """An existing .blend or mesh."""
+    """An existing .blend or mesh.
+
+    Raises:
+        VibeError: There is none, or it is of another format.
+    """
     path = file(name, "scene")
     if path.suffix.lower() not in SCENES:
         raise VibeError(f"{name} is not a scene that can be opened.", f"Use one of: {' '.join(SCENES)}.")
@@ -71,7 +75,11 @@ def shots(scenes: Sequence[Path], arguments: argparse.Namespace) -> list[Path]:
 
 
 def preset(name: str) -> str:
-    """An existing preset file, or what may be a name in the library, which the Blender side knows."""
+    """An existing preset file, or what may be a name in the library, which the Blender side knows.
+
+    Raises:
+        VibeError: It is empty, looks like an option, or names a file that is not there.
+    """
     if name.endswith(".json") or "/" in name or os.sep in name or Path(name).exists():
         return str(file(name, "preset"))
     if not name.strip() or name.startswith("-"):
@@ -80,7 +88,11 @@ def preset(name: str) -> str:
 
 
 def words(text: str) -> None:
-    """At least one word of the prompt names a look."""
+    """Makes sure that at least one word of the prompt names a look.
+
+    Raises:
+        VibeError: None does.
+    """
     from ..prompt.parser import parse
     from ..prompt.types import SceneWords
 
@@ -88,7 +100,14 @@ def words(text: str) -> None:
 
 
 def model(arguments: argparse.Namespace) -> bool:
-    """Whether a vision-language model is configured, and rightly: it knows more words than we do."""
+    """Whether a vision-language model is configured: it knows more words than we do.
+
+    Args:
+        arguments: The options `vlm_model`, `vlm_url` and `baseline`.
+
+    Raises:
+        VibeError: It is configured wrongly.
+    """
     from ..schema.messages import Options
     from ..vlm.endpoint import find_endpoint
 
@@ -97,7 +116,14 @@ def model(arguments: argparse.Namespace) -> bool:
 
 
 def vocabulary(name: str) -> None:
-    """The artist's own words, if any, can be used; this process and those that it starts will use them."""
+    """Makes sure that the artist's own words can be used; this process and those that it starts will use them.
+
+    Args:
+        name: The .toml; "" for the one in the configuration folder, if there is one.
+
+    Raises:
+        VibeError: The file is missing, or a row in it is wrong.
+    """
     from ..prompt.lexicon.user_words import VARIABLE, default_vocabulary
 
     if name:
@@ -106,7 +132,11 @@ def vocabulary(name: str) -> None:
 
 
 def device(name: str) -> None:
-    """A device name that torch could know."""
+    """Makes sure that torch could know a device.
+
+    Raises:
+        VibeError: It is no name of a device.
+    """
     if not _DEVICE.fullmatch(name):
         raise VibeError(
             f"Unknown device {name!r}.", "Use auto, cpu, cuda or cuda:1; `vibe doctor` lists yours."

@@ -41,5 +41,5 @@ class GlobalGuidance:
         return {"whole": positive_loss(self.encoder.encode_images(views), self.text)}
 
     def measure(self, display: Tensor, mask: Tensor) -> dict[str, float]:
-        """Nothing: the baseline does not know what the words ask for."""
+        """Nothing: the baseline does not know what the words ask for. Arguments as for `Guidance.measure`."""
         return {}

@@ -59,11 +59,26 @@ class RoundObjective:
         return len(self.seen)
 
     def render(self, u: Tensor, shot: int) -> Render:
-        """The proxy's picture of u (N,), differentiable in the free keys."""
+        """The proxy's picture of u, differentiable in the free keys.
+
+        Args:
+            u: (N,) in [0, 1].
+            shot: Which one is drawn, from 0.
+        """
         return self.seen[shot].draw(u, self.free)
 
     def loss(self, picture: Render, u: Tensor, generator: torch.Generator, shot: int) -> Tensor:
-        """The sum of all terms."""
+        """The sum of all terms.
+
+        Args:
+            picture: As `render` returns it.
+            u: (N,) the values that it shows.
+            generator: Chooses the views.
+            shot: Which one it shows, from 0.
+
+        Returns:
+            A scalar, differentiable in the picture and in u.
+        """
         total = torch.stack(list(self._terms(picture, generator, shot).values())).sum()
         if self._weights is None:
             return total
@@ -73,7 +88,14 @@ class RoundObjective:
         return total + (prior + hue).float().to(total.device)
 
     def account(self, u: Tensor) -> dict[str, dict[str, float]]:
-        """What u is worth: its weighted terms, and how sure the named attributes are; means over the shots."""
+        """What u is worth, as means over the shots.
+
+        Args:
+            u: (N,) in [0, 1].
+
+        Returns:
+            "terms": term -> weighted value; "seen": attribute -> probability that the picture shows it.
+        """
         terms, probabilities = [], []
         for number, shot in enumerate(self.seen):
             with torch.no_grad():

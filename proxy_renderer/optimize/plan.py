@@ -108,6 +108,10 @@ def lock(
 
 
 def check_groups(groups: Sequence[str]) -> None:
-    """Raises VibeError for a group that does not exist."""
+    """Makes sure that all groups exist.
+
+    Raises:
+        VibeError: For one that does not.
+    """
     if strange := [g for g in groups if g not in GROUPS]:
         raise VibeError(f"Unknown group {strange[0]!r}.", f"Use some of: {', '.join(GROUPS)}.")

@@ -25,10 +25,22 @@ class Observer(Protocol):
         """Something other than a step begins."""
 
     def begin(self, display: Tensor) -> None:
-        """The loop begins, and this is what the artist's own values look like to it (H, W, 3)."""
+        """The loop begins.
+
+        Args:
+            display: (H, W, 3) what the artist's own values look like to it, in [0, 1].
+        """
 
     def step(self, progress: Progress, display: Tensor) -> bool:
-        """A step is done and looks like this (H, W, 3); True ends the loop with the best so far."""
+        """A step is done.
+
+        Args:
+            progress: How far the loop is.
+            display: (H, W, 3) what the step's values look like, in [0, 1].
+
+        Returns:
+            True to end the loop with the best so far.
+        """
 
     def stopped(self) -> bool:
         """Whether the loop should end with the best so far: what takes long outside of steps asks this."""
@@ -55,7 +67,14 @@ class Clock:
         self.stopped = False
 
     def follow(self, number: int) -> Callable[[int, float, Render], bool]:
-        """The inner loop's callback for a round (from 0)."""
+        """The inner loop's callback for a round.
+
+        Args:
+            number: Of the round, from 0.
+
+        Returns:
+            Takes (step from 1, loss, picture), and returns whether the loop should end.
+        """
         rounds, steps = self._rounds, self._most
         last = time.monotonic()
 

@@ -160,7 +160,13 @@ class Search:
         return self.observer.stopped()
 
     def renew(self, u: Tensor, number: int, **options: float) -> None:
-        """Corrects the proxies at u (N,); see `Anchoring.renew`."""
+        """Corrects the proxies of all shots at u.
+
+        Args:
+            u: (N,) where the loop is.
+            number: Of the round, from 0.
+            **options: As for `Anchoring.renew`.
+        """
         for shot in self.shots:
             shot.anchoring.renew(u, number, **options)
 
@@ -208,7 +214,16 @@ class Search:
     def objective(
         self, now: Confined, u: Tensor, shots: Sequence[ShotState] = ()
     ) -> tuple[list[str], RoundObjective]:
-        """S_K, and what is minimized over it, in these shots or in all."""
+        """What is minimized in a round, and over which parameters.
+
+        Args:
+            now: The round, confined.
+            u: (N,) where gradients are taken to select.
+            shots: Those that judge; all if there are none.
+
+        Returns:
+            The keys S_K, and the objective over them.
+        """
         judged = shots or self.shots
         chosen = select(now.plan, self.vector, judged, u, now.lower, now.upper, self.options)
         weight = pull(now.plan, self.vector, chosen)
@@ -234,7 +249,16 @@ def _loss(shot: ShotState, picture: Render) -> float:
 def make_guidance(
     encoder: Encoder, heads: Encoder | None, prompt: str, options: Options, advice: Advice, start: Render
 ) -> Guidance:
-    """The guidance for a prompt, calibrated on the artist's picture `start`; the baseline's is L_pos(I, t) alone."""
+    """The guidance for a prompt; the baseline's is L_pos(I, t) alone.
+
+    Args:
+        encoder: Judges similarity.
+        heads: Encoder whose attribute heads are asked; None for none.
+        prompt: What the artist typed.
+        options: Whether it is the baseline's.
+        advice: The composed captions, and what the words ask for.
+        start: The artist's picture, on which the guidance is calibrated.
+    """
     parsed = advice.parsed
     if options.baseline:
         return GlobalGuidance(encoder, prompt, Views())

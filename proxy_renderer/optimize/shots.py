@@ -60,7 +60,12 @@ class ShotState:
     guidance: Guidance | None = None
 
     def draw(self, u: Tensor, free: set[str] | frozenset[str] = frozenset()) -> Render:
-        """The proxy's picture of u (N,), differentiable in the free keys, which are the shared vector's."""
+        """The proxy's picture of u.
+
+        Args:
+            u: (N,) in [0, 1].
+            free: Keys of the shared vector in which the picture is differentiable.
+        """
         return draw(self.proxy, self.vector, u, {own for own, key in self.names.items() if key in free})
 
     def take(self, plan: Plan) -> None:
@@ -115,7 +120,14 @@ def enter(
     vector: ParameterVector,
     proxy: Callable[[SceneData], Proxy],
 ) -> list[ShotState]:
-    """The shots of a vector; arguments as `share` returns them."""
+    """The shots of a vector.
+
+    Args:
+        views: The shots.
+        names: Of each, its keys -> the vector's, as `share` returns them.
+        vector: The shared parameters.
+        proxy: Makes the proxy of a scene.
+    """
     shots = []
     for view, mine in zip(views, names, strict=True):
         own_vector, renderer = vector.view(mine), proxy(view.scene)

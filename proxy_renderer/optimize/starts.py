@@ -94,7 +94,13 @@ def roam(instances: Mapping[str, Instance], plan: Plan) -> Plan:
 
 
 def with_reasons(plan: Plan, vector: ParameterVector, u: Tensor) -> Plan:
-    """The plan, which says of what was varied at u (N,) that it was."""
+    """The plan, with the reason "varied" for what this point has varied.
+
+    Args:
+        plan: Of the round.
+        vector: The parameters of u.
+        u: (N,) the point.
+    """
     moved = vector.values(u)
     varied = {
         key: replace(entry, reason=VARIED)
@@ -125,7 +131,12 @@ def corral(start: Tensor, lower: Tensor, upper: Tensor, drawn: Tensor) -> tuple[
 
 
 def distance(a: Tensor, b: Tensor) -> float:
-    """How different two pictures (H, W, 3) look: mean Lab distance of their cells, which ignores fine detail."""
+    """How different two pictures look: mean Lab distance of their cells, which ignores fine detail.
+
+    Args:
+        a: (H, W, 3) display values in [0, 1].
+        b: Likewise, of any size.
+    """
     return float((_cells(a) - _cells(b)).norm(dim=0).mean())
 
 

@@ -58,7 +58,14 @@ class ParameterVector:
         return shown
 
     def encode(self, values: Mapping[str, Sequence[float]]) -> Tensor:
-        """u (N,) of values in schema units; keys that are missing take the artist's value."""
+        """u of values.
+
+        Args:
+            values: By key, in schema units; keys that are missing take the artist's value.
+
+        Returns:
+            (N,) float64 in [0, 1].
+        """
         u = self._home.clone()
         for key in values.keys() & self.slices.keys():
             instance = self.instances[key]
@@ -155,6 +162,15 @@ def nearest_turn(instance: Instance, lower: Values, upper: Values, value: Values
 
     An azimuth of -170 is ten degrees from the range [180, 200], not 350. Other parameters' ranges
     come back as they are.
+
+    Args:
+        instance: The parameter; a turn never leaves its hard bounds.
+        lower: Of the range, in schema units.
+        upper: Likewise.
+        value: Where it is now.
+
+    Returns:
+        The range's new ends.
     """
     if instance.parameter.unit != "deg" or instance.parameter.upper - instance.parameter.lower < 2 * _TURN:
         return lower, upper

@@ -234,7 +234,15 @@ class SceneData:
         return replace(self, lights=(*self.lights, *lights), instances={**self.instances, **theirs})
 
     def value(self, key: str, default: float | Values = 0.0) -> Values:
-        """The artist's value of a parameter, or the default where the scene does not have it."""
+        """The artist's value of a parameter.
+
+        Args:
+            key: Of an instance.
+            default: Where the scene does not have it; a number stands for one component.
+
+        Returns:
+            One number per component, in the parameter's unit.
+        """
         if key in self.instances:
             return self.instances[key].value
         if key in self.unseen:

@@ -26,14 +26,30 @@ class RenderValues:
         self.device = torch.device(device)
 
     def color(self, key: str, default: float = 0.0) -> Tensor:
-        """A parameter's components (C,) float32; the default fills three where the scene has none."""
+        """A parameter's components.
+
+        Args:
+            key: Of an instance.
+            default: Of all three, where the scene has none.
+
+        Returns:
+            (C,) float32 on the device; gradients flow to what the caller gave.
+        """
         if key in self.given:
             return self.given[key].to(self.device, torch.float32).reshape(-1)
         value = self.scene.value(key, (default,) * 3)
         return torch.tensor(value, dtype=torch.float32, device=self.device)
 
     def scalar(self, key: str, default: float = 0.0) -> Tensor:
-        """A one-component parameter as a tensor ()."""
+        """A parameter of one component.
+
+        Args:
+            key: Of an instance.
+            default: Where the scene has none.
+
+        Returns:
+            () float32 on the device; gradients flow to what the caller gave.
+        """
         if key in self.given:
             return self.given[key].to(self.device, torch.float32).reshape(-1)[0]
         return torch.tensor(self.scene.value(key, default)[0], dtype=torch.float32, device=self.device)

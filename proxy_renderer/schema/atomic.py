@@ -38,13 +38,29 @@ def part_prefix(process: int | None = None) -> str:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Writes a file as UTF-8, see `replacing`."""
+    """Writes a file as UTF-8, see `replacing`.
+
+    Args:
+        path: Of the file; its folder has to exist.
+        text: All that it is to hold.
+
+    Raises:
+        OSError: It cannot be written.
+    """
     with replacing(path) as part:
         part.write_text(text, encoding="utf-8")
 
 
 def write_bytes(path: Path, content: bytes) -> None:
-    """Writes a file, see `replacing`."""
+    """Writes a file, see `replacing`.
+
+    Args:
+        path: Of the file; its folder has to exist.
+        content: All that it is to hold.
+
+    Raises:
+        OSError: It cannot be written.
+    """
     with replacing(path) as part:
         part.write_bytes(content)
 

@@ -31,7 +31,11 @@ _UNITS = {
 
 
 def parameter(key: str) -> Parameter:
-    """The schema row of an instance's key."""
+    """The schema row of an instance's key.
+
+    Raises:
+        KeyError: The schema has no such row.
+    """
     group, _, name = split_key(key)
     return FAMILIES[f"{group}/{name}"]
 
@@ -42,7 +46,11 @@ def words(name: str) -> str:
 
 
 def title(key: str) -> str:
-    """An instance's name: "Key light: Power", "Clay: Roughness", "Fog: Density", "Saturation"."""
+    """An instance's name as people read it.
+
+    >>> title("light/Key/power"), title("material/Clay/roughness"), title("volume/density"), title("film/saturation")
+    ('Key light: Power', 'Clay: Roughness', 'Fog: Density', 'Saturation')
+    """
     group, owner, name = split_key(key)
     if group == "film":
         return words(name)
@@ -52,13 +60,26 @@ def title(key: str) -> str:
 
 
 def titles(keys: list[str], most: int = 3) -> str:
-    """Names for a note, not too many: "Key light: Power, Key light: Color and 2 more"."""
+    """Names for a note, not too many: "Key light: Power, Key light: Color and 2 more".
+
+    Args:
+        keys: Of instances.
+        most: How many are named; the others are counted.
+    """
     shown = ", ".join(map(title, keys[:most]))
     return shown + (f" and {len(keys) - most} more" if len(keys) > most else "")
 
 
 def text(key: str, values: Values) -> str:
-    """A value with its unit: "120 W", "32°", "+0.4 stops", or three numbers for a color."""
+    """A value with its unit, or three numbers for a color.
+
+    Args:
+        key: Of an instance or a family; it decides the unit.
+        values: In the schema's unit, one number per component.
+
+    >>> text("light/Key/power", (120.0,)), text("film/exposure", (0.4,)), text("material/Clay/base_color", (1, 0.5, 0))
+    ('120 W', '+0.4 stops', '1.00 0.50 0.00')
+    """
     row = parameter(key)
     if row.kind == "color":
         return " ".join(f"{v:.2f}" for v in values)
@@ -69,12 +90,23 @@ def text(key: str, values: Values) -> str:
 
 
 def bare(key: str, values: Values) -> str:
-    """The same without its unit, where that follows: the 400 of "400 → 160 W"."""
+    """As `text`, without the unit, where that follows: the 400 of "400 → 160 W".
+
+    Args:
+        key: As for `text`.
+        values: As for `text`.
+    """
     return text(key, values).removesuffix(_UNITS[parameter(key).unit])
 
 
 def same(key: str, before: Values, after: Values) -> bool:
-    """Whether two values read the same, so that listing the change would only puzzle."""
+    """Whether two values read the same, so that listing the change would only puzzle.
+
+    Args:
+        key: As for `text`.
+        before: As `values` of `text`.
+        after: Likewise.
+    """
     return text(key, before) == text(key, after)
 
 

@@ -15,13 +15,25 @@ Matrix = tuple[Vector, Vector, Vector]
 
 
 def direction(azimuth: float, elevation: float) -> Vector:
-    """Unit vector from the subject towards something that stands at these angles."""
+    """Unit vector from the subject towards something that stands at these angles.
+
+    Args:
+        azimuth: Degrees; 0 is in front (-Y), 90 at +X.
+        elevation: Degrees; 90 is straight above.
+    """
     a, e = math.radians(azimuth), math.radians(elevation)
     return math.cos(e) * math.sin(a), -math.cos(e) * math.cos(a), math.sin(e)
 
 
 def angles(vector: Sequence[float]) -> tuple[float, float]:
-    """Inverse of `direction`: (azimuth in (-180, 180], elevation in [-90, 90])."""
+    """Azimuth in (-180, 180] and elevation in [-90, 90], degrees: the inverse of `direction`.
+
+    Args:
+        vector: From the subject, of any length; straight above or below, the azimuth is 0.
+
+    >>> angles((2.0, 0.0, 0.0)), angles((0.0, 0.0, 1.0))
+    ((90.0, 0.0), (0.0, 90.0))
+    """
     x, y, z = vector
     return math.degrees(math.atan2(x, -y)) if x or y else 0.0, math.degrees(math.atan2(z, math.hypot(x, y)))
 
@@ -30,6 +42,10 @@ def frame(azimuth: float, elevation: float) -> Matrix:
     """Rotation (rows of a 3x3 matrix) whose columns are right, up, and the direction to the viewer.
 
     It is the orientation of a camera that stands at these angles and looks at the subject.
+
+    Args:
+        azimuth: Degrees, as for `direction`.
+        elevation: Degrees, as for `direction`.
     """
     a = math.radians(azimuth)
     zx, zy, zz = direction(azimuth, elevation)

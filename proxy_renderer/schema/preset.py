@@ -70,7 +70,7 @@ class Preset:
 
 
 def title(prompt: str) -> str:
-    """A name for what was typed: its first words, as far as they fit."""
+    """A name for what was typed: its first words, as far as they fit into `LONGEST_NAME` letters."""
     words = " ".join(prompt.split())
     if len(words) <= LONGEST_NAME:
         return words
@@ -81,7 +81,7 @@ def loads(text: str) -> Preset:
     """Reads the text of a preset file. Nothing in it is opened, run or looked up.
 
     Raises:
-        VibeError: If it is not a preset, was made by a newer version, or holds anything that is
+        VibeError: It is not a preset, was made by a newer version, or holds anything that is
             unknown, of the wrong type, not finite or out of bounds.
     """
     try:
@@ -187,7 +187,12 @@ def _short(value: Any) -> str:
 
 
 def clamped(group: str, values: Mapping[str, Sequence[float]]) -> Entry:
-    """An entry with every value within the bounds that `loads` insists on."""
+    """An entry with every value within the bounds that `loads` insists on.
+
+    Args:
+        group: Of the parameters: "material", "light", …
+        values: Parameter name to components, in multiples of its reference.
+    """
     entry = {}
     for name, value in values.items():
         parameter = FAMILIES[f"{group}/{name}"]

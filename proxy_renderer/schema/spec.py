@@ -26,14 +26,35 @@ class Scale:
     exponent: float = 1.0
 
     def to_unit(self, value: float, lower: float, upper: float) -> float:
-        """Maps a value in [lower, upper] to u in [0, 1]; values outside are clamped."""
+        """Maps a value to the place where it stands between its bounds.
+
+        Args:
+            value: In the parameter's unit; outside of the bounds it is clamped.
+            lower: Above 0 for "log".
+            upper: Above `lower`.
+
+        Returns:
+            u in [0, 1].
+
+        >>> Scale("log").to_unit(10.0, 1.0, 100.0), Scale().to_unit(7.0, 0.0, 4.0)
+        (0.5, 1.0)
+        """
         value = min(max(value, lower), upper)
         if self.name == "log":
             return math.log(value / lower) / math.log(upper / lower)
         return ((value - lower) / (upper - lower)) ** (1.0 / self.exponent)
 
     def from_unit(self, u: float, lower: float, upper: float) -> float:
-        """Inverse of `to_unit`."""
+        """Inverse of `to_unit`.
+
+        Args:
+            u: The place; outside of [0, 1] it is clamped.
+            lower: As for `to_unit`.
+            upper: As for `to_unit`.
+
+        Returns:
+            The value in [lower, upper].
+        """
         u = min(max(u, 0.0), 1.0)
         if self.name == "log":
             return lower * (upper / lower) ** u
@@ -131,7 +152,14 @@ class Instance:
         return self.parameter.key(self.owner)
 
     def distance(self, value: Values) -> float:
-        """How far a value is from the artist's, on the perceptual scale: 0 to 1."""
+        """How far a value is from the artist's on the perceptual scale.
+
+        Args:
+            value: One number per component, in the parameter's unit.
+
+        Returns:
+            The greatest difference of a component, 0 to 1.
+        """
         unit = self.parameter.scale.to_unit
         ends = zip(self.value, value, self.lower, self.upper, strict=True)
         return max(abs(unit(a, low, high) - unit(b, low, high)) for a, b, low, high in ends)
@@ -141,6 +169,9 @@ def split_key(key: str) -> tuple[str, str, str]:
     """Splits a key into (group, owner, name); the owner is "" where a scene has one of the group.
 
     An owner's name may itself contain slashes.
+
+    >>> split_key("material/Wood/Oak/roughness"), split_key("film/contrast")
+    (('material', 'Wood/Oak', 'roughness'), ('film', '', 'contrast'))
     """
     group, _, rest = key.partition("/")
     owner, _, name = rest.rpartition("/")
@@ -148,7 +179,11 @@ def split_key(key: str) -> tuple[str, str, str]:
 
 
 def matches(key: str, patterns: tuple[str, ...] | list[str]) -> bool:
-    """Whether a key is named by a pattern: a group, an owner or a glob.
+    """Whether a key is named by a pattern.
+
+    Args:
+        key: Of an instance: "light/Key/power".
+        patterns: Each a group, a group with an owner, a key, or a glob of keys.
 
     >>> matches("light/Key/power", ["light"]), matches("light/Key/power", ["*/power"])
     (True, True)

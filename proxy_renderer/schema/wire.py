@@ -16,13 +16,21 @@ _TYPES: dict[str, type] = {message.type: message for message in get_args(Message
 
 
 def encode(message: Message) -> bytes:
-    """The wire form: UTF-8 JSON and a NUL byte. Raises ValueError for NaN or infinite numbers."""
+    """The wire form: UTF-8 JSON and a NUL byte.
+
+    Raises:
+        ValueError: A number in the message is NaN or infinite.
+    """
     body = {"type": message.type, **asdict(message)}
     return json.dumps(body, ensure_ascii=False, allow_nan=False).encode() + b"\0"
 
 
 def decode(raw: bytes | str) -> Message:
-    """Inverse of `encode`, with or without the NUL byte. Raises VibeError for anything else."""
+    """Inverse of `encode`, with or without the NUL byte.
+
+    Raises:
+        VibeError: It is anything else than a message of this version.
+    """
     text = raw.decode(errors="replace") if isinstance(raw, bytes) else raw
     try:
         body = json.loads(text.rstrip("\0"))
@@ -35,7 +43,11 @@ def decode(raw: bytes | str) -> Message:
 
 
 def read(stream: BinaryIO) -> Iterator[Message]:
-    """Messages of a stream as they arrive, until it ends. A message that was cut off is dropped."""
+    """Messages of a stream as they arrive, until it ends. A message that was cut off is dropped.
+
+    Raises:
+        VibeError: As `decode` does.
+    """
     pending = b""
     while chunk := stream.read1(65536):  # type: ignore[attr-defined]
         *whole, pending = (pending + chunk).split(b"\0")
@@ -43,11 +55,14 @@ def read(stream: BinaryIO) -> Iterator[Message]:
 
 
 def check_schema(theirs: str, who: str) -> None:
-    """Raises VibeError unless the other process has this process's parameter table.
+    """Makes sure that the other process has this process's parameter table.
 
     Args:
         theirs: The hash in its message.
         who: "engine" or "add-on", the one that sent it.
+
+    Raises:
+        VibeError: It has another one.
     """
     if theirs != schema_hash():
         raise VibeError(

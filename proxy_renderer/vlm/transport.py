@@ -164,7 +164,14 @@ class Transport:
 
 
 def read_completion(raw: bytes) -> Completion:
-    """The model's words in a body that should be a chat completion."""
+    """The model's words in a body that should be a chat completion.
+
+    Args:
+        raw: The body as it came.
+
+    Raises:
+        ModelError: It is none.
+    """
     try:
         body = json.loads(raw)
         choice = body["choices"][0]

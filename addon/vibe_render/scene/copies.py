@@ -21,7 +21,8 @@ def copied_scene(scene: bpy.types.Scene, graded: bool = False, **render: Any) ->
 
     Args:
         graded: Keep the compositor; its File Output nodes write nothing. Otherwise it is left out.
-        render: Settings of the copy's `render`.
+        scene: The artist's; left as it is.
+        **render: Settings of the copy's `render`.
     """
     with ExitStack() as stack:
         twin = scene.copy()

@@ -19,7 +19,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def act(a: argparse.Namespace) -> int:
-    """Carries out the command."""
+    """Carries out the command.
+
+    Raises:
+        VibeError: The scene is missing, or not a .blend.
+    """
     from ...blender.launch import launch
 
     scene = check.scene(a.scene)

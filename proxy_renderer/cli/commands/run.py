@@ -38,7 +38,11 @@ def add_how(parser: argparse.ArgumentParser) -> None:
 
 
 def act(a: argparse.Namespace) -> int:
-    """Carries out the command."""
+    """Carries out the command.
+
+    Raises:
+        VibeError: An input or an option is wrong; nothing was started then.
+    """
     scene = check.scene(a.scene)
     if a.stage and scene.suffix.lower() == ".blend":
         raise VibeError("--stage is for bare meshes; a .blend brings its own.", "Leave --stage out.")

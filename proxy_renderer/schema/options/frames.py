@@ -9,7 +9,14 @@ from ..errors import VibeError
 
 
 def frame_numbers(text: str) -> list[int]:
-    """Frames from "1,50,100-110"; none from ""."""
+    """Frames as people write them: "1,50,100-110"; none from "".
+
+    Raises:
+        VibeError: A part is neither a number nor a range of two.
+
+    >>> frame_numbers("1, 50, 100-102, 50")
+    [1, 50, 100, 101, 102]
+    """
     numbers: dict[int, None] = {}
     for part in filter(None, re.split(r"[,\s]+", text)):
         match = re.fullmatch(r"(\d+)(?:-(\d+))?", part)

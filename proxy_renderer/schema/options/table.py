@@ -174,7 +174,14 @@ class Options:
 
     @classmethod
     def from_dict(cls, raw: dict[str, Any]) -> Options:
-        """Options from their JSON form; raises VibeError for a name that is not one."""
+        """Options from their JSON form.
+
+        Args:
+            raw: Option to value; those that are missing keep their defaults, and lists become tuples.
+
+        Raises:
+            VibeError: A name is not that of an option.
+        """
         defaults = {f.name: f.default for f in fields(cls)}
         if strange := sorted(set(raw) - set(defaults)):
             raise VibeError(f"Unknown option {strange[0]!r}.", f"Use one of: {', '.join(sorted(defaults))}.")
@@ -268,5 +275,13 @@ TABLE = (*TASK, *rows(Options), *SUPPORT)
 
 
 def named(name: str, table: Iterable[Option] = TABLE) -> Option:
-    """The row of an option."""
+    """The row of an option.
+
+    Args:
+        name: Of the option.
+        table: Where to look.
+
+    Raises:
+        StopIteration: The table has no such row.
+    """
     return next(row for row in table if row.name == name)
