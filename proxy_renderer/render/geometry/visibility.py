@@ -171,7 +171,9 @@ class RayGeometry:
         """Share (N,) of light that passes along rays (3, N) over distances (N,).
 
         Args:
-            origin, toward, distance: The rays; directions of unit length.
+            origin: Where the rays start.
+            toward: Their directions, of unit length.
+            distance: Their lengths, meters.
             without: A material that was set apart and does not block them; -1 for none.
             ray: Their kind.
         """
