@@ -53,7 +53,15 @@ def dump() -> dict[str, Any]:
 
 
 def difference(before: dict[str, Any], after: dict[str, Any]) -> dict[str, tuple]:
-    """Where two dumps differ: path to (before, after)."""
+    """Where two dumps differ.
+
+    Args:
+        before: As `dump` returns it.
+        after: Likewise.
+
+    Returns:
+        Path to (before, after), sorted; "(absent)" where one of them lacks it.
+    """
     return {
         path: (before.get(path, "(absent)"), after.get(path, "(absent)"))
         for path in sorted({*before, *after})

@@ -22,7 +22,12 @@ from vibe_render.core.overrides import changed
 
 
 def render(path: Path, size: int) -> None:
-    """Opens a file and renders it."""
+    """Opens a file and renders it with EEVEE to `eevee.png` beside it.
+
+    Args:
+        path: The .blend.
+        size: Side of the square picture, pixels.
+    """
     bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False, use_scripts=False)
     scene = bpy.context.scene
     picture = scene.render.image_settings

@@ -34,7 +34,15 @@ ANCHOR_SIZE, ANCHOR_SAMPLES = 192, 32
 
 
 def make(recipe: SceneRecipe, a: argparse.Namespace) -> dict[str, Any]:
-    """Makes one scene: its job folder, its reference and its anchors."""
+    """Makes one scene: its job folder, its reference and its anchors.
+
+    Args:
+        recipe: What is in it.
+        a: The options of `side.main`.
+
+    Returns:
+        A row of the measurement: features, paths, warnings, and whether the reference came from the cache.
+    """
     scene, subject = build(recipe, a.seed)
     folder = a.work / recipe.name
     job = reading.export_scene(scene, folder / "job", SubjectChoice(tuple(o.name for o in subject)))

@@ -28,7 +28,15 @@ VERSION = 1
 
 
 def make(case: StepCase, a: argparse.Namespace) -> dict[str, Any]:
-    """A scene's job folder, and per parameter the pictures to both sides of its value."""
+    """Makes a scene's job folder, and for each parameter the pictures to both sides of its value.
+
+    Args:
+        case: The scene, and which parameters.
+        a: The options of `side.main`.
+
+    Returns:
+        A row of the measurement: the folder, the caption, a step for each parameter, warnings.
+    """
     scene, subject = build(case.recipe, a.seed)
     folder = a.work / case.recipe.name / "job"
     job = reading.export_scene(scene, folder, SubjectChoice(tuple(o.name for o in subject)))

@@ -25,6 +25,10 @@ def move(instances: Mapping[str, schema.Instance], chance: random.Random) -> dic
 
     The groups take turns, so that lights, surfaces, world, fog and film move together. What moves
     anything in space is left out.
+
+    Args:
+        instances: The scene's parameters by key.
+        chance: Source of all randomness.
     """
     queues = [_candidates(instances, group, chance) for group in _MOVED]
     chosen: list[schema.Instance] = []

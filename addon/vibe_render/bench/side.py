@@ -38,7 +38,13 @@ def main(
 
 
 def cached(a: argparse.Namespace, suffix: str, *settings: Any) -> Path:
-    """The cache path of a picture that depends on these settings."""
+    """The path of a picture in the cache, which is made if it is missing.
+
+    Args:
+        a: The options of `main`.
+        suffix: Of the file: ".png".
+        *settings: All that the picture depends on.
+    """
     a.cache.mkdir(parents=True, exist_ok=True)
     text = " ".join(map(str, settings))
     return a.cache / f"{hashlib.sha256(text.encode()).hexdigest()[:32]}{suffix}"

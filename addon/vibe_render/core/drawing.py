@@ -27,7 +27,16 @@ def paragraph(
     faint: bool = False,
     letters: int = 0,
 ) -> None:
-    """Draws text wrapped to the region's width or to `letters`, with an icon before its first line."""
+    """Draws wrapped text.
+
+    Args:
+        layout: Where.
+        context: Its region has the width.
+        text: Newlines count as spaces.
+        icon: Before the first line; the other lines are indented.
+        faint: Draw it as disabled things are.
+        letters: In a line; 0 for as many as the region is wide.
+    """
     column = layout.column(align=True)
     column.scale_y, column.active = 0.8, not faint
     width = (letters or columns(context)) - (3 if icon != "NONE" else 0)
@@ -42,7 +51,7 @@ def columns(context: bpy.types.Context) -> int:
 
 
 def duration(seconds: float) -> str:
-    """ "40 s", "12 min", "3 h"."""
+    """Seconds in words: "40 s", "12 min", "3 h"."""
     for size, unit in ((3600, "h"), (60, "min")):
         if seconds >= 1.5 * size:
             return f"{seconds / size:.0f} {unit}"
@@ -50,7 +59,7 @@ def duration(seconds: float) -> str:
 
 
 def size(count: float) -> str:
-    """Bytes in words: "3.4 MB"."""
+    """Bytes in words: "12 bytes", "3.4 MB"."""
     for unit in ("bytes", "kB", "MB"):
         if count < 1000:
             return f"{count:.0f} {unit}" if unit == "bytes" else f"{count:.1f} {unit}"

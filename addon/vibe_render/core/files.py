@@ -35,7 +35,13 @@ def whole(path: Path, remedy: str = "Choose another folder.") -> Iterator[Path]:
 
 
 def unwritable(path: Path, error: Exception, remedy: str) -> schema.VibeError:
-    """The error for a file that cannot be written, with the reason that Blender or Python gives."""
+    """The error for a file that cannot be written, with the reason that Blender or Python gives.
+
+    Args:
+        path: Of the file.
+        error: What Blender or Python has raised.
+        remedy: What to do, unless the disk is full.
+    """
     if atomic.is_full(error):
         return schema.VibeError(f"There is no room left on the disk, in {path.parent}.", "Make room there.")
     reason = getattr(error, "strerror", None) or str(error).strip().removeprefix("Error: ")

@@ -36,14 +36,31 @@ class Journal:
         return self.ids.index(block)
 
     def set(self, owner: bpy_struct, name: str, value: Any) -> None:
-        """Sets a property that is a number, a string, an array or a pointer to a data-block."""
+        """Sets a property that is a number, a string, an array or a pointer to a data-block.
+
+        Args:
+            owner: Has the property: a data-block, or a struct inside one.
+            name: Of the property.
+            value: The new one.
+
+        Raises:
+            LookupError: No data-block owns it.
+        """
         block, path = address(owner)
         entry = {"op": "set", "id": self.refer(block), "path": path, "name": name}
         self.entries.append({**entry, "old": self._plain(getattr(owner, name))})
         setattr(owner, name, value)
 
     def link(self, source: NodeSocket, target: NodeSocket) -> None:
-        """Links two sockets of a tree; replaces the target's former link."""
+        """Links two sockets of a tree; replaces the target's former link.
+
+        Args:
+            source: An output.
+            target: An input of a node in the same tree.
+
+        Raises:
+            LookupError: No data-block owns the tree.
+        """
         tree = target.id_data
         block, path = address(tree)
         old = _end(target.links[0].from_socket) if target.is_linked else None
@@ -52,7 +69,16 @@ class Journal:
         tree.links.new(source, target)
 
     def node(self, tree: NodeTree, kind: str, name: str) -> Node:
-        """Adds a node."""
+        """Adds a node.
+
+        Args:
+            tree: Where.
+            kind: Its `bl_idname`: "ShaderNodeMix".
+            name: Wanted; Blender numbers one that is taken.
+
+        Raises:
+            LookupError: No data-block owns the tree.
+        """
         node = tree.nodes.new(kind)
         node.name = name
         block, path = address(tree)
@@ -60,19 +86,35 @@ class Journal:
         return node
 
     def new(self, collection: str, name: str, *kind: Any) -> Any:
-        """Adds a data-block to a collection of `bpy.data`."""
+        """Adds a data-block.
+
+        Args:
+            collection: Of `bpy.data`: "node_groups".
+            name: Wanted; Blender numbers one that is taken.
+            *kind: What else the collection's `new` takes: the type of a light, the mesh of an object.
+        """
         block = getattr(bpy.data, collection).new(name, *kind)
         self.entries.append({"op": "new", "id": self.refer(block), "collection": collection})
         return block
 
     def copy(self, collection: str, block: ID) -> Any:
-        """Adds a copy of a data-block of a collection of `bpy.data`."""
+        """Adds a copy of a data-block.
+
+        Args:
+            collection: Of `bpy.data`, which holds it: "materials".
+            block: What is copied.
+        """
         twin = block.copy()
         self.entries.append({"op": "new", "id": self.refer(twin), "collection": collection})
         return twin
 
     def append_material(self, data: ID, material: bpy.types.Material) -> None:
-        """Adds the first material slot to a mesh or curve."""
+        """Adds the first material slot to a mesh or curve.
+
+        Args:
+            data: The mesh or curve, which has none.
+            material: Goes into the slot.
+        """
         self.entries.append({"op": "slot", "id": self.refer(data)})
         data.materials.append(material)
 
@@ -91,10 +133,13 @@ class Journal:
         return value if isinstance(value, bool | int | float | str | None) else list(value)
 
     def undo(self, first: int = 0) -> list[str]:
-        """Undoes the entries from index `first` on, last one first.
+        """Undoes the last entries, newest first, and forgets them.
+
+        Args:
+            first: Index of the oldest entry that is undone.
 
         Returns:
-            What could not be restored because the artist has removed it meanwhile.
+            What could not be restored because the artist has removed it meanwhile, in words.
         """
         lost: list[str] = []
         added: list[tuple[str, ID]] = []
@@ -145,7 +190,14 @@ class Journal:
 
 
 def address(struct: bpy_struct) -> tuple[ID, str]:
-    """The data-block that owns a struct, and the path from it; node trees inside others included."""
+    """Where a struct is.
+
+    Returns:
+        The data-block that owns it, and the path from there; node trees inside others included.
+
+    Raises:
+        LookupError: It is in a tree that no data-block owns.
+    """
     root = struct.id_data
     path = "" if isinstance(struct, ID) else struct.path_from_id()
     if not (isinstance(root, NodeTree) and root.is_embedded_data):

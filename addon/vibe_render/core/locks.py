@@ -43,7 +43,11 @@ def _animated(owner: bpy_struct, name: str) -> str:
 
 
 def of_pose(obj: Object) -> str:
-    """The reason for an object's location and rotation."""
+    """The reason for an object's location and rotation.
+
+    Returns:
+        "" where they may change.
+    """
     if obj.parent:
         return f'"{obj.name}" follows its parent "{obj.parent.name}"'
     if any(not c.mute and c.influence > 0.0 for c in obj.constraints):
@@ -65,6 +69,9 @@ def of_socket(socket: NodeSocket, source: NodeSocket | None, inside: Sequence[No
         source: The output that computes it; None where none does.
         inside: The group nodes that lead to it. A group may be anybody's, for a copy of it changes: it is the
             material around it that must not be linked from a library.
+
+    Returns:
+        "" where it may change.
     """
     if source is not None:
         return f'{socket.name} comes from "{source.node.label or source.node.name}"'

@@ -23,6 +23,12 @@ class Outputs:
     """A folder's new files. Use it as a context manager: they are moved into place at its end.
 
     They are written beside where they will be, because a .blend keeps paths relative to itself.
+
+    Args:
+        folder: Where they go; it has to exist.
+
+    Raises:
+        VibeError: A file cannot be written, or not be moved into place.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -37,16 +43,40 @@ class Outputs:
         return self.folder / f"{atomic.part_prefix()}{self._run}-{name}"
 
     def write_json(self, name: str, content: Any) -> None:
-        """Adds a JSON file."""
+        """Adds a JSON file.
+
+        Args:
+            name: Of the file.
+            content: What `json.dumps` takes; a number that is not finite is a ValueError.
+
+        Raises:
+            VibeError: It cannot be written.
+        """
         self.write_text(name, json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False))
 
     def write_text(self, name: str, text: str) -> None:
-        """Adds a text file."""
+        """Adds a text file, UTF-8, with a newline at its end.
+
+        Args:
+            name: Of the file.
+            text: Without that newline.
+
+        Raises:
+            VibeError: It cannot be written.
+        """
         with self._writing(name) as path:
             path.write_text(text + "\n", encoding="utf-8")
 
     def copy(self, name: str, source: Path) -> None:
-        """Adds a copy of a file."""
+        """Adds a copy of a file.
+
+        Args:
+            name: Of the copy.
+            source: What is copied.
+
+        Raises:
+            VibeError: It cannot be read or written.
+        """
         with self._writing(name) as path:
             shutil.copyfile(source, path)
 

@@ -24,12 +24,24 @@ class ValueSlot(Protocol):
         """The stored value."""
 
     def set(self, journal: Journal, raw: Any) -> None:
-        """Changes it, recorded in the journal; does nothing where it is the same already."""
+        """Changes it; does nothing where it is the same already.
+
+        Args:
+            journal: Records the change.
+            raw: The new value, in the form of `get`.
+        """
 
 
 @dataclass
 class PropertySlot:
-    """A property of anything: a node socket's value, a light's energy."""
+    """A property of anything: a node socket's value, a light's energy.
+
+    Attributes:
+        owner: Has the property.
+        name: Of the property.
+        locked: See `ValueSlot`.
+        index: The component of an array that is meant; None for all.
+    """
 
     owner: bpy_struct
     name: str
@@ -44,7 +56,12 @@ class PropertySlot:
         return raw if isinstance(raw, bool | int | float | str) else tuple(raw)
 
     def set(self, journal: Journal, raw: Any) -> None:
-        """Sets it; of an array that is longer than `raw` (RGBA), the rest stays."""
+        """Sets it.
+
+        Args:
+            journal: Records the change.
+            raw: The new value; of an array that is longer (RGBA), the rest stays.
+        """
         old = getattr(self.owner, self.name)
         if self.index is not None:
             raw = (*old[: self.index], raw, *old[self.index + 1 :])
@@ -80,7 +97,12 @@ class LazySlot:
         return slot.get() if slot else self.identity
 
     def set(self, journal: Journal, raw: Any) -> None:
-        """Sets it; makes what holds it if that is missing and the value changes the picture."""
+        """Sets it; makes what holds it if that is missing and the value changes the picture.
+
+        Args:
+            journal: Records all changes.
+            raw: The new value, in the form of `get`.
+        """
         slot = self.find()
         if slot is None and not same(raw, self.identity):
             slot = self.make(journal)
@@ -114,5 +136,10 @@ def together(slots: Sequence[ValueSlot]) -> ValueSlot | None:
 
 
 def same(a: Any, b: Any) -> bool:
-    """Whether two values are equal as the 32-bit floats that Blender stores."""
+    """Whether two values are equal as the 32-bit floats that Blender stores.
+
+    Args:
+        a: A number, or a sequence of some.
+        b: Likewise.
+    """
     return bool(np.array_equal(np.float32(a), np.float32(b)))

@@ -62,13 +62,21 @@ class Look:
         return self.path.with_suffix(PICTURE)
 
     def matches(self, words: str) -> bool:
-        """Whether its name and prompt together contain each of these words, or parts of words."""
+        """Whether its name and prompt together contain each of these words, or parts of words.
+
+        Args:
+            words: Separated by spaces; upper and lower case are the same.
+        """
         text = f"{self.name} {self.prompt}".casefold()
         return all(word in text for word in words.casefold().split())
 
 
 def folder(create: bool = False) -> Path:
-    """The folder of the artist's own presets."""
+    """The folder of the artist's own presets.
+
+    Args:
+        create: Make it if it is missing.
+    """
     return own_folder("presets", create)
 
 
@@ -122,7 +130,11 @@ def find(name: str) -> Look:
 
 
 def at(path: str) -> Look:
-    """The preset at a path of the library; raises a VibeError if it is gone."""
+    """The preset at a path of the library.
+
+    Raises:
+        VibeError: It is gone.
+    """
     for look in looks():
         if str(look.path) == path:
             return look
@@ -130,14 +142,26 @@ def at(path: str) -> Look:
 
 
 def path_for(place: Path, name: str) -> Path:
-    """The file for a preset of this name: letters, digits and dashes, valid on every system."""
+    """The file for a preset: letters, digits and dashes, valid on every system.
+
+    Args:
+        place: The folder.
+        name: Of the preset, in any script; at most 50 letters of it are used.
+    """
     plain = unicodedata.normalize("NFKD", name).casefold()
     words = re.sub(r"[^\w]+", "-", plain).strip("-")[:50]
     return place / f"{words or 'look'}.json"
 
 
 def save(look: preset.Preset, picture: Path | None = None) -> Look:
-    """Adds a preset, and a picture of it, to the artist's own.
+    """Adds a preset to the artist's own.
+
+    Args:
+        look: Its name is numbered where another preset has it.
+        picture: A JPEG of it; None, or a file that is none, leaves it without.
+
+    Returns:
+        The preset as the library holds it.
 
     Raises:
         VibeError: The folder cannot be written.
@@ -147,6 +171,13 @@ def save(look: preset.Preset, picture: Path | None = None) -> Look:
 
 def rename(look: Look, name: str) -> Look:
     """Gives one of the artist's presets another name.
+
+    Args:
+        look: The preset.
+        name: The new one; numbered where another preset has it.
+
+    Returns:
+        The preset as the library holds it.
 
     Raises:
         VibeError: The name is empty, the preset is shipped or broken, or the folder cannot be written.
@@ -191,6 +222,10 @@ def bring(path: Path) -> Look:
 
 def export(look: Look, path: Path) -> None:
     """Writes a preset, and its picture beside it.
+
+    Args:
+        look: The preset.
+        path: Of the file; another ending becomes ".json".
 
     Raises:
         VibeError: The preset is broken, or the file cannot be written.

@@ -65,7 +65,15 @@ def _turned(c: np.ndarray, sixths: np.ndarray) -> np.ndarray:
 
 
 def table(values: Mapping[str, Sequence[float]], size: int = SIZE) -> np.ndarray:
-    """(size³, 3): display colors, red changing fastest; black is at 0, white at 1."""
+    """The display colors of a grade, on a grid of the colors that go in.
+
+    Args:
+        values: As for `graded`.
+        size: Steps along each axis.
+
+    Returns:
+        (size³, 3) sRGB, red changing fastest; black is at 0, white at 1. May leave [0, 1].
+    """
     steps = np.linspace(0.0, 1.0, size)
     blue, green, red = np.meshgrid(steps, steps, steps, indexing="ij")
     colors = to_linear(np.stack([red, green, blue], -1).reshape(-1, 3))

@@ -20,8 +20,8 @@ def copied_scene(scene: bpy.types.Scene, graded: bool = False, **render: Any) ->
     sequencer, borders and stereo are off.
 
     Args:
-        graded: Keep the compositor; its File Output nodes write nothing. Otherwise it is left out.
         scene: The artist's; left as it is.
+        graded: Keep the compositor; its File Output nodes write nothing. Otherwise it is left out.
         **render: Settings of the copy's `render`.
     """
     with ExitStack() as stack:

@@ -82,7 +82,16 @@ def _composed(parts: list[np.ndarray]) -> np.ndarray:
 
 
 def resized(pixels: np.ndarray, height: int, width: int) -> np.ndarray:
-    """Pixels (H, W) int32 at another size, bilinear: the engine's first pictures are smaller than its last."""
+    """Pixels at another size, bilinear: the engine's first pictures are smaller than its last.
+
+    Args:
+        pixels: (H, W) int32, four 8-bit channels each.
+        height: Of the result.
+        width: Of the result.
+
+    Returns:
+        (height, width) int32.
+    """
     channels = pixels.view(np.uint8).reshape(*pixels.shape, 4).astype(np.float32)
     for axis, count in enumerate((height, width)):
         place = np.linspace(0.0, channels.shape[axis] - 1.0, count)

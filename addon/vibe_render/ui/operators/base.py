@@ -146,7 +146,12 @@ class ExportDialog(FileDialog, ExportHelper):
     """A file dialog for saving, with a proposed name."""
 
     def propose(self, name: str, folder: str = "") -> None:
-        """Proposes a file for a look of this name, in the folder of the last one."""
+        """Proposes a file for a look.
+
+        Args:
+            name: Of the look.
+            folder: Where, if there was no dialog before; then it is the last one's folder.
+        """
         if self.filepath:  # type: ignore[has-type]
             folder = str(Path(self.filepath).parent)  # type: ignore[has-type]
         self.filepath = str(library.path_for(Path(folder), name).with_suffix(self.filename_ext))

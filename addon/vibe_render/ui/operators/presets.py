@@ -67,7 +67,11 @@ class VIBE_OT_preset_apply(PresetOperator):
         return untouchable(context) if there else "The scene has no mesh"
 
     def act(self, context: bpy.types.Context) -> str:
-        """Applies it; the panel lists what did not fit."""
+        """Applies it; the panel lists what did not fit.
+
+        Raises:
+            VibeError: The preset is gone or broken, or nothing in the scene takes what it holds.
+        """
         look = self.look(context)
         if look.preset is None:
             raise schema.VibeError(look.problem, "Delete it, or correct the file.")
@@ -170,7 +174,11 @@ class VIBE_OT_preset_import(IdleOperator, FileDialog, ImportHelper):
     files: CollectionProperty(type=bpy.types.OperatorFileListElement, options={"HIDDEN", "SKIP_SAVE"})
 
     def act(self, context: bpy.types.Context) -> str:
-        """Imports every file that can be; one message names the others."""
+        """Imports every file that can be; one message names the others.
+
+        Raises:
+            VibeError: No file was chosen, or none can be imported.
+        """
         paths = [Path(self.directory) / file.name for file in self.files if file.name] or [
             Path(self.filepath)
         ]
