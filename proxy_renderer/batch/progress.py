@@ -117,7 +117,11 @@ class BatchProgress:
 
 
 def duration(seconds: float) -> str:
-    """A time for people: "45 s", "3:20 min", "2:05 h"."""
+    """A time for people.
+
+    >>> duration(45), duration(200), duration(7500)
+    ('45 s', '3:20 min', '2:05 h')
+    """
     if seconds < 60:
         return f"{seconds:.0f} s"
     if seconds < 3600:

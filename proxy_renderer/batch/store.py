@@ -127,7 +127,14 @@ class Store:
             write_bytes(folder / name, files[name])
 
     def check_space(self, free_gb: float) -> None:
-        """Raises VibeError if there is no space for another job."""
+        """Makes sure that there is space for another job.
+
+        Args:
+            free_gb: Gigabytes that have to be free where the results are.
+
+        Raises:
+            VibeError: There are fewer.
+        """
         free = shutil.disk_usage(self.folder).free / 1e9
         if free < free_gb:
             raise VibeError(

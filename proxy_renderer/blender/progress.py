@@ -50,7 +50,11 @@ class VibeProgress:
             self._bar = None
 
     def show(self, event: dict[str, Any]) -> None:
-        """One event of Blender's side; unknown kinds are left out."""
+        """Shows one event.
+
+        Args:
+            event: What Blender's side has printed; unknown kinds are left out.
+        """
         kind = event.get("type")
         if kind == "stage":
             self.stage(event["name"])

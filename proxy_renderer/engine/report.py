@@ -30,7 +30,11 @@ _PACKAGES = ("torch", "open_clip_torch", "numpy", "opencolorio", "trimesh")
 
 
 def parameter_records(outcome: Outcome) -> dict[str, dict[str, Any]]:
-    """Key -> before, after, lower, upper, moved (on the perceptual scale), optimized, reason, for every parameter of the scene."""
+    """What `report.json` says of every parameter of the scene.
+
+    Returns:
+        Key -> before, after, lower, upper, moved (on the perceptual scale), optimized, reason.
+    """
     after = outcome.vector.values(outcome.u)
     lower, upper = (outcome.vector.plain(b) for b in outcome.vector.bounds(outcome.ranges))
     return {

@@ -76,10 +76,16 @@ class ParameterVector:
         return u
 
     def decode(self, u: Tensor) -> dict[str, Tensor]:
-        """Values (C,) float32 by key in schema units, differentiable in u (N,).
+        """Values in schema units, differentiable in u.
 
         A power scale is flat at its lower end, where a fog of density zero could never grow:
         there the gradient takes the slope of a twentieth of the way up.
+
+        Args:
+            u: (N,) in [0, 1].
+
+        Returns:
+            Key to (C,) float32.
         """
         x = u.detach().clamp(0.0, 1.0)
         span = self._upper - self._lower
@@ -93,7 +99,14 @@ class ParameterVector:
         return {key: linked[part] for key, part in self.slices.items()}
 
     def values(self, u: Tensor) -> dict[str, Values]:
-        """Plain values of u, to six digits; what is where the artist had it keeps that very float."""
+        """Plain values of u in schema units, to six digits.
+
+        Args:
+            u: (N,) in [0, 1].
+
+        Returns:
+            Key to components; what is where the artist had it keeps that very float.
+        """
         original = self.encode({})
         moved = (u.detach() - original).abs() > 1e-9
         raw = self.plain(u)

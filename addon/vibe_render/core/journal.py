@@ -176,7 +176,11 @@ class Journal:
             added = [pair for pair in added if pair not in free]
 
     def extend(self, later: Journal) -> None:
-        """Appends a later journal. Values that this one has already recorded keep their first record."""
+        """Appends a later journal. Values that this one has already recorded keep their first record.
+
+        Args:
+            later: Of changes made after all of this one's.
+        """
         number = {i: self.refer(block) for i, block in enumerate(later.ids) if block is not None}
         recorded = {_slot(entry) for entry in self.entries if entry["op"] == "set"}
         for entry in later.entries:

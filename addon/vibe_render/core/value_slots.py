@@ -72,7 +72,12 @@ class PropertySlot:
 
 
 def socket_slot(socket: NodeSocket, locked: str = "") -> PropertySlot:
-    """The slot of an unlinked socket's value."""
+    """The slot of an unlinked socket's value.
+
+    Args:
+        socket: An input, or the output of a node that holds a value.
+        locked: Why it must be left alone; "" where it may change.
+    """
     return PropertySlot(socket, "default_value", locked)
 
 

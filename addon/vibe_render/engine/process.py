@@ -150,7 +150,11 @@ class Engine:
         return True
 
     def stop(self, patience: float = 3.0) -> None:
-        """Asks the process to quit, and ends it if it has not within `patience` seconds."""
+        """Asks the process to quit, and ends it if it does not.
+
+        Args:
+            patience: Seconds to wait for it.
+        """
         process, self._process = self._process, None
         atexit.unregister(self.stop)
         if process is None:

@@ -33,7 +33,18 @@ class Files:
         self._problem, self._out = source.problem, out
 
     def scenes(self, patterns: Any, *keys: str) -> Iterator[tuple[str, Path]]:
-        """Names and places of scenes, in the order of the manifest."""
+        """The scenes that patterns name, in the order of the manifest.
+
+        Args:
+            patterns: A list of paths and globs, from the manifest's folder.
+            *keys: Where they stand in the manifest, for the error's line number.
+
+        Yields:
+            A scene's name in the results, and its path.
+
+        Raises:
+            VibeError: There are none, a pattern matches nothing, or a file is not a scene.
+        """
         if not texts(patterns):
             raise self._problem("There are no scenes.", 'Write scenes = ["shots/*.blend"].', *keys)
         for pattern in patterns:

@@ -43,7 +43,9 @@ class TomlSource:
     def line(self, *keys: str, quoted: str = "") -> int:
         """The number, from 1, of the line that has a key; or of the first one after it with a text.
 
-        Tables of a list, [[shots]], are counted: ("shots", "0", "frames").
+        Args:
+            *keys: From the outermost table to the key; tables of a list, [[shots]], are counted: "shots", "0", "frames".
+            quoted: The text that is looked for.
         """
         table: tuple[str, ...] = ()
         counts: Counter[tuple[str, ...]] = Counter()

@@ -115,7 +115,11 @@ def read_pairs(pattern: str = "*") -> list[Pair]:
 
 
 def read_ask(text: str) -> Ask:
-    """An ask as `pairs.toml` writes it; raises VibeError for a word that is neither a trait nor a color."""
+    """An ask as `pairs.toml` writes it.
+
+    Raises:
+        VibeError: A word in it is neither a trait nor a color.
+    """
     region, _, word = text.partition(": ")
     if word in _traits():
         return Ask(region, word, _traits()[word])
