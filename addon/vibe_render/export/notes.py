@@ -10,7 +10,9 @@ _MOST = 5
 
 
 def by_reason(notes: Mapping[str, Sequence[str]]) -> list[str]:
-    """One line for each reason, with the things that it is true of: "Glossy BSDF is approximated in A, B and 7 more."
+    """One line for each reason, with the things that it is true of.
+
+    As in "Glossy BSDF is approximated in A, B and 7 more."
 
     Args:
         notes: Reasons, sentences without their full stops, by the name of a thing; what matters most comes first.
