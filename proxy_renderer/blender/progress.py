@@ -58,6 +58,8 @@ class VibeProgress:
         kind = event.get("type")
         if kind == "stage":
             self.stage(event["name"])
+        elif kind == "note":
+            self.note(f"Note: {event['line']}")
         elif kind == "progress":
             self._progress(event)
         elif kind == "result":

@@ -16,7 +16,7 @@ from mathutils import Vector
 from ..core.schema_import import atomic, schema
 from ..scene import bindings, fog, scene_context
 from ..scene.nodes import shaders
-from . import measured, notes, sanitize, standby, view, world_light
+from . import measured, notes, sanitize, standby, view, view_faults, world_light
 from .analysis import SceneAnalysis
 from .materials import NO_MATERIAL, ExportedMaterial
 
@@ -32,7 +32,8 @@ class SceneJob:
         analysis: The scene's analysis.
         instances: Its parameters, by key.
         standby: Those of the lights that are added if the words ask for a light that the scene lacks.
-        warnings: What the engine sees only approximately, in words for the artist.
+        warnings: What the engine sees only approximately, in words for the artist, after `view_notes`.
+        view_notes: What spoils the picture whatever its look, in words for the artist.
     """
 
     folder: Path
@@ -40,6 +41,7 @@ class SceneJob:
     instances: dict[str, schema.Instance]
     standby: dict[str, schema.Instance] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
+    view_notes: list[str] = field(default_factory=list)
 
     def with_lights_of(self, values: Mapping[str, Sequence[float]]) -> SceneJob:
         """The job of the scene with the lights on standby that values (by key) add to it."""
@@ -57,11 +59,12 @@ def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
     """
     folder.mkdir(parents=True, exist_ok=True)
     scene, geometry = analysis.scene, analysis.geometry
+    spoiling = view_faults.notes(analysis)
     bound = bindings.instances(scene, analysis.objects, analysis.pivot)
     materials = measured.materials(analysis)
     instances, mended = sanitize.instances(_with_materials(bound, analysis, materials))
     spare, spare_instances = standby.lights(analysis)
-    warnings = [*notes.by_reason(_material_notes(analysis, materials)), *geometry.warnings]
+    warnings = [*spoiling, *notes.by_reason(_material_notes(analysis, materials)), *geometry.warnings]
     warnings += [*view.ignored(scene), *mended]
     image, note = world_light.environment(scene.world)
     if image is not None:
@@ -98,7 +101,7 @@ def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
     content = sanitize.content(content, "", warnings)
     atomic.write_text(folder / "scene.json", json.dumps(content, indent=1, allow_nan=False))
     said = list(dict.fromkeys(w for w in (*warnings, note) if w))
-    return SceneJob(folder, analysis, instances, spare_instances, said)
+    return SceneJob(folder, analysis, instances, spare_instances, said, spoiling)
 
 
 def _material_notes(

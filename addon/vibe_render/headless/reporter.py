@@ -33,6 +33,10 @@ class Reporter:
         self.doing = name
         self._print({"type": "stage", "name": name}, f"{time.monotonic() - self._start:5.1f} s  {name}")
 
+    def note(self, line: str) -> None:
+        """Reports something that the artist should know at once."""
+        self._print({"type": "note", "line": line}, f"Note: {line}")
+
     def engine(self, message: messages.Message) -> None:
         """Reports a stage or progress message of the engine."""
         if isinstance(message, messages.Stage):

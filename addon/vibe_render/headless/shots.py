@@ -136,6 +136,8 @@ class ShotList:
             folder = self._folder / str(number)
             self._reporter.stage("reading the scene")
             self.jobs.append(reading.export_scene(scene, folder, choice, around, eyes))
+            for note in self.jobs[-1].view_notes:
+                self._reporter.note(note)
             self.subjects.append({o.name_full for o in self.jobs[-1].analysis.objects})
             if planned := fog.planned(scene):
                 self._fog[shot.scene] = planned

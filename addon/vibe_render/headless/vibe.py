@@ -16,7 +16,7 @@ from ..engine.conversation import Conversation, on_interrupt
 from ..engine.process import Engine
 from ..export.analysis import SceneAnalysis
 from ..looks import take
-from ..render import anchors, final_render
+from ..render import anchors, black, final_render
 from ..scene import bindings, stored_subject
 from ..session import preferences
 from . import summary
@@ -86,6 +86,9 @@ class _Run:
         self.conversation.ask(self._request())
         for number in reversed(range(len(self.shot_list))):  # the last one is still open
             self._render(number, "before.png")
+            if note := black.note(self.out.path(numbered("before.png", number))):
+                self.shot_list.jobs[number].warnings.insert(0, note)
+                self.reporter.note(note)
         self.stopwatch.lap("render before")
         result = self.conversation.wait(messages.Result, self._anchor)
         self.stopwatch.lap("wait for the engine")

@@ -17,7 +17,7 @@ from ..core import background
 from ..core.schema_import import atomic, messages, schema
 from ..engine.process import Engine
 from ..export import reading
-from ..render import anchors
+from ..render import anchors, black
 from ..scene import shared_materials, snapshot, stored_subject
 from . import before_image, preferences, result
 from .status import LOOKING, SessionStatus
@@ -46,7 +46,8 @@ class Session(SessionStatus):
         scene: The scene's name at the start.
         shared: What to do about materials that other things use too: "ASK", "ALL" or "SINGLE".
         question: Such materials with their other users, by name, while we wait for the artist's answer.
-        warnings: What the engine sees only approximately, in words for the artist.
+        warnings: What the engine sees only approximately, in words for the artist, after `view_notes`.
+        view_notes: What spoils the picture whatever its look, in words for the artist.
     """
 
     def __init__(self, context: bpy.types.Context, engine: Engine, ask: bool = False) -> None:
@@ -57,6 +58,7 @@ class Session(SessionStatus):
         self.shared = settings.shared if ask or settings.shared != "ASK" else "ALL"
         self.question: dict[str, list[str]] = {}
         self.warnings: list[str] = []
+        self.view_notes: list[str] = []
         self._subject: list[str] = []
         self._pivot = (0.0, 0.0, 0.0)
         self._before_path = Path()  # of the before image
@@ -157,7 +159,7 @@ class Session(SessionStatus):
             job = reading.export_captured(self._find_scene(), self._job, self._choice, visible_scene)
         self._subject = [obj.name_full for obj in job.analysis.objects]
         self._pivot = job.analysis.pivot
-        self.warnings = job.warnings
+        self.warnings, self.view_notes = job.warnings, job.view_notes
 
     def _ask_about_shared(self) -> Generator[str]:
         """Asks about materials that other things use too, unless that is settled; may export anew."""
@@ -196,6 +198,9 @@ class Session(SessionStatus):
                 self.receive(message)
                 if isinstance(message, messages.Stage) and message.picture:
                     picture = self._job / message.picture
+                    if note := black.note(picture):
+                        self.view_notes = [*self.view_notes, note]
+                        self.warnings = [note, *self.warnings]
                     self.before = before_image.store(self._before_path, picture, not self._vibed)
                 if isinstance(message, messages.Anchor):
                     yield from self._anchor(message)

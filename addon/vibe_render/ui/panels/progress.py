@@ -23,6 +23,8 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context, session: Sessio
         if icon := picture_icons.icon(session.before, session.preview):
             box.template_icon(icon_value=icon, scale=11.5)
         box.progress(factor=session.fraction, text=_stage(session))
+        for note in session.view_notes:
+            paragraph(box, context, note, "ERROR")
         if session.silence > SILENT:
             note = f"No word from the engine for {drawing.duration(session.silence)}. Wait, or cancel: "
             paragraph(box, context, f"{note}the next vibe starts a new one.", "ERROR")

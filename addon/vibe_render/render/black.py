@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whether a picture is black, in words for the artist."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+
+from . import bake
+
+_LEAST = 0.02  # of white, as the picture is stored: what is darker everywhere shows nothing
+
+
+def note(picture: Path) -> str:
+    """What to say of a black picture of a scene; "" for any other."""
+    image = bpy.data.images.load(str(picture))
+    try:
+        image.colorspace_settings.name = "Non-Color"
+        shows = bool(bake.pixels(image).max() >= _LEAST)
+    finally:
+        bpy.data.images.remove(image)
+    if shows:
+        return ""
+    return (
+        "The scene renders black: no light reaches what the camera sees. Switch a light on, or ask for one."
+    )
