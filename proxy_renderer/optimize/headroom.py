@@ -18,7 +18,7 @@ def elevations(scene: SceneData) -> dict[str, tuple[float, float]]:
     """Light -> lowest and highest elevation in degrees; a lamp that is beyond already is the artist's affair."""
     below, above = _heights(scene)
     ranges = {}
-    for light in scene.lights:
+    for light in (light for light in scene.lights if not light.fixed):
         limits = _limits(light, scene.pivot, below, above)
         if limits != (-90.0, 90.0):
             ranges[light.name] = limits

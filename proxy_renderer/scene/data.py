@@ -62,6 +62,8 @@ class Light:
         role: "key", "fill", "rim" or "other".
         tint: What the light's own nodes multiply its color by.
         scale: What its object's scale multiplies the width of an area light by.
+        fixed: Whether it stands at `position`, turned by `residual` alone, and has no orbit: an instance of a light.
+            Several of one name share their other values.
         added: Whether the artist's scene lacks it, and gets it because the words ask for it.
     """
 
@@ -83,6 +85,7 @@ class Light:
     tint: Vector = (1.0, 1.0, 1.0)
     scale: float = 1.0
     added: bool = False
+    fixed: bool = False
 
 
 @dataclass(frozen=True)

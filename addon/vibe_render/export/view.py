@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from typing import Any
 
 import bpy
@@ -14,6 +15,9 @@ from ..scene import orbits, scene_context
 from ..scene.lights.registry import type_of
 from ..scene.nodes.trails import active_links
 from .analysis import SceneAnalysis
+
+MOST_INSTANCES = 24
+"""So many instances of lights are predicted at most."""
 
 
 def camera(analysis: SceneAnalysis) -> dict[str, Any]:
@@ -59,7 +63,28 @@ def lights(analysis: SceneAnalysis) -> list[dict[str, Any]]:
     """
     pivot = Vector(analysis.pivot)
     context = scene_context.SceneContext(analysis.scene, analysis.objects, pivot)
-    return [light(thing, role, pivot) for thing, role in scene_context.light_roles(context).items()]
+    roles = scene_context.light_roles(context)
+    here = [light(o, role, pivot) for o, role in roles.items() if analysis.scene in o.users_scene]
+    return here + _instanced(context, roles)
+
+
+def _instanced(
+    context: scene_context.SceneContext, roles: Mapping[bpy.types.Object, str]
+) -> list[dict[str, Any]]:
+    """The entries of lights that instances show, the nearest ones, each with the values of its data-block's owner."""
+    owners = {o.data: o for o in reversed(list(roles))}
+    rows = []
+    for obj, matrix in scene_context.instanced_lights(context.scene):
+        owner = owners[obj.data]
+        place = {
+            "name": owner.name_full,
+            "fixed": True,
+            "residual": _rows(matrix.to_3x3().normalized()),
+            "position": list(matrix.translation),
+        }
+        rows.append(light(obj, roles[owner], context.pivot) | place)
+    rows.sort(key=lambda row: (Vector(row["position"]) - context.pivot).length)
+    return rows[:MOST_INSTANCES]
 
 
 def light(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, Any]:
@@ -137,7 +162,8 @@ def ignored(scene: bpy.types.Scene) -> list[str]:
         notes.append("Motion blur is left out of the prediction.")
     if scene.render.use_border:
         notes.append("The render border is left out: the whole picture is predicted and rendered.")
-    lamps = (o for o in scene.objects if o.type == "LIGHT" and scene_context.visible(scene, o))
+    lamps = [o for o in scene.objects if o.type == "LIGHT" and scene_context.visible(scene, o)]
+    lamps += dict.fromkeys(o for o, _ in scene_context.instanced_lights(scene) if o not in lamps)
     for lamp in lamps:
         if not scene_context.placed(lamp):
             notes.append(f"{lamp.name} has no usable place: it is left out.")
@@ -146,6 +172,9 @@ def ignored(scene: bpy.types.Scene) -> list[str]:
         notes += type_of(lamp).approximations(lamp)
         if any((lamp.light_linking.receiver_collection, lamp.light_linking.blocker_collection)):
             notes.append(f"{lamp.name} is linked to some objects; in the prediction it lights all.")
+    if len(instances := scene_context.instanced_lights(scene)) > MOST_INSTANCES:
+        left = len(instances) - MOST_INSTANCES
+        notes.append(f"{left} instances of lights, the farthest, are left out of the prediction.")
     if scene.render.use_multiview:
         notes.append("Stereo is left out: the picture is what the camera itself sees.")
     return notes

@@ -104,7 +104,8 @@ def _light_groups(scene: Scene, layer: bpy.types.ViewLayer) -> Iterator[dict[str
 def _emitters(scene: Scene) -> list[tuple[str, list[bpy.types.ID]]]:
     """The light groups: a key and its lights; lights that share their data are one group."""
     sharing: dict[bpy.types.ID, list[bpy.types.ID]] = {}
-    for light in scene_context.lights(scene):
+    instanced = dict.fromkeys(light for light, _ in scene_context.instanced_lights(scene))
+    for light in dict.fromkeys([*scene_context.lights(scene), *instanced]):
         sharing.setdefault(light.data, []).append(light)
     lights = [(f"light/{members[0].name_full}", members) for members in sharing.values()]
     world = [("world", [scene.world])] if scene.world else []

@@ -24,9 +24,11 @@ Locator = Callable[[SceneContext, Any], ValueSlot | None]
 
 
 def orbit(name: str) -> Locator:
-    """A coordinate of a camera or light on its orbit."""
+    """A coordinate of a camera or light on its orbit; lights that instances show stand where those are."""
 
-    def locate(context: SceneContext, obj: Object) -> ValueSlot:
+    def locate(context: SceneContext, obj: Object) -> ValueSlot | None:
+        if obj.type == "LIGHT" and context.scene not in obj.users_scene:
+            return None
         if obj not in context.poses:
             context.poses[obj] = Pose.of(obj, context.pivot)
         return OrbitSlot(context.poses[obj], name)

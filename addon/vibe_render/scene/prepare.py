@@ -95,6 +95,7 @@ def _key(journal: Journal, scene: Scene, low: Vector, high: Vector) -> str:
     graph = scene_context.depsgraph(scene)
     if (
         scene_context.lights(scene)
+        or scene_context.instanced_lights(scene)
         or emission.light_at(graph, scene_context.meshes(scene), (low + high) / 2.0) > _LIT
     ):
         return ""

@@ -84,6 +84,19 @@ def lights(scene: Scene) -> list[Object]:
     return sorted(objects, key=lambda o: o.name_full)
 
 
+def instanced_lights(scene: Scene) -> list[tuple[Object, Matrix]]:
+    """The lights that instances of collections and of geometry nodes show: each with its place, world space, as often as shown."""
+    found = []
+    for item in depsgraph(scene).object_instances:
+        if item.is_instance and item.object.type == "LIGHT":
+            instancer = item.parent.original if item.parent else None
+            original, matrix = item.object.original, item.matrix_world.copy()
+            finite = all(math.isfinite(v) for row in matrix for v in row)
+            if finite and not original.hide_render and not (instancer and instancer.hide_render):
+                found.append((original, matrix))
+    return found
+
+
 def placed(obj: Object) -> bool:
     """Whether an object's place is finite; broken drivers and constraints leave it otherwise."""
     return all(math.isfinite(v) for row in obj.matrix_world for v in row)
@@ -186,8 +199,9 @@ def owners(context: SceneContext, group: str) -> list[Owner]:
     if group == "camera":
         return [Owner("", scene.camera)] if scene.camera and scene.camera.type == "CAMERA" else []
     if group == "light":
-        roles = light_roles(context)
-        return [Owner(o.name_full, o, roles[o], _light_lengths(o, context.pivot)) for o in roles]
+        roles, far = light_roles(context), _only_instanced(context)
+        lengths = {o: far.get(o) or light_distance(o, context.pivot) for o in roles}
+        return [Owner(o.name_full, o, roles[o], _light_lengths(lengths[o])) for o in roles]
     if group == "material":
         return [
             Owner(m.name_full, m, role)
@@ -198,21 +212,43 @@ def owners(context: SceneContext, group: str) -> list[Owner]:
     return [Owner("", scene)]
 
 
-def _light_lengths(obj: Object, pivot: Vector) -> dict[str, float]:
-    distance = max((obj.matrix_world.translation - pivot).length, 1e-3)
+def light_distance(obj: Object, pivot: Vector) -> float:
+    """From a light to the pivot, meters; never 0."""
+    return max((obj.matrix_world.translation - pivot).length, 1e-3)
+
+
+def _only_instanced(context: SceneContext) -> dict[Object, float]:
+    """The lights that stand in the scene only as instances, one for each data-block, and the distance of the nearest, meters."""
+    shown = {o.data for o in lights(context.scene)}
+    first: dict[Light, Object] = {}
+    found: dict[Object, float] = {}
+    for obj, matrix in instanced_lights(context.scene):
+        if obj.data not in shown:
+            owner = first.setdefault(obj.data, obj)
+            distance = max((matrix.translation - context.pivot).length, 1e-3)
+            found[owner] = min(found.get(owner, math.inf), distance)
+    return found
+
+
+def _light_lengths(distance: float) -> dict[str, float]:
     return {"light_distance": distance, "light_distance_squared": distance * distance}
 
 
 def light_roles(context: SceneContext) -> dict[Object, str]:
     """Assigns roles to the lights: "rim" from behind the subject, the brightest other one "key", the rest "fill".
 
+    Lights that only instances show follow those of the scene, one for each data-block.
+
     Raises:
         VibeError: A light's type is unknown.
     """
-    objects = lights(context.scene)
+    far, objects = _only_instanced(context), lights(context.scene)
     rims = {o for o in objects if _from_behind(o, context)}
+    objects += far
     front = [o for o in objects if o not in rims] or objects
-    key = max(front, key=lambda o: _brightness(o, context.pivot), default=None)
+    key = max(
+        front, key=lambda o: _brightness(o, far.get(o) or light_distance(o, context.pivot)), default=None
+    )
     return {o: "key" if o is key else "rim" if o in rims else "fill" for o in objects}
 
 
@@ -235,9 +271,8 @@ def _from_behind(obj: Object, context: SceneContext) -> bool:
     return flat.normalized().dot(light.normalized()) < -0.2
 
 
-def _brightness(obj: Object, pivot: Vector) -> float:
-    """Radiance that the light gives to a white diffuse surface at the pivot that faces it."""
+def _brightness(obj: Object, distance: float) -> float:
+    """Radiance that the light gives to a white diffuse surface at a distance that faces it."""
     data: Light = obj.data
-    distance = _light_lengths(obj, pivot)["light_distance"]
     power = data.energy * max(data.color)
     return schema.radiometry.radiance(type_of(obj).name, power, distance, getattr(data, "exposure", 0.0))

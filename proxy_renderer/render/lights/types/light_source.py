@@ -103,8 +103,12 @@ class LightSource(ABC):
         pivot = torch.tensor(scene.pivot, device=values.device)
         distance = 0.0 if cls.at_infinity else values.scalar(key + "distance", 1.0)
         size = cls.read_size(light, values)
-        axes = frame(azimuth, elevation) @ torch.tensor(light.residual, device=values.device)
-        position = pivot + distance * direction(azimuth, elevation)
+        axes = torch.tensor(light.residual, device=values.device)
+        if light.fixed:
+            position = torch.tensor(light.position, device=values.device)
+        else:
+            axes = frame(azimuth, elevation) @ axes
+            position = pivot + distance * direction(azimuth, elevation)
         return cls(light, color, position, axes, within(size, 0.0, math.inf))
 
     @staticmethod
