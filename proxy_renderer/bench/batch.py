@@ -78,6 +78,9 @@ def run(out: Path, jobs: int = 8, workers: str = "1,2,4", simulated: str = "10,1
         run that finds all done, of the processor for both, for writing the sheet, and the memory that this process has grown by;
         `workers`: for each number jobs per hour, and per warm job its seconds, those outside of `vibe run`'s own
         work, those outside of the loop and of Cycles, and the memory.
+
+    Raises:
+        VibeError: There are too few jobs for the workers, or a job has failed.
     """
     counts = _numbers(workers) if jobs else []
     if jobs and jobs <= max(counts):

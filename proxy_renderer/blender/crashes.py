@@ -23,7 +23,12 @@ def temporary(folder: Path) -> dict[str, str]:
 
 
 def tidy(out: Path, process: int) -> None:
-    """Removes what a process that has ended left unfinished in the folder of its outputs."""
+    """Removes what a process that has ended left unfinished in the folder of its outputs.
+
+    Args:
+        out: The folder.
+        process: The number of the process.
+    """
     for part in out.glob(f"{atomic.part_prefix(process)}*"):
         part.unlink(missing_ok=True)
 

@@ -92,6 +92,9 @@ class Journal:
             collection: Of `bpy.data`: "node_groups".
             name: Wanted; Blender numbers one that is taken.
             *kind: What else the collection's `new` takes: the type of a light, the mesh of an object.
+
+        Returns:
+            The data-block.
         """
         block = getattr(bpy.data, collection).new(name, *kind)
         self.entries.append({"op": "new", "id": self.refer(block), "collection": collection})

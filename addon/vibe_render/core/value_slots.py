@@ -117,7 +117,12 @@ class LazySlot:
 
 @dataclass
 class JointSlot:
-    """Value slot: several slots that have one value, that of the first."""
+    """Value slot: several slots that have one value, that of the first.
+
+    Attributes:
+        slots: All of them may change; see `together`.
+        locked: See `ValueSlot`.
+    """
 
     slots: Sequence[ValueSlot]
     locked: str = ""
@@ -127,7 +132,12 @@ class JointSlot:
         return self.slots[0].get()
 
     def set(self, journal: Journal, raw: Any) -> None:
-        """Sets all that may change."""
+        """Sets all of them.
+
+        Args:
+            journal: Records the changes.
+            raw: The new value, in the form of `get`.
+        """
         for slot in self.slots:
             slot.set(journal, raw)
 
