@@ -6,7 +6,7 @@ from pathlib import Path
 import DracoPy
 import numpy as np
 
-from proxy_renderer.blender import draco
+from proxy_renderer.blender import draco, gltf
 
 NAME = "KHR_draco_mesh_compression"
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3}
@@ -17,7 +17,7 @@ def pack(plain: Path, target: Path) -> Path:
 
     A .gltf gets its bytes as a file beside it; in a .glb they are inside.
     """
-    document, binary = draco._read(plain)
+    document, binary = gltf.read(plain)
     data = bytearray(binary)
     for primitive in (p for mesh in document["meshes"] for p in mesh["primitives"]):
         _pack(document, data, primitive)

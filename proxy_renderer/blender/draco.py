@@ -17,9 +17,9 @@ from urllib.parse import quote, unquote
 import numpy as np
 
 from ..schema import VibeError
+from . import gltf
 
 _NAME = "KHR_draco_mesh_compression"
-_MAGIC, _JSON, _BIN = b"glTF", 0x4E4F534A, 0x004E4942
 _NUMBERS = {5120: np.int8, 5121: np.uint8, 5122: np.int16, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
 """glTF's `componentType` -> type of a component."""
 _INDICES = 5125
@@ -28,7 +28,9 @@ _INDICES = 5125
 def is_packed(path: Path) -> bool:
     """Whether a mesh file is a glTF with Draco-compressed geometry; a broken file is not."""
     try:
-        return path.suffix.lower() in (".glb", ".gltf") and _NAME in _read(path)[0].get("extensionsUsed", ())
+        return path.suffix.lower() in (".glb", ".gltf") and _NAME in gltf.read(path)[0].get(
+            "extensionsUsed", ()
+        )
     except (ValueError, OSError, struct.error, AttributeError):
         return False
 
@@ -44,7 +46,7 @@ def unpacked(path: Path, folder: Path) -> Path:
         VibeError: Its geometry cannot be decoded.
     """
     try:
-        document, binary = _read(path)
+        document, binary = gltf.read(path)
         data = _joined(document, binary, path.parent)
         for primitive in (p for mesh in document["meshes"] for p in mesh["primitives"]):
             packed = primitive.get("extensions", {}).pop(_NAME, None)
@@ -62,23 +64,6 @@ def unpacked(path: Path, folder: Path) -> Path:
     target = folder / f"{path.stem}.glb"
     _write(target, document, data)
     return target
-
-
-def _read(path: Path) -> tuple[dict[str, Any], bytes]:
-    """The document and the binary chunk of a .glb or .gltf; b"" where it has none."""
-    raw = path.read_bytes()
-    if raw[:4] != _MAGIC:
-        return json.loads(raw), b""
-    document, binary, start = {}, b"", 12
-    while start + 8 <= len(raw):
-        length, kind = struct.unpack_from("<II", raw, start)
-        chunk = raw[start + 8 : start + 8 + length]
-        if kind == _JSON:
-            document = json.loads(chunk)
-        elif kind == _BIN:
-            binary = chunk
-        start += 8 + length
-    return document, binary
 
 
 def _joined(document: dict[str, Any], binary: bytes, folder: Path) -> bytearray:
@@ -140,6 +125,6 @@ def _write(path: Path, document: dict[str, Any], data: bytearray) -> None:
     document["buffers"] = [{"byteLength": len(data)}]
     text = json.dumps(document, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
-    head = struct.pack("<4sII", _MAGIC, 2, 12 + 8 + len(text) + 8 + len(data))
-    chunks = struct.pack("<II", len(text), _JSON) + text + struct.pack("<II", len(data), _BIN) + data
+    head = struct.pack("<4sII", gltf.MAGIC, 2, 12 + 8 + len(text) + 8 + len(data))
+    chunks = struct.pack("<II", len(text), gltf.JSON) + text + struct.pack("<II", len(data), gltf.BIN) + data
     path.write_bytes(head + chunks)

@@ -24,13 +24,15 @@ def prepared(scene: Path) -> Iterator[Path]:
         scene: A .blend, which is left to Blender, or a mesh.
 
     Raises:
-        VibeError: The mesh cannot be read, or has no faces or no size.
+        VibeError: The mesh cannot be read, needs what Blender cannot do, or has no faces or no size.
     """
     if scene.suffix.lower() == ".blend":
         yield scene
         return
-    from . import draco
+    from . import draco, gltf
 
+    if scene.suffix.lower() in (".glb", ".gltf"):
+        gltf.check(scene)
     with tempfile.TemporaryDirectory(prefix="vibe-mesh-") as folder:
         path = draco.unpacked(scene, Path(folder)) if draco.is_packed(scene) else scene
         check(path)

@@ -10,7 +10,7 @@ from command_line import assert_refused, vibe
 from packed_mesh import NAME, pack
 from PIL import Image
 
-from proxy_renderer.blender import draco
+from proxy_renderer.blender import draco, gltf
 from proxy_renderer.blender.meshes import prepared
 
 
@@ -28,7 +28,7 @@ def plain(tmp_path):
     scene.add_geometry(hat, node_name="Hat", parent_node_name="Ball", transform=np.diag([1.0, 1.0, 2.0, 1.0]))
     path = tmp_path / "ball.glb"
     scene.export(path, include_normals=True)
-    document, binary = draco._read(path)
+    document, binary = gltf.read(path)
     document["materials"][0]["extensions"] = {"KHR_materials_clearcoat": {"clearcoatFactor": 0.7}}
     document["extensionsUsed"] = ["KHR_materials_clearcoat"]
     draco._write(path, document, bytearray(binary))
@@ -42,7 +42,7 @@ def test_it_is_unpacked(plain, name):
     assert not draco.is_packed(plain)
     with prepared(packed) as place:
         assert (place.name, place.suffix) == ("packed.glb", ".glb")
-        before, after = draco._read(plain)[0], draco._read(place)[0]
+        before, after = gltf.read(plain)[0], gltf.read(place)[0]
         unpacked = trimesh.load_scene(place, process=False)
     assert not place.exists()
     for key in ("nodes", "materials", "textures", "images", "extensionsUsed"):
@@ -58,7 +58,7 @@ def test_it_is_unpacked(plain, name):
 
 def test_bytes_that_are_no_draco(plain):
     packed = pack(plain, plain.parent / "packed.glb")
-    document, binary = draco._read(packed)
+    document, binary = gltf.read(packed)
     view = document["bufferViews"][document["meshes"][0]["primitives"][0]["extensions"][NAME]["bufferView"]]
     start = view["byteOffset"]
     broken = bytearray(binary)

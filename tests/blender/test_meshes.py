@@ -9,6 +9,7 @@ import pytest
 import trimesh
 from command_line import assert_refused, vibe
 
+from proxy_renderer.blender import draco, gltf
 from proxy_renderer.blender.meshes import check, prepared
 from proxy_renderer.schema import VibeError
 
@@ -39,6 +40,39 @@ def test_each_fault_has_its_line(tmp_path, name):
         pass
     assert time.process_time() - start < 1.0
     assert caught.value.remedy
+
+
+def with_extension(path, name, used="extensionsRequired"):
+    """A .glb of a box that names an extension."""
+    trimesh.creation.box().export(path)
+    document, binary = gltf.read(path)
+    draco._write(path, document | {used: [name]}, bytearray(binary))
+    return path
+
+
+@pytest.mark.parametrize("name", ["KHR_texture_basisu", "EXT_meshopt_compression", "ADOBE_new_one"])
+def test_extensions_that_blender_does_not_read(tmp_path, name):
+    scene = with_extension(tmp_path / "box.glb", name)
+    with pytest.raises(VibeError, match=name) as refused, prepared(scene):
+        pass
+    assert refused.value.remedy.startswith("Export it again")
+
+
+def test_extensions_that_can_be_left_out(tmp_path):
+    with prepared(with_extension(tmp_path / "box.glb", "KHR_texture_basisu", "extensionsUsed")):
+        pass
+    with prepared(with_extension(tmp_path / "known.glb", "KHR_materials_unlit")):
+        pass
+
+
+def test_a_texture_without_another_picture(tmp_path):
+    scene = tmp_path / "box.glb"
+    trimesh.creation.box().export(scene)
+    document, binary = gltf.read(scene)
+    document["textures"] = [{"extensions": {"KHR_texture_basisu": {"source": 0}}}]
+    draco._write(scene, document, bytearray(binary))
+    with pytest.raises(VibeError, match="KHR_texture_basisu"), prepared(scene):
+        pass
 
 
 @pytest.mark.parametrize("command", ["run", "explain"])
