@@ -124,8 +124,9 @@ def test_a_glow_shows_only_where_it_is_mixed_in(stage, tmp_path):
     _, scene = job_of(stage, tmp_path)
     left, right = halves(scene.materials[0].maps["emission_color"])
     np.testing.assert_allclose(left, 0.0, atol=0.02)
-    np.testing.assert_allclose(right, RED[:3], atol=0.02)
+    np.testing.assert_allclose(right, 1.0, atol=0.02)
     assert scene.value("material/Sign/emission") == (3.0,)
+    assert scene.value("material/Sign/emission_color") == pytest.approx(RED[:3])
 
 
 @pytest.mark.parametrize("depth", [0, 2])

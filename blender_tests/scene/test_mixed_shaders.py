@@ -247,3 +247,29 @@ def test_a_group_of_a_library_is_copied_too(scene, subject, tree, tmp_path):
     assert holder.node_tree.library
     changed = {path for path in difference(before, dump()) if not path.endswith("is_library_indirect")}
     assert not changed  # Blender finds out anew at saving what is linked by what
+
+
+def test_a_computed_glow_is_tinted(scene, subject, tree):
+    ramp = node(tree, "ValToRGB", Fac=node(tree, "TexNoise"))
+    glow = shown(tree, node(tree, "Emission", Color=ramp))
+    before = dump()
+    write(scene, subject, emission_color=BLUE, emission=3.0)
+    (ours,) = owned.group_nodes(tree, tint.NAME)
+    assert color_of(ours.inputs["Tint"]) == pytest.approx(BLUE)
+    assert glow.inputs["Color"].links[0].from_node == ours
+    assert snapshot.revert(scene) == []
+    assert difference(before, dump()) == {}
+
+
+def test_a_copied_group_is_given_back_after_saving_and_reopening(scene, subject, tree, tmp_path):
+    nested(tree)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "before.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "before.blend"))  # drops what nothing uses
+    before = {path: value for path, value in dump().items() if "node_groups" in path or "materials" in path}
+    here = bpy.context.scene
+    write(here, [bpy.data.objects["Subject"]], base_color=BLUE)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "after.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "after.blend"))
+    assert snapshot.revert(bpy.context.scene) == []
+    after = {path: value for path, value in dump().items() if "node_groups" in path or "materials" in path}
+    assert difference(before, after) == {}

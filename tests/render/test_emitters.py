@@ -15,6 +15,7 @@ from proxy_renderer.render.lights.emitters import Emitters, clusters_of
 from proxy_renderer.render.material.shading_inputs import shading_inputs_of
 from proxy_renderer.render.material.textures import geometry_of
 from proxy_renderer.render.proxy import Proxy
+from proxy_renderer.scene.data import Texture
 from proxy_renderer.scene.values import RenderValues
 
 SIZE = (48, 48)
@@ -147,3 +148,14 @@ def test_only_what_glows_becomes_a_lamp_and_stays_one():
 def test_a_glowing_wall_stays_with_the_bounced_rays():
     wall = trimesh.Trimesh([[-4, 3, 0], [4, 3, 0], [4, 3, 5], [-4, 3, 5]], [[0, 1, 2], [0, 2, 3]])
     assert not clusters_of(geometry_of(scene_with(wall), CPU), 0, NEAR)
+
+
+def test_a_parameter_tints_a_computed_glow_and_others_receive_its_mean():
+    """The map says where and how it glows, the color of the glow multiplies it."""
+    scene = scene_with(ball())
+    stripes = Texture(np.float32([[[1.0, 1.0, 1.0], [0.0, 0.0, 0.0]]]))
+    material = replace(scene.materials[0], maps={"emission_color": stripes})
+    inputs = shading_inputs_of(material, RenderValues(scene, {EMISSION: torch.tensor([2.0])}, CPU))
+    assert inputs.emission.tolist() == pytest.approx([1.0, 0.5, 0.25])
+    shown = inputs.varied({"emission_color": torch.from_numpy(stripes.image[0]).T})
+    torch.testing.assert_close(shown.emission, torch.tensor([[2.0, 0.0], [1.0, 0.0], [0.5, 0.0]]))

@@ -12,12 +12,14 @@ import numpy as np
 
 from ..core import compat
 from ..core.schema_import import schema
-from ..scene.nodes import layers, shaders
-from ..scene.nodes.trails import FOREIGN, ValueOrigin, resolve
+from ..scene.nodes import layers, shaders, tint
+from ..scene.nodes.trails import FOREIGN, ValueOrigin
 from . import principled
 from .mixture import Mixture
 from .textures import ExportedTexture, uv_mapping
 
+_TINTED = ("base_color", "emission_color")
+"""Computed inputs that a parameter multiplies."""
 NO_MATERIAL = "(no material)"
 """What faces without a material are called; a name that Blender would not give."""
 
@@ -72,7 +74,7 @@ def computed(material: bpy.types.Material | None) -> dict[str, ValueOrigin | Non
     mixture = Mixture.of(material)
     entries = {name: layers.entry(material, socket) for name, socket in principled.COMPUTED.items()}
     outputs: dict[str, ValueOrigin | None] = dict(mixture.channels())
-    outputs |= {name: o for name, each in entries.items() if each and (o := resolve(each)).source}
+    outputs |= {name: o for name, each in entries.items() if each and (o := tint.untinted(each)).source}
     outputs.pop("base_color", None)
     if len(mixture.colors) == 1 and mixture.colors[0].source:
         outputs["base_color"] = mixture.colors[0]
@@ -187,9 +189,9 @@ def _mixed(
         if opacity.size > 1 and own is None:
             result.pictures["alpha"] = replace(frame, image=opacity)
     share = mixture.glow(measured)
-    if share is not None and (entry := layers.entry(material, "Emission Color")):
+    if share is not None:
         channel = measured.get("emission_color")
-        color = channel.values if channel else np.array(resolve(entry).socket.default_value[:3])[None, None]
+        color = channel.values if channel else np.ones((1, 1, 3), np.float32)  # a plain one is a parameter
         result.pictures["emission_color"] = replace(frame, image=(share * color).astype(np.float32))
 
 
@@ -210,9 +212,9 @@ def _varying(result: ExportedMaterial, measured: Mapping[str, MeasuredChannel], 
             result.notes.append(f"{principled.COMPUTED[name]} is shown as its average")
         if name == "alpha":
             result.row["alpha"] = float(np.clip(mean.mean(), 0.0, 1.0))
-        elif name in principled.COMPUTED and name not in ("normal", "base_color"):
+        elif name in principled.COMPUTED and name not in ("normal", *_TINTED):
             color = tuple(float(v) for v in mean)
             result.values[name] = color if name in principled.COLORS else (sum(color) / len(color),)
-        if name == "base_color" and not picture:
+        if name in _TINTED and name not in result.pictures:
             result.pictures[name] = ExportedTexture(mean[None, None].astype(np.float32))
     result.reason = result.reason or "it is computed by nodes"

@@ -73,7 +73,7 @@ BINDINGS: tuple[ParameterBinding, ...] = (
     _row("material/coat_roughness", at.shader("Coat Roughness")),
     _row("material/sheen",          at.shader("Sheen Weight")),
     _row("material/transmission",   at.shader("Transmission Weight")),
-    _row("material/emission_color", at.shader("Emission Color"),        COLOR),
+    _row("material/emission_color", at.glow_color,                      COLOR),
     _row("material/emission",       at.shader("Emission Strength")),
 
     _row("volume/density",          at.volume("Density")),

@@ -131,6 +131,12 @@ def surface_color(context: SceneContext, material: Material) -> ValueSlot | None
     return inputs.slot(lambda: layers.colors(material)[0], tinted=True) if len(colors) == 1 else None
 
 
+def glow_color(context: SceneContext, material: Material) -> ValueSlot | None:
+    """The emission color, or the owned tint on one that is computed."""
+    find = partial(layers.entry, material, "Emission Color")
+    return inputs.slot(find, tinted=True) or tint.slot(find, "Tint")
+
+
 def material_tint(name: str) -> Locator:
     """An input of the owned tint on a base color that is computed, or on each of several that are mixed."""
 

@@ -24,6 +24,8 @@ class ShadingInputs:
     """A material's values in one render: scalars () and colors (3,).
 
     Where nodes compute them, `metallic`, `roughness`, `coat` and `transmission` are (N,), `emission` (3, N).
+    A computed emission color is multiplied by `glow_tint`; `emission_color` is the mean of the product, which other
+    surfaces receive.
     """
 
     base: Tensor
@@ -41,6 +43,7 @@ class ShadingInputs:
     sheen_roughness: float
     transmission: Tensor
     emission_color: Tensor
+    glow_tint: Tensor
     strength: Tensor
     recolor: Tensor | None
 
@@ -60,7 +63,7 @@ class ShadingInputs:
             if name in _MOST
         }
         if "emission_color" in textured:
-            given["emission_color"] = textured["emission_color"]
+            given["emission_color"] = textured["emission_color"] * self.glow_tint[:, None]
         return replace(self, **given)
 
     def colored(self, texture: Tensor | None) -> Tensor:
@@ -80,6 +83,9 @@ def shading_inputs_of(material: Material, settings: RenderValues) -> ShadingInpu
     textured = material.texture is not None
     base = settings.color(key + ("tint" if textured else "base_color"), 1.0 if textured else 0.8)
 
+    glow_tint = settings.color(key + "emission_color", 1.0)
+    glow = material.maps.get("emission_color")
+
     def unit(name: str, default: float) -> Tensor:
         return within(settings.scalar(key + name, default), 0.0, 1.0)
 
@@ -98,7 +104,10 @@ def shading_inputs_of(material: Material, settings: RenderValues) -> ShadingInpu
         sheen_tint=tuple(constants.get("sheen_tint", (1.0, 1.0, 1.0))),
         sheen_roughness=float(constants.get("sheen_roughness", 0.5)),
         transmission=unit("transmission", 0.0),
-        emission_color=settings.color(key + "emission_color", 1.0),
+        emission_color=glow_tint
+        if glow is None
+        else glow_tint * glow_tint.new_tensor(glow.image.mean((0, 1))),
+        glow_tint=glow_tint,
         strength=settings.scalar(key + "emission"),
         recolor=settings.scalar(key + "recolor") if textured else None,
     )
