@@ -134,6 +134,14 @@ def test_a_principled_shader_behind_a_value_is_not_the_surface(scene, subject, t
     assert "material/Body/base_color" not in bindings.read(scene, subject, PIVOT)
 
 
+def test_a_muted_mix_is_its_first_shader(scene, subject, tree):
+    parts = [node(tree, "BsdfDiffuse", Color=color) for color in (RED, GREEN)]
+    shown(tree, joined(tree, "Mix", *parts, fac=0.9)).mute = True
+    write(scene, subject, base_color=BLUE)
+    assert color_of(parts[0].inputs["Color"]) == pytest.approx(BLUE)
+    assert color_of(parts[1].inputs["Color"]) == pytest.approx(GREEN[:3])
+
+
 def test_an_rgb_node_of_mixed_shaders_is_dragged(scene, subject, tree):
     paint = node(tree, "RGB")
     parts = [node(tree, kind, Color=paint) for kind in ("BsdfDiffuse", "SubsurfaceScattering")]
@@ -273,3 +281,37 @@ def test_a_copied_group_is_given_back_after_saving_and_reopening(scene, subject,
     assert snapshot.revert(bpy.context.scene) == []
     after = {path: value for path, value in dump().items() if "node_groups" in path or "materials" in path}
     assert difference(before, after) == {}
+
+
+SOURCES = ("ValToRGB", "HueSaturation", "Mix", "Attribute", "VertexColor", "TexGradient", "TexVoronoi")
+SHADERS = ("BsdfDiffuse", "BsdfGlossy", "BsdfGlass", "BsdfTranslucent", "BsdfToon", "SubsurfaceScattering")
+
+
+@pytest.mark.parametrize("grouped", [False, True])
+@pytest.mark.parametrize("kind", SOURCES)
+def test_every_computed_color_of_every_shader_is_tinted(scene, subject, tree, kind, grouped):
+    """Of shaders in a group that another material uses, too."""
+    where = tree
+    if grouped:
+        nested(tree)
+        (holder,) = (n for n in tree.nodes if n.type == "GROUP")
+        where = next(n for n in holder.node_tree.nodes if n.type == "GROUP").node_tree
+    source = node(where, kind)
+    if kind == "Mix":
+        source.data_type = "RGBA"
+    color = next(s for s in source.outputs if s.type == "RGBA" and s.enabled)
+    for shader in SHADERS:
+        body = node(where, shader, Color=color)
+        if grouped:
+            end = next(n for n in where.nodes if n.type == "GROUP_OUTPUT")
+            where.links.new(body.outputs[0], end.inputs[0])
+        else:
+            shown(tree, body)
+        before = dump()
+        write(scene, subject, tint=BLUE, recolor=1.0)
+        assert bindings.read(scene, subject, PIVOT)["material/Body/tint"] == pytest.approx(BLUE)
+        if grouped:
+            assert bindings.read(scene, subject, PIVOT)["material/Ground/tint"] == (1.0, 1.0, 1.0)
+        assert snapshot.revert(scene) == []
+        assert difference(before, dump()) == {}
+        where.nodes.remove(body)

@@ -115,6 +115,9 @@ def giver(socket: NodeSocket, inside: tuple[Node, ...]) -> tuple[NodeSocket, tup
         node = source.node
         if node.type == "REROUTE":
             return giver(node.inputs[0], inside)
+        if node.mute:
+            through = [each.from_socket for each in node.internal_links if each.to_socket == source]
+            return giver(through[0], inside) if through else None
         if node.type == "GROUP" and node.node_tree:
             entry = same_socket(group_output(node), source)
             return giver(entry, (*inside, node)) if entry else None
