@@ -56,6 +56,7 @@ def _mixed(world: bpy.types.World, background: bpy.types.Node) -> str:
 def _plain(world: bpy.types.World, source: bpy.types.NodeSocket) -> Iterator[bpy.types.World]:
     """A copy of a world that shows what an output gives, unturned, at strength 1; removed afterwards."""
     twin = world.copy()
+    twin.cycles.sampling_method = "NONE"  # it lights nothing, and a map of its light can take minutes
     tree = twin.node_tree
     exit_ = next(s for s in tree.nodes[source.node.name].outputs if s.identifier == source.identifier)
     background = tree.nodes.new("ShaderNodeBackground")

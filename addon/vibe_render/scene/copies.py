@@ -10,6 +10,10 @@ from typing import Any
 import bpy
 
 from ..core import compat
+from ..core.overrides import changed
+
+_COARSE_LIGHT = {"sampling_method": "MANUAL", "sample_map_resolution": 512}
+"""A map of a world's light that is computed in a moment. Cycles' own choice may take a minute for stars of noise."""
 
 
 @contextmanager
@@ -40,4 +44,13 @@ def copied_scene(scene: bpy.types.Scene, graded: bool = False, **render: Any) ->
         settings = {"use_sequencer": False, "use_border": False, "use_multiview": False, **render}
         for name, value in settings.items():
             setattr(twin.render, name, value)
+        if scene.world and _is_computed(scene.world):
+            stack.enter_context(changed(scene.world.cycles, **_COARSE_LIGHT))
         yield twin
+
+
+def _is_computed(world: bpy.types.World) -> bool:
+    """Whether nodes without a picture give a world's light, and Cycles decides how finely it is sampled."""
+    tree = compat.node_tree(world)
+    pictures = any(node.bl_idname == "ShaderNodeTexEnvironment" for node in tree.nodes) if tree else True
+    return world.is_editable and not pictures and world.cycles.sampling_method == "AUTOMATIC"
