@@ -101,7 +101,8 @@ def _knots(least: float, greatest: float) -> list[float]:
     """Signed radii of the layers, from far to near, 0 among them."""
     sides = []
     for reach in (-least, greatest):
-        radii, radius = [], _FIRST
+        radii: list[float] = []
+        radius = _FIRST
         while reach > 0 and (not radii or radii[-1] < reach):
             radii.append(radius)
             radius *= _GROWTH
