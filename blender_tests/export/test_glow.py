@@ -2,10 +2,11 @@
 """A scene that glowing surfaces light: words about light are about them, wherever they hang."""
 
 import bpy
+import dump
 import pytest
 import small_scenes as scenes
 from vibe_render.export import reading
-from vibe_render.scene import prepare
+from vibe_render.scene import bindings, prepare, snapshot
 from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.engine.added_lights import with_added_lights
@@ -95,3 +96,26 @@ def test_a_panel_that_a_word_names_is_meant(panel, tmp_path):
 
 def test_light_from_a_side_that_no_panel_can_take_is_added(panel, tmp_path):
     assert "light/Vibe Key/azimuth" in planned(panel, "light from the left", tmp_path)
+
+
+def test_a_glow_whose_color_nodes_compute_gets_a_tint(panel, tmp_path):
+    tree = bpy.data.materials["Panel"].node_tree
+    ramp = tree.nodes.new("ShaderNodeValToRGB")
+    for stop in ramp.color_ramp.elements:
+        stop.color = (0.6, 0.7, 1.0, 1.0)
+    tree.links.new(ramp.outputs["Color"], scenes.shader(bpy.data.materials["Panel"]).inputs["Emission Color"])
+    before = dump.contents()
+    entries = planned(panel, "warm light", tmp_path)
+    tint = entries["material/Panel/emission_color"]
+    assert tint.priority is not None
+    assert tint.upper[2] < 0.5 * tint.lower[0]
+    assert not any("Panel: Emission Color" in note for note in entries.notes)
+    analysis = reading.read_scene(panel, SubjectChoice(("Cube",))).analysis
+    assert (
+        bindings.write(panel, {"material/Panel/emission_color": tint.lower}, analysis.objects, analysis.pivot)
+        == {}
+    )
+    read = bindings.read(panel, analysis.objects, analysis.pivot)["material/Panel/emission_color"]
+    assert read == pytest.approx(tint.lower, abs=1e-5)
+    snapshot.revert(panel)
+    assert dump.difference(before, dump.contents()) == {}

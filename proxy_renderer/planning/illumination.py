@@ -90,7 +90,8 @@ def _lamps(
     for material, glow in context.glows.items():
         strength, color = (instances.get(f"material/{material}/{n}") for n in ("emission", "emission_color"))
         if strength:
-            gel = value(color) if color else (1.0, 1.0, 1.0)
+            over = value(color) if color else _WHITE
+            gel = tuple(a * b for a, b in zip(over, glow.color, strict=True))
             yield f"material/{material}", gel, value(strength)[0] * glow.light
 
 

@@ -19,6 +19,7 @@ _MIDDLE = 45.0  # L* that neither brightens nor darkens; "slightly" moves toward
 _MIDDLING = 0.35  # albedo of what is neither light nor dark
 _IN_PLACE_OF_KEY = Effect("world", "strength", "lightness", (62.0,), (88.0,))
 _NEUTRAL, _KELVIN, _WARM_TO_COOL = 6500.0, (1200.0, 16000.0), (2700.0, 11000.0)
+_LEAST_COMPONENT = 0.25  # of a glow's greatest: what lacks a color cannot be tinted to have it
 _OFF_WHITE = 50.0  # degrees of hue from warm and from cool light
 _DIRECTIONS = ("azimuth", "elevation", "rotation")
 
@@ -34,7 +35,9 @@ def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sourc
     elif effect.color:
         low, high = color_range(effect, attribute, instance, sources)
     elif effect.name == "temperature" and instance.parameter.kind == "color":
-        low, high = _glow_color(effect, attribute.strength, instance)
+        own = _computed_glow(instance, sources)
+        shown = tuple(a * b for a, b in zip(instance.value, own, strict=True))
+        low, high = _glow_color(effect, attribute.strength, shown)
     elif effect.name == "azimuth" and effect.mode in ("camera", "sides"):
         low, high = _azimuth(effect, instance, sources.context.camera_azimuth)
     else:
@@ -45,7 +48,27 @@ def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sourc
     if effect.name == "elevation":
         bottom, top = sources.context.light_elevations.get(instance.owner, (-90.0, 90.0))
         low, high = ((min(max(v[0], bottom), top),) for v in (low, high))
+    if instance.parameter.name == "emission_color" and effect.family.startswith("light/"):
+        low, high = _over_glow(low, high, _computed_glow(instance, sources))
     return clip(low, high, instance)
+
+
+def _computed_glow(instance: Instance, sources: Sources) -> Values:
+    glow = sources.context.glows.get(instance.owner)
+    return glow.color if glow else (1.0, 1.0, 1.0)
+
+
+def _over_glow(low: Values, high: Values, own: Values) -> Range:
+    """The tints that turn the mean color of a computed glow into those of a range, as far as its components allow."""
+    if max(own) - min(own) < 1e-3:
+        return low, high
+    least = _LEAST_COMPONENT * max(*own, 1e-6)
+    tints = [
+        tuple(w / max(v, least) for w, v in zip(wanted * (3 // len(wanted)), own, strict=True))
+        for wanted in (low, high)
+    ]
+    top = max(tints[1])
+    return tuple(v / top for v in tints[0]), tuple(v / top for v in tints[1])
 
 
 def clip(low: Values, high: Values, instance: Instance) -> Range:
@@ -79,14 +102,14 @@ def _spread(values: Values, instance: Instance) -> Values:
     return values * instance.parameter.components if len(values) == 1 else values
 
 
-def _glow_color(effect: Effect, strength: float, instance: Instance) -> Range:
+def _glow_color(effect: Effect, strength: float, color: Values) -> Range:
     """Colors of a glow between two temperatures; one of a color that no temperature has keeps it."""
-    own = srgb_from_linear(instance.value)
+    own = srgb_from_linear(tuple(v / max(*color, 1e-6) for v in color))
     vivid = all(hue_apart(own, srgb_from_linear(kelvin_color(k))) > _OFF_WHITE for k in _WARM_TO_COOL)
     ends = scaled(effect.lower[0], effect.upper[0], _NEUTRAL, strength, _KELVIN)
     tints = [kelvin_color(k) for k in ends]
     if vivid:
-        tints = [tuple(a * b for a, b in zip(instance.value, tint, strict=True)) for tint in tints]
+        tints = [tuple(a * b for a, b in zip(color, tint, strict=True)) for tint in tints]
     return tuple(map(min, *tints)), tuple(map(max, *tints))
 
 

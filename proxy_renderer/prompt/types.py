@@ -156,11 +156,13 @@ class Glow:
         light: Radiance that it gives to a white surface at the subject that faces it, if its own is 1.
         azimuth: Direction in which it is seen from the subject, degrees, as in `schema.orbit`.
         objects: Names of the objects that show it.
+        color: Mean of what nodes compute, linear, which its emission color then multiplies; white where they do not.
     """
 
     light: float
     azimuth: float
     objects: tuple[str, ...] = ()
+    color: Values = (1.0, 1.0, 1.0)
 
 
 @dataclass(frozen=True)
