@@ -10,10 +10,9 @@ from typing import Any
 import bpy
 from mathutils import Vector
 
-from ..core import compat
 from ..scene import orbits, scene_context
 from ..scene.lights.registry import type_of
-from ..scene.nodes.trails import active_links
+from ..scene.nodes import light_nodes
 from .analysis import SceneAnalysis
 
 MOST_INSTANCES = 24
@@ -101,25 +100,9 @@ def light(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, Any]:
         "soft_falloff": getattr(data, "use_soft_falloff", True),
         "use_temperature": getattr(data, "use_temperature", False),
         "role": role,
-        "tint": _glow(data) or (1.0, 1.0, 1.0),
+        "tint": light_nodes.factor(data) or (1.0, 1.0, 1.0),
     }
     return row | type_of(thing).exported(thing)
-
-
-def _glow(data: bpy.types.Light) -> tuple[float, float, float] | None:
-    """The factor (3,) of a light's nodes, Emission color times strength; None if they do anything else."""
-    tree = compat.node_tree(data)
-    if tree is None:
-        return 1.0, 1.0, 1.0
-    output = tree.get_output_node("CYCLES")
-    links = active_links(output.inputs["Surface"]) if output else []
-    if not links or links[0].from_node.bl_idname != "ShaderNodeEmission":
-        return None
-    color, strength = (links[0].from_node.inputs[name] for name in ("Color", "Strength"))
-    if active_links(color) or active_links(strength):
-        return None
-    red, green, blue = (float(c) * strength.default_value for c in color.default_value[:3])
-    return red, green, blue
 
 
 def _rows(matrix: Any) -> list[list[float]]:
@@ -167,7 +150,7 @@ def ignored(scene: bpy.types.Scene) -> list[str]:
     for lamp in lamps:
         if not scene_context.placed(lamp):
             notes.append(f"{lamp.name} has no usable place: it is left out.")
-        elif _glow(lamp.data) is None:
+        elif light_nodes.factor(lamp.data) is None:
             notes.append(f"The nodes of {lamp.name} are left out of the prediction.")
         notes += type_of(lamp).approximations(lamp)
         if any((lamp.light_linking.receiver_collection, lamp.light_linking.blocker_collection)):

@@ -15,7 +15,7 @@ from ..core.journal import Journal
 from ..core.value_slots import LazySlot, PropertySlot, ValueSlot, together
 from . import fog, scene_context
 from .lights.registry import type_of
-from .nodes import environment_rotation, grade, inputs, layers, shaders, tint
+from .nodes import environment_rotation, grade, inputs, layers, light_nodes, shaders, tint
 from .nodes.trails import NodeEntry
 from .orbits import OrbitSlot, Pose
 from .scene_context import SceneContext
@@ -105,7 +105,9 @@ class TemperatureSlot:
 
 
 def lamp_temperature(context: SceneContext, obj: Object) -> ValueSlot | None:
-    """The temperature of a light, where Blender has it."""
+    """The temperature of a light, where Blender has it: that of a Blackbody node, if it has its color from one."""
+    if light_nodes.kelvin(obj.data) and not getattr(obj.data, "use_temperature", False):
+        return inputs.slot(lambda: light_nodes.kelvin(obj.data))
     if not compat.HAS_TEMPERATURE:
         return None
     return TemperatureSlot(obj.data, _lamp_lock(context.scene, obj, "temperature"))

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the nodes of a light do to its power and color: Emission, Blackbody, Light Falloff."""
+
+from __future__ import annotations
+
+from bpy.types import Light, Node, NodeSocket
+
+from ...core import compat
+from .trails import NodeEntry, ValueOrigin, giver, resolve
+
+
+def kelvin(light: Light) -> NodeEntry | None:
+    """The temperature of the Blackbody node that gives a light its color; None if none does, or if it is computed."""
+    color = _origin(light, "Color")
+    if color is None or color.source is None or color.source.node.bl_idname != "ShaderNodeBlackbody":
+        return None
+    entry = NodeEntry(color.source.node.inputs["Temperature"], color.inside)
+    return None if resolve(entry).source else entry
+
+
+def factor(light: Light) -> tuple[float, float, float] | None:
+    """What a light's nodes multiply its color by, a Blackbody's temperature aside; None if they do what is no factor."""
+    if compat.node_tree(light) is None:
+        return 1.0, 1.0, 1.0
+    color, strength = _origin(light, "Color"), _origin(light, "Strength")
+    if color is None or strength is None:
+        return None
+    level = _level(strength)
+    if level is None or (color.source and not kelvin(light)):
+        return None
+    red, green, blue = (1.0, 1.0, 1.0) if color.source else color.socket.default_value[:3]
+    return red * level, green * level, blue * level
+
+
+def _level(strength: ValueOrigin) -> float | None:
+    """A strength as a number; Light Falloff passes on its own, if that falls off as light does."""
+    source = strength.source
+    if source is not None and source.node.bl_idname == "ShaderNodeLightFalloff":
+        entry = resolve(NodeEntry(source.node.inputs["Strength"], strength.inside))
+        smooth = source.node.inputs["Smooth"]
+        plain = source.name == "Quadratic" and not smooth.is_linked and smooth.default_value == 0.0
+        return float(entry.socket.default_value) if plain and entry.source is None else None
+    return None if source else float(strength.socket.default_value)
+
+
+def _origin(light: Light, name: str) -> ValueOrigin | None:
+    """Where the Emission node of a light's output has an input's value from."""
+    tree = compat.node_tree(light)
+    output: Node | None = tree.get_output_node("CYCLES") if tree else None
+    given = giver(output.inputs["Surface"], ()) if output else None
+    if given is None or given[0].node.bl_idname != "ShaderNodeEmission":
+        return None
+    socket: NodeSocket = given[0].node.inputs[name]
+    return resolve(NodeEntry(socket, given[1]))

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lights whose color and strength nodes compute: predicted as Cycles renders them, and changed where the value is."""
+
+import bpy
+import dump
+import pytest
+import small_scenes as scenes
+import torch
+from vibe_render.core import compat
+from vibe_render.export import reading
+from vibe_render.render import anchors
+from vibe_render.scene import bindings, snapshot
+from vibe_render.scene.subject import SubjectChoice
+
+from proxy_renderer.render.cycles.pictures import CyclesPicture
+from proxy_renderer.render.proxy import Proxy
+from proxy_renderer.scene import load_scene
+
+
+@pytest.fixture
+def blackbody(scene):
+    """A cube by a lamp of 2500 K, by a Blackbody node, three times as bright by a Light Falloff."""
+    scenes.principled("Paint", scenes.cube(scene, "Cube", (0.0, 0.0, 0.0), 2.0))
+    scenes.camera(scene)
+    scenes.world(scene).node_tree.nodes["Background"].inputs["Color"].default_value = (0.0, 0.0, 0.0, 1.0)
+    data = scenes.light(scene, "POINT", (1.0, -4.0, 3.0)).data
+    data.energy = 100.0
+    compat.enable_nodes(data)
+    tree = data.node_tree
+    emission = next(n for n in tree.nodes if n.type == "EMISSION")
+    black, falloff = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("Blackbody", "LightFalloff"))
+    black.inputs["Temperature"].default_value, falloff.inputs["Strength"].default_value = 2500.0, 3.0
+    tree.links.new(black.outputs["Color"], emission.inputs["Color"])
+    tree.links.new(falloff.outputs["Quadratic"], emission.inputs["Strength"])
+    scene.render.resolution_x = scene.render.resolution_y = 64
+    return scene
+
+
+def test_the_prediction_has_their_color_and_strength(blackbody, tmp_path):
+    job = reading.export_scene(blackbody, tmp_path, SubjectChoice(("Cube",)))
+    assert not any("nodes of Point" in warning for warning in job.warnings)
+    scene = load_scene(tmp_path)
+    place = job.analysis.objects, job.analysis.pivot
+    groups = anchors.render_anchor(blackbody, tmp_path / "a.exr", {}, *place, 64, 32)
+    cycles = CyclesPicture.load(tmp_path / "a.exr", groups, scene.film).whole.mean((0, 1))
+    with torch.no_grad():
+        predicted = Proxy(scene, (64, 64)).render({}).linear.mean((0, 1))
+    assert ((predicted - cycles).abs() < 0.1 * cycles.max()).all()
+
+
+def test_words_change_the_nodes_own_temperature(blackbody, tmp_path):
+    before = dump.contents()
+    job = reading.export_scene(blackbody, tmp_path, SubjectChoice(("Cube",)))
+    assert job.instances["light/Point/temperature"].value == pytest.approx((2500.0,))
+    place = job.analysis.objects, job.analysis.pivot
+    assert bindings.write(blackbody, {"light/Point/temperature": (9000.0,)}, *place) == {}
+    node = next(n for n in bpy.data.lights["Point"].node_tree.nodes if n.type == "BLACKBODY")
+    assert node.inputs["Temperature"].default_value == pytest.approx(9000.0)
+    snapshot.revert(blackbody)
+    assert dump.difference(before, dump.contents()) == {}
