@@ -13,6 +13,7 @@ from ..core import files
 from ..core.schema_import import limits, schema
 from ..scene.stage import demo, stage
 from ..scene.subject import SubjectChoice
+from . import fluids
 from .reporter import Reporter
 
 
@@ -45,7 +46,8 @@ def open_blend(path: Path) -> None:
     if not path.is_file():
         raise schema.VibeError(f"There is no file {path}.", "Check the path.")
     try:
-        bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False, use_scripts=False)
+        with fluids.left_out():
+            bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False, use_scripts=False)
     except RuntimeError as error:
         reason = str(error).strip().splitlines()[-1].removeprefix("Error: ").rstrip(".")
         raise schema.VibeError(
@@ -64,6 +66,9 @@ def check_writable(path: Path) -> None:
 def save_blend(path: Path) -> None:
     """Saves the open file under another name; its paths stay right for that folder."""
     try:
-        bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True, relative_remap=True, check_existing=False)
+        with fluids.as_opened():
+            bpy.ops.wm.save_as_mainfile(
+                filepath=str(path), copy=True, relative_remap=True, check_existing=False
+            )
     except RuntimeError as error:
         raise files.unwritable(path, error, "Make room there, or choose another --out.") from error

@@ -17,6 +17,7 @@ from ..export import reading
 from ..export.job_folder import SceneJob
 from ..scene import fog, scene_context
 from ..scene.subject import SubjectChoice
+from . import fluids
 from .reporter import Reporter
 from .scenes import open_scene
 
@@ -136,7 +137,9 @@ class ShotList:
             folder = self._folder / str(number)
             self._reporter.stage("reading the scene")
             self.jobs.append(reading.export_scene(scene, folder, choice, around, eyes))
-            for note in self.jobs[-1].view_notes:
+            notes = [fluids.note()] if fluids.note() else []
+            self.jobs[-1].warnings[:0] = notes
+            for note in [*self.jobs[-1].view_notes, *notes]:
                 self._reporter.note(note)
             self.subjects.append({o.name_full for o in self.jobs[-1].analysis.objects})
             if planned := fog.planned(scene):
