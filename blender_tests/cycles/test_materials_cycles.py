@@ -285,3 +285,31 @@ def test_a_mirror_shows_the_ground_that_the_camera_does_not_see(stage, tmp_path)
     difference, _, warnings = _compare(stage, tmp_path)
     assert not warnings
     assert difference.mean() < 1.9
+
+
+def _mixed(tree: bpy.types.NodeTree, first: bpy.types.Node, second: bpy.types.Node, fac) -> bpy.types.Node:
+    mix = _node(tree, "MixShader")
+    for number, part in ((1, first), (2, second)):
+        tree.links.new(part.outputs[0], mix.inputs[number])
+    tree.links.new(fac, mix.inputs[0])
+    tree.links.new(mix.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    return mix
+
+
+@pytest.mark.parametrize(("mix", "most"), [("car paint", 1.4), ("two paints", 2.0), ("glowing veins", 3.0)])
+def test_mixes_arrive_as_their_sum(stage, tmp_path, mix, most):
+    """One of the shaders alone was 1.8, 5.9 and 7.5 off."""
+    tree = _ball("Ball").node_tree
+    red, gray, green = (0.6, 0.1, 0.05, 1), (0.8, 0.8, 0.8, 1), (0.05, 0.4, 0.1, 1)
+    noise, place = _node(tree, "TexChecker", Scale=1.5), _node(tree, "TexCoord")
+    tree.links.new(place.outputs["Object"], noise.inputs["Vector"])
+    if mix == "car paint":
+        parts = [_node(tree, "BsdfGlossy", Color=c, Roughness=r) for c, r in ((red, 0.5), (gray, 0.1))]
+        _mixed(tree, *parts, _node(tree, "LayerWeight").outputs["Fresnel"])
+    elif mix == "two paints":
+        parts = [_node(tree, "BsdfDiffuse", Color=c) for c in (red, green)]
+        _mixed(tree, *parts, noise.outputs["Fac"])
+    else:
+        glow = _node(tree, "Emission", Color=green, Strength=2.0)
+        _mixed(tree, _node(tree, "BsdfDiffuse", Color=red), glow, noise.outputs["Fac"])
+    assert _compare(stage, tmp_path)[0].mean() < most
