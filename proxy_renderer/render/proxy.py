@@ -170,7 +170,7 @@ class Proxy:
         kept = self._cache
         if kept is None or kept.signature != view.signature() or not torch.equal(kept.metals, metals):
             smooth = torch.stack([sharp(p) & self.fine for p in shading_inputs])
-            shape = metals, smooth, lamps, self.emitters.materials
+            shape = metals, smooth, lamps, self.emitters.materials, self.emitters.glowing
             kept = self._cache = ViewCache(self.scene, self.geometry, view, *shape, self.seed)
         return kept
 

@@ -108,13 +108,17 @@ class Emitters:
         """Indices of the materials whose light comes from lamps."""
         return tuple(m for m, clusters in self._clusters.items() if clusters)
 
+    @property
+    def glowing(self) -> tuple[int, ...]:
+        """Indices of all materials that glow, or have glowed."""
+        return tuple(self._clusters)
+
     def notice(self, shading_inputs: Sequence[ShadingInputs]) -> bool:
         """Makes lights of materials that have begun to glow.
 
         Returns:
-            Whether there are new lights.
+            Whether there are new ones.
         """
-        before = self.materials
         new = {
             material
             for material, inputs in enumerate(shading_inputs)
@@ -124,7 +128,7 @@ class Emitters:
         for material in sorted(new):
             with torch.no_grad():
                 self._clusters[material] = clusters_of(self._geometry, material, self._near)
-        return self.materials != before
+        return bool(new)
 
     def lamps(self, shading_inputs: Sequence[ShadingInputs]) -> list[EmitterLight]:
         """All clusters as lamps, differentiable in emission."""

@@ -74,6 +74,7 @@ class ViewCache:
         smooth: (M,) bool: materials of which every pixel gets several samples.
         lamps: How many the scene has, the suns of its world and glowing surfaces included.
         emissive: Indices of materials whose light comes from lamps.
+        glowing: Indices of all materials that glow.
         seed: For jitter.
     """
 
@@ -86,6 +87,7 @@ class ViewCache:
         smooth: Tensor,
         lamps: int,
         emissive: Sequence[int],
+        glowing: Sequence[int],
         seed: int,
     ) -> None:
         self.scene, self.geometry, self.metals, self._lamps = scene, geometry, metals, lamps
@@ -99,7 +101,7 @@ class ViewCache:
             self._view_samples = ViewSamples.of(self._bumped(surface, toward), toward)
             self._smoothing = ShadowFilter(samples, self._view_samples.surface)
             generator = torch.Generator().manual_seed(seed)
-            shape = metals, lamps, emissive, self._maps, generator
+            shape = metals, lamps, emissive, glowing, self._maps, generator
             self.indirect = FinalGather(
                 geometry, samples, self._view_samples.surface, view.detached(), *shape
             )

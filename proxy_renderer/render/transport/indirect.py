@@ -30,6 +30,8 @@ from .secondary_hits import RadianceTable, SecondaryHits
 
 _DIFFUSE_RAYS = 16
 _GLOSSY_RAYS = 8
+_GLOW_RAYS = 64
+"""More rays for what glows: it is small and bright, and few rays that find it by chance would make grain."""
 _LEAST_COSINE = 0.02
 
 
@@ -55,7 +57,8 @@ class IndirectLight:
 class FinalGather:
     """Bounced light and reflections for the samples of one view.
 
-    `gather_points` are the indices (A,) of the samples at which diffuse light is gathered.
+    `gather_points` are the indices (A,) of the samples at which diffuse light is gathered. Of the materials that are
+    `glowing`, those that are `emissive` send their diffuse light by lamps.
     """
 
     def __init__(
@@ -67,6 +70,7 @@ class FinalGather:
         metals: Tensor,
         lamps: int,
         emissive: Sequence[int],
+        glowing: Sequence[int],
         maps: MaterialTextures,
         generator: torch.Generator,
     ) -> None:
@@ -76,12 +80,12 @@ class FinalGather:
         points = surface.pick(gather_points.index)
         origin = geometry.lifted(points)
         shape = geometry, metals, lamps
-        glossy = _glossy_rays(points, samples.toward[:, gather_points.index], generator)
+        eye = samples.toward[:, gather_points.index]
+        diffuse = _diffuse_rays(points, generator, _DIFFUSE_RAYS)
+        glossy = _glossy_rays(points, eye, generator, _GLOSSY_RAYS)
         # What metals send on is a caustic on a matte surface: as if they scattered it evenly, on average.
         matte = geometry, torch.zeros_like(metals), lamps
-        self.diffuse = _secondary_hits(
-            *matte, origin, _diffuse_rays(points, generator), _DIFFUSE_RAYS, "diffuse"
-        )
+        self.diffuse = _secondary_hits(*matte, origin, diffuse, _DIFFUSE_RAYS, "diffuse")
         self.glossy = _secondary_hits(*shape, origin, glossy, _GLOSSY_RAYS, "glossy")
         mirrored = above(reflect(samples.toward[:, : samples.surfaces], surface.normal), surface.facet)
         self.mirror = SecondaryHits(
@@ -93,7 +97,13 @@ class FinalGather:
         self._weights: tuple[Tensor, Tensor] | None = None
         self._shape = len(metals), 2 * (lamps + 2)
         self._skies = len(metals) * (2 * lamps + 5)
-        self._emissive = [len(metals) * 2 * (lamps + 2) + m for m in emissive]
+        first = len(metals) * 2 * (lamps + 2)
+        self._emissive, self._emission = [first + m for m in emissive], slice(first, first + len(metals))
+        self._glow: tuple[Tensor, Tensor] | None = None
+        if glowing:
+            start = geometry, origin, len(metals)
+            wide = _glow(*start, _diffuse_rays(points, generator, _GLOW_RAYS), "diffuse")
+            self._glow = wide, _glow(*start, _glossy_rays(points, eye, generator, _GLOW_RAYS), "glossy")
 
     def light(self, index: int, lamp: LightSource) -> None:
         """Traces shadow rays again for a light that has moved."""
@@ -168,10 +178,12 @@ class FinalGather:
 
     def _weighed(self) -> tuple[Tensor, Tensor]:
         if self._weights is None:
-            wide = self.diffuse.weights()
+            wide, narrow = self.diffuse.weights(), self.glossy.weights()
+            if self._glow is not None:
+                wide[:, self._emission], narrow[:, self._emission] = self._glow
             wide[:, self._emissive] = 0.0  # their lamps count
             low = self._gather_points.smooth(wide) * math.pi
-            glossy = self._gather_points.smooth_glossy(self.glossy.weights())
+            glossy = self._gather_points.smooth_glossy(narrow)
             self._weights = low, glossy[:, : self._skies]
         return self._weights
 
@@ -199,20 +211,30 @@ def _secondary_hits(
     return SecondaryHits(geometry, origins, toward, count, metals, lamps, ray, deep=True)
 
 
-def _diffuse_rays(points: Surface, generator: torch.Generator) -> Tensor:
+def _glow(geometry: RayGeometry, origin: Tensor, materials: int, toward: Tensor, ray: str) -> Tensor:
+    """Share (A, M) of the rays (3, A * R) from points (3, A) that end on each material."""
+    points = origin.shape[1]
+    count = toward.shape[1] // max(points, 1)
+    hits = geometry.first_hits(origin.repeat_interleave(count, 1), toward, ray)
+    met = hits.hit.nonzero()[:, 0]
+    place = met // count * materials + geometry.material[hits.triangle[met]]
+    return torch.bincount(place, minlength=points * materials).view(points, materials) / count
+
+
+def _diffuse_rays(points: Surface, generator: torch.Generator, rays: int) -> Tensor:
     count = points.position.shape[1]
-    uv = sphere_points(_DIFFUSE_RAYS, count, generator).to(points.position.device).flatten(1)
-    normal = points.normal.repeat_interleave(_DIFFUSE_RAYS, 1)
-    return above(cosine_directions(normal, uv), points.facet.repeat_interleave(_DIFFUSE_RAYS, 1))
+    uv = sphere_points(rays, count, generator).to(points.position.device).flatten(1)
+    normal = points.normal.repeat_interleave(rays, 1)
+    return above(cosine_directions(normal, uv), points.facet.repeat_interleave(rays, 1))
 
 
-def _glossy_rays(points: Surface, toward: Tensor, generator: torch.Generator) -> Tensor:
+def _glossy_rays(points: Surface, toward: Tensor, generator: torch.Generator, rays: int) -> Tensor:
     """Rays (3, N) reflected by the GGX microfacets that the camera's rays (3, A) meet."""
     count = points.position.shape[1]
-    uv = sphere_points(_GLOSSY_RAYS, count, generator).to(points.position.device).flatten(1)
-    normal = points.normal.repeat_interleave(_GLOSSY_RAYS, 1)
-    facet = points.facet.repeat_interleave(_GLOSSY_RAYS, 1)
-    toward = toward.repeat_interleave(_GLOSSY_RAYS, 1)
+    uv = sphere_points(rays, count, generator).to(points.position.device).flatten(1)
+    normal = points.normal.repeat_interleave(rays, 1)
+    facet = points.facet.repeat_interleave(rays, 1)
+    toward = toward.repeat_interleave(rays, 1)
     cosine = (-dot(toward, normal)).clamp(_LEAST_COSINE, 1.0)
     x, y, z = visible_normals(cosine, GLOSSY**2, uv)
     level = -toward - normal * cosine
