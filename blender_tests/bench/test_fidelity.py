@@ -3,6 +3,7 @@
 
 import json
 import random
+import types
 
 import bpy
 import pytest
@@ -13,7 +14,9 @@ from vibe_render.bench.move import STEP, move
 from vibe_render.bench.scenes.build import WORLDS, build
 from vibe_render.bench.scenes.catalog import CATALOG
 from vibe_render.bench.scenes.recipe import features
+from vibe_render.bench.scenes.set_catalog import SET_CATALOG
 from vibe_render.bench.scenes.shapes import SHAPES
+from vibe_render.scene import scene_context
 
 from proxy_renderer.schema import FAMILIES, Instance
 
@@ -72,6 +75,20 @@ def test_the_set_covers_what_the_issue_names():
         transparent film,alpha"""
     assert {" ".join(name.split()) for name in wanted.split(",")} <= covered
     assert {recipe.world.picture for recipe in CATALOG} - {""} == set(WORLDS)
+
+
+@pytest.mark.parametrize("recipe", SET_CATALOG, ids=lambda recipe: recipe.name)
+def test_sets_are_of_several_things_that_the_camera_sees(recipe):
+    scene, subject = build(recipe, 0)
+    to_clip = scene_context.frustum(scene)
+    seen = [o for o in subject if scene_context.in_frame(to_clip, _instance(o))]
+    assert len(seen) >= 2
+    assert len({o.data.materials[0].name for o in seen}) >= 2
+
+
+def _instance(thing):
+    """As much of an instance as `in_frame` asks for."""
+    return types.SimpleNamespace(object=thing, matrix_world=thing.matrix_world)
 
 
 @pytest.mark.parametrize("name", ["knot", "rock"])

@@ -25,11 +25,15 @@ from .fingerprint import fingerprint
 from .move import move
 from .scenes.build import build
 from .scenes.catalog import CATALOG
+from .scenes.places import PLACES
 from .scenes.recipe import SceneRecipe, features
+from .scenes.set_catalog import SET_CATALOG
 from .scenes.shapes import SHAPES
 
 VERSION = ANCHOR_VERSION = 1
 """Raised when the way references, or anchors, are rendered changes."""
+SUBJECTS = {name: (make, (*mesh, "single subject")) for name, (make, mesh) in SHAPES.items()}
+"""What the older scenes are of: their means are told apart from those of sets."""
 ANCHOR_SIZE, ANCHOR_SAMPLES = 192, 32
 
 
@@ -50,7 +54,7 @@ def make(recipe: SceneRecipe, a: argparse.Namespace) -> dict[str, Any]:
     mark = fingerprint(scene)
     reference, cached = _reference(scene, mark, a)
     measurement: dict[str, Any] = {
-        "features": features(recipe, SHAPES[recipe.shape][1]),
+        "features": features(recipe, (SUBJECTS | PLACES)[recipe.shape][1]),
         "job": str(folder / "job"),
         "reference": str(reference),
         "cached": cached,
@@ -106,4 +110,4 @@ def _save(path: Path) -> Path:
 
 
 if __name__ == "__main__":
-    side.main({recipe.name: recipe for recipe in CATALOG}, make)
+    side.main({recipe.name: recipe for recipe in (*CATALOG, *SET_CATALOG)}, make)

@@ -18,6 +18,7 @@ from ...scene import bindings, scene_context, snapshot
 from ...scene.lights.light_type import SIZE
 from ...scene.lights.registry import light_type
 from ...scene.stage import parts
+from .places import PLACES
 from .props import PROPS
 from .recipe import CameraRecipe, FogRecipe, LightRecipe, SceneRecipe, WorldRecipe, chance
 from .shapes import SHAPES
@@ -41,7 +42,7 @@ def build(recipe: SceneRecipe, seed: int) -> tuple[Scene, list[Object]]:
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True, load_ui=False)
     scene, luck = bpy.context.scene, chance(recipe, seed)
     scene.render.resolution_x = scene.render.resolution_y = _SIDE
-    subject = (SHAPES | PROPS)[recipe.shape][0](luck)
+    subject = (SHAPES | PROPS | PLACES)[recipe.shape][0](luck)
     stuffs = [material(f"Stuff {i}", finish, luck) for i, finish in enumerate(recipe.finishes)]
     for i, thing in enumerate(subject):
         thing.data.materials.clear()

@@ -123,7 +123,7 @@ class SceneRecipe:
 
     Attributes:
         name: Unique; a folder's name.
-        shape: The subject, a name in `shapes.SHAPES` or `props.PROPS`.
+        shape: The subject, a name in `shapes.SHAPES`, `props.PROPS` or `places.PLACES`.
         finishes: Materials of the subject's parts, in turn.
         stage: "none", "floor", "cove" (a round backdrop) or "room" (three walls).
         ground: Material of the stage.
