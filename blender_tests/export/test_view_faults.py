@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What spoils a picture is said before anything is searched for, with the name of the object."""
 
+import bpy
 import pytest
 from faulty_scenes import AIM, aim, darkness, plain
 from small_scenes import cube
@@ -50,3 +51,12 @@ def test_a_black_picture(scene, tmp_path):
     final_render.render(scene, tmp_path / "dark.png", 32, 1)
     assert black.note(tmp_path / "lit.png") == ""
     assert "renders black" in black.note(tmp_path / "dark.png")
+
+
+def test_the_picture_is_in_another_scene(scene, tmp_path):
+    plain(scene)
+    menu = bpy.data.scenes.new("Menu")
+    menu.camera = scene.camera
+    with pytest.raises(VibeError, match='"Menu" has no mesh') as refused:
+        exported(menu, tmp_path)
+    assert f'"{scene.name}" has meshes' in refused.value.remedy

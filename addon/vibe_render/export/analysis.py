@@ -13,6 +13,7 @@ from ..scene import evaluated, subject
 from ..scene.geometry import visibility
 from ..scene.geometry.meshes import collect
 from ..scene.geometry.triangles import PlacedMesh, SceneGeometry, assembled
+from ..scene.scene_context import GEOMETRY
 from .materials import uv_of
 
 
@@ -139,9 +140,7 @@ def analyze(
     visible_scene = visible_scene or capture(scene).visible_scene()
     geometry, visible = visible_scene.geometry, visible_scene.visible
     if not len(geometry.faces):
-        raise schema.VibeError(
-            "The scene has no mesh that a render shows.", "Add one, or unhide it for renders."
-        )
+        raise _no_mesh(scene)
     if (visible.object < 0).all():
         raise schema.VibeError("The camera sees no mesh.", "Point the scene's camera at the subject.")
     is_subject = subject.choose(scene, geometry, visible, choice)
@@ -151,6 +150,18 @@ def analyze(
     objects = tuple(o for o in scene.objects if o.name_full in names)
     return SceneAnalysis(
         scene, geometry, visible, is_subject, objects, tuple(low.tolist()), tuple(high.tolist())
+    )
+
+
+def _no_mesh(scene: bpy.types.Scene) -> schema.VibeError:
+    """The error for a scene that shows nothing; the picture may be in another scene of the file."""
+    full = [s.name for s in bpy.data.scenes if s != scene and any(o.type in GEOMETRY for o in s.objects)]
+    if not full:
+        remedy = "Add one, or unhide it for renders."
+        return schema.VibeError("The scene has no mesh that a render shows.", remedy)
+    return schema.VibeError(
+        f'The scene "{scene.name}" has no mesh that a render shows.',
+        f'Save the file with another scene open: "{full[0]}" has meshes.',
     )
 
 
