@@ -86,6 +86,14 @@ def test_sets_are_of_several_things_that_the_camera_sees(recipe):
     assert len({o.data.materials[0].name for o in seen}) >= 2
 
 
+@pytest.mark.parametrize(("name", "lamps"), [("set_lounge", ["Window"]), ("set_bedroom", ["Shade"])])
+def test_in_a_room_only_its_lamp_glows(name, lamps):
+    recipe = next(each for each in SET_CATALOG if each.name == name)
+    _, subject = build(recipe, 0)
+    names = {"Stuff 0"}
+    assert [o.name for o in subject if o.data.materials[0].name in names] == lamps
+
+
 def _instance(thing):
     """As much of an instance as `in_frame` asks for."""
     return types.SimpleNamespace(object=thing, matrix_world=thing.matrix_world)

@@ -27,8 +27,8 @@ from .sets import BEIGE, CEILING, DARK, PALE, PLASTER
 
 # fmt: off
 SET_CATALOG: tuple[SceneRecipe, ...] = (
-    SceneRecipe("set_lounge", "lounge", (glow(COOL, 4.0), FinishRecipe((0.4, 0.12, 0.08), 0.9, "weave"), FinishRecipe((0.3, 0.18, 0.1), 0.3), FinishRecipe((0.2, 0.3, 0.35), 0.5), FinishRecipe((0.45, 0.42, 0.38), 0.9)), (CEILING,), WorldRecipe(0.2, (0.5, 0.55, 0.6)), "room", BOARDS, walls=BEIGE, view=CameraRecipe(0, 8, 44, 0.9)),
-    SceneRecipe("set_bedroom", "bedroom", (glow(WARM, 8.0), FinishRecipe((0.5, 0.5, 0.55), 0.9), PALE, FinishRecipe((0.3, 0.18, 0.1), 0.4)), (), WorldRecipe(0.15, COOL), "room", BOARDS, walls=BEIGE, view=CameraRecipe(5, 10, 44, 0.9)),
+    SceneRecipe("set_lounge", "lounge", (glow(COOL, 4.0), FinishRecipe((0.4, 0.12, 0.08), 0.9, "weave"), FinishRecipe((0.3, 0.18, 0.1), 0.3), FinishRecipe((0.2, 0.3, 0.35), 0.5), *(FinishRecipe((0.45, 0.42, 0.38), 0.9),) * 8), (CEILING,), WorldRecipe(0.2, (0.5, 0.55, 0.6)), "room", BOARDS, walls=BEIGE, view=CameraRecipe(0, 8, 44, 0.9)),
+    SceneRecipe("set_bedroom", "bedroom", (glow(WARM, 8.0), FinishRecipe((0.5, 0.5, 0.55), 0.9), PALE, PALE, *(FinishRecipe((0.3, 0.18, 0.1), 0.4),) * 2), (), WorldRecipe(0.15, COOL), "room", BOARDS, walls=BEIGE, view=CameraRecipe(5, 10, 44, 0.9)),
     SceneRecipe("set_kitchen", "kitchen", (FinishRecipe((0.6, 0.58, 0.54), 0.3, "marble"), FinishRecipe((0.35, 0.2, 0.1), 0.4), FinishRecipe(CLAY, 0.3), metal(STEEL, 0.3)), (CEILING, point(60, 0.3)), DIM, "room", PLASTER, walls=BEIGE, view=CameraRecipe(-5, 8, 44, 0.9)),
     SceneRecipe("set_street", "street", (PLASTER, FinishRecipe((0.45, 0.25, 0.18), 0.8, "brick"), FinishRecipe(BONE, 0.8)), (sun(-60, 38, 0.9),), WorldRecipe(0.8, (0.35, 0.5, 0.75)), "floor", STONE, view=CameraRecipe(0, 10, 50, 0.9)),
     SceneRecipe("set_night_street", "night_street", (FinishRecipe((0.3, 0.28, 0.26), 0.8), FinishRecipe((0.2, 0.2, 0.2), 0.8), glow(WARM, 5.0)), (), WorldRecipe(1.0, (0.01, 0.015, 0.03)), "floor", FinishRecipe((0.1, 0.1, 0.11), 0.25), view=CameraRecipe(0, 10, 50, 0.9)),
