@@ -80,17 +80,18 @@ def test_hidden_things_are_left_out_and_instances_are_placed(stage, tmp_path):
     np.testing.assert_allclose(high, (1.75, 0.25, 1.25), atol=1e-5)
 
 
-def test_a_softbox_that_the_camera_does_not_see_comes_with_its_light(stage, tmp_path):
-    """Behind the camera, and hidden from it: its values are no parameters, but they light the picture."""
+@pytest.mark.parametrize(("strength", "is_light"), [(7.0, True), (0.0, False)])
+def test_a_softbox_that_the_camera_does_not_see_comes_with_its_light(stage, tmp_path, strength, is_light):
+    """Behind the camera, and hidden from it: its values light the picture, and a vibe may turn it while it glows."""
     cube()
     softbox = cube("Softbox", (0, -9, 0))
     softbox.visible_camera = softbox.visible_shadow = False
     _, _, shader = material("Soft", softbox)
-    shader.inputs["Emission Strength"].default_value = 7.0
+    shader.inputs["Emission Strength"].default_value = strength
     job, scene = job_of(stage, tmp_path)
     assert {o.name: o.hidden for o in scene.objects} == {"Cube": (), "Softbox": ("camera", "shadow")}
-    assert scene.value("material/Soft/emission") == (7.0,)
-    assert "material/Soft/emission" not in scene.instances
+    assert scene.value("material/Soft/emission") == pytest.approx((strength,))
+    assert ("material/Soft/emission" in scene.instances) == is_light
     assert not job.warnings
 
 

@@ -63,7 +63,6 @@ def carry_out(a: argparse.Namespace, what: str, scenes: Sequence[Path] = ()) -> 
     a.groups = checks.groups(a.groups)
     checks.locks(a.lock)
     check.device(a.device)
-    out = checks.folder(a.out)
     from ...blender.launch import launch
     from ...blender.meshes import prepared
 
@@ -72,4 +71,5 @@ def carry_out(a: argparse.Namespace, what: str, scenes: Sequence[Path] = ()) -> 
         check.vocabulary(a.vocabulary)  # after the meshes: it takes as long as they do
         if not check.model(a):
             check.words(a.prompt)
+        out = checks.folder(a.out)  # last: a mistake leaves no folder
         return launch([what, *places, f"--out={out}", *command_line.to_arguments(a)], out)
