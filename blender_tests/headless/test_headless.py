@@ -114,7 +114,8 @@ def test_explain_reads_a_scene(vibed):
     assert {o["region"] for o in told["objects"]} <= {"subject", "surroundings"}
     assert told["objects"][0]["attributes"]["material"] == "dark oak"
     assert "'dark oak'" in told["plan"]["material/Box/base_color"]["reason"]
-    assert any("rim light" in note for note in told["notes"])
+    rim = told["plan"]["light/Vibe Rim/power"]  # the scene has none: it gets one
+    assert "rim light" in rim["reason"]
 
 
 def test_a_preset_is_applied(vibed, tmp_path):
