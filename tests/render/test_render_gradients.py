@@ -184,8 +184,8 @@ PLACES = [
     if not FAMILIES[family].only or kind in FAMILIES[family].only
     if not (kind == "SUN" and family == "light/distance")
 ]
-MISSING = 0.25
-"""Measured: 1 to 15 %, 22 % for a sun's elevation. What is missing are the shadows in light that comes over other
+MISSING = 0.22
+"""Measured: 1 to 15 %, 20 % for a sun's elevation. What is missing are the shadows in light that comes over other
 surfaces; the rest is that differences are of shadows of four rays, smoothed over five pixels."""
 
 

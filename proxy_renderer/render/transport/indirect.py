@@ -81,8 +81,8 @@ class FinalGather:
         origin = geometry.lifted(points)
         shape = geometry, metals, lamps
         eye = samples.toward[:, gather_points.index]
-        diffuse = _diffuse_rays(points, generator, _DIFFUSE_RAYS)
         glossy = _glossy_rays(points, eye, generator, _GLOSSY_RAYS)
+        diffuse = _diffuse_rays(points, generator, _DIFFUSE_RAYS)
         # What metals send on is a caustic on a matte surface: as if they scattered it evenly, on average.
         matte = geometry, torch.zeros_like(metals), lamps
         self.diffuse = _secondary_hits(*matte, origin, diffuse, _DIFFUSE_RAYS, "diffuse")
