@@ -21,8 +21,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TextIO
 
-import psutil
-
+from ..blender import process_tree
 from ..blender.crashes import temporary
 from ..blender.launch import blender_side, environment
 from ..blender.meshes import prepared
@@ -168,9 +167,7 @@ class Worker:
         process, self._process = self._process, None
         if process is None:
             return
-        for one in reversed(_family(process.pid)):
-            with contextlib.suppress(psutil.Error):
-                one.kill()
+        process_tree.kill(process.pid)
         process.wait()
         assert process.stdin is not None
         with contextlib.suppress(OSError):
@@ -214,25 +211,13 @@ class _Watch:
         if now < self._next:
             return
         self._next = now + _TICK
-        used = 0
-        for one in _family(pid):
-            with contextlib.suppress(psutil.Error):
-                used += one.memory_info().rss
+        used = process_tree.memory(pid)
         self.peak_gb = max(self.peak_gb, round(used / 1e9, 3))
         if used > self._limits.memory_gb * 1e9:
             raise VibeError(
                 f"It used {used / 1e9:.1f} GB of memory, more than {self._limits.memory_gb:g}.",
                 "Raise [limits] memory_gb, or use a smaller size.",
             )
-
-
-def _family(pid: int) -> list[psutil.Process]:
-    """A process and all that it has started."""
-    try:
-        top = psutil.Process(pid)
-        return [top, *top.children(recursive=True)]
-    except psutil.Error:
-        return []
 
 
 def _read(process: subprocess.Popen[str], lines: queue.SimpleQueue[str | None]) -> None:

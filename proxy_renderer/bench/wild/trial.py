@@ -13,10 +13,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import psutil
 import torch
 
-from ...blender import launch
+from ...blender import launch, process_tree
 from ...color.differences import ciede2000
 from ...color.tensors import lab_from_srgb
 from ...engine.report import load_picture
@@ -98,9 +97,9 @@ class Trial:
                 env=environment,
             )
             while process.poll() is None:
-                most = max(most, _memory(process.pid))
+                most = max(most, process_tree.memory(process.pid))
                 if time.monotonic() - start > _LONGEST:
-                    _kill(process.pid)
+                    process_tree.kill(process.pid)
                 time.sleep(_TICK)
         return process.returncode, time.monotonic() - start, most
 
@@ -148,30 +147,3 @@ class Trial:
 def _files(folder: Path) -> set[str]:
     """The names of everything in a folder, but not in the folders in it."""
     return set(os.listdir(folder))
-
-
-def _memory(number: int) -> int:
-    """Bytes that a process and all it has started hold."""
-    total = 0
-    for process in _family(number):
-        try:
-            total += process.memory_info().rss
-        except psutil.Error:
-            continue
-    return total
-
-
-def _family(number: int) -> list[psutil.Process]:
-    try:
-        first = psutil.Process(number)
-        return [first, *first.children(recursive=True)]
-    except psutil.Error:
-        return []
-
-
-def _kill(number: int) -> None:
-    for process in reversed(_family(number)):
-        try:
-            process.kill()
-        except psutil.Error:
-            continue

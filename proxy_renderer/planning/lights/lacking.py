@@ -11,6 +11,7 @@ from ...prompt.types import Attribute, Parsed, PlanContext
 from ...schema import Instance
 from ..owners import Owners
 from ..wishes import Wishes
+from .meant import role_of
 
 _BEHIND = 110.0  # degrees from the camera beyond which a light stands behind the subject
 
@@ -46,7 +47,7 @@ def lacking(
 def _described(owners: Owners, number: int) -> str:
     """The role of a light that the prompt tells apart and that is missing."""
     said = [a for a in owners.parsed.attributes if a.lamp == number]
-    if given := next((a.role or a.kind for a in said if a.role or a.kind != "light"), ""):
+    if given := role_of(said):
         return given
     ends = side(said, owners.vocabulary)
     if ends and abs((sum(ends) / 2 + 180.0) % 360.0 - 180.0) > _BEHIND:

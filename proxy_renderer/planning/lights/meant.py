@@ -53,7 +53,7 @@ def assigned(
     words = {
         n: frozenset().union(*(fixture(a.thing, vocabulary) for a in group)) for n, group in said.items()
     }
-    roles = {n: _role(group) for n, group in said.items()}
+    roles = {n: role_of(group) for n, group in said.items()}
     turns = {n: sum(ends) / 2 for n, group in said.items() if (ends := side(group, vocabulary))}
     found: dict[int, list[str]] = {n: [] for n in said}
     free = list(lights)
@@ -92,7 +92,8 @@ def named(thing: str, lights: Sequence[KnownLight], vocabulary: Vocabulary) -> l
     return [light.name for light in lights if _is_called(light, words)] or None
 
 
-def _role(said: Sequence[Attribute]) -> str:
+def role_of(said: Sequence[Attribute]) -> str:
+    """The role that words give to a light: "key", "fill" or "rim"; "" if they give none."""
     return next((a.role or a.kind for a in said if a.role or a.kind != "light"), "")
 
 
