@@ -73,7 +73,7 @@ def _instanced(
     """The entries of lights that instances show, the nearest ones, each with the values of its data-block's owner."""
     owners = {o.data: o for o in reversed(list(roles))}
     rows = []
-    for obj, matrix in scene_context.instanced_lights(context.scene):
+    for obj, matrix in context.instanced_lights:
         owner = owners[obj.data]
         place = {
             "name": owner.name_full,
@@ -146,7 +146,8 @@ def ignored(scene: bpy.types.Scene) -> list[str]:
     if scene.render.use_border:
         notes.append("The render border is left out: the whole picture is predicted and rendered.")
     lamps = [o for o in scene.objects if o.type == "LIGHT" and scene_context.visible(scene, o)]
-    lamps += dict.fromkeys(o for o, _ in scene_context.instanced_lights(scene) if o not in lamps)
+    instances = scene_context.instanced_lights(scene)
+    lamps += dict.fromkeys(o for o, _ in instances if o not in lamps)
     for lamp in lamps:
         if not scene_context.placed(lamp):
             notes.append(f"{lamp.name} has no usable place: it is left out.")
@@ -155,7 +156,7 @@ def ignored(scene: bpy.types.Scene) -> list[str]:
         notes += type_of(lamp).approximations(lamp)
         if any((lamp.light_linking.receiver_collection, lamp.light_linking.blocker_collection)):
             notes.append(f"{lamp.name} is linked to some objects; in the prediction it lights all.")
-    if len(instances := scene_context.instanced_lights(scene)) > MOST_INSTANCES:
+    if len(instances) > MOST_INSTANCES:
         left = len(instances) - MOST_INSTANCES
         notes.append(f"{left} instances of lights, the farthest, are left out of the prediction.")
     if scene.render.use_multiview:

@@ -59,6 +59,11 @@ class SceneContext:
     def __post_init__(self) -> None:
         layer(self.scene).update()  # matrices and memberships of what has changed just now
 
+    @functools.cached_property
+    def instanced_lights(self) -> list[tuple[Object, Matrix]]:
+        """See `instanced_lights`; asked once, for there may be thousands of instances to go through."""
+        return instanced_lights(self.scene)
+
 
 def layer(scene: Scene) -> bpy.types.ViewLayer:
     """The view layer that we see the scene through: the first that is rendered."""
@@ -222,7 +227,7 @@ def _only_instanced(context: SceneContext) -> dict[Object, float]:
     shown = {o.data for o in lights(context.scene)}
     first: dict[Light, Object] = {}
     found: dict[Object, float] = {}
-    for obj, matrix in instanced_lights(context.scene):
+    for obj, matrix in context.instanced_lights:
         if obj.data not in shown:
             owner = first.setdefault(obj.data, obj)
             distance = max((matrix.translation - context.pivot).length, 1e-3)
