@@ -74,6 +74,7 @@ def folder(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 def test_two_cameras_at_two_frames_share_a_look(folder):
     out = folder / "out"
     report, _ = run(out, folder / "shot.blend", "--cameras=Front,Side", "--frames=1,20")

@@ -107,6 +107,7 @@ def test_surfaces_are_read_off_the_subject_alone(encoder: Encoder) -> None:
         assert not torch.equal(of_subject[name], of_whole[name])
 
 
+@pytest.mark.slow
 def test_looks_of_unseen_shapes_are_told_apart(encoder: Encoder) -> None:
     views = [bank.trace(shape(HELD_OUT + 500 + k), np.random.default_rng(k), 128) for k in range(10)]
     layout = bank.fields(128)

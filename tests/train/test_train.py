@@ -209,6 +209,7 @@ def test_batches_depend_on_the_seed_alone(bank: dict[str, np.ndarray]) -> None:
     assert first.captions != other.captions
 
 
+@pytest.mark.slow
 def test_the_fused_shader_makes_the_same_pictures(bank: dict[str, np.ndarray]) -> None:
     plain, fused = (make_batch(bank, 4, 5, shade=shade) for shade in (shader.shade, shader.fused()))
     assert torch.allclose(plain.pictures, fused.pictures, atol=2e-3)
