@@ -6,7 +6,8 @@ import pytest
 import small_scenes as scenes
 from mathutils import Matrix
 from vibe_render.scene import bindings, snapshot
-from vibe_render.scene.nodes import owned, tint
+from vibe_render.scene.nodes import owned
+from vibe_render.scene.nodes.tint import TINT
 
 PIVOT = (0.0, 0.0, 0.0)
 
@@ -172,7 +173,7 @@ def test_a_tint_inside_a_shared_group_is_in_a_copy_of_it(scene):
     bpy.data.materials["Ground"].node_tree.nodes.new("ShaderNodeGroup").node_tree = tree
     assert bindings.write(scene, {"material/Body/tint": (0.5, 1.0, 1.0)}, subject, PIVOT) == {}
     assert inner.inputs["Base Color"].links[0].from_node == noise
-    assert owned.group_nodes(outer.node_tree, tint.NAME)
+    assert owned.group_nodes(outer.node_tree, TINT.name)
 
 
 def test_other_shaders_have_what_they_share_with_the_principled_one(scene):

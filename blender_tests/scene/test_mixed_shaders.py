@@ -7,7 +7,8 @@ import pytest
 import small_scenes as scenes
 from dump import difference, dump
 from vibe_render.scene import bindings, snapshot
-from vibe_render.scene.nodes import layers, owned, tint
+from vibe_render.scene.nodes import layers, owned
+from vibe_render.scene.nodes.tint import TINT
 
 PIVOT = (0.0, 0.0, 0.0)
 BLUE = (0.02, 0.05, 0.4)
@@ -176,7 +177,7 @@ def test_a_texture_of_mixed_shaders_is_tinted_once_and_its_bump_is_not(scene, su
     shown(tree, joined(tree, "Mix", *parts, fac=0.5))
     before = dump()
     write(scene, subject, tint=BLUE, recolor=1.0)
-    (ours,) = owned.group_nodes(tree, tint.NAME)
+    (ours,) = owned.group_nodes(tree, TINT.name)
     assert {part.inputs["Color"].links[0].from_node for part in parts} == {ours}
     assert bump.inputs["Height"].links[0].from_node == noise
     assert snapshot.revert(scene) == []
@@ -190,7 +191,7 @@ def test_colors_that_are_mixed_are_tinted_each(scene, subject, tree):
     before = dump()
     assert "material/Body/base_color" not in bindings.read(scene, subject, PIVOT)
     write(scene, subject, tint=BLUE, recolor=1.0)
-    ours = owned.group_nodes(tree, tint.NAME)
+    ours = owned.group_nodes(tree, TINT.name)
     assert [color_of(n.inputs["Color"]) for n in ours] == [pytest.approx(c[:3]) for c in (RED, GREEN)]
     assert all(color_of(n.inputs["Tint"]) == pytest.approx(BLUE) for n in ours)
     assert snapshot.revert(scene) == []
@@ -262,7 +263,7 @@ def test_a_computed_glow_is_tinted(scene, subject, tree):
     glow = shown(tree, node(tree, "Emission", Color=ramp))
     before = dump()
     write(scene, subject, emission_color=BLUE, emission=3.0)
-    (ours,) = owned.group_nodes(tree, tint.NAME)
+    (ours,) = owned.group_nodes(tree, TINT.name)
     assert color_of(ours.inputs["Tint"]) == pytest.approx(BLUE)
     assert glow.inputs["Color"].links[0].from_node == ours
     assert snapshot.revert(scene) == []

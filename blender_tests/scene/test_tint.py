@@ -5,8 +5,10 @@ import bpy
 import numpy as np
 import pytest
 import small_scenes as scenes
+from vibe_render.core.color import LUMA
 from vibe_render.scene import bindings
-from vibe_render.scene.nodes import owned, tint
+from vibe_render.scene.nodes import owned
+from vibe_render.scene.nodes.tint import TINT
 
 PIVOT = (0.0, 0.0, 0.0)
 PAINT = (0.6, 0.3, 0.1)
@@ -52,7 +54,7 @@ def test_the_tint_of_a_texture(scene, tmp_path, color, recolor):
     scenes.world(scene).node_tree.nodes["Background"].inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
     write(scene, [wall], material__Paint__tint=color, material__Paint__recolor=recolor)
     paint = np.array(PAINT)
-    wanted = np.array(color) * (paint + recolor * (paint @ tint.LUMA - paint))
+    wanted = np.array(color) * (paint + recolor * (paint @ LUMA - paint))
     np.testing.assert_allclose(rendered(scene, tmp_path, samples=64), wanted, rtol=0.01)
 
 
@@ -68,7 +70,7 @@ def test_an_identity_adds_nothing_and_two_materials_share_one_group(scene):
     assert not bpy.data.node_groups.get("Vibe Tint")
     write(scene, subject, material__Painted__tint=(0.5, 1.0, 1.0), world__tint=(1.0, 0.5, 1.0))
     assert len([g for g in bpy.data.node_groups if owned.is_owned(g)]) == 1
-    (node,) = owned.group_nodes(bpy.data.materials["Painted"].node_tree, tint.NAME)
+    (node,) = owned.group_nodes(bpy.data.materials["Painted"].node_tree, TINT.name)
     assert (node.label, node.use_custom_color, node.parent.label) == ("Vibe Tint", True, "Vibe Render")
 
 

@@ -26,7 +26,8 @@ Value = Callable[[Instance], Values]
 def watts(instance: Instance, context: PlanContext) -> float:
     """What `power` (per d^2), `strength` or `emission` makes a facing white surface's radiance 1, at the light's own exposure."""
     if instance.parameter.group == "material":
-        return 1.0 / max(context.glows[instance.owner].light, 1e-6)
+        glow = context.glows[instance.owner]
+        return 1.0 / max(glow.light * glow.strength, 1e-6)
     sun = instance.parameter.name == "strength"
     stops = context.light_stops.get(instance.owner, 0.0)
     light_type = "SUN" if sun else context.light_types.get(instance.owner, "AREA")
@@ -92,7 +93,7 @@ def _lamps(
         if strength:
             over = value(color) if color else _WHITE
             gel = tuple(a * b for a, b in zip(over, glow.color, strict=True))
-            yield f"material/{material}", gel, value(strength)[0] * glow.light
+            yield f"material/{material}", gel, value(strength)[0] * glow.strength * glow.light
 
 
 def world_radiance(instances: dict[str, Instance], context: PlanContext, value: Value) -> float:

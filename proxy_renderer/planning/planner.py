@@ -106,6 +106,14 @@ class _Planner:
                 veil=veil(instance.owner, self.instances, self.sources.context, self._planned),
             )
             lower, upper = effect_range(effect, replace(attribute, strength=strength), instance, sources)
+            if (
+                effect.family == "material/emission"
+                and not effect.mode
+                and effect.lower[0] > 0
+                and strength >= 1
+            ):
+                # What glows more than words like "glowing" ask for does not get darker by them.
+                upper = max(upper, instance.value) if self._glow(instance.owner) > lower[0] else upper
             priority = effect.priority + (2 if effect.weak else 0) + (_SECOND if attribute.cause else 0)
             light = f"material/{instance.owner}" if instance.parameter.group == "material" else instance.owner
             priority += 2 * (effect.owner == "lights" and light not in self.owners.key)
@@ -188,9 +196,14 @@ class _Planner:
         """Whether a material is to glow, or does: many have a strength of 1 and a black emission color."""
         key = f"material/{owner}/emission"
         asked = self.settled[key][0][1][0] if key in self.settled else 0.0
-        strength, color = (self.instances.get(k) for k in (key, f"{key}_color"))
-        glow = strength.value[0] * max(color.value) if strength and color else 0.0
-        return max(asked, glow) > 0.02
+        return max(asked, self._glow(owner)) > 0.02
+
+    def _glow(self, owner: str) -> float:
+        """How strongly a material glows as the artist has it, in the unit of its emission."""
+        strength, color = (
+            self.instances.get(f"material/{owner}/{n}") for n in ("emission", "emission_color")
+        )
+        return strength.value[0] * max(color.value) if strength and color else 0.0
 
     def _entry(self, instance: Instance) -> PlanEntry:
         settled = self.settled.get(instance.key)

@@ -50,6 +50,9 @@ def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sourc
         low, high = ((min(max(v[0], bottom), top),) for v in (low, high))
     if instance.parameter.name == "emission_color" and effect.family.startswith("light/"):
         low, high = _over_glow(low, high, _computed_glow(instance, sources))
+    if effect.family == "material/emission" and not effect.mode and instance.owner in sources.context.glows:
+        computed = max(sources.context.glows[instance.owner].strength, 1e-3)
+        low, high = (low[0] / computed,), (high[0] / computed,)
     return clip(low, high, instance)
 
 

@@ -157,12 +157,14 @@ class Glow:
         azimuth: Direction in which it is seen from the subject, degrees, as in `schema.orbit`.
         objects: Names of the objects that show it.
         color: Mean of what nodes compute, linear, which its emission color then multiplies; white where they do not.
+        strength: Mean of what nodes compute, which its emission then multiplies; 1 where they do not.
     """
 
     light: float
     azimuth: float
     objects: tuple[str, ...] = ()
     color: Values = (1.0, 1.0, 1.0)
+    strength: float = 1.0
 
 
 @dataclass(frozen=True)

@@ -143,10 +143,17 @@ class MeshObject:
 
 @dataclass(frozen=True)
 class WorldData:
-    """kind "color" or "environment"; image (H, W, 3) is equirectangular, without tint and strength."""
+    """The world.
+
+    Attributes:
+        kind: "color" or "environment".
+        image: (H, W, 3) equirectangular, without tint and strength: the light of an environment.
+        backdrop: The same as the camera sees it, where that differs.
+    """
 
     kind: str
     image: Array | None = None
+    backdrop: Array | None = None
 
 
 @dataclass(frozen=True)

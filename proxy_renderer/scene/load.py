@@ -144,7 +144,8 @@ def _texture(folder: Path, row: dict[str, Any]) -> Texture:
 def _world(folder: Path, row: dict[str, Any]) -> WorldData:
     if row["kind"] != "environment":
         return WorldData("color")
-    return WorldData("environment", _picture(folder / row["image"]))
+    backdrop = _picture(folder / row["backdrop"]) if "backdrop" in row else None
+    return WorldData("environment", _picture(folder / row["image"]), backdrop)
 
 
 def _picture(path: Path, channels: tuple[int, ...] = (3,)) -> Array:

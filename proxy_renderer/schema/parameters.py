@@ -116,7 +116,7 @@ PARAMETERS: tuple[Parameter, ...] = (
     _material("emission_color", "color",  1.0,      0.0,     1.0,  "",     SRGB,              "subject",
               "Color of the glow.", "Principled BSDF > Emission Color"),
     _material("emission",       "scalar", 0.0,      0.0,    20.0,  "",     Scale("power", 3), "subject",
-              "Strength of the glow.", "Principled BSDF > Emission Strength"),
+              "Strength of the glow; multiplies one that nodes compute.", "Principled BSDF > Emission Strength"),
 
     _volume("density",          "scalar", 0.0,      0.0,     8.0,  "1/m",  Scale("power", 3), "surroundings",
             "Extinction of the fog at its base.", "Vibe Fog > Density", reference="per_view_distance"),

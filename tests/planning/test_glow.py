@@ -12,13 +12,13 @@ from proxy_renderer.schema import FAMILIES, Instance
 COLOR = "material/Body/emission_color"
 
 
-def entry(prompt, emission_color, strength):
+def entry(prompt, emission_color, strength, key=COLOR):
     values = {"base_color": (0.5,) * 3, "emission_color": emission_color, "emission": (strength,)}
     rows = [Instance(FAMILIES[f"material/{n}"], "Body", v, 1.0, "subject") for n, v in values.items()]
     instances = {row.key: row for row in rows}
     scene = SceneWords(objects={"Body": "subject"}, materials={"Body": "subject"})
     parsed = parse(prompt, scene)
-    return plan(parsed, compose(parsed), instances, PlanContext())[COLOR]
+    return plan(parsed, compose(parsed), instances, PlanContext())[key]
 
 
 @pytest.mark.parametrize(
@@ -33,3 +33,22 @@ def entry(prompt, emission_color, strength):
 def test_a_color_reaches_the_emission_of_what_glows(prompt, emission_color, strength, changes):
     found = entry(prompt, emission_color, strength)
     assert (found.priority is not None) == changes, found.reason
+
+
+@pytest.mark.parametrize(
+    ("prompt", "strength", "kept"),
+    [
+        ("glowing", 50.0, True),
+        ("neon glow", 50.0, True),
+        ("faintly glowing", 50.0, False),
+        ("not glowing", 50.0, False),
+    ],
+)
+def test_what_glows_more_than_a_word_asks_for_is_not_dimmed(prompt, strength, kept):
+    found = entry(prompt, (1.0, 0.4, 0.1), strength, "material/Body/emission")
+    assert (found.upper[0] >= strength) == kept, found.reason
+
+
+def test_what_does_not_glow_yet_glows_as_the_word_says():
+    found = entry("glowing", (0.0, 0.0, 0.0), 50.0, "material/Body/emission")
+    assert found.upper[0] < 5.0

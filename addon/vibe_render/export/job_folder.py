@@ -66,9 +66,7 @@ def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
     spare, spare_instances = standby.lights(analysis)
     warnings = [*spoiling, *notes.by_reason(_material_notes(analysis, materials)), *geometry.warnings]
     warnings += [*view.ignored(scene), *mended]
-    image, note = world_light.environment(scene.world)
-    if image is not None:
-        np.save(folder / "world.npy", image.astype(np.float32))
+    world, note = _write_world(scene.world, folder)
     content = {
         "format": FORMAT,
         "schema": schema.schema_hash(),
@@ -91,7 +89,7 @@ def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
                 geometry.objects, analysis.is_subject, geometry.hidden, strict=True
             )
         ],
-        "world": {"kind": "color"} if image is None else {"kind": "environment", "image": "world.npy"},
+        "world": world,
         "volume": _volume(analysis, instances),
         "film": view.film(scene),
         "parameters": {key: _parameter(instance) for key, instance in instances.items()},
@@ -102,6 +100,17 @@ def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
     atomic.write_text(folder / "scene.json", json.dumps(content, indent=1, allow_nan=False))
     said = list(dict.fromkeys(w for w in (*warnings, note) if w))
     return SceneJob(folder, analysis, instances, spare_instances, said, spoiling)
+
+
+def _write_world(world: bpy.types.World | None, folder: Path) -> tuple[dict[str, Any], str]:
+    """The world's entry in scene.json, and what is approximated of it."""
+    pictures = world_light.pictures(world)
+    row: dict[str, Any] = {"kind": "color" if pictures.light is None else "environment"}
+    for name, image in (("image", pictures.light), ("backdrop", pictures.backdrop)):
+        if image is not None:
+            row[name] = f"world_{name}.npy"
+            np.save(folder / row[name], image.astype(np.float32))
+    return row, pictures.note
 
 
 def _material_notes(

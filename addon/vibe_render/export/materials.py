@@ -12,13 +12,13 @@ import numpy as np
 
 from ..core import compat
 from ..core.schema_import import schema
-from ..scene.nodes import layers, shaders, tint
+from ..scene.nodes import insets, layers, shaders
 from ..scene.nodes.trails import FOREIGN, ValueOrigin
 from . import principled
 from .mixture import Mixture
 from .textures import ExportedTexture, uv_mapping
 
-_TINTED = ("base_color", "emission_color")
+_TINTED = ("base_color", "emission_color", "emission")
 """Computed inputs that a parameter multiplies."""
 NO_MATERIAL = "(no material)"
 """What faces without a material are called; a name that Blender would not give."""
@@ -74,7 +74,7 @@ def computed(material: bpy.types.Material | None) -> dict[str, ValueOrigin | Non
     mixture = Mixture.of(material)
     entries = {name: layers.entry(material, socket) for name, socket in principled.COMPUTED.items()}
     outputs: dict[str, ValueOrigin | None] = dict(mixture.channels())
-    outputs |= {name: o for name, each in entries.items() if each and (o := tint.untinted(each)).source}
+    outputs |= {name: o for name, each in entries.items() if each and (o := insets.artists(each)).source}
     outputs.pop("base_color", None)
     if len(mixture.colors) == 1 and mixture.colors[0].source:
         outputs["base_color"] = mixture.colors[0]

@@ -1,62 +1,134 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The world as the engine sees it: one color, or an environment picture without tint, strength and turn."""
+"""The world as the engine sees it: one color, or environment pictures without tint, strength and turn."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 
 import bpy
 import numpy as np
 
 from ..render import bake
-from ..scene.nodes import shaders, tint
-from ..scene.nodes.trails import active_links
+from ..scene.nodes import backgrounds, insets, shaders
+from ..scene.nodes.factor import FACTOR
+from ..scene.nodes.tint import TINT
 from .textures import image_colors
 
-_HEIGHT = 256
-_SAMPLES = 32
+_HEIGHT, _SAMPLES = 256, 32
+_MIX_HEIGHT, _MIX_SAMPLES = 512, 8
+_LIGHT = {"Is Diffuse Ray": 1.0, "Is Reflection Ray": 1.0, "Ray Depth": 1.0, "Diffuse Depth": 1.0}
+"""What a Light Path node says where a world lights a matte surface; its other outputs are 0."""
 
 
-def environment(world: bpy.types.World | None) -> tuple[np.ndarray | None, str]:
-    """The world's environment picture (None for one color), and a note about what is approximated.
+@dataclass(frozen=True)
+class WorldPictures:
+    """The world's pictures, laid out as Blender's equirectangular mapping without rotation, row 0 straight down.
 
-    Returns:
-        (H, 2H, 3) float32 linear, laid out as Blender's equirectangular mapping without rotation, row
-        0 straight down; None for a world of one color. And a warning, or "".
+    Attributes:
+        light: (H, 2H, 3) float32 linear; None for a world of one color.
+        backdrop: The same as the camera sees it, where that differs.
+        note: What is approximated, or "".
     """
-    background = shaders.background(world) if world else None
-    if world is None or background is None:
-        return None, ""
-    color = background.entry("Color")
-    source = tint.untinted(color).source if color else None
+
+    light: np.ndarray | None = None
+    backdrop: np.ndarray | None = None
+    note: str = ""
+
+
+def pictures(world: bpy.types.World | None) -> WorldPictures:
+    """The world's pictures: of its environment, or of all that it mixes."""
+    if world is None:
+        return WorldPictures()
+    if backgrounds.mixed(world):
+        return _mix(world)
+    background = shaders.background(world)
+    color = background.entry("Color") if background else None
+    source = insets.artists(color).source if color else None
     if source is None:
-        return None, _mixed(world, background.node)
+        return WorldPictures()
     node = source.node
     if node.bl_idname == "ShaderNodeTexEnvironment" and node.projection == "EQUIRECTANGULAR":
         image = image_colors(node.image)
         if image is None:
-            return np.array([[[1.0, 0.0, 1.0]]], np.float32), "the world's image is missing"
-        return image, _mixed(world, background.node)
+            magenta = np.array([[[1.0, 0.0, 1.0]]], np.float32)
+            return WorldPictures(magenta, note="the world's image is missing")
+        return WorldPictures(image)
     if source.id_data != world.node_tree:
-        return None, "the world's color is computed inside a node group and is shown as one color"
+        return WorldPictures(
+            note="the world's color is computed inside a node group and is shown as one color"
+        )
     with _plain(world, source) as twin:
-        return bake.panorama_of(twin, _HEIGHT, _SAMPLES), _mixed(world, background.node)
+        return WorldPictures(bake.panorama_of(twin, _HEIGHT, _SAMPLES))
 
 
-def _mixed(world: bpy.types.World, background: bpy.types.Node) -> str:
-    tree = world.node_tree
-    output = tree.get_output_node("ALL") if tree else None
-    links = active_links(output.inputs["Surface"]) if output else []
-    straight = not links or links[0].from_node == background or background.id_data != tree
-    return "" if straight else "the world's mix of backgrounds is shown as its first one"
+def _mix(world: bpy.types.World) -> WorldPictures:
+    """All Backgrounds as they light surfaces, and as the camera sees them."""
+    with _untinted(world) as (twin, trees):
+        seen = _panorama(twin)
+        paths = [(tree, node) for tree in trees for node in tree.nodes if node.type == "LIGHT_PATH"]
+        if not paths:
+            return WorldPictures(seen)
+        for tree, node in paths:
+            _pin(tree, node)
+        return WorldPictures(_panorama(twin), seen)
+
+
+def _panorama(world: bpy.types.World) -> np.ndarray:
+    """A world's picture; one texel where it is the same all around."""
+    picture = bake.panorama_of(world, _MIX_HEIGHT, _MIX_SAMPLES)
+    even = float(np.ptp(picture, axis=(0, 1)).max()) < 1e-5 * float(picture.max())
+    return picture[:1, :1] if even else picture
+
+
+def _pin(tree: bpy.types.NodeTree, path: bpy.types.Node) -> None:
+    """Puts constants in the place of a Light Path node: what it says of rays that matte surfaces send."""
+    for output in path.outputs:
+        targets = [link.to_socket for link in output.links]
+        if targets:
+            constant = tree.nodes.new("ShaderNodeValue").outputs[0]
+            constant.default_value = _LIGHT.get(output.name, 0.0)
+            for target in targets:
+                tree.links.new(constant, target)
+
+
+@contextmanager
+def _untinted(world: bpy.types.World) -> Iterator[tuple[bpy.types.World, list[bpy.types.NodeTree]]]:
+    """A copy of a world, its groups included, without what our insets do, and its trees; removed afterwards."""
+    twin = _twin(world)
+    _unlink(twin.node_tree, ("Volume",))
+    trees = [twin.node_tree]
+    for tree in trees:  # grows by the groups inside
+        insets.neutral(tree, (TINT, FACTOR))
+        for node in tree.nodes:
+            if node.type == "GROUP" and node.node_tree:
+                node.node_tree = node.node_tree.copy()
+                trees.append(node.node_tree)
+    try:
+        yield twin, trees
+    finally:
+        bpy.data.worlds.remove(twin)
+        for tree in trees[1:]:
+            bpy.data.node_groups.remove(tree)
+
+
+def _twin(world: bpy.types.World) -> bpy.types.World:
+    twin = world.copy()
+    twin.cycles.sampling_method = "NONE"  # it lights nothing, and a map of its light can take minutes
+    return twin
+
+
+def _unlink(tree: bpy.types.NodeTree, names: tuple[str, ...]) -> None:
+    for node in [n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputWorld"]:
+        for link in [link for name in names for link in node.inputs[name].links]:
+            tree.links.remove(link)
 
 
 @contextmanager
 def _plain(world: bpy.types.World, source: bpy.types.NodeSocket) -> Iterator[bpy.types.World]:
     """A copy of a world that shows what an output gives, unturned, at strength 1; removed afterwards."""
-    twin = world.copy()
-    twin.cycles.sampling_method = "NONE"  # it lights nothing, and a map of its light can take minutes
+    twin = _twin(world)
     tree = twin.node_tree
     exit_ = next(s for s in tree.nodes[source.node.name].outputs if s.identifier == source.identifier)
     background = tree.nodes.new("ShaderNodeBackground")
@@ -64,10 +136,9 @@ def _plain(world: bpy.types.World, source: bpy.types.NodeSocket) -> Iterator[bpy
     for node in tree.nodes:
         if node.bl_idname == "ShaderNodeMapping":  # the turn is a parameter of its own
             node.inputs["Rotation"].default_value[2] = 0.0
-        if node.bl_idname == "ShaderNodeOutputWorld":
-            for link in [link for entry in node.inputs for link in entry.links]:
-                tree.links.remove(link)
-            tree.links.new(background.outputs["Background"], node.inputs["Surface"])
+    _unlink(tree, ("Surface", "Volume"))
+    for node in [n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputWorld"]:
+        tree.links.new(background.outputs["Background"], node.inputs["Surface"])
     try:
         yield twin
     finally:

@@ -74,7 +74,7 @@ BINDINGS: tuple[ParameterBinding, ...] = (
     _row("material/sheen",          at.shader("Sheen Weight")),
     _row("material/transmission",   at.shader("Transmission Weight")),
     _row("material/emission_color", at.glow_color,                      COLOR),
-    _row("material/emission",       at.shader("Emission Strength")),
+    _row("material/emission",       at.glow_strength),
 
     _row("volume/density",          at.volume("Density")),
     _row("volume/color",            at.volume("Color"),                 COLOR),

@@ -15,7 +15,10 @@ from ..core.journal import Journal
 from ..core.value_slots import LazySlot, PropertySlot, ValueSlot, together
 from . import fog, scene_context
 from .lights.registry import type_of
-from .nodes import environment_rotation, grade, inputs, layers, light_nodes, shaders, tint
+from .nodes import backgrounds, environment_rotation, grade, inputs, layers, light_nodes, shaders
+from .nodes.factor import FACTOR
+from .nodes.insets import Inset
+from .nodes.tint import TINT
 from .nodes.trails import NodeEntry
 from .orbits import OrbitSlot, Pose
 from .scene_context import SceneContext
@@ -136,7 +139,13 @@ def surface_color(context: SceneContext, material: Material) -> ValueSlot | None
 def glow_color(context: SceneContext, material: Material) -> ValueSlot | None:
     """The emission color, or the owned tint on one that is computed."""
     find = partial(layers.entry, material, "Emission Color")
-    return inputs.slot(find, tinted=True) or tint.slot(find, "Tint")
+    return inputs.slot(find, tinted=True) or TINT.slot(find, "Tint")
+
+
+def glow_strength(context: SceneContext, material: Material) -> ValueSlot | None:
+    """The emission strength, or the owned factor of one that is computed."""
+    find = partial(layers.entry, material, "Emission Strength")
+    return inputs.slot(find, tinted=True) or FACTOR.slot(find, "Factor")
 
 
 def material_tint(name: str) -> Locator:
@@ -144,7 +153,7 @@ def material_tint(name: str) -> Locator:
 
     def locate(context: SceneContext, material: Material) -> ValueSlot | None:
         count = len(layers.colors(material))
-        slots = [tint.slot(partial(_color, material, n), name, plain=count > 1) for n in range(count)]
+        slots = [TINT.slot(partial(_color, material, n), name, plain=count > 1) for n in range(count)]
         return together([slot for slot in slots if slot])
 
     return locate
@@ -155,9 +164,11 @@ def _color(material: Material, number: int) -> NodeEntry | None:
 
 
 def background(name: str) -> Locator:
-    """An input of a world's background; a computed color has a tint instead."""
+    """An input of a world's background; a computed color has a tint instead, of a mix each strength a factor."""
 
     def locate(context: SceneContext, world: World) -> ValueSlot | None:
+        if backgrounds.mixed(world):
+            return _of_all(world, "Strength", FACTOR, "Factor") if name == "Strength" else None
         node = shaders.background(world)
         if node is None:
             plain = name == "Color" and compat.node_tree(world) is None
@@ -173,13 +184,26 @@ def _background(world: World, name: str) -> NodeEntry | None:
 
 
 def world_tint(context: SceneContext, world: World) -> ValueSlot | None:
-    """The owned tint on a computed background."""
-    return tint.slot(lambda: _background(world, "Color"), "Tint")
+    """The owned tint on a computed background, or on each of several that are mixed."""
+    if backgrounds.mixed(world):
+        return _of_all(world, "Color", TINT, "Tint")
+    return TINT.slot(lambda: _background(world, "Color"), "Tint")
+
+
+def _of_all(world: World, entry: str, inset: Inset, name: str) -> ValueSlot | None:
+    """An input of the inset on an input of each Background that is mixed."""
+    count = len(backgrounds.entries(world, entry))
+    slots = [inset.slot(partial(_mixed, world, entry, n), name, plain=True) for n in range(count)]
+    return together([slot for slot in slots if slot])
+
+
+def _mixed(world: World, entry: str, number: int) -> NodeEntry | None:
+    return backgrounds.entries(world, entry)[number]
 
 
 def world_rotation(context: SceneContext, world: World) -> ValueSlot | None:
-    """The turn of an environment texture around the vertical axis."""
-    return environment_rotation.slot(world)
+    """The turn of an environment texture around the vertical axis; none where it is one of several Backgrounds."""
+    return None if backgrounds.mixed(world) else environment_rotation.slot(world)
 
 
 def volume(name: str) -> Locator:

@@ -15,7 +15,7 @@ from ..core.journal import Journal
 from ..core.schema_import import schema
 from . import emission, scene_context, snapshot
 from .lights.area import AreaLightType
-from .nodes import owned, shaders
+from .nodes import backgrounds, owned, shaders
 from .nodes.trails import active_links
 
 LIGHTS = {
@@ -146,9 +146,14 @@ def light_distance(low: Vector, high: Vector) -> float:
 
 
 def _is_lit(scene: Scene) -> bool:
-    background = shaders.background(scene.world) if scene.world else None
-    if background is None:
+    if scene.world is None:
         return False
+    single = shaders.background(scene.world)
+    mixed = [layer.shader for layer in backgrounds.mixed(scene.world)]
+    return any(_lights(background) for background in mixed or ([single] if single else []))
+
+
+def _lights(background: shaders.NodeInGroups) -> bool:
     color, strength = background.node.inputs["Color"], background.node.inputs["Strength"]
     if active_links(color) or active_links(strength):
         return True

@@ -36,10 +36,12 @@ def glows(scene: SceneData) -> dict[str, Glow]:
         light = np.abs((normal * way).sum(1)) / (math.pi * square**1.5)
         x, y, _ = (way * light[:, None]).sum(0)
         objects = {scene.objects[o].name for o in np.unique(mesh.object[faces]).tolist()}
-        computed = scene.materials[number].maps.get("emission_color")
+        computed = material.maps.get("emission_color")
         color = computed.image.reshape(-1, 3).mean(0).tolist() if computed else (1.0, 1.0, 1.0)
+        levels = material.maps.get("emission")
+        strength = float(levels.image[..., 0].mean()) if levels else 1.0
         azimuth = math.degrees(math.atan2(x, -y))
         found[material.name] = Glow(
-            min(float(light.sum()), _MOST), azimuth, tuple(sorted(objects)), tuple(color)
+            min(float(light.sum()), _MOST), azimuth, tuple(sorted(objects)), tuple(color), strength
         )
     return found

@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
 import torch
 from torch import Tensor
 from torch.nn.functional import grid_sample, interpolate
@@ -28,6 +29,7 @@ class Environment:
 
     Attributes:
         whole: The picture (1, 3, H, W), one more column at both sides; None for a plain color.
+        backdrop: The same as the camera sees it.
         sharp: The same without the suns that are not wide.
         blurred: Copies of that, blurred to several degrees: see `prefilter.stack`.
         suns: Its bright parts, which `soft` and `harmonics` are without.
@@ -38,21 +40,22 @@ class Environment:
     def __init__(self, scene: SceneData, device: torch.device) -> None:
         self.suns: list[EnvironmentSun] = []
         self.whole: Tensor | None = None
+        self.backdrop: Tensor | None = None
         self.sharp = self.blurred = self.soft = torch.zeros(0, device=device)
         image = scene.world.image
         if scene.world.kind != "environment" or image is None:
             white = torch.full((1, 3), 2 * math.sqrt(math.pi), device=device)
             self.harmonics = torch.cat((white, torch.zeros((8, 3), device=device)))
             return
-        picture = torch.from_numpy(image).to(device).permute(2, 0, 1)[None]
-        size = (min(_SHARP_HEIGHT, picture.shape[2]), min(2 * _SHARP_HEIGHT, picture.shape[3]))
-        sharp = interpolate(picture, size, mode="area")
+        sharp = _sharp(image, device)
         parts = split(sharp)
         self.suns = parts.suns
         small = interpolate(parts.rest, (_ROUGH_HEIGHT, 2 * _ROUGH_HEIGHT), mode="area")[0]
         grid, solid = texels(_ROUGH_HEIGHT, 2 * _ROUGH_HEIGHT, device)
         self.harmonics = harmonics(grid).mul(solid) @ small.flatten(1).T
         self.whole, self.sharp = _padded(sharp), _padded(parts.shown)
+        seen = scene.world.backdrop
+        self.backdrop = self.whole if seen is None else _padded(_sharp(seen, device))
         self.blurred = prefilter.stack(parts.shown)
         self.soft = _padded(prefilter.blurred(small, _SOFT)[None])
 
@@ -119,6 +122,11 @@ class Sky:
         whole = self.environment.whole
         return torch.ones_like(toward) if whole is None else _look_up(whole, self._place(toward))
 
+    def backdrop(self, toward: Tensor) -> Tensor:
+        """Uncolored radiance (3, N) that the camera sees behind everything, in unit directions (3, N)."""
+        picture = self.environment.backdrop
+        return torch.ones_like(toward) if picture is None else _look_up(picture, self._place(toward))
+
     @property
     def lamps(self) -> list[EnvironmentSunLight]:
         """The suns in its picture."""
@@ -176,6 +184,13 @@ def harmonics(toward: Tensor) -> Tensor:
     linear = 0.488603 * y, 0.488603 * z, 0.488603 * x
     mixed = 1.092548 * x * y, 1.092548 * y * z, 0.315392 * (3 * z * z - 1)
     return torch.stack((one, *linear, *mixed, 1.092548 * x * z, 0.546274 * (x * x - y * y)))
+
+
+def _sharp(image: np.ndarray, device: torch.device) -> Tensor:
+    """An equirectangular picture (H, W, 3) as (1, 3, h, w), no larger than is of use."""
+    picture = torch.from_numpy(image).to(device).permute(2, 0, 1)[None]
+    size = (min(_SHARP_HEIGHT, picture.shape[2]), min(2 * _SHARP_HEIGHT, picture.shape[3]))
+    return interpolate(picture, size, mode="area")
 
 
 def _padded(picture: Tensor) -> Tensor:

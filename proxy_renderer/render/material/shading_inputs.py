@@ -15,8 +15,8 @@ from ...scene import Material
 from ...scene.values import RenderValues, wanted
 from ..geometry.vectors import within
 
-_MOST = {"metallic": 1.0, "roughness": 1.0, "coat": 1.0, "transmission": 1.0, "emission": math.inf}
-"""Parameters that may vary over a surface, and their greatest values."""
+_SHARES = ("metallic", "roughness", "coat", "transmission")
+"""Parameters from 0 to 1 that may vary over a surface."""
 
 
 @dataclass(frozen=True)
@@ -24,8 +24,8 @@ class ShadingInputs:
     """A material's values in one render: scalars () and colors (3,).
 
     Where nodes compute them, `metallic`, `roughness`, `coat` and `transmission` are (N,), `emission` (3, N).
-    A computed emission color is multiplied by `glow_tint`; `emission_color` is the mean of the product, which other
-    surfaces receive.
+    A computed emission color is multiplied by `glow_tint`, a computed strength by `glow_factor`; `emission_color` and
+    `strength` are the means of the products, which other surfaces receive.
     """
 
     base: Tensor
@@ -44,6 +44,7 @@ class ShadingInputs:
     transmission: Tensor
     emission_color: Tensor
     glow_tint: Tensor
+    glow_factor: Tensor
     strength: Tensor
     recolor: Tensor | None
 
@@ -57,11 +58,9 @@ class ShadingInputs:
         """The same with inputs (1 or 3, N) that vary over its samples."""
         if not textured:
             return self
-        given: dict[str, Any] = {
-            "strength" if name == "emission" else name: value[0].clamp(0.0, _MOST[name])
-            for name, value in textured.items()
-            if name in _MOST
-        }
+        given: dict[str, Any] = {n: textured[n][0].clamp(0.0, 1.0) for n in _SHARES if n in textured}
+        if "emission" in textured:
+            given["strength"] = textured["emission"][0].clamp_min(0.0) * self.glow_factor
         if "emission_color" in textured:
             given["emission_color"] = textured["emission_color"] * self.glow_tint[:, None]
         return replace(self, **given)
@@ -84,7 +83,8 @@ def shading_inputs_of(material: Material, settings: RenderValues) -> ShadingInpu
     base = settings.color(key + ("tint" if textured else "base_color"), 1.0 if textured else 0.8)
 
     glow_tint = settings.color(key + "emission_color", 1.0)
-    glow = material.maps.get("emission_color")
+    glow_factor = settings.scalar(key + "emission")
+    color, strength = (material.maps.get(name) for name in ("emission_color", "emission"))
 
     def unit(name: str, default: float) -> Tensor:
         return within(settings.scalar(key + name, default), 0.0, 1.0)
@@ -104,11 +104,10 @@ def shading_inputs_of(material: Material, settings: RenderValues) -> ShadingInpu
         sheen_tint=tuple(constants.get("sheen_tint", (1.0, 1.0, 1.0))),
         sheen_roughness=float(constants.get("sheen_roughness", 0.5)),
         transmission=unit("transmission", 0.0),
-        emission_color=glow_tint
-        if glow is None
-        else glow_tint * glow_tint.new_tensor(glow.image.mean((0, 1))),
+        emission_color=glow_tint * glow_tint.new_tensor(color.image.mean((0, 1))) if color else glow_tint,
         glow_tint=glow_tint,
-        strength=settings.scalar(key + "emission"),
+        glow_factor=glow_factor,
+        strength=glow_factor * float(strength.image[..., 0].mean()) if strength else glow_factor,
         recolor=settings.scalar(key + "recolor") if textured else None,
     )
 

@@ -298,7 +298,7 @@ def _worlds(sky: Sky, view_samples: ViewSamples) -> tuple[Tensor, ...]:
         sky.reflected(view_samples.mirrored, view_samples.surface.normal, view_samples.basis, r)
         for r in rough
     ]
-    return sky.mirror(view_samples.mirrored), *lobes, sky.seen(view_samples.beyond)
+    return sky.mirror(view_samples.mirrored), *lobes, sky.backdrop(view_samples.beyond)
 
 
 def _mean(material: Material, device: torch.device) -> Tensor:

@@ -14,6 +14,7 @@ from .shaders import ALIASES, NodeInGroups
 from .trails import NodeEntry, active_links, giver, resolve
 
 TRANSPARENT = "ShaderNodeBsdfTransparent"
+_BACKGROUND = "ShaderNodeBackground"
 _MIX, _ADD, EMISSION = "ShaderNodeMixShader", "ShaderNodeAddShader", "ShaderNodeEmission"
 _REFLECTIVE = {"ShaderNodeBsdfGlossy", "ShaderNodeBsdfAnisotropic", "ShaderNodeBsdfMetallic"}
 _CLEAR = {"ShaderNodeBsdfGlass", "ShaderNodeBsdfRefraction"}
@@ -105,10 +106,19 @@ def layers(material: Material) -> list[Layer]:
     """All shaders behind the Surface of the output that Cycles takes, transparent ones included."""
     tree = compat.node_tree(material)
     output = tree.get_output_node("CYCLES") if tree else None
-    return list(_behind(output.inputs["Surface"], (), ())) if output else []
+    return list(behind(output.inputs["Surface"])) if output else []
 
 
-def _behind(socket: NodeSocket, inside: tuple[Node, ...], sides: tuple[MixSide, ...]) -> Iterator[Layer]:
+def behind(
+    socket: NodeSocket, inside: tuple[Node, ...] = (), sides: tuple[MixSide, ...] = ()
+) -> Iterator[Layer]:
+    """The shaders behind an input, those of groups included.
+
+    Args:
+        socket: The input.
+        inside: The group nodes that lead to it.
+        sides: The sides of the Mix Shaders that lead to it.
+    """
     given = giver(socket, inside)
     if given is None:
         return
@@ -116,11 +126,11 @@ def _behind(socket: NodeSocket, inside: tuple[Node, ...], sides: tuple[MixSide, 
     if node.bl_idname == _MIX:
         for number, second in ((1, False), (2, True)):
             side = MixSide(NodeEntry(node.inputs[0], inside), second)
-            yield from _behind(node.inputs[number], inside, (*sides, side))
+            yield from behind(node.inputs[number], inside, (*sides, side))
     elif node.bl_idname == _ADD:
         for entry in node.inputs:
-            yield from _behind(entry, inside, sides)
-    elif node.bl_idname in ALIASES or node.bl_idname == TRANSPARENT:
+            yield from behind(entry, inside, sides)
+    elif node.bl_idname in ALIASES or node.bl_idname in (TRANSPARENT, _BACKGROUND):
         yield Layer(NodeInGroups(node, inside), sides)
 
 

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A glow whose strength nodes compute: predicted, turned up and down by an owned factor, and put back exactly."""
+
+import bpy
+import dump
+import pytest
+import small_scenes as scenes
+import torch
+from vibe_render.export import reading
+from vibe_render.render import anchors
+from vibe_render.scene import bindings, snapshot
+from vibe_render.scene.subject import SubjectChoice
+
+from proxy_renderer.planning.lights.glow import glows
+from proxy_renderer.planning.planner import plan
+from proxy_renderer.prompt.parser import parse
+from proxy_renderer.prompt.prompts import compose
+from proxy_renderer.prompt.types import PlanContext, SceneWords
+from proxy_renderer.render.cycles.pictures import CyclesPicture
+from proxy_renderer.render.proxy import Proxy
+from proxy_renderer.scene import load_scene
+
+KEY = "material/Sign/emission"
+
+
+@pytest.fixture(params=["Principled", "Emission"])
+def sign(request, scene):
+    """A cube that glows in a checker of 0 and 3, by one of the shaders that glow."""
+    material = scenes.principled("Sign", scenes.cube(scene, "Sign", (0.0, 0.0, 0.0), 2.0))
+    tree = material.node_tree
+    glow = scenes.shader(material)
+    if request.param == "Emission":
+        glow = tree.nodes.new("ShaderNodeEmission")
+        tree.links.new(glow.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    color = glow.inputs["Emission Color" if request.param == "Principled" else "Color"]
+    color.default_value = (0.2, 0.8, 0.4, 1.0)
+    checker, math = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexChecker", "Math"))
+    checker.inputs["Color1"].default_value, checker.inputs["Color2"].default_value = (
+        (1, 1, 1, 1),
+        (0, 0, 0, 1),
+    )
+    checker.inputs["Scale"].default_value = 2.0
+    math.operation, math.inputs[1].default_value = "MULTIPLY", 3.0
+    tree.links.new(checker.outputs["Color"], math.inputs[0])
+    entry = "Emission Strength" if request.param == "Principled" else "Strength"
+    tree.links.new(math.outputs[0], glow.inputs[entry])
+    scenes.camera(scene)
+    scenes.world(scene).node_tree.nodes["Background"].inputs["Color"].default_value = (0.0, 0.0, 0.0, 1.0)
+    scene.render.resolution_x = scene.render.resolution_y = 64
+    return scene
+
+
+def test_a_factor_turns_it_down_as_predicted_and_is_reverted(sign, tmp_path):
+    before = dump.contents()
+    job = reading.export_scene(sign, tmp_path, SubjectChoice(("Sign",)))
+    assert (job.instances[KEY].value, job.instances[KEY].locked) == ((1.0,), "")
+    assert glows(load_scene(tmp_path))["Sign"].strength == pytest.approx(1.5, abs=0.4)
+    place = job.analysis.objects, job.analysis.pivot
+    scene = load_scene(tmp_path)
+    for values in ({}, {KEY: (0.25,)}):
+        groups = anchors.render_anchor(sign, tmp_path / "a.exr", values, *place, 64, 32)
+        cycles = CyclesPicture.load(tmp_path / "a.exr", groups, scene.film).whole.mean((0, 1))
+        with torch.no_grad():
+            given = {key: torch.tensor(value) for key, value in values.items()}
+            predicted = Proxy(scene, (64, 64)).render(given).linear.mean((0, 1))
+        assert ((predicted - cycles).abs() < 0.08 * cycles.max()).all()
+    assert bindings.write(sign, {KEY: (0.25,)}, *place) == {}
+    assert bindings.read(sign, *place)[KEY] == pytest.approx((0.25,))
+    again = reading.export_scene(sign, tmp_path / "again", SubjectChoice(("Sign",)))
+    assert again.instances[KEY].value == pytest.approx((0.25,))
+    assert glows(load_scene(tmp_path / "again"))["Sign"].strength == pytest.approx(1.5, abs=0.4)
+    snapshot.revert(sign)
+    assert dump.difference(before, dump.contents()) == {}
+
+
+def test_words_reckon_with_what_the_nodes_give(sign, tmp_path):
+    math = next(n for n in bpy.data.materials["Sign"].node_tree.nodes if n.type == "MATH")
+    math.inputs[1].default_value = 0.2
+    reading.export_scene(sign, tmp_path, SubjectChoice(("Sign",)))
+    data = load_scene(tmp_path)
+    parsed = parse("glowing sign", SceneWords())
+    entries = plan(parsed, compose(parsed), dict(data.instances), PlanContext(glows=glows(data)))
+    shown = [v[0] * glows(data)["Sign"].strength for v in (entries[KEY].lower, entries[KEY].upper)]
+    assert shown[1] > shown[0] > 0.1

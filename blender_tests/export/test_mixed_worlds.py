@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Worlds of several Backgrounds: the camera sees one and another lights, both are predicted, all change, all come back."""
+
+import bpy
+import dump
+import numpy as np
+import pytest
+import small_scenes as scenes
+import torch
+from vibe_render.export import reading
+from vibe_render.render import anchors
+from vibe_render.scene import bindings, snapshot
+from vibe_render.scene.subject import SubjectChoice
+
+from proxy_renderer.render.cycles.pictures import CyclesPicture
+from proxy_renderer.render.proxy import Proxy
+from proxy_renderer.scene import load_scene
+
+RED, BLUE = (0.8, 0.1, 0.05), (0.1, 0.2, 0.9)
+
+
+def background(tree, color, strength):
+    node = tree.nodes.new("ShaderNodeBackground")
+    node.inputs["Color"].default_value, node.inputs["Strength"].default_value = (*color, 1.0), strength
+    return node.outputs[0]
+
+
+def by_camera_rays(tree):
+    """A red backdrop; blue light."""
+    mix, path = tree.nodes.new("ShaderNodeMixShader"), tree.nodes.new("ShaderNodeLightPath")
+    tree.links.new(path.outputs["Is Camera Ray"], mix.inputs[0])
+    tree.links.new(background(tree, BLUE, 2.0), mix.inputs[1])
+    tree.links.new(background(tree, RED, 0.5), mix.inputs[2])
+    return mix.outputs[0]
+
+
+def by_height(tree):
+    """Blue above, red below."""
+    mix, place, split = (tree.nodes.new(f"ShaderNode{n}") for n in ("MixShader", "TexCoord", "SeparateXYZ"))
+    tree.links.new(place.outputs["Generated"], split.inputs[0])
+    tree.links.new(split.outputs["Z"], mix.inputs[0])
+    tree.links.new(background(tree, RED, 1.0), mix.inputs[1])
+    tree.links.new(background(tree, BLUE, 2.0), mix.inputs[2])
+    return mix.outputs[0]
+
+
+def in_a_group(tree):
+    """The first, in a node group whose output is added to a faint Background."""
+    group = bpy.data.node_groups.new("My Sky", "ShaderNodeTree")
+    group.interface.new_socket("Sky", in_out="OUTPUT", socket_type="NodeSocketShader")
+    group.links.new(by_camera_rays(group), group.nodes.new("NodeGroupOutput").inputs[0])
+    node, add = tree.nodes.new("ShaderNodeGroup"), tree.nodes.new("ShaderNodeAddShader")
+    node.node_tree = group
+    tree.links.new(node.outputs[0], add.inputs[0])
+    tree.links.new(background(tree, (0.1, 0.1, 0.1), 1.0), add.inputs[1])
+    return add.outputs[0]
+
+
+@pytest.fixture(params=[by_camera_rays, by_height, in_a_group])
+def studio(request, scene):
+    """A white ball before such a world."""
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=48, ring_count=24)
+    scenes.principled("White", bpy.context.object)
+    bpy.context.object.name = "Ball"
+    scenes.camera(scene, (0.0, -4.0, 0.0))
+    tree = scenes.world(scene).node_tree
+    tree.nodes.remove(tree.nodes["Background"])
+    tree.links.new(request.param(tree), tree.nodes["World Output"].inputs["Surface"])
+    scene.render.resolution_x = scene.render.resolution_y = 64
+    return scene
+
+
+def cycles_and_proxy(scene, job, folder, values):
+    data, place = load_scene(folder), (job.analysis.objects, job.analysis.pivot)
+    groups = anchors.render_anchor(scene, folder / "a.exr", values, *place, 64, 64)
+    with torch.no_grad():
+        predicted = Proxy(data, (64, 64)).render({k: torch.tensor(v) for k, v in values.items()}).linear
+    return CyclesPicture.load(folder / "a.exr", groups, data.film).whole.numpy(), predicted.numpy()
+
+
+def test_backdrop_and_light_are_predicted_and_change_as_predicted(studio, tmp_path):
+    job = reading.export_scene(studio, tmp_path, SubjectChoice(("Ball",)))
+    assert job.instances["world/strength"].value == (1.0,)
+    assert "world/color" not in job.instances
+    for values in ({}, {"world/strength": (0.4,), "world/tint": (1.5, 0.8, 0.5)}):
+        cycles, predicted = cycles_and_proxy(studio, job, tmp_path, values)
+        for part in (np.s_[:8], np.s_[-8:], np.s_[28:36, 28:36]):  # the world above and below, the ball
+            a, b = cycles[part].mean((0, 1)), predicted[part].mean((0, 1))
+            assert (np.abs(a - b) < 0.06 * a.max()).all()
+
+
+def test_strengths_keep_their_relation_and_come_back(studio, tmp_path):
+    before = dump.contents()
+    job = reading.export_scene(studio, tmp_path, SubjectChoice(("Ball",)))
+    place = job.analysis.objects, job.analysis.pivot
+    was = np.load(tmp_path / "world_image.npy")
+    assert bindings.write(studio, {"world/strength": (0.0,), "world/tint": (0.5, 1.0, 1.0)}, *place) == {}
+    assert bindings.write(studio, {"world/strength": (3.0,)}, *place) == {}
+    assert bindings.read(studio, *place)["world/strength"] == pytest.approx((3.0,))
+    reading.export_scene(studio, tmp_path / "again", SubjectChoice(("Ball",)))
+    np.testing.assert_allclose(np.load(tmp_path / "again" / "world_image.npy"), was, atol=1e-3)
+    snapshot.revert(studio)
+    assert dump.difference(before, dump.contents()) == {}
