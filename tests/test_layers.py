@@ -18,7 +18,7 @@ LAYERS = {
         schema=schema.options . blender color scene
         prompt.lexicon prompt=prompt.lights planning=planning.lights vlm inputs batch.manifest batch
         render.film render.geometry render.material render.lights=render.lights.types render.transport render.edges render.surface
-        render.cycles render
+        render.cycles render claims.measures claims
         train.pictures train.text guidance train optimize engine
         bench.mitsuba bench bench.paper bench.wild cli=cli.commands
     """,

@@ -28,6 +28,7 @@ DATA = (
     "proxy_renderer/prompt/lexicon/vocabulary.toml",
     "proxy_renderer/prompt/lexicon/words.safetensors",
     "proxy_renderer/planning/view_colors.txt",
+    "proxy_renderer/claims/heads.toml",
     "proxy_renderer/batch/flamenco.js",
     "proxy_renderer/batch/page/*.js",
     "proxy_renderer/batch/page/*.css",

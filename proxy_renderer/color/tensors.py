@@ -41,6 +41,12 @@ def lab_from_linear(linear: Float[Tensor, "*pixels 3"]) -> Float[Tensor, "*pixel
     return torch.stack((116 * fy - 16, 500 * (fx - fy), 200 * (fy - fz)), -1)
 
 
+def oklab_from_srgb(display: Float[Tensor, "*pixels 3"]) -> Float[Tensor, "*pixels 3"]:
+    """OKLab (Ottosson 2020) of sRGB-encoded pictures (..., 3) in [0, 1]: L in [0, 1], a and b about ±0.4."""
+    cones = linear_from_srgb(display) @ display.new_tensor(c.CONES_FROM_REC709).T
+    return cones.clamp_min(1e-6) ** (1 / 3) @ display.new_tensor(c.OKLAB_FROM_CONES).T
+
+
 def lab_from_srgb(display: Float[Tensor, "*pixels 3"]) -> Float[Tensor, "*pixels 3"]:
     """CIE Lab (D65) of sRGB-encoded pictures (..., 3) in [0, 1]."""
     return lab_from_linear(linear_from_srgb(display))

@@ -13,6 +13,7 @@ import numpy as np
 import torch
 from PIL import Image
 
+from ..claims.verdict import ShotClaims
 from ..color.differences import mean_difference
 from ..guidance import augment
 from ..guidance.encoder import Encoder, load_encoder
@@ -29,6 +30,7 @@ from ..vlm.client import Client
 from ..vlm.endpoint import find_endpoint
 from . import predictions, report
 from .added_lights import with_added_lights
+from .claimed import claims_about, foreseen
 from .device import pick_device
 
 
@@ -57,6 +59,7 @@ class EngineSession:
         endpoint = find_endpoint(options, vlm_key)
         self._model = Client(endpoint, observer.stopped) if endpoint and not options.baseline else None
         self._others: list[str] = []
+        self._claims: list[ShotClaims] = []  # one for each shot
         self._rows: list[list[tuple[str, Image.Image]]] = []  # of compare.png: one for each shot
 
     def run(self) -> messages.Result:
@@ -93,6 +96,7 @@ class EngineSession:
             pictures.append(predictions.variants(proxy, outcome, number, job))
         variants = self._variants(outcome, pictures)
         clock.lap("prediction")
+        self._claims = claims_about(outcome)
         self._caption = outcome.prompts.whole or self.prompt
         values = [report.changed_values(outcome, shot) for shot in outcome.shots]
         return messages.Result(
@@ -106,6 +110,7 @@ class EngineSession:
                     if variants
                     else {}
                 ),
+                "claims": foreseen(outcome, self._claims),
                 "timings": clock.laps,
             },
             prediction=predictions.PREDICTION,
@@ -162,6 +167,7 @@ class EngineSession:
             },
             similarity={"before": self._similarity(before), "after": self._similarity(after)},
             judge=self._judge(images[0][1], images[2][1]),
+            claims=self._claims[request.shot].verdicts(*map(torch.from_numpy, (before, predicted, after))),
         )
 
     def _advisor(self, scenes: Sequence[SceneData]) -> ModelAdvisor | None:

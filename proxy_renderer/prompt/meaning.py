@@ -47,7 +47,7 @@ def _settle_targets(parsed: Parsed, vocabulary: Vocabulary) -> None:
         return bool(attribute.cause), attribute.slot == "material", is_vague(attribute, vocabulary)
 
     for attribute in sorted(parsed.attributes, key=rank):
-        heads, lost = _heads(attribute, vocabulary), 0
+        heads, lost = heads_of(attribute, vocabulary), 0
         for head, value in heads.items():
             settled = parsed.targets.setdefault(head, value)
             first = settlers.setdefault(head, attribute)
@@ -117,8 +117,8 @@ def _region_of(attribute: Attribute) -> Region | None:
     return "surroundings" if attribute.kind in ("surroundings", "sky", "fog") else None
 
 
-def _heads(attribute: Attribute, vocabulary: Vocabulary) -> dict[str, str]:
-    """The attribute classes that one word asks for."""
+def heads_of(attribute: Attribute, vocabulary: Vocabulary) -> dict[str, str]:
+    """The attribute classes that one word asks for: head -> class."""
     if attribute.entry not in vocabulary.entries:
         return {}
     entry = vocabulary.entries[attribute.entry]
@@ -155,12 +155,12 @@ def forget_parts(parsed: Parsed, shares: dict[str, float], vocabulary: Vocabular
     mine: set[str] = set()
     for attribute in parts:
         region = _region_of(attribute)
-        heads = {h for h in _heads(attribute, vocabulary) if h.startswith("subject_")}
+        heads = {h for h in heads_of(attribute, vocabulary) if h.startswith("subject_")}
         mine |= heads | ({f"{region}_color"} if attribute.color else set())
         if region and attribute.color:
             parsed.colors.pop(region, None)
     kept = [a for a in parsed.attributes if a not in parts]
-    spoken = {h for a in kept for h in _heads(a, vocabulary)}
+    spoken = {h for a in kept for h in heads_of(a, vocabulary)}
     parsed.targets = {head: value for head, value in parsed.targets.items() if head not in mine - spoken}
     _region_colors(parsed, kept)
 

@@ -15,6 +15,7 @@ from ..schema import FAMILIES, VibeError
 from .cycles.correction import Correction
 from .cycles.pictures import CyclesPicture
 from .film.film import Film
+from .gbuffer import GBuffer, gbuffer_of
 from .geometry.camera import View, view_of
 from .lights.emitters import Emitters
 from .lights.environment import Environment, sky_of
@@ -28,7 +29,7 @@ from .surface.view_cache import ViewCache
 from .transport.fog import FogMedium
 from .transport.indirect import IndirectLight
 from .transport.secondary_hits import RadianceTable
-from .transport.volume import DIRECTIONS, SingleScattering
+from .transport.volume import DIRECTIONS, FroxelGrid, SingleScattering
 
 _FILM_KEYS = tuple(key for key, p in FAMILIES.items() if p.group == "film")
 
@@ -106,6 +107,19 @@ class Proxy:
         linear, alpha = channels[:3].permute(1, 2, 0), channels[3] if len(channels) > 3 else None
         film = {key: settings.color(key) for key in _FILM_KEYS if settings.has(key)}
         return Render(self.film.develop(linear, film, alpha), linear, mask, frame.cache.depth, alpha)
+
+    def gbuffer(self, values: Mapping[str, Tensor]) -> GBuffer:
+        """What the camera sees, and through how much fog.
+
+        Args:
+            values: As for `render`; the transmittance is differentiable in them.
+        """
+        frame, _ = self._frame(values)
+        samples = frame.cache.samples
+        passing = torch.ones_like(samples.weight)
+        if frame.fog.active:
+            _, passing = self._haze(frame, frame.view).look_up(samples.place, samples.hits.distance)
+        return gbuffer_of(self.scene, self.geometry, frame.view, frame.cache, passing)
 
     def anchor(self, values: Mapping[str, Tensor], picture: CyclesPicture) -> Correction:
         """Corrects all renders from now on by what Cycles makes of these values.
@@ -199,12 +213,15 @@ class Proxy:
 
     def _through_fog(self, frame: RenderState, view: View, radiance: Tensor) -> Tensor:
         """Radiance of the samples behind fog: times its transmittance, plus its in-scattered light."""
-        sky, samples = frame.sky, frame.cache.samples
-        world = sky.color[:, None] * sky.soft(DIRECTIONS.to(self.device))
-        haze = self.volume.scatter(frame.fog, view, self._near, frame.lamps, world)
-        light, passing = haze.look_up(samples.place, samples.hits.distance)
+        samples = frame.cache.samples
+        light, passing = self._haze(frame, view).look_up(samples.place, samples.hits.distance)
         lit = radiance[:3] * passing + light
         return lit if len(radiance) == 3 else torch.cat((lit, 1 - passing * (1 - radiance[3:])))
+
+    def _haze(self, frame: RenderState, view: View) -> FroxelGrid:
+        """Light scattered, and lost, between the camera and any point."""
+        world = frame.sky.color[:, None] * frame.sky.soft(DIRECTIONS.to(self.device))
+        return self.volume.scatter(frame.fog, view, self._near, frame.lamps, world)
 
 
 def _resolve(frame: RenderState, radiance: Tensor) -> tuple[Tensor, Tensor]:

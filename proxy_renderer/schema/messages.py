@@ -225,6 +225,7 @@ class Finished:
         similarity: {"before": s, "after": s}, cosine of picture and prompt.
         judge: A vision-language model's verdict on before and after: winner, reason and what it cost, or
             error; empty if no model is configured.
+        claims: What every word claims of the picture, and whether it holds; rows of `claims.verdict`.
     """
 
     type: ClassVar[str] = "finished"
@@ -232,6 +233,7 @@ class Finished:
     similarity: dict[str, float]
     judge: dict[str, Any] = field(default_factory=dict)
     others: dict[str, float] = field(default_factory=dict)
+    claims: list[dict[str, Any]] = field(default_factory=list)
 
 
 @dataclass(frozen=True)

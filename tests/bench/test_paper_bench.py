@@ -86,7 +86,7 @@ def test_gloss_is_the_contrast_of_small_highlights():
     sharp, dull = shaded.display.copy(), shaded.display.copy()
     sharp[22:25, 24:27] = 1.0
     dull += 0.06 * np.exp(-((X + 0.2) ** 2 + (Y - 0.25) ** 2) / 0.15)[..., None]
-    found = [measures.gloss(shot(d), "subject") for d in (shaded.display, dull, sharp)]
+    found = [measures.taken("gloss", shot(d), "subject") for d in (shaded.display, dull, sharp)]
     assert found[0] + 10 < found[2]
     assert found[1] < found[0] + 4
 
@@ -101,8 +101,8 @@ def test_fog_is_measured_against_the_same_picture_without_it():
 
 def test_a_vignette_darkens_all_corners_and_a_lamp_from_the_side_does_not():
     radius = np.hypot(X, Y)
-    assert measures.vignette(shot(gray(0.4 * np.clip(1.15 - 0.55 * radius**2, 0, 1))), "picture") > 9
-    assert measures.vignette(shot(gray(0.25 + 0.2 * X)), "picture") < 1
+    assert measures.taken("vignette", shot(gray(0.4 * np.clip(1.15 - 0.55 * radius**2, 0, 1))), "picture") > 9
+    assert measures.taken("vignette", shot(gray(0.25 + 0.2 * X)), "picture") < 1
 
 
 @pytest.mark.parametrize(
@@ -110,33 +110,40 @@ def test_a_vignette_darkens_all_corners_and_a_lamp_from_the_side_does_not():
 )
 def test_the_side_of_the_light_is_read_off_the_shading(lamp, right, up):
     picture = lit(*lamp)
-    assert measures.light_right(picture, "subject") == pytest.approx(right, abs=0.2)
-    assert measures.light_up(picture, "subject") == pytest.approx(up, abs=0.2)
+    assert measures.taken("light_right", picture, "subject") == pytest.approx(right, abs=0.2)
+    assert measures.taken("light_up", picture, "subject") == pytest.approx(up, abs=0.2)
 
 
 def test_even_light_has_no_side():
-    assert abs(measures.light_right(shot(gray(0.3)), "subject")) < 0.05
+    assert abs(measures.taken("light_right", shot(gray(0.3)), "subject")) < 0.05
 
 
 def test_hard_shadows_have_steep_edges():
     steps = [shot(gray(0.1 + 0.4 / (1 + np.exp(-(Y + 0.8) / width)))) for width in (0.01, 0.2)]
-    hard, soft = (measures.hardness(s, "surroundings") for s in steps)
+    hard, soft = (measures.taken("hardness", s, "surroundings") for s in steps)
     assert hard > 3 * soft > 0
 
 
 def test_tone_is_measured():
     warm, cool = painted("#c08040", "#c08040"), painted("#4080c0", "#4080c0")
-    assert measures.warmth(warm, "picture") > 30 > -20 > measures.warmth(cool, "picture")
-    assert measures.chroma(warm, "picture") > 40 > 1 > measures.chroma(shot(gray(0.3)), "picture")
+    assert measures.taken("warmth", warm, "picture") > 30 > -20 > measures.taken("warmth", cool, "picture")
     assert (
-        measures.hue_spread(painted("#70512d", "#b8996f"), "picture")
-        < 6
-        < measures.hue_spread(cool, "picture")
+        measures.taken("chroma", warm, "picture")
+        > 40
+        > 1
+        > measures.taken("chroma", shot(gray(0.3)), "picture")
     )
-    assert measures.spread(painted("#ffffff", "#000000"), "picture") == pytest.approx(100, abs=0.1)
-    assert measures.glow(painted("#ffffff", "#202020"), "subject") > 80
+    assert (
+        measures.taken("brown_distance", painted("#70512d", "#b8996f"), "picture")
+        < 6
+        < measures.taken("brown_distance", cool, "picture")
+    )
+    assert measures.taken("contrast", painted("#ffffff", "#000000"), "picture") == pytest.approx(100, abs=0.1)
+    assert measures.taken("standing_out", painted("#ffffff", "#202020"), "subject") > 80
     dark, pale = painted("#101010", "#d0d0d0"), painted("#d0d0d0", "#101010")
-    assert measures.silhouette(dark, "subject") > 60 > 0 > measures.silhouette(pale, "subject")
+    assert (
+        measures.taken("silhouette", dark, "subject") > 60 > 0 > measures.taken("silhouette", pale, "subject")
+    )
 
 
 # ---- what can be seen

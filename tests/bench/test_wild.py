@@ -63,7 +63,7 @@ def test_names_alone_say_the_half_and_the_words() -> None:
         (DONE, "picture"),
         ({**DONE, "black": True}, "broken"),
         ({**DONE, "code": 2, "error": "vibe: There is no mesh. Add one."}, "refused"),
-        ({**DONE, "code": 2, "error": "vibe: Blender ended unexpectedly (exit code 1)."}, "broken"),
+        ({**DONE, "code": 1, "error": "vibe: Something unexpected happened; the log says more."}, "broken"),
         ({**DONE, "code": -9, "error": "nothing was said"}, "broken"),
     ],
 )

@@ -14,6 +14,7 @@ import bpy
 
 from ..core.schema_import import labels, messages, schema
 from ..export.notes import shortened
+from ..session.claim_notes import claim_lines
 from ..session.model_notes import model_lines
 from ..session.word_notes import word_notes
 from .shots import ShotList
@@ -50,6 +51,7 @@ def report_fields(
         "subject": sorted(shot_list.subjects[0]),
         "similarity": _mean([each.similarity for each in measured]),
         "delta_e": _mean([{"": each.delta_e} for each in measured])[""],
+        "claims": measured[0].claims,
         **({"judge": judges[0]} if judges else {}),
         **({"shots": _shots(args, shot_list, measured)} if len(shot_list) > 1 else {}),
         "stopped": result.stopped,
@@ -76,6 +78,7 @@ def _shots(
             "after": numbered("after.png", number),
             "similarity": each.similarity,
             "delta_e": each.delta_e,
+            "claims": each.claims,
             **({"judge": each.judge} if each.judge else {}),
         }
         for number, (shot, each) in enumerate(zip(shot_list.shots, measured, strict=True))
@@ -118,6 +121,7 @@ def closing_lines(
         lines.append(
             f"{len(result.variants)} variants on variants.png; `vibe apply preset-2.json` takes the second."
         )
+    lines += claim_lines(measured[0].claims)
     lines += model_lines(result.report, measured[0].judge)
     for shot, each in zip(shot_list.shots, measured, strict=True):
         s, who = each.similarity, f"{shot.name}: " if len(shot_list) > 1 else ""

@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 from PIL import Image
 from scipy import ndimage
 
+from ...claims.measures.picture import MeasuredPicture
 from ...color import arrays
 from ...color.tensors import lab_from_srgb
 from ...engine.report import load_picture
+from ...render.gbuffer import GBuffer
 
 FloatArray = NDArray[np.float64]
 _BORDER = 1  # pixels on either side of an outline that belong to neither
@@ -39,6 +41,19 @@ class FinishedPicture:
     material: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 0), np.int64))
     materials: tuple[str, ...] = ()
     clear: FloatArray | None = None
+
+    @property
+    def measured(self) -> MeasuredPicture:
+        """As the measures of claims take it; how much air is in between is not known."""
+        mask = torch.from_numpy(self.mask)
+        seen = GBuffer(
+            subject=mask,
+            material=torch.from_numpy(self.material),
+            materials=self.materials,
+            normal=torch.from_numpy(self.normal),
+            transmittance=torch.ones_like(mask),
+        )
+        return MeasuredPicture(torch.from_numpy(self.display), seen)
 
     @property
     def lab(self) -> FloatArray:

@@ -12,7 +12,7 @@ from typing import Any
 
 from ...color.floats import srgb_from_lab
 from . import figures
-from .measures import MEASURES
+from .measures import NOTICES, SAYS, UNITS
 from .pairs import COMPARED, Ask, Pair
 from .runs import BASELINE, OURS, Run
 from .verdict import RULE
@@ -114,7 +114,7 @@ def _table(pair: Pair, seeds: Sequence[Mapping[str, Any]], compared: bool) -> st
     body = ""
     for ask in pair.asks:
         measure = "color" if ask.lab else ask.trait.measure
-        unit = "ΔE" if ask.lab else MEASURES[measure].unit
+        unit = "ΔE" if ask.lab else UNITS[measure]
         cells = "".join(_cell([s[side]["asks"][ask.text] for s in seeds], unit) for side in sides)
         body += f"<tr><td>{_chip(ask)}{escape(ask.text)}<small>{measure.replace('_', ' ')}</small></td>{cells}</tr>"
     visibility = "".join(
@@ -160,8 +160,8 @@ def _method(results: Mapping[str, Any]) -> str:
         else ""
     )
     rows = "".join(
-        f"<tr><td>{name.replace('_', ' ')}</td><td>{escape(m.says)}</td><td>{m.notice:g} {m.unit}</td></tr>"
-        for name, m in MEASURES.items()
+        f"<tr><td>{name.replace('_', ' ')}</td><td>{escape(says)}</td><td>{NOTICES[name]:g} {UNITS[name]}</td></tr>"
+        for name, says in SAYS.items()
     )
     return (
         f'<section class="method"><h2>How a pair is decided</h2><p class="lead">{escape(RULE)}{judged}</p>'

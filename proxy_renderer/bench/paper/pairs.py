@@ -12,7 +12,7 @@ from pathlib import Path
 from ...color.floats import chroma, lab_from_srgb, srgb_from_hex
 from ...prompt.lexicon.user_words import default_vocabulary
 from ...schema import VibeError
-from .measures import MEASURES
+from .measures import SAYS
 
 WIDER = "wider"
 COMPARED = ("benchmark", WIDER)
@@ -31,7 +31,7 @@ class Trait:
     """A word in measured amounts.
 
     Attributes:
-        measure: A name in `measures.MEASURES`, or "color".
+        measure: A name in `measures.SAYS`, or "color".
         none: The amount at which a picture has nothing of it.
         full: The amount at which nobody would ask for more.
         than_before: Whether the change from the artist's picture is meant.
@@ -136,5 +136,5 @@ def read_ask(text: str) -> Ask:
 def _traits() -> dict[str, Trait]:
     rows = tomllib.loads((_HERE / "traits.toml").read_text("utf-8"))["traits"]
     traits = {name: Trait(**row) for name, row in rows.items()}
-    assert all(trait.measure in MEASURES for trait in traits.values())
+    assert all(trait.measure in SAYS for trait in traits.values())
     return traits

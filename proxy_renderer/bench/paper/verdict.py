@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from .finished import FinishedPicture
-from .measures import MEASURES, color_error
+from .measures import NOTICES, color_error, taken
 from .pairs import Ask, Pair
 from .visible import SubjectVisibility, visibility
 
@@ -129,7 +129,7 @@ def decide(ours: Sequence[float], theirs: Sequence[float]) -> str:
 
 def notice(ask: Ask) -> float:
     """The least difference of an ask's amount that people notice."""
-    return _COLOR_NOTICE if ask.lab else MEASURES[ask.trait.measure].notice
+    return _COLOR_NOTICE if ask.lab else NOTICES[ask.trait.measure]
 
 
 def wilson(wins: int, count: int, z: float = 1.96) -> tuple[float, float]:
@@ -155,8 +155,8 @@ def _amount(ask: Ask, after: FinishedPicture, before: FinishedPicture) -> float:
         return ask.trait.none
     if ask.lab is not None:
         return color_error(after, ask.region, ask.lab)
-    take = MEASURES[ask.trait.measure].take
-    return take(after, ask.region) - (take(before, ask.region) if ask.trait.than_before else 0.0)
+    was = taken(ask.trait.measure, before, ask.region) if ask.trait.than_before else 0.0
+    return taken(ask.trait.measure, after, ask.region) - was
 
 
 def _pair_of(none: float, full: float, least: float, ours: float, theirs: float) -> tuple[float, float]:

@@ -21,7 +21,8 @@ def summary(rows: Mapping[str, Row]) -> dict[str, Any]:
 
     Returns:
         `scenes`: how many; `pictures`: of those, with a picture that is not black; `refused`: with one clear line;
-        `failed`: the names of those with neither; `exact_reverts` of `compared_reverts`; `clean`: nothing left behind; `delta_e`, `p95` and
+        `failed`: the names of those with neither; `exact_reverts` of `compared_reverts`; `words_shown` of
+        `words` that claim something that can be measured; `clean`: nothing left behind; `delta_e`, `p95` and
         `delta_e_subject`: median and 90th percentile; `seconds`: likewise; `rows`.
     """
     every = list(rows.values())
@@ -33,6 +34,8 @@ def summary(rows: Mapping[str, Row]) -> dict[str, Any]:
         "failed": [name for name, row in rows.items() if outcome(row) == "broken"],
         "exact_reverts": sum(each["differ"] == 0 for each in compared),
         "compared_reverts": len(compared),
+        "words_shown": sum(sum(row.get("words", {}).values()) for row in every),
+        "words": sum(len(row.get("words", {})) for row in every),
         "clean": sum(not row["left_behind"] for row in every),
         **{name: _spread(row.get(name) for row in every) for name in ("delta_e", "p95", "delta_e_subject")},
         "seconds": _spread(row["seconds"] for row in every),
@@ -44,7 +47,7 @@ def outcome(row: Row) -> str:
     """ "picture", "refused" with one line that says what to do, or "broken"."""
     if row["code"] == 0:
         return "broken" if row["black"] else "picture"
-    return "refused" if row["code"] == 2 and "unexpected" not in row["error"] else "broken"
+    return "refused" if row["code"] == 2 else "broken"
 
 
 def line(row: Row) -> str:
@@ -58,6 +61,8 @@ def line(row: Row) -> str:
         f"{row['seconds']:.0f} s",
         f"{row['memory_gb']} GB",
     ]
+    missing = [word for word, shows in row.get("words", {}).items() if not shows]
+    parts += [f"not shown: {', '.join(missing)}"] if missing else []
     extra = ["BLACK"] if row["black"] else []
     extra += [f"revert {reverted}"] if reverted != 0 else []
     extra += [f"left behind {len(row['left_behind'])}"] if row["left_behind"] else []
@@ -68,7 +73,18 @@ def show(results: Mapping[str, Any]) -> None:
     """Prints every scene, the worst first, and what holds over all."""
     console = Console(width=None if Console().is_terminal else 180)
     table = Table(
-        "scene", "outcome", "ΔE", "p95", "subject", "s", "read", "GB", "revert", box=None, pad_edge=False
+        "scene",
+        "outcome",
+        "ΔE",
+        "p95",
+        "subject",
+        "s",
+        "read",
+        "GB",
+        "revert",
+        "words",
+        box=None,
+        pad_edge=False,
     )
     for name, row in sorted(results["rows"].items(), key=lambda pair: -(pair[1].get("delta_e") or 99)):
         figures = [
@@ -76,7 +92,9 @@ def show(results: Mapping[str, Any]) -> None:
             for key in ("delta_e", "p95", "delta_e_subject", "seconds", "read_seconds", "memory_gb")
         ]
         reverted = row.get("revert", {}).get("differ", "")
-        table.add_row(name[-60:], outcome(row), *map(_cell, figures), str(reverted))
+        words = row.get("words", {})
+        shown = f"{sum(words.values())} of {len(words)}" if words else ""
+        table.add_row(name[-60:], outcome(row), *map(_cell, figures), str(reverted), shown)
     console.print(table)
     for name, row in results["rows"].items():
         if row["code"] != 0:
@@ -90,7 +108,7 @@ def _closing(results: Mapping[str, Any]) -> str:
     return (
         f"{results['scenes']} scenes: {results['pictures']} pictures, {results['refused']} refused with a remedy, "
         f"{len(results['failed'])} broken; {results['exact_reverts']} of {results['compared_reverts']} reverts exact; "
-        f"{results['clean']} left nothing behind; {far} (median / 90th percentile)."
+        f"{results['clean']} left nothing behind; {results['words_shown']} of {results['words']} words show; {far} (median / 90th percentile)."
     )
 
 

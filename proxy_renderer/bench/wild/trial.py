@@ -16,6 +16,7 @@ from typing import Any
 import torch
 
 from ...blender import launch, process_tree
+from ...claims.verdict import words_that_show
 from ...color.differences import ciede2000
 from ...color.tensors import lab_from_srgb
 from ...engine.report import load_picture
@@ -123,6 +124,8 @@ class Trial:
             "black": bool(after.amax() < 0.02),
             "subject": report["subject"],
             "read_seconds": report["timings"]["open and export"],
+            "words": words_that_show(report["claims"]),
+            "claims": report["claims"],
             "similarity": report["similarity"],
             "ignored": report["understood"]["ignored"],
             "notes": report["understood"]["notes"],

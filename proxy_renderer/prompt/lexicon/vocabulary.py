@@ -32,10 +32,11 @@ RANGE_MODES = ("", "times", "plus", "camera", "sides", "lightness", "aim", "shar
 SLOTS = ("finish", "material", "color", "lighting", "atmosphere", "grade", "mood", "setting")
 _TEXT: tuple[type, str] = (str, 'Write text in quotes: "...".')
 _LIST: tuple[type, str] = (list, 'Write a list of effects: ["film/contrast 1.1..1.3 !2"].')
+_CLAIMS: tuple[type, str] = (list, 'Write a list of claims: ["surroundings lightness ..14"].')
 _HEADS: tuple[type, str] = (dict, 'Write { fog = "none" }.')
 _ROWS = {
     "slot": _TEXT, "words": _TEXT, "do": _LIST, "means": _TEXT, "phrase": _TEXT, "opposite": _TEXT, "heads": _HEADS,
-    "never": _LIST, "never_heads": _HEADS,
+    "never": _LIST, "never_heads": _HEADS, "claims": _CLAIMS,
 }  # fmt: skip
 COLOR_MODES = ("color", "gel", "albedo", "shown", "cast")
 _COLOR = re.compile(r"@|own|#[0-9a-fA-F]{6}")
@@ -88,6 +89,7 @@ class VocabularyEntry:
     heads: dict[str, str] = field(default_factory=dict)
     never: tuple[Effect, ...] = ()
     never_heads: dict[str, str] = field(default_factory=dict)
+    claims: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -181,6 +183,7 @@ def read_entry(name: str, row: dict) -> VocabularyEntry:
         row.get("heads", {}),
         tuple(map(parse_effect, row.get("never", ()))),
         row.get("never_heads", {}),
+        tuple(row.get("claims", ())),
     )
     for head, value in (*entry.heads.items(), *entry.never_heads.items()):
         if value not in ATTRIBUTES.get(head, ()):

@@ -107,8 +107,7 @@ def take(geometry: RayGeometry, view: View, smooth: Tensor) -> Samples:
         smooth: (M,) bool: materials that show sharp reflections.
     """
     width, height = view.size
-    y, x = torch.meshgrid(torch.arange(height), torch.arange(width), indexing="ij")
-    centers = torch.stack((x.flatten(), y.flatten())).to(geometry.device, torch.float32) + 0.5
+    centers = pixel_centers(view.size).to(geometry.device)
     origin, toward = view.rays(centers)
     layers = follow(geometry, view, origin, toward)
     center_hits = layers.strongest(len(origin[0]))
@@ -140,6 +139,16 @@ def take(geometry: RayGeometry, view: View, smooth: Tensor) -> Samples:
             torch.cat((toward[:, few.ray], more_toward[:, more.ray]), 1),
         ),
     )
+
+
+def pixel_centers(size: tuple[int, int]) -> Tensor:
+    """(2, P) picture positions of the middles of all pixels, row by row.
+
+    Args:
+        size: Width and height in pixels.
+    """
+    y, x = torch.meshgrid(torch.arange(size[1]), torch.arange(size[0]), indexing="ij")
+    return torch.stack((x.flatten(), y.flatten())).to(torch.float32) + 0.5
 
 
 def _sorted(

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Measures of claims on real renders: a scene that is moved along a measure is seen to rise in it.
+
+Gloss, vignette, hardness and the light's direction are tried in `bench/test_paper.py`, on the same studio.
+"""
+
+import pytest
+import torch
+from studio import Studio
+
+from proxy_renderer.claims.measures.registry import MEASURES
+from proxy_renderer.render.proxy import Proxy
+from proxy_renderer.scene import load_scene
+
+GRAY, RED = (0.35, 0.35, 0.35), (0.5, 0.05, 0.04)
+# measure, part, the values of a picture that has little of it, and of one that has much
+MOVES = [
+    ("lightness", "picture", {"film__exposure": -1.0}, {}),
+    ("chroma", "picture", {"film__saturation": 0.3}, {"film__saturation": 1.5}),
+    ("warmth", "picture", {"light__Key__temperature": 12000.0}, {"light__Key__temperature": 2600.0}),
+    ("shadow_warmth", "picture", {}, {"film__lift": (1.1, 1.0, 0.85)}),
+    ("highlight_warmth", "picture", {}, {"film__gain": (1.3, 1.0, 0.6)}),
+    ("contrast", "picture", {"film__contrast": 0.7}, {"film__contrast": 1.4}),
+    ("black_point", "picture", {}, {"film__lift": (1.2, 1.2, 1.2)}),
+    ("white_point", "picture", {"film__exposure": -1.5}, {}),
+    ("standing_out", "subject", {"material__Ball__base_color": (0.02, 0.02, 0.02)}, {"material__Ball__base_color": (0.8, 0.8, 0.8)}),
+    ("silhouette", "subject", {}, {"material__Ball__base_color": (0.01, 0.01, 0.01), "material__Ball__specular": 0.0}),
+    ("separation", "subject", {"material__Ball__base_color": GRAY}, {"material__Ball__base_color": RED}),
+    ("burnt", "subject", {}, {"film__exposure": 9.0}),
+    ("drowned", "subject", {}, {"film__exposure": -8.0}),
+    ("light_front", "subject", {"light__Key__azimuth": 90.0}, {"light__Key__azimuth": 0.0}),
+    ("rim", "subject", {"light__Key__azimuth": 0.0}, {"light__Key__azimuth": 150.0}),
+]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def studio(tmp_path_factory):
+    return Studio(tmp_path_factory.mktemp("studio"))
+
+
+def taken(studio, name, part, values):
+    shown = studio.shoot(**values).measured
+    return MEASURES[name].take(shown, shown.where(part))
+
+
+@pytest.mark.parametrize(("name", "part", "little", "much"), MOVES, ids=[row[0] for row in MOVES])
+def test_a_measure_rises_on_cycles_pictures(studio, name, part, little, much):
+    rise = taken(studio, name, part, much) - taken(studio, name, part, little)
+    assert float(rise[0]) > 2 * MEASURES[name].notice
+
+
+def test_a_color_and_a_tint_turn_where_the_scene_does(studio):
+    red = taken(studio, "color", "subject", {"material__Ball__base_color": RED})
+    blue = taken(studio, "color", "subject", {"material__Ball__base_color": (0.03, 0.06, 0.5)})
+    assert red[1] > 5 > -5 > blue[2]
+    pink = taken(studio, "tint", "surroundings", {"light__Key__color": (1.0, 0.3, 0.6)})
+    assert float(pink[0]) > float(taken(studio, "tint", "surroundings", {})[0]) + 5
+
+
+@pytest.mark.parametrize("density", [0.0, 0.05])
+def test_what_the_air_lets_through_is_what_a_homogeneous_fog_does(studio, density):
+    proxy = Proxy(load_scene(studio.job.folder), (64, 64))
+    values = {"volume/density": torch.tensor([density])}
+    with torch.no_grad():
+        seen, depth = proxy.gbuffer(values), proxy.render(values).depth
+    near = (seen.material >= 0) & (depth < 8)
+    apart = (seen.transmittance - torch.exp(-density * depth))[near].abs()
+    assert float(apart.quantile(0.9)) < 0.02  # pixels on outlines see two distances
+    assert set(seen.material.unique().tolist()) <= {-1, *range(len(seen.materials))}
+    assert float(seen.subject.max()) == 1.0

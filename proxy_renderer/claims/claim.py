@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A claim: what one word says that one part of the picture has to look like."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from ..schema import Values
+from .measures.picture import MeasuredPicture, Part
+from .measures.registry import MEASURES
+
+_FEW = 16  # pixels of which nothing can be said
+_HARDEST = 100.0  # a miss, in noticeable steps, that nothing is worse than
+
+
+@dataclass(frozen=True)
+class Claim:
+    """What a measure of a part of the picture has to be.
+
+    The measure is to lie between `lower` and `upper`. Where `change` is given, of which one end is open, it is also
+    enough if the measure has risen (or fallen, below 0) by so much since the artist's picture.
+
+    Attributes:
+        word: As the prompt says it; "" for what holds without words, as that the subject can be seen.
+        thing: What the prompt calls the thing: "teapot", "background", "picture".
+        measure: A key of `MEASURES`.
+        part: Of the picture.
+        materials: Names of the materials that are meant; none for the whole part.
+        lower: One number for each that the measure gives, after `direction`.
+        upper: Likewise.
+        change: What is enough of a change; None if only the interval counts.
+        direction: Unit vector along which a tint counts; none for the measure's own numbers.
+        color: The color that is asked for, sRGB; None for other claims.
+        weight: Of its residuals.
+    """
+
+    word: str
+    thing: str
+    measure: str
+    part: Part
+    lower: Values
+    upper: Values
+    materials: tuple[str, ...] = ()
+    change: float | None = None
+    direction: Values = ()
+    color: Values | None = None
+    weight: float = 1.0
+
+    def value(self, picture: MeasuredPicture) -> Tensor | None:
+        """What the picture has: (n,), differentiable in it; None where the thing is hardly seen."""
+        where = picture.where(self.part, self.materials)
+        if where.sum() < _FEW:
+            return None
+        taken = MEASURES[self.measure].take(picture, where)
+        return (taken @ taken.new_tensor(self.direction))[None] if self.direction else taken
+
+    def interval(self, before: Tensor | None) -> tuple[Values, Values]:
+        """The lower and the upper end, the change since the artist's picture considered.
+
+        Args:
+            before: (n,) what the artist's picture has; None if that is not known.
+        """
+        if self.change is None or before is None:
+            return self.lower, self.upper
+        enough = float(before[0]) + self.change
+        if math.isfinite(self.lower[0]):
+            return (min(self.lower[0], enough),), self.upper
+        return self.lower, (max(self.upper[0], enough),)
+
+    def residual(self, value: Tensor, before: Tensor | None) -> Tensor:
+        """How far a value (n,) lies outside of the interval: (n,) in steps that people notice, 0 inside."""
+        lower, upper = (value.new_tensor(end) for end in self.interval(before))
+        outside = (value - upper).clamp_min(0.0) - (lower - value).clamp_min(0.0)
+        return outside / MEASURES[self.measure].notice
+
+    def miss(self, value: Tensor, before: Tensor | None) -> float:
+        """The length of the residual; a claim holds if it is at most 1."""
+        return min(float(self.residual(value, before).norm()), _HARDEST)
+
+
+@dataclass(frozen=True)
+class ClaimSet:
+    """The claims of a prompt about a scene, and what the artist's picture has of each.
+
+    Attributes:
+        claims: In the order of the words.
+        before: Of each, what the artist's picture has; None where the thing is hardly seen.
+    """
+
+    claims: tuple[Claim, ...]
+    before: tuple[Tensor | None, ...]
+
+    @classmethod
+    def about(cls, claims: tuple[Claim, ...], picture: MeasuredPicture) -> ClaimSet:
+        """Claims about a scene whose artist's picture is this one."""
+        with torch.no_grad():
+            return cls(claims, tuple(claim.value(picture) for claim in claims))
+
+    def residuals(self, picture: MeasuredPicture) -> Tensor:
+        """All residuals (M,) of a picture, times the square roots of their weights; differentiable in it."""
+        parts = [torch.zeros(0, device=picture.display.device)]
+        for claim, before in zip(self.claims, self.before, strict=True):
+            value = claim.value(picture)
+            if value is not None:
+                parts.append(math.sqrt(claim.weight) * claim.residual(value, before))
+        return torch.cat(parts)

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Measures of color: of a thing, of a region, of what is dark and of what is light."""
+
+from __future__ import annotations
+
+import torch
+from torch import Tensor
+
+from .picture import MeasuredPicture
+
+_REST = 0.1
+"""Share of a region's darkest pixels, and of its lightest, that say nothing of its color: shadows and highlights."""
+
+_ENDS = 0.3
+"""Share of the darkest, or of the lightest, pixels that tints of shadows and of lights are read from."""
+
+
+def color(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Mean color of a region without its deepest shadows and its highlights.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+
+    Returns:
+        (3,) OKLab, times 100.
+    """
+    light = picture.oklab[..., 0].detach()[where]
+    low, high = torch.quantile(light, light.new_tensor([_REST, 1 - _REST]))
+    return picture.oklab[where][(light >= low) & (light <= high)].mean(0)
+
+
+def tint(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Where the mean color lies off gray: (2,) a* and b* of CIE Lab.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    return picture.lab[..., 1:][where].mean(0)
+
+
+def lightness(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Mean lightness: (1,) L*.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    return picture.lab[..., 0][where].mean()[None]
+
+
+def chroma(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Mean distance from gray: (1,) C* of CIE Lab.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    return (picture.lab[..., 1:][where].square().sum(-1) + 1e-4).sqrt().mean()[None]
+
+
+def warmth(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """How far the mean color lies towards orange, or, below 0, towards blue: (1,) b* and half of a*.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    _, a, b = picture.lab[where].mean(0)
+    return (b + 0.5 * a)[None]
+
+
+def shadow_warmth(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Warmth of the darkest part of a region: (1,), see `warmth`.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    return warmth(picture, where & (_rank(picture, where) <= _ENDS))
+
+
+def highlight_warmth(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Warmth of the lightest part of a region: (1,), see `warmth`.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    return warmth(picture, where & (_rank(picture, where) >= 1 - _ENDS))
+
+
+def brown_distance(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Mean distance of colors from the one line of brown tints that a sepia print has: (1,) Lab; gray is 5 away.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    _, a, b = picture.lab[where].unbind(-1)
+    along = 0.34, 0.94  # hue of sepia, 70 degrees
+    brown, across = a * along[0] + b * along[1], b * along[0] - a * along[1]
+    return (across.square() + (5.0 - brown).clamp_min(0.0).square() + 1e-6).sqrt().mean()[None]
+
+
+def _rank(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """(H, W) share of the region that is darker than each of its pixels; 0.5 outside."""
+    light = picture.lab[..., 0].detach()
+    rank = torch.full_like(light, 0.5)
+    order = light[where].argsort().argsort()
+    rank[where] = (order.to(light) + 0.5) / max(len(order), 1)
+    return rank

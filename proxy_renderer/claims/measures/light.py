@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Measures of light: where the shading says that it comes from, how hard its shadows are, rims and highlights."""
+
+from __future__ import annotations
+
+import math
+
+import torch
+import torch.nn.functional as F
+from torch import Tensor
+
+from .picture import MeasuredPicture
+
+_FLOOR = 0.004
+"""Linear luminance below which differences are not seen on a display in a lit room."""
+
+_GRAIN = 192
+"""Gradients are given per pixel of a picture of this size."""
+
+_HIGHLIGHTS = (0.03, 0.06)
+"""How far the sides of a highlight are, in roots of a region's area."""
+
+_BEND = 0.5
+"""Cosine between normals beyond which two places do not lie on one surface, but on both sides of an edge."""
+
+_SPOT = 0.002
+"""The share of a region that the sharpest highlight fills at least."""
+
+_FEW = 32
+"""Pixels of which no direction and no steepness is told."""
+
+
+def light_right(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """How far the light comes from the right: (1,) in [-1, 1], in the camera's space.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    return _shading(picture, where)[0:1]
+
+
+def light_up(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """How far the light comes from above: (1,) in [-1, 1], in the camera's space.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    return _shading(picture, where)[1:2]
+
+
+def light_front(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """How far the light comes from the camera's side: (1,) in [-1, 1].
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    return _shading(picture, where)[2:3]
+
+
+def hardness(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """The steepest slope of light where surfaces are smooth and of one material: edges of shadows.
+
+    Highlights, too, have steep slopes under small lamps.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+
+    Returns:
+        (1,) stops per pixel of a picture of 192; 0 if fewer than 32 pixels can be measured.
+    """
+    seen = picture.seen
+    material = seen.material.float()
+    same = _pooled(material, 5) == -_pooled(-material, 5)
+    outline = _pooled(seen.subject, 5) + _pooled(-seen.subject, 5) > 0.1
+    turn = torch.stack(torch.gradient(seen.normal, dim=(0, 1))).square().sum((0, -1)).sqrt()
+    smooth = where & same & ~outline & (_pooled(turn, 3) < 0.15) & (seen.material >= 0)
+    if smooth.sum() < _FEW:
+        return picture.luminance.new_zeros(1)
+    rows, columns = torch.gradient((picture.luminance.clamp_min(0) + _FLOOR).log2())
+    slope = (rows.square() + columns.square() + 1e-8).sqrt()[smooth].sort().values
+    steepest = slope[round(0.985 * len(slope)) : max(round(0.995 * len(slope)), 1)]
+    return steepest.mean()[None] * (max(smooth.shape) / _GRAIN)
+
+
+def rim(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """How much lighter the lightest fifth of a region's outline is than its inside: (1,) L*.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    light, band = picture.lab[..., 0], 2 * max(min(where.shape) // 96, 1) + 1
+    inside = -_pooled(-where.float(), band) > 0
+    edge = where & ~inside
+    if edge.sum() < _FEW or inside.sum() < _FEW:
+        return light.new_zeros(1)
+    brightest = light[edge].topk(max(int(edge.sum()) // 5, 1)).values.mean()
+    return (brightest - light[inside].mean())[None]
+
+
+def gloss(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Contrast of highlights: how far the brightest small spots and streaks rise above both of their sides.
+
+    What people call glossy has highlights of high contrast and sharpness (Marlow, Kim and Anderson 2012); both
+    raise it, for the sides are near. Light that only grows towards an outline has one side, and is none.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+
+    Returns:
+        (1,) L*; 0 for a region of fewer than 32 pixels.
+    """
+    count = int(where.sum())
+    light = _blurred(picture.lab[..., 0])
+    if count < _FEW:
+        return light.new_zeros(1)
+    rise = torch.zeros_like(light)
+    for share in _HIGHLIGHTS:
+        away = max(1, round(share * math.sqrt(count)))
+        for row, column in ((0, away), (away, 0), (away, away), (away, -away)):
+            sides = [_beside(picture, light, where, step) for step in ((row, column), (-row, -column))]
+            rise = torch.maximum(rise, light - torch.maximum(*sides))
+    return rise[where].topk(max(4, round(_SPOT * count))).values.mean()[None]
+
+
+def _shading(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """(3,) direction from which a region is lit, in the camera's space; short if that can hardly be told.
+
+    A least-squares fit of a + b · n to luminance over the normals; the brightest percent, highlights, is left out.
+    """
+    normal = picture.seen.normal
+    where = where & (normal.norm(dim=-1) > 0.5)
+    light, normals = picture.luminance[where], normal[where]
+    if len(light) < _FEW:
+        return light.new_zeros(3)
+    keep = light <= torch.quantile(light.detach(), 0.99)
+    light, normals = light[keep], normals[keep]
+    if normals.std(0).max() < 0.1:
+        return light.new_zeros(3)
+    light = light / light.mean().clamp_min(1e-6)
+    matrix = torch.cat((normals, torch.ones_like(light)[:, None]), 1)
+    scale = 1e-2 * len(light) * torch.diag(light.new_tensor([1.0, 1.0, 1.0, 0.0]))
+    slope = torch.linalg.solve(matrix.T @ matrix + scale, matrix.T @ light)[:3]
+    length = (slope.square().sum() + 1e-8).sqrt()
+    return slope / length * (length / 0.3).clamp_max(1.0)
+
+
+def _beside(picture: MeasuredPicture, light: Tensor, where: Tensor, step: tuple[int, int]) -> Tensor:
+    """The light (H, W) a step away; infinite where that is out of the region, of another material, or around a corner."""
+    seen = picture.seen
+    same = _moved(seen.material, step, -2) == seen.material
+    bent = (_moved(seen.normal, step, 0.0) * seen.normal).sum(-1) < _BEND
+    return torch.where(_moved(where, step, False) & same & ~bent, _moved(light, step, torch.inf), torch.inf)
+
+
+def _moved(field: Tensor, step: tuple[int, int], outside: float) -> Tensor:
+    """A field (H, W, …) as it is a step away."""
+    (down, right), (height, width) = step, field.shape[:2]
+    moved = torch.full_like(field, outside)
+    rows, columns = (
+        slice(max(-down, 0), min(height - down, height)),
+        slice(max(-right, 0), min(width - right, width)),
+    )
+    from_rows, from_columns = (
+        slice(max(down, 0), min(height + down, height)),
+        slice(max(right, 0), min(width + right, width)),
+    )
+    moved[rows, columns] = field[from_rows, from_columns]
+    return moved
+
+
+def _pooled(field: Tensor, width: int) -> Tensor:
+    """The largest value of a field (H, W) in a window around each pixel."""
+    return F.max_pool2d(field[None, None].float(), width, stride=1, padding=width // 2)[0, 0]
+
+
+def _blurred(field: Tensor) -> Tensor:
+    """A field (H, W), blurred by a Gaussian of half a pixel, as grain is."""
+    tap = math.exp(-2.0)
+    kernel = field.new_tensor([tap, 1.0, tap]) / (1 + 2 * tap)
+    padded = F.pad(field[None, None], (1, 1, 1, 1), mode="replicate")
+    return F.conv2d(padded, torch.outer(kernel, kernel)[None, None])[0, 0]

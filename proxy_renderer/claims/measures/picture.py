@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A picture as it is measured: its colors, and what the camera sees in every pixel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import torch
+import torch.nn.functional as F
+from jaxtyping import Bool, Float
+from torch import Tensor
+
+from ...color.tensors import lab_from_srgb, linear_from_srgb, luminance, oklab_from_srgb
+from ...render.gbuffer import GBuffer
+
+Part = Literal["subject", "surroundings", "sky", "picture"]
+"""A part of the picture that a claim speaks of; the sky is what is seen of the world."""
+
+
+@dataclass(frozen=True)
+class MeasuredPicture:
+    """A picture of the proxy or of Cycles.
+
+    Attributes:
+        display: (H, W, 3) as shown, sRGB-encoded in [0, 1].
+        seen: What the camera sees there, of the same height and width.
+    """
+
+    display: Float[Tensor, "h w 3"]
+    seen: GBuffer
+
+    @classmethod
+    def of(cls, display: Tensor, seen: GBuffer) -> MeasuredPicture:
+        """A picture of any size (H, W, 3), averaged to the pixels of what is seen."""
+        shape = seen.subject.shape
+        if display.shape[:2] != shape:
+            planes = display.permute(2, 0, 1)[None]
+            display = F.interpolate(planes, shape, mode="area")[0].permute(1, 2, 0)
+        return cls(display.to(seen.subject), seen)
+
+    @cached_property
+    def lab(self) -> Float[Tensor, "h w 3"]:
+        """CIE Lab."""
+        return lab_from_srgb(self.display)
+
+    @cached_property
+    def oklab(self) -> Float[Tensor, "h w 3"]:
+        """OKLab, times 100."""
+        return 100 * oklab_from_srgb(self.display)
+
+    @cached_property
+    def luminance(self) -> Float[Tensor, "h w"]:
+        """Linear light as shown."""
+        return luminance(linear_from_srgb(self.display))[..., 0]
+
+    def where(self, part: Part, materials: tuple[str, ...] = ()) -> Bool[Tensor, "h w"]:
+        """The pixels that lie wholly in a part of the picture, or show one of these materials in it.
+
+        Args:
+            part: Of the picture.
+            materials: Names; none for the whole part.
+        """
+        inside = {
+            "subject": self.seen.subject > 0.9,
+            "surroundings": self.seen.subject < 0.05,
+            "sky": (self.seen.subject < 0.05) & (self.seen.material < 0),
+            "picture": torch.ones_like(self.seen.subject, dtype=torch.bool),
+        }[part]
+        if materials:
+            numbers = [i for i, name in enumerate(self.seen.materials) if name in materials]
+            inside = torch.isin(self.seen.material, torch.tensor(numbers, device=inside.device))
+        return inside if part == "picture" and not materials else _inner(inside)
+
+
+def _inner(where: Tensor) -> Tensor:
+    """A region (H, W) without its outline; the whole of it where it is all outline, as wires are."""
+    outside = F.max_pool2d((~where)[None, None].float(), 3, stride=1, padding=1)[0, 0] > 0
+    inside = where & ~outside
+    return inside if inside.sum() >= 0.25 * where.sum() else where

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: Apache-2.0
+"""All measures by name, with their units and the differences that people notice."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from torch import Tensor
+
+from . import air, color, light, tone
+from .picture import MeasuredPicture
+
+
+@dataclass(frozen=True)
+class Measure:
+    """How to get numbers off a picture.
+
+    Attributes:
+        take: The picture and a region (H, W) bool, of at least one pixel, in; (n,) numbers out.
+        unit: For the report.
+        notice: The least difference between two pictures that people notice side by side.
+        says: What it is, for the report.
+    """
+
+    take: Callable[[MeasuredPicture, Tensor], Tensor]
+    unit: str
+    notice: float
+    says: str
+
+
+MEASURES: dict[str, Measure] = {
+    "color": Measure(color.color, "OKLab", 3.0, "color"),
+    "tint": Measure(color.tint, "ab", 2.0, "tint"),
+    "lightness": Measure(color.lightness, "L*", 2.0, "lightness"),
+    "chroma": Measure(color.chroma, "C*", 2.0, "chroma"),
+    "warmth": Measure(color.warmth, "b*", 1.5, "warmth"),
+    "shadow_warmth": Measure(color.shadow_warmth, "b*", 1.5, "warmth of the shadows"),
+    "highlight_warmth": Measure(color.highlight_warmth, "b*", 1.5, "warmth of the lights"),
+    "brown_distance": Measure(color.brown_distance, "ab", 1.5, "distance from tints of brown"),
+    "contrast": Measure(tone.contrast, "L*", 3.0, "from darkest to lightest"),
+    "black_point": Measure(tone.black_point, "L*", 2.0, "lightness of the darkest"),
+    "white_point": Measure(tone.white_point, "L*", 2.0, "lightness of the lightest"),
+    "vignette": Measure(tone.vignette, "L*", 1.5, "darkening of the corners"),
+    "standing_out": Measure(tone.standing_out, "L*", 3.0, "lightness above the surroundings"),
+    "silhouette": Measure(tone.silhouette, "L*", 3.0, "a dark, even shape before a lighter ground"),
+    "separation": Measure(tone.separation, "Lab", 2.0, "distance from what is right around"),
+    "burnt": Measure(tone.burnt, "", 0.02, "share that is burnt out"),
+    "drowned": Measure(tone.drowned, "", 0.02, "share that drowns in black"),
+    "light_right": Measure(light.light_right, "", 0.1, "light from the right"),
+    "light_up": Measure(light.light_up, "", 0.1, "light from above"),
+    "light_front": Measure(light.light_front, "", 0.1, "light from the camera's side"),
+    "hardness": Measure(light.hardness, "stops/px", 0.05, "steepness of shadow edges"),
+    "rim": Measure(light.rim, "L*", 3.0, "lightness of the outline above the inside"),
+    "gloss": Measure(light.gloss, "L*", 1.5, "contrast of highlights"),
+    "haze": Measure(air.haze, "", 0.04, "share of light that the air takes away"),
+}
+"""By name, as `heads.toml` and the vocabulary's claims call them."""

@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Measures of tone: contrast, black and white, vignette, and how a subject stands out."""
+
+from __future__ import annotations
+
+import math
+
+import torch
+import torch.nn.functional as F
+from torch import Tensor
+
+from .picture import MeasuredPicture
+
+_RINGS = (0.35, 0.62, 0.82)
+"""Of a vignette, in half diagonals: the middle lies between the first two, the corners beyond the third."""
+
+
+def contrast(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """From the darkest to the lightest twentieth: (1,) L*.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    return (_quantile(picture, where, 0.95) - _quantile(picture, where, 0.05))[None]
+
+
+def black_point(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """How light the darkest fiftieth is: (1,) L*.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    return _quantile(picture, where, 0.02)[None]
+
+
+def white_point(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """How light the lightest fiftieth is: (1,) L*.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    return _quantile(picture, where, 0.98)[None]
+
+
+def vignette(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """How much darker the corners are than the middle ring, in the second least darkened corner.
+
+    All four count, because light from one side darkens two of them. The subject is left out.
+
+    Args:
+        picture: The picture.
+        where: Not read: it is a measure of the whole picture.
+
+    Returns:
+        (1,) L*; 0 if no corner can be measured.
+    """
+    light, free = picture.lab[..., 0], picture.where("surroundings")
+    height, width = light.shape
+    y, x = torch.meshgrid(_middles(height, light), _middles(width, light), indexing="ij")
+    radius = torch.hypot(x * width, y * height) / math.hypot(width, height)
+    falloffs = []
+    for up in (y < 0, y >= 0):
+        for left in (x < 0, x >= 0):
+            here = up & left & free
+            middle, corner = here & (radius > _RINGS[0]) & (radius < _RINGS[1]), here & (radius > _RINGS[2])
+            if middle.sum() > 8 and corner.sum() > 8:
+                falloffs.append(light[middle].mean() - light[corner].mean())
+    if not falloffs:
+        return light.new_zeros(1)
+    return torch.stack(falloffs).sort().values[min(1, len(falloffs) - 1)][None]
+
+
+def standing_out(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """How much lighter a region is than the surroundings, by their medians: (1,) L*; below 0 it is darker.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    return (_quantile(picture, where, 0.5) - _quantile(picture, picture.where("surroundings"), 0.5))[None]
+
+
+def silhouette(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """How much darker a region is than the surroundings, less half of its own spread of light: (1,) L*.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    spread = _quantile(picture, where, 0.9) - _quantile(picture, where, 0.1)
+    return -standing_out(picture, where) - 0.5 * spread
+
+
+def separation(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """How far the region's mean color is from that of the ring right around it: (1,) distance in CIE Lab.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    width = 2 * max(min(where.shape) // 16, 1) + 1
+    grown = F.max_pool2d(where[None, None].float(), width, stride=1, padding=width // 2)[0, 0] > 0
+    ring = grown & ~where
+    if not ring.any():
+        return picture.lab.new_full((1,), 100.0)
+    difference = picture.lab[where].mean(0) - picture.lab[ring].mean(0)
+    return (difference.square().sum() + 1e-6).sqrt()[None]
+
+
+def burnt(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Share of a region that is burnt out, by a soft step at L* 97: (1,) in [0, 1].
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    return torch.sigmoid(2 * (picture.lab[..., 0][where] - 97.0)).mean()[None]
+
+
+def drowned(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Share of a region that drowns in black, by a soft step at L* 4: (1,) in [0, 1].
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    return torch.sigmoid(2 * (4.0 - picture.lab[..., 0][where])).mean()[None]
+
+
+def _quantile(picture: MeasuredPicture, where: Tensor, share: float) -> Tensor:
+    """Lightness () below which a share of the region lies; the mean of the pixels near it, for gradients."""
+    light = picture.lab[..., 0][where].sort().values
+    middle, reach = share * (len(light) - 1), max(0.01 * len(light), 1.0)
+    first, last = max(round(middle - reach), 0), min(round(middle + reach), len(light) - 1)
+    return light[first : last + 1].mean()
+
+
+def _middles(count: int, like: Tensor) -> Tensor:
+    """Positions of pixels' middles in [-1, 1]."""
+    return (torch.arange(count, device=like.device, dtype=like.dtype) + 0.5) / count * 2 - 1

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Verdicts: whether claims hold, on the artist's picture, on the prediction and on the finished one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import torch
+from torch import Tensor
+
+from ..color.floats import srgb_from_oklab
+from ..render.gbuffer import GBuffer
+from .claim import Claim, ClaimSet
+from .measures.picture import MeasuredPicture
+from .measures.registry import MEASURES
+
+
+@dataclass(frozen=True)
+class ShotClaims:
+    """The claims about one shot, ready to be judged on its pictures.
+
+    Attributes:
+        claims: Of the prompt.
+        before: What the camera sees at the artist's values.
+        after: What it sees at the result's.
+    """
+
+    claims: tuple[Claim, ...]
+    before: GBuffer
+    after: GBuffer
+
+    def verdicts(self, before: Tensor, predicted: Tensor, after: Tensor) -> list[dict[str, Any]]:
+        """What `report.json` says of every claim.
+
+        Args:
+            before: (H, W, 3) the artist's picture, of any size like the others.
+            predicted: What the optimizer saw.
+            after: The finished picture.
+
+        Returns:
+            For each claim: word, thing, measure, says, unit, wanted, before, predicted, after, holds, miss. `holds` is
+            None where the thing is hardly seen; `miss` is how many noticeable steps the picture lies outside of what
+            is wanted.
+        """
+        with torch.no_grad():
+            judged = ClaimSet.about(self.claims, MeasuredPicture.of(before, self.before))
+            guess, final = (MeasuredPicture.of(picture, self.after) for picture in (predicted, after))
+            pairs = zip(judged.claims, judged.before, strict=True)
+            return [_verdict(claim, was, guess, final) for claim, was in pairs]
+
+
+def _verdict(
+    claim: Claim, before: Tensor | None, predicted: MeasuredPicture, after: MeasuredPicture
+) -> dict[str, Any]:
+    value = claim.value(after)
+    guess = claim.value(predicted)
+    miss = None if value is None else claim.miss(value, before)
+    return {
+        "word": claim.word,
+        "thing": claim.thing,
+        "measure": claim.measure,
+        "says": MEASURES[claim.measure].says,
+        "unit": MEASURES[claim.measure].unit,
+        "wanted": wanted(claim, before),
+        "before": _shown(claim, before),
+        "predicted": _shown(claim, guess),
+        "after": _shown(claim, value),
+        "holds": None if miss is None else miss <= 1.0,
+        "miss": None if miss is None else round(miss, 2),
+    }
+
+
+def wanted(claim: Claim, before: Tensor | None) -> str:
+    """What a claim asks for, in a few words: "at least 8", "#1fb5b5"."""
+    if claim.measure == "color":
+        return _hex(tuple((a + b) / 2 for a, b in zip(claim.lower, claim.upper, strict=True)))
+    (lower,), (upper,) = claim.interval(before)
+    if math.isinf(upper):
+        return f"at least {lower:.3g}"
+    return f"at most {upper:.3g}" if math.isinf(lower) else f"{lower:.3g} to {upper:.3g}"
+
+
+def _shown(claim: Claim, value: Tensor | None) -> float | str | None:
+    if value is None:
+        return None
+    return _hex(tuple(value.tolist())) if claim.measure == "color" else round(float(value[0]), 3)
+
+
+def _hex(oklab: Sequence[float]) -> str:
+    srgb = srgb_from_oklab((oklab[0] / 100, oklab[1] / 100, oklab[2] / 100))
+    return "#" + "".join(f"{round(255 * v):02x}" for v in srgb)
+
+
+def words_that_show(rows: Sequence[Mapping[str, Any]]) -> dict[str, bool]:
+    """Word -> whether all that it claims holds; words that claim nothing measurable are left out.
+
+    Args:
+        rows: As `ShotClaims.verdicts` returns them, or as `report.json` has them.
+    """
+    shows: dict[str, bool] = {}
+    for row in rows:
+        if row["word"] and row["holds"] is not None:
+            shows[row["word"]] = shows.get(row["word"], True) and row["holds"]
+    return shows

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The G-buffer: what the camera sees in every pixel, whoever rendered the picture."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from ..scene import SceneData
+from .geometry.camera import View
+from .geometry.samples import pixel_centers
+from .geometry.visibility import RayGeometry
+from .surface.view_cache import ViewCache
+
+
+@dataclass(frozen=True)
+class GBuffer:
+    """What the camera sees.
+
+    Attributes:
+        subject: (H, W) share of each pixel that the subject covers.
+        material: (H, W) int64, number of the material in the pixel's middle; -1 for the world.
+        materials: Names of the materials by number.
+        normal: (H, W, 3) unit normals in the camera's space: x to the right, y up, z towards it; zero for the world.
+        transmittance: (H, W) share of light that fog lets through from what is seen.
+    """
+
+    subject: Tensor
+    material: Tensor
+    materials: tuple[str, ...]
+    normal: Tensor
+    transmittance: Tensor
+
+
+def gbuffer_of(
+    scene: SceneData, geometry: RayGeometry, view: View, cache: ViewCache, transmittance: Tensor
+) -> GBuffer:
+    """The G-buffer of a traced view.
+
+    Args:
+        scene: The exported scene.
+        geometry: Its triangles.
+        view: The camera.
+        cache: What was traced for it.
+        transmittance: (N,) of the fog before each sample.
+    """
+    hits, shape = cache.samples.center_hits, cache.depth.shape
+    with torch.no_grad():
+        still = view.detached()
+        _, toward = still.rays(pixel_centers(view.size).to(geometry.device))
+        surface = geometry.surface(hits, toward)
+        normal = torch.where(hits.hit, still.rotation.T @ surface.normal, 0.0)
+        material = torch.where(hits.hit, surface.material, -1)
+    return GBuffer(
+        subject=cache.mask,
+        material=material.view(shape),
+        materials=tuple(m.name for m in scene.materials),
+        normal=normal.T.reshape(*shape, 3),
+        transmittance=cache.samples.resolve(transmittance[None]).view(shape),
+    )

@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Measures on pictures that are made for them: each rises with what it measures, and tells nothing else."""
+
+from collections.abc import Callable
+
+import pytest
+import torch
+from torch import Tensor
+
+from proxy_renderer.claims.claim import Claim, ClaimSet
+from proxy_renderer.claims.measures.picture import MeasuredPicture
+from proxy_renderer.claims.measures.registry import MEASURES
+from proxy_renderer.render.gbuffer import GBuffer
+
+SIZE = 96
+
+
+def ball() -> tuple[Tensor, Tensor]:
+    """Normals (H, W, 3) of a ball in the middle of a picture, and where it is."""
+    y, x = torch.meshgrid(torch.linspace(1.6, -1.6, SIZE), torch.linspace(-1.6, 1.6, SIZE), indexing="ij")
+    inside = x * x + y * y < 1
+    z = (1 - x * x - y * y).clamp_min(0).sqrt()
+    wall = torch.tensor([0.0, 0.0, 1.0]).expand(SIZE, SIZE, 3)
+    return torch.where(inside[..., None], torch.stack((x, y, z), -1), wall), inside
+
+
+def picture(
+    display: Tensor | None = None,
+    light: tuple[float, float, float] = (0.3, 0.4, 0.6),
+    color: tuple[float, float, float] = (0.5, 0.5, 0.5),
+    wall: tuple[float, float, float] = (0.3, 0.3, 0.3),
+    transmittance: float = 1.0,
+) -> MeasuredPicture:
+    """A ball of a color before a wall, lit from a direction of the camera's space."""
+    normal, inside = ball()
+    if display is None:
+        shade = (normal @ torch.tensor(light) / torch.tensor(light).norm()).clamp_min(0.05)
+        display = torch.where(inside[..., None], torch.tensor(color) * shade[..., None], torch.tensor(wall))
+    seen = GBuffer(
+        subject=inside.float(),
+        material=(~inside).long(),
+        materials=("Ball", "Wall"),
+        normal=normal,
+        transmittance=torch.full((SIZE, SIZE), transmittance),
+    )
+    return MeasuredPicture(display.float(), seen)
+
+
+def spotted(size: float) -> MeasuredPicture:
+    """The ball with a highlight of a size, in radii."""
+    plain = picture()
+    normal, inside = ball()
+    near = ((normal - torch.tensor([0.3, 0.4, 0.86])).norm(dim=-1) / size).square()
+    light = torch.exp(-near) * inside
+    return picture((plain.display + 0.5 * light[..., None]).clamp_max(1))
+
+
+def graded(change: Callable[[Tensor], Tensor]) -> MeasuredPicture:
+    return picture(change(picture(color=(0.8, 0.5, 0.3)).display).clamp(0, 1))
+
+
+def darkened_corners(amount: float) -> MeasuredPicture:
+    y, x = torch.meshgrid(torch.linspace(-1, 1, SIZE), torch.linspace(-1, 1, SIZE), indexing="ij")
+    falloff = 1 - amount * (x * x + y * y) / 2
+    return picture(picture(wall=(0.6, 0.6, 0.6)).display * falloff[..., None])
+
+
+def edged(width: float) -> MeasuredPicture:
+    """A wall with a shadow whose edge is this many pixels wide."""
+    x = torch.arange(SIZE) - 12.0
+    light = 0.2 + 0.5 * torch.sigmoid(4 * x / width)
+    return picture(light[None, :, None].expand(SIZE, SIZE, 3))
+
+
+def rimmed(light: float) -> MeasuredPicture:
+    normal, inside = ball()
+    edge = inside & (normal[..., 2] < 0.35) & (normal[..., 0] > 0)
+    plain = picture(color=(0.2, 0.2, 0.2)).display
+    return picture(torch.where(edge[..., None], torch.tensor(light), plain))
+
+
+WARM = torch.tensor([1.15, 1.0, 0.75])
+RISING = {
+    "lightness": ("picture", graded(lambda p: 0.5 * p), graded(lambda p: p)),
+    "chroma": ("subject", graded(lambda p: p.mean(-1, keepdim=True).expand_as(p)), graded(lambda p: p)),
+    "warmth": ("picture", graded(lambda p: p), graded(lambda p: p * WARM)),
+    "shadow_warmth": ("picture", graded(lambda p: p), graded(lambda p: torch.where(p.mean(-1, True) < 0.31, p * WARM, p))),
+    "highlight_warmth": ("picture", graded(lambda p: p), graded(lambda p: torch.where(p.mean(-1, True) > 0.4, p * WARM, p))),
+    "brown_distance": ("picture", graded(lambda p: p.mean(-1, True) * torch.tensor([1.2, 1.0, 0.7])), graded(lambda p: p.flip(-1))),
+    "contrast": ("picture", graded(lambda p: 0.3 + 0.3 * p), graded(lambda p: p)),
+    "black_point": ("picture", graded(lambda p: p), graded(lambda p: 0.2 + 0.8 * p)),
+    "white_point": ("picture", graded(lambda p: 0.6 * p), graded(lambda p: p)),
+    "vignette": ("picture", darkened_corners(0.0), darkened_corners(0.7)),
+    "standing_out": ("subject", picture(wall=(0.6, 0.6, 0.6)), picture(wall=(0.1, 0.1, 0.1))),
+    "silhouette": ("subject", picture(wall=(0.2, 0.2, 0.2)), picture(color=(0.02, 0.02, 0.02), wall=(0.8, 0.8, 0.8))),
+    "separation": ("subject", picture(color=(0.4, 0.4, 0.4)), picture(color=(0.9, 0.2, 0.1))),
+    "burnt": ("subject", picture(), picture(torch.ones(SIZE, SIZE, 3))),
+    "drowned": ("subject", picture(), picture(torch.zeros(SIZE, SIZE, 3))),
+    "light_right": ("subject", picture(light=(-0.6, 0.2, 0.4)), picture(light=(0.6, 0.2, 0.4))),
+    "light_up": ("subject", picture(light=(0.2, -0.6, 0.4)), picture(light=(0.2, 0.6, 0.4))),
+    "light_front": ("subject", picture(light=(0.6, 0.6, 0.1)), picture(light=(0.1, 0.1, 0.9))),
+    "hardness": ("surroundings", edged(20.0), edged(1.5)),
+    "rim": ("subject", rimmed(0.1), rimmed(0.9)),
+    "gloss": ("subject", spotted(0.7), spotted(0.07)),
+    "haze": ("surroundings", picture(transmittance=0.9), picture(transmittance=0.4)),
+}  # fmt: skip
+"""Measure -> a part, a picture that has little of it, one that has much."""
+
+
+def taken(name: str, shown: MeasuredPicture, part: str) -> Tensor:
+    return MEASURES[name].take(shown, shown.where(part))
+
+
+def test_every_measure_of_one_number_is_tried() -> None:
+    assert set(MEASURES) - set(RISING) == {"color", "tint"}
+
+
+@pytest.mark.parametrize("name", RISING)
+def test_a_measure_rises_noticeably_with_what_it_measures(name: str) -> None:
+    part, little, much = RISING[name]
+    assert float(taken(name, much, part) - taken(name, little, part)) > 2 * MEASURES[name].notice
+
+
+@pytest.mark.parametrize("name", [n for n in RISING if n != "haze"])
+def test_measures_have_gradients_that_point_there(name: str) -> None:
+    part, little, much = RISING[name]
+    way = torch.tensor(0.5, requires_grad=True)
+    mixed = MeasuredPicture(little.display + way * (much.display - little.display), much.seen)
+    (slope,) = torch.autograd.grad(taken(name, mixed, part).sum(), way)
+    assert torch.isfinite(slope)
+    assert slope > 0
+
+
+def test_a_color_is_that_of_most_of_a_thing() -> None:
+    shown = picture(color=(0.1, 0.5, 0.5))
+    light, a, b = taken("color", shown, "subject").tolist()
+    assert 20 < light < 55
+    assert a < -4
+    assert abs(b) < 3
+
+
+def test_a_large_picture_is_measured_as_a_small_one() -> None:
+    shown = picture(color=(0.8, 0.3, 0.2))
+    large = shown.display.repeat_interleave(3, 0).repeat_interleave(3, 1)
+    again = MeasuredPicture.of(large, shown.seen)
+    assert torch.allclose(again.display, shown.display, atol=1e-5)
+
+
+def test_parts_and_materials_are_told_apart() -> None:
+    shown = picture()
+    assert (shown.where("subject") & shown.where("surroundings")).sum() == 0
+    assert torch.equal(shown.where("picture", ("Wall",)), shown.where("surroundings"))
+    assert not shown.where("sky").any()
+
+
+def test_a_claim_is_missed_by_as_much_as_people_notice() -> None:
+    claim = Claim("bright", "picture", "lightness", "picture", (60.0,), (float("inf"),))
+    assert claim.miss(torch.tensor([60.0]), None) == 0
+    assert claim.miss(torch.tensor([54.0]), None) == pytest.approx(3.0)
+
+
+def test_a_change_may_be_enough() -> None:
+    claim = Claim("warm", "picture", "warmth", "picture", (8.0,), (float("inf"),), change=4.0)
+    before = torch.tensor([-10.0])
+    assert claim.miss(torch.tensor([-6.0]), before) == 0
+    assert claim.miss(torch.tensor([-9.0]), before) == pytest.approx(2.0)
+    assert claim.miss(torch.tensor([8.0]), torch.tensor([7.0])) == 0
+
+
+def test_residuals_know_what_is_missing_and_fall_towards_it() -> None:
+    claims = (
+        Claim("bright", "picture", "lightness", "picture", (70.0,), (float("inf"),)),
+        Claim("gone", "lamp", "lightness", "subject", (0.0,), (1.0,), materials=("No such material",)),
+    )
+    dark, light = picture(), picture(torch.full((SIZE, SIZE, 3), 0.5))
+    judged = ClaimSet.about(claims, dark)
+    assert judged.before[1] is None
+    assert len(judged.residuals(dark)) == 1
+    assert judged.residuals(light).norm() < judged.residuals(dark).norm()

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From words to claims."""
+
+import pytest
+
+from proxy_renderer.claims.claim import Claim
+from proxy_renderer.claims.measures.registry import MEASURES
+from proxy_renderer.claims.notation import read_claim
+from proxy_renderer.claims.verdict import words_that_show
+from proxy_renderer.claims.wanted import _of_heads, claims_of
+from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
+from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
+from proxy_renderer.prompt.parser import parse
+from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.schema import VibeError
+
+SCENE = SceneWords(
+    "vase",
+    {"vase": "subject", "Table": "surroundings"},
+    {"Clay": "subject", "Wood": "surroundings"},
+    {"vase": ("Clay",), "Table": ("Wood",)},
+)
+
+
+def claims(prompt: str) -> list[Claim]:
+    vocabulary = default_vocabulary()
+    return [c for c in claims_of(parse(prompt, SCENE, vocabulary), vocabulary) if c.word]
+
+
+def asked(prompt: str) -> set[tuple[str, str]]:
+    return {(c.measure, c.part) for c in claims(prompt)}
+
+
+def test_claims_of_the_vocabulary_can_be_read_and_those_of_heads_name_classes() -> None:
+    for entry in default_vocabulary().entries.values():
+        for text in entry.claims:
+            read_claim(text)
+    assert all(value in ATTRIBUTES[head] for head, value in _of_heads())
+    assert {"color"} | {c.measure for texts in _of_heads().values() for c in texts} <= set(MEASURES)
+
+
+@pytest.mark.parametrize(
+    ("prompt", "wanted"),
+    [
+        ("glossy", {("gloss", "subject")}),
+        ("thick fog", {("haze", "surroundings")}),
+        ("dark and moody, lit from the left", {("lightness", "picture"), ("light_right", "subject")}),
+        ("a dark background", {("lightness", "surroundings")}),
+        ("blue light", {("tint", "picture")}),
+        ("the vase is gold", {("tint", "subject")}),
+    ],
+)
+def test_words_claim_what_they_are_about(prompt: str, wanted: set[tuple[str, str]]) -> None:
+    assert wanted <= asked(prompt)
+
+
+def test_a_thing_is_measured_by_its_materials() -> None:
+    (color,) = [c for c in claims("the table is red") if c.measure == "color"]
+    assert color.materials == ("Wood",)
+    assert color.thing == "table"
+
+
+def test_what_a_mood_means_is_claimed_in_its_name() -> None:
+    assert {c.word for c in claims("cozy")} == {"cosy"}
+
+
+def test_no_claims_its_opposite_and_no_color_claims_nothing() -> None:
+    (haze,) = [c for c in claims("no fog") if c.measure == "haze"]
+    assert haze.upper[0] < 0.2
+    assert not [c for c in claims("not red, glossy") if c.measure == "color"]
+
+
+def test_of_words_that_contradict_each_other_one_claims() -> None:
+    assert len([c for c in claims("matte, glossy vase") if c.measure == "gloss"]) == 1
+
+
+def test_very_asks_for_more_of_a_change_and_slightly_for_less() -> None:
+    change = {
+        prompt: next(c.change for c in claims(prompt) if c.measure == "warmth")
+        for prompt in ("slightly warm light", "warm light", "very warm light")
+    }
+    assert change["slightly warm light"] < change["warm light"] < change["very warm light"]
+
+
+@pytest.mark.parametrize(
+    "text", ["warm", "picture warmth", "picture warmth ..", "picture heat 1..2", "wall warmth 1..2", "picture warmth 3..1",
+             "picture warmth 8.. or -4"],
+)  # fmt: skip
+def test_mistakes_in_claims_are_said(text: str) -> None:
+    with pytest.raises(VibeError, match="'"):
+        read_claim(text)
+
+
+def test_a_word_shows_if_all_that_it_claims_holds() -> None:
+    rows = [
+        {"word": "noir", "holds": True},
+        {"word": "noir", "holds": False},
+        {"word": "red", "holds": True},
+        {"word": "gone", "holds": None},
+        {"word": "", "holds": False},
+    ]
+    assert words_that_show(rows) == {"noir": False, "red": True}
