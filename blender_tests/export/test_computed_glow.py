@@ -82,3 +82,54 @@ def test_words_reckon_with_what_the_nodes_give(sign, tmp_path):
     entries = plan(parsed, compose(parsed), dict(data.instances), PlanContext(glows=glows(data)))
     shown = [v[0] * glows(data)["Sign"].strength for v in (entries[KEY].lower, entries[KEY].upper)]
     assert shown[1] > shown[0] > 0.1
+
+
+@pytest.fixture
+def fire(scene):
+    """A flame: an Emission whose color a ColorRamp gives, mixed with a Transparent BSDF."""
+    material = scenes.principled("Flame", scenes.cube(scene, "Fire", (0.0, 0.0, 0.0), 2.0))
+    tree = material.node_tree
+    names = ("Emission", "BsdfTransparent", "MixShader", "TexGradient", "TexCoord", "ValToRGB")
+    glow, clear, mix, gradient, place, ramp = (tree.nodes.new(f"ShaderNode{name}") for name in names)
+    ramp.color_ramp.elements[0].color = (1.0, 0.7, 0.0, 1.0)
+    ramp.color_ramp.elements[1].color = (1.0, 0.1, 0.0, 1.0)
+    glow.inputs["Strength"].default_value = 3.0
+    tree.links.new(place.outputs["Generated"], gradient.inputs[0])
+    tree.links.new(gradient.outputs["Color"], ramp.inputs[0])
+    tree.links.new(ramp.outputs["Color"], glow.inputs["Color"])
+    mix.inputs[0].default_value = 0.8
+    tree.links.new(clear.outputs[0], mix.inputs[1])
+    tree.links.new(glow.outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    scenes.camera(scene)
+    scenes.world(scene).node_tree.nodes["Background"].inputs["Color"].default_value = (0.0, 0.0, 0.0, 1.0)
+    scene.render.resolution_x = scene.render.resolution_y = 64
+    return scene
+
+
+@pytest.mark.parametrize("prompt", ["blue fire", "the fire glows blue"])
+def test_a_fire_of_a_color_ramp_turns_blue(fire, tmp_path, prompt):
+    before = dump.contents()
+    job = reading.export_scene(fire, tmp_path, SubjectChoice(("Fire",)))
+    data = load_scene(tmp_path)
+    parsed = parse(
+        prompt, SceneWords(subject="Fire", objects={"Fire": "subject"}, materials={"Flame": "subject"})
+    )
+    entries = plan(parsed, compose(parsed), dict(data.instances), PlanContext(glows=glows(data)))
+    names = ("emission_color", "recolor")
+    keys = [key for key in (f"material/Flame/{name}" for name in names) if entries[key].priority is not None]
+    values = {
+        key: tuple((a + b) / 2 for a, b in zip(entries[key].lower, entries[key].upper, strict=True))
+        for key in keys
+    }
+    place = job.analysis.objects, job.analysis.pivot
+    groups = anchors.render_anchor(fire, tmp_path / "a.exr", values, *place, 64, 32)
+    cycles = CyclesPicture.load(tmp_path / "a.exr", groups, data.film).whole.mean((0, 1))
+    with torch.no_grad():
+        given = {key: torch.tensor(value) for key, value in values.items()}
+        predicted = Proxy(data, (64, 64)).render(given).linear.mean((0, 1))
+    assert cycles[2] > 1.5 * cycles[0]
+    assert ((predicted - cycles).abs() < 0.08 * cycles.max()).all()
+    assert bindings.write(fire, values, *place) == {}
+    snapshot.revert(fire)
+    assert dump.difference(before, dump.contents()) == {}

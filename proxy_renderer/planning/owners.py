@@ -47,6 +47,8 @@ class Owners:
         group = OWNERS[effect.owner]
         if group == "material":
             names = self._materials(effect, attribute)
+            if effect.name == "recolor":
+                names = [name for name in names if self._is_recolored(name, effect, attribute)]
         elif group == "light":
             return self._light_values(effect.name, self._lights(effect, attribute))
         else:
@@ -71,6 +73,13 @@ class Owners:
         if attribute.slot == "lighting":  # light falls on parts too: no part of a silhouette is lit
             return names
         return self._whole(names)
+
+    def _is_recolored(self, name: str, effect: Effect, attribute: Attribute) -> bool:
+        """Whether a word may gray what is then tinted: a surface, or a glow that gets a color itself."""
+        glow = f"material/{name}/tint" not in self.instances
+        if attribute.kind == "glow":
+            return glow
+        return not glow or (attribute.color is not None and effect.owner == "material")
 
     def _whole(self, names: list[str]) -> list[str]:
         """Of the materials of a thing those that make it up: "red car" means neither its tyres nor a screw."""

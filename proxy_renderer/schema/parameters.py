@@ -94,7 +94,7 @@ PARAMETERS: tuple[Parameter, ...] = (
     _material("tint",           "color",  1.0,      0.0,     4.0,  "",     SRGB,              "subject",
               "Multiplies a linked base color.", "Vibe Tint > Tint"),
     _material("recolor",        "scalar", 0.0,      0.0,     1.0,  "",     LINEAR,            "subject",
-              "How much of a linked base color is reduced to its luminance before the tint.", "Vibe Tint > Recolor"),
+              "How much of a linked base color, or else of a linked glow, is reduced to its luminance before the tint.", "Vibe Tint > Recolor"),
     _material("metallic",       "scalar", 0.0,      0.0,     1.0,  "",     LINEAR,            "subject",
               "From dielectric (0) to metal (1).", "Principled BSDF > Metallic"),
     _material("roughness",      "scalar", 0.5,      0.0,     1.0,  "",     LINEAR,            "subject",

@@ -63,7 +63,7 @@ BINDINGS: tuple[ParameterBinding, ...] = (
 
     _row("material/base_color",     at.surface_color,                   COLOR),
     _row("material/tint",           at.material_tint("Tint"),           COLOR),
-    _row("material/recolor",        at.material_tint("Recolor")),
+    _row("material/recolor",        at.recolor),
     _row("material/metallic",       at.shader("Metallic")),
     _row("material/roughness",      at.shader("Roughness")),
     _row("material/ior",            at.shader("IOR")),

@@ -159,6 +159,12 @@ def material_tint(name: str) -> Locator:
     return locate
 
 
+def recolor(context: SceneContext, material: Material) -> ValueSlot | None:
+    """How much the owned tint grays a computed base color; where there is none, a computed glow."""
+    glow = partial(layers.entry, material, "Emission Color")
+    return material_tint("Recolor")(context, material) or TINT.slot(glow, "Recolor")
+
+
 def _color(material: Material, number: int) -> NodeEntry | None:
     return layers.colors(material)[number]
 

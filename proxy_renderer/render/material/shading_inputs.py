@@ -45,6 +45,7 @@ class ShadingInputs:
     emission_color: Tensor
     glow_tint: Tensor
     glow_factor: Tensor
+    glow_recolor: Tensor | None
     strength: Tensor
     recolor: Tensor | None
 
@@ -62,17 +63,22 @@ class ShadingInputs:
         if "emission" in textured:
             given["strength"] = textured["emission"][0].clamp_min(0.0) * self.glow_factor
         if "emission_color" in textured:
-            given["emission_color"] = textured["emission_color"] * self.glow_tint[:, None]
+            glow = textured["emission_color"]
+            given["emission_color"] = _grayed(glow, self.glow_recolor) * self.glow_tint[:, None]
         return replace(self, **given)
 
     def colored(self, texture: Tensor | None) -> Tensor:
         """Base color (3, 1), or (3, N) where a texture (3, N) is linked."""
         if texture is None:
             return self.base[:, None]
-        if self.recolor is not None and used(self.recolor):
-            gray = luminance(texture.T).T
-            texture = texture + (gray - texture) * self.recolor
-        return texture * self.base[:, None]
+        return _grayed(texture, self.recolor) * self.base[:, None]
+
+
+def _grayed(color: Tensor, recolor: Tensor | None) -> Tensor:
+    """Colors (3, N) that are reduced to their luminance by a share ()."""
+    if recolor is None or not used(recolor):
+        return color
+    return color + (luminance(color.T).T - color) * recolor
 
 
 def shading_inputs_of(material: Material, settings: RenderValues) -> ShadingInputs:
@@ -85,6 +91,12 @@ def shading_inputs_of(material: Material, settings: RenderValues) -> ShadingInpu
     glow_tint = settings.color(key + "emission_color", 1.0)
     glow_factor = settings.scalar(key + "emission")
     color, strength = (material.maps.get(name) for name in ("emission_color", "emission"))
+    recolor = settings.scalar(key + "recolor") if textured or color else None
+    glow_recolor = None if textured else recolor
+    glow = glow_tint
+    if color:
+        mean = glow_tint.new_tensor(color.image.mean((0, 1)))[:, None]
+        glow = glow_tint * _grayed(mean, glow_recolor)[:, 0]
 
     def unit(name: str, default: float) -> Tensor:
         return within(settings.scalar(key + name, default), 0.0, 1.0)
@@ -104,11 +116,12 @@ def shading_inputs_of(material: Material, settings: RenderValues) -> ShadingInpu
         sheen_tint=tuple(constants.get("sheen_tint", (1.0, 1.0, 1.0))),
         sheen_roughness=float(constants.get("sheen_roughness", 0.5)),
         transmission=unit("transmission", 0.0),
-        emission_color=glow_tint * glow_tint.new_tensor(color.image.mean((0, 1))) if color else glow_tint,
+        emission_color=glow,
         glow_tint=glow_tint,
         glow_factor=glow_factor,
+        glow_recolor=glow_recolor,
         strength=glow_factor * float(strength.image[..., 0].mean()) if strength else glow_factor,
-        recolor=settings.scalar(key + "recolor") if textured else None,
+        recolor=recolor if textured else None,
     )
 
 
