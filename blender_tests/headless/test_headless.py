@@ -47,7 +47,9 @@ def test_it_writes_all_its_files_and_nothing_else(vibed):
 
 def test_its_report_says_what_was_done(vibed):
     report = json.loads((vibed[0] / "out" / "report.json").read_text())
-    wanted = "prompt encoder seed parameters rounds similarity delta_e timings versions subject warnings"
+    wanted = (
+        "prompt encoder seed parameters rounds similarity delta_e timings versions subject warnings claims"
+    )
     assert set(wanted.split()) <= set(report)
     assert report["subject"] == ["Box"]
     assert report["versions"]["blender"] == bpy.app.version_string
@@ -55,6 +57,8 @@ def test_its_report_says_what_was_done(vibed):
     assert set(color) == {"before", "after", "lower", "upper", "optimized", "moved", "reason"}
     assert color["after"][0] > 2 * color["after"][1]
     assert set(report["similarity"]) == {"before", "after"}
+    assert {row["word"] for row in report["claims"]} > {""}
+    assert all(row["holds"] in (True, False, None) for row in report["claims"])
 
 
 def test_the_values_are_in_the_blend(vibed):

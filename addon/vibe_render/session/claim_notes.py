@@ -6,8 +6,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-_FIELDS = ("word", "thing", "says", "wanted", "after", "unit")
-
 
 def words_shown(claims: Sequence[Mapping[str, Any]]) -> dict[str, str]:
     """Word -> "" if the picture shows all that it claims, else what is missing.
@@ -32,19 +30,17 @@ def claim_lines(claims: Sequence[Mapping[str, Any]]) -> list[str]:
         claims: Rows of the report's `claims`.
     """
     shown = words_shown(claims)
-    lines = [
-        f"The picture shows: {', '.join(held)}."
-        if (held := [w for w, why in shown.items() if not why])
-        else ""
-    ]
-    lines += [f"It does not show '{word}': {why}." for word, why in shown.items() if why]
+    held = ", ".join(word for word, missing in shown.items() if not missing)
     lost = [_missing(row) for row in claims if not row["word"] and row["holds"] is False]
-    return [line for line in [*lines, *(f"Look at the subject: {why}." for why in lost)] if line]
+    return [
+        *([f"The picture shows: {held}."] if held else []),
+        *(f"It does not show '{word}': {missing}." for word, missing in shown.items() if missing),
+        *(f"Look at the subject: {missing}." for missing in lost),
+    ]
 
 
 def _missing(row: Mapping[str, Any]) -> str:
     """What a claim misses: "color of the wall is #b09080, wanted #cceede"."""
-    _, thing, says, wanted, after, unit = (row[field] for field in _FIELDS)
-    of = "" if thing in ("picture", "") else f" of the {thing}"
-    unit = "" if says == "color" or not unit else f" {unit}"
-    return f"{says}{of} is {after}{unit}, wanted {wanted}"
+    of = "" if row["thing"] == "picture" else f" of the {row['thing']}"
+    unit = f" {row['unit']}" if row["unit"] and row["measure"] != "color" else ""
+    return f"{row['says']}{of} is {row['after']}{unit}, wanted {row['wanted']}"

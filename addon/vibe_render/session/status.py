@@ -7,6 +7,7 @@ import time
 from pathlib import Path
 
 from ..core.schema_import import messages
+from .claim_notes import words_shown
 from .model_notes import failure_note
 from .word_notes import word_notes
 
@@ -73,6 +74,11 @@ class SessionStatus:
     def anchor_notes(self) -> list[str]:
         """What went wrong with anchors, in words for the artist."""
         return self._result.report.get("anchored", {}).get("notes", []) if self._result else []
+
+    @property
+    def words_shown(self) -> dict[str, str]:
+        """Word -> "" if the prediction shows it, else what is missing."""
+        return words_shown(self._result.report.get("claims", ())) if self._result else {}
 
     @property
     def prompt_notes(self) -> list[str]:

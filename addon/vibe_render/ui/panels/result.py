@@ -90,9 +90,22 @@ def _draw_session(layout: bpy.types.UILayout, context: bpy.types.Context, sessio
             row.label(text="Above: before. Below: after, as predicted")
     if len(session.variants) > 1:
         _draw_variants(layout, session, current)
-    if session.prediction_error is not None and not current:
+    if current:  # what follows was measured on the first variant
+        return
+    _draw_words(layout, context, session)
+    if session.prediction_error is not None:
         text, good = agreement(session.prediction_error, context.scene.render.engine)
         paragraph(layout, context, text, "CHECKMARK" if good else "INFO")
+
+
+def _draw_words(layout: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
+    """A tick beside the words that the picture shows, a cross beside each that it does not, with what is missing."""
+    words = session.words_shown
+    if held := [word for word, missing in words.items() if not missing]:
+        paragraph(layout, context, f"Shows: {', '.join(held)}", "CHECKMARK")
+    for word, missing in words.items():
+        if missing:
+            paragraph(layout, context, f"Not yet: {word}. {missing[0].upper()}{missing[1:]}", "X")
 
 
 def agreement(difference: float, engine: str) -> tuple[str, bool]:
