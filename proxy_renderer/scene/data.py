@@ -64,6 +64,7 @@ class Light:
         scale: What its object's scale multiplies the width of an area light by.
         fixed: Whether it stands at `position`, turned by `residual` alone, and has no orbit: an instance of a light.
             Several of one name share their other values.
+        unlit: Indices of objects that light linking keeps its light from.
         added: Whether the artist's scene lacks it, and gets it because the words ask for it.
     """
 
@@ -86,6 +87,7 @@ class Light:
     scale: float = 1.0
     added: bool = False
     fixed: bool = False
+    unlit: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)

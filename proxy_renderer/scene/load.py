@@ -87,7 +87,7 @@ def _scene(folder: Path, content: dict[str, Any]) -> SceneData:
         pivot=_vector(content["pivot"]),
         references=content["references"],
         camera=camera,
-        lights=tuple(_record(Light, light) for light in content["lights"]),
+        lights=tuple(_light(light) for light in content["lights"]),
         materials=materials,
         objects=objects,
         world=_world(folder, content["world"]),
@@ -122,6 +122,10 @@ def _vector(row: list[float]) -> tuple[float, float, float]:
     if not all(map(math.isfinite, (x, y, z))):
         raise ValueError("a position is not finite")
     return x, y, z
+
+
+def _light(row: dict[str, Any]) -> Light:
+    return replace(_record(Light, row), unlit=tuple(map(int, row.get("unlit", ()))))
 
 
 def _material(folder: Path, row: dict[str, Any]) -> Material:
@@ -192,7 +196,7 @@ def _drop_broken(arrays: dict[str, Array]) -> dict[str, Array]:
 
 
 def _standby(row: dict[str, Any]) -> Standby:
-    lights = tuple(_record(Light, light) for light in row.get("lights", ()))
+    lights = tuple(_light(light) for light in row.get("lights", ()))
     return Standby(lights, _instances(row.get("parameters", {})))
 
 

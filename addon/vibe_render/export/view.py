@@ -10,9 +10,11 @@ from typing import Any
 import bpy
 from mathutils import Vector
 
+from ..render import light_factors
 from ..scene import orbits, scene_context
 from ..scene.lights.registry import type_of
 from ..scene.nodes import light_nodes
+from . import light_linking
 from .analysis import SceneAnalysis
 
 MOST_INSTANCES = 24
@@ -64,7 +66,12 @@ def lights(analysis: SceneAnalysis) -> list[dict[str, Any]]:
     context = scene_context.SceneContext(analysis.scene, analysis.objects, pivot)
     roles = scene_context.light_roles(context)
     here = [light(o, role, pivot) for o, role in roles.items() if analysis.scene in o.users_scene]
-    return here + _instanced(context, roles)
+    rows = here + _instanced(context, roles)
+    for row in rows:
+        lamp = bpy.data.objects.get(row["name"])
+        if lamp and (unlit := light_linking.unlit(lamp, analysis.geometry.objects)):
+            row["unlit"] = unlit
+    return rows
 
 
 def _instanced(
@@ -100,7 +107,7 @@ def light(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, Any]:
         "soft_falloff": getattr(data, "use_soft_falloff", True),
         "use_temperature": getattr(data, "use_temperature", False),
         "role": role,
-        "tint": light_nodes.factor(data) or (1.0, 1.0, 1.0),
+        "tint": light_nodes.factor(data) or light_factors.mean(thing, pivot),
     }
     return row | type_of(thing).exported(thing)
 
@@ -145,6 +152,7 @@ def ignored(scene: bpy.types.Scene) -> list[str]:
         notes.append("Motion blur is left out of the prediction.")
     if scene.render.use_border:
         notes.append("The render border is left out: the whole picture is predicted and rendered.")
+    notes += light_linking.ignored(scene)
     lamps = [o for o in scene.objects if o.type == "LIGHT" and scene_context.visible(scene, o)]
     instances = scene_context.instanced_lights(scene)
     lamps += dict.fromkeys(o for o, _ in instances if o not in lamps)
@@ -152,10 +160,8 @@ def ignored(scene: bpy.types.Scene) -> list[str]:
         if not scene_context.placed(lamp):
             notes.append(f"{lamp.name} has no usable place: it is left out.")
         elif light_nodes.factor(lamp.data) is None:
-            notes.append(f"The nodes of {lamp.name} are left out of the prediction.")
+            notes.append(f"The nodes of {lamp.name} are shown as their average: without a pattern.")
         notes += type_of(lamp).approximations(lamp)
-        if any((lamp.light_linking.receiver_collection, lamp.light_linking.blocker_collection)):
-            notes.append(f"{lamp.name} is linked to some objects; in the prediction it lights all.")
     if len(instances) > MOST_INSTANCES:
         left = len(instances) - MOST_INSTANCES
         notes.append(f"{left} instances of lights, the farthest, are left out of the prediction.")

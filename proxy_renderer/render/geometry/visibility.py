@@ -252,7 +252,7 @@ class RayGeometry:
         back = torch.where(dot(facet, toward) > 0, -1.0, 1.0)
         facet, normal = facet * back, facing(normal * back, toward)
         uv = sum((self.uvs[k, triangle].T * weights[k] for k in range(3)), torch.zeros_like(a[:2]))
-        return Surface(position, normal, facet, uv, self.material[triangle])
+        return Surface(position, normal, facet, uv, self.material[triangle], self.object[triangle])
 
     def from_behind(self, hits: Hits, toward: Tensor) -> Tensor:
         """(N,) whether rays (3, N) meet triangles on the side that their shading normals look away from."""
@@ -275,7 +275,7 @@ class Surface:
         normal: (3, N) unit shading normals, on the viewer's side.
         facet: (3, N) unit normals of the triangles, on the viewer's side.
         uv: (2, N).
-        material: (N,) int64.
+        material, object: (N,) int64.
     """
 
     position: Tensor
@@ -283,11 +283,12 @@ class Surface:
     facet: Tensor
     uv: Tensor
     material: Tensor
+    object: Tensor
 
     def pick(self, index: Tensor | slice) -> Surface:
         """The points at an index."""
         position, normal, facet, uv = (p[:, index] for p in (self.position, self.normal, self.facet, self.uv))
-        return Surface(position, normal, facet, uv, self.material[index])
+        return Surface(position, normal, facet, uv, self.material[index], self.object[index])
 
 
 def facing(normal: Tensor, toward: Tensor) -> Tensor:

@@ -36,14 +36,15 @@ def shadow(
         direct: What it sends, unshadowed.
         moving: Whether the lamp is being moved by a gradient loop: fewer rays then, more smoothing.
     """
-    count = len(surface.material)
+    linked = lamp.lights(surface.object)
     if not lamp.light.shadow:
-        return torch.ones(count, device=surface.position.device)
+        return linked.to(torch.float32)
+    count = len(surface.material)
     solid = float(direct.solid_angle.max()) if count else 0.0
     rays = 1 if solid < _SHARP else (2 if moving else _MOST_RAYS)
     facing, reached = dot(surface.facet, direct.toward) > 0, direct.frontal > 0
     # Out of a spot's cone nothing is in shadow: smoothing would carry that over the cone's rim.
-    visible, lit = (facing & ~reached).to(torch.float32), facing & reached
+    visible, lit = (facing & ~reached).to(torch.float32), facing & reached & linked
     index = lit.nonzero()[:, 0]
     origin = geometry.lifted(surface)[:, index]
     spots = sphere_points(rays, count, torch.Generator().manual_seed(11)).to(visible.device)[:, index]
@@ -53,7 +54,7 @@ def shadow(
         toward, distance = lamp.shadow_targets(*part, spots[:, :, k])
         total += geometry.clear(origin, toward, distance * (1 - 1e-4), lamp.shadowless)
     visible[index] = total / rays
-    return smoothing(visible, radius=1 if rays == 1 else 2)
+    return smoothing(visible, radius=1 if rays == 1 else 2) * linked
 
 
 class ShadowFilter:

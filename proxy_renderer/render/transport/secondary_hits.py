@@ -243,10 +243,11 @@ def lit(geometry: RayGeometry, lamp: LightSource, surface: Surface) -> Tensor:
 
 
 def _clear(geometry: RayGeometry, lamp: LightSource, direct: DirectIrradiance, surface: Surface) -> Tensor:
-    """(N,) 1.0 where a ray from a surface to the lamp's middle passes, else 0.0."""
+    """(N,) 1.0 where a ray from a surface to the lamp's middle passes, else 0.0; 0.0 for what the lamp does not light."""
+    linked = lamp.lights(surface.object)
     if not lamp.light.shadow:
-        return torch.ones_like(direct.irradiance)
-    facing = dot(surface.facet, direct.toward) > 0
+        return linked.to(torch.float32)
+    facing = (dot(surface.facet, direct.toward) > 0) & linked
     ways = geometry.lifted(surface), direct.toward, direct.distance * 0.999
     return geometry.clear(*ways, lamp.shadowless) * facing
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
 import torch
-from jaxtyping import Float
+from jaxtyping import Bool, Float, Int
 from torch import Tensor
 
 from ....color.blackbody import blackbody
@@ -156,6 +156,10 @@ class LightSource(ABC):
             segments: The rays and where they are cut.
             parts: In how many parts each segment is looked at, where it matters.
         """
+
+    def lights(self, objects: Int[Tensor, " n"]) -> Bool[Tensor, " n"]:
+        """Whether surfaces of objects (N,) get its light: light linking may leave some out."""
+        return ~torch.isin(objects, objects.new_tensor(self.light.unlit))
 
     @property
     def owner(self) -> str:
