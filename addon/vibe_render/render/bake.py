@@ -125,15 +125,15 @@ def view_of(scene: bpy.types.Scene, material: bpy.types.Material, size: int) -> 
 
 def plane_of(material: bpy.types.Material, size: int) -> np.ndarray:
     """A (glowing) material over the unit square of its UVs: (size, size, 3) linear, row 0 at v = 0."""
-    with _empty_scene(size, size) as (scene, camera):
+    with empty_scene(size, size) as scene:
         mesh = bpy.data.meshes.new("Vibe Bake")
         mesh.from_pydata([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [], [(0, 1, 2, 3)])
         mesh.uv_layers.new().uv.foreach_set("vector", [0, 0, 1, 0, 1, 1, 0, 1])
         mesh.materials.append(material)
         plane = bpy.data.objects.new("Vibe Bake", mesh)
         scene.collection.objects.link(plane)
-        camera.data.type, camera.data.ortho_scale = "ORTHO", 1.0
-        camera.location = (0.5, 0.5, 1.0)
+        scene.camera.data.type, scene.camera.data.ortho_scale = "ORTHO", 1.0
+        scene.camera.location = (0.5, 0.5, 1.0)
         try:
             return render_linear(scene, samples=4)
         finally:
@@ -143,18 +143,24 @@ def plane_of(material: bpy.types.Material, size: int) -> np.ndarray:
 
 def panorama_of(world: bpy.types.World, height: int, samples: int) -> np.ndarray:
     """A world as an environment texture: (height, 2 * height, 3) linear, row 0 straight down."""
-    with _empty_scene(2 * height, height) as (scene, camera):
+    with empty_scene(2 * height, height) as scene:
         scene.world = world
-        camera.data.type = "PANO"
-        target = camera.data if hasattr(camera.data, "panorama_type") else camera.data.cycles
-        target.panorama_type = "EQUIRECTANGULAR"
-        # The middle of an environment texture is +X, with +Z upwards.
-        camera.rotation_euler = (math.pi / 2, 0.0, -math.pi / 2)
-        return render_linear(scene, samples)
+        return panorama(scene, samples)
+
+
+def panorama(scene: bpy.types.Scene, samples: int) -> np.ndarray:
+    """What is around the camera of a scene of ours, likewise."""
+    camera = scene.camera
+    camera.data.type = "PANO"
+    target = camera.data if hasattr(camera.data, "panorama_type") else camera.data.cycles
+    target.panorama_type = "EQUIRECTANGULAR"
+    # The middle of an environment texture is +X, with +Z upwards.
+    camera.rotation_euler = (math.pi / 2, 0.0, -math.pi / 2)
+    return render_linear(scene, samples)
 
 
 @contextmanager
-def _empty_scene(width: int, height: int) -> Iterator[tuple[bpy.types.Scene, bpy.types.Object]]:
+def empty_scene(width: int, height: int) -> Iterator[bpy.types.Scene]:
     """A new scene with nothing but a camera."""
     scene = bpy.data.scenes.new("Vibe Bake")
     data = bpy.data.cameras.new("Vibe Bake")
@@ -164,7 +170,7 @@ def _empty_scene(width: int, height: int) -> Iterator[tuple[bpy.types.Scene, bpy
     scene.render.resolution_x, scene.render.resolution_y = width, height
     scene.render.resolution_percentage = 100
     try:
-        yield scene, camera
+        yield scene
     finally:
         bpy.data.objects.remove(camera)
         bpy.data.cameras.remove(data)

@@ -32,6 +32,31 @@ def factor(light: Light) -> tuple[float, float, float] | None:
     return red * level, green * level, blue * level
 
 
+def whiten(light: Light) -> None:
+    """Takes the color of a Blackbody node from a light of ours."""
+    socket = _input(light, "Color")
+    if socket and kelvin(light):
+        light.node_tree.links.remove(socket.links[0])
+        socket.default_value = (1.0, 1.0, 1.0, 1.0)
+
+
+def flatten(light: Light) -> None:
+    """Lets a light of ours shine as if it had no nodes."""
+    tree = compat.node_tree(light)
+    assert tree
+    plain = tree.nodes.new("ShaderNodeEmission")
+    plain.inputs["Strength"].default_value = 1.0
+    plain.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+    output = tree.get_output_node("CYCLES") or tree.nodes.new("ShaderNodeOutputLight")
+    tree.links.new(plain.outputs[0], output.inputs["Surface"])
+
+
+def _input(light: Light, name: str) -> NodeSocket | None:
+    """An input of the Emission node of a light's own tree."""
+    given = _emission(light)
+    return given[0].node.inputs[name] if given and not given[1] else None
+
+
 def _level(strength: ValueOrigin) -> float | None:
     """A strength as a number; Light Falloff passes on its own, if that falls off as light does."""
     source = strength.source
@@ -45,10 +70,13 @@ def _level(strength: ValueOrigin) -> float | None:
 
 def _origin(light: Light, name: str) -> ValueOrigin | None:
     """Where the Emission node of a light's output has an input's value from."""
+    given = _emission(light)
+    return resolve(NodeEntry(given[0].node.inputs[name], given[1])) if given else None
+
+
+def _emission(light: Light) -> tuple[NodeSocket, tuple[Node, ...]] | None:
+    """The output of the Emission node of a light, and the groups around it."""
     tree = compat.node_tree(light)
     output: Node | None = tree.get_output_node("CYCLES") if tree else None
     given = giver(output.inputs["Surface"], ()) if output else None
-    if given is None or given[0].node.bl_idname != "ShaderNodeEmission":
-        return None
-    socket: NodeSocket = given[0].node.inputs[name]
-    return resolve(NodeEntry(socket, given[1]))
+    return given if given and given[0].node.bl_idname == "ShaderNodeEmission" else None
