@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A glowing bulb in fog lights its surroundings, and has a halo, as in Cycles."""
+"""Glowing surfaces as in Cycles: a bulb lights fog, and has a halo; a rough floor mirrors a softbox."""
 
+import bpy
 import torch
 from vibe_render.bench.scenes.build import build
 from vibe_render.bench.scenes.recipe import CameraRecipe, FinishRecipe, FogRecipe, SceneRecipe, WorldRecipe
+from vibe_render.core import compat
 from vibe_render.export import reading
 from vibe_render.render import final_render
 from vibe_render.scene.subject import SubjectChoice
@@ -44,3 +46,39 @@ def test_the_halo_of_a_bulb_in_fog(tmp_path):
     print(found, cycles.mean(), picture.mean())
     assert found.delta_e < 2.0
     assert abs(cycles.mean() - picture.mean()) < 0.04 * cycles.mean()
+
+
+def test_a_rough_floor_mirrors_softboxes(scene, tmp_path):
+    """Blurred, as bright as in Cycles: before, half of what it showed was a sharp picture."""
+    compat.enable_nodes(scene.world or _world(scene))
+    _plane("Floor", 30.0, (0, 0, 0), (0, 0, 0), Roughness=0.2, Base_Color=(0.2, 0.2, 0.2, 1))
+    _plane("Softbox", 2.5, (-1, 3.5, 2.6), (1.1, 0, 0.2), Emission_Strength=8.0, Emission_Color=(1, 1, 1, 1))
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    camera.location, camera.rotation_euler = (0, -6, 2), (1.3, 0, 0)
+    scene.collection.objects.link(camera)
+    scene.camera, scene.render.resolution_x, scene.render.resolution_y = camera, 96, 96
+    reading.export_scene(scene, tmp_path, SubjectChoice(("Floor",)))
+    final_render.render(scene, tmp_path / "cycles.png", 96, 128)
+    cycles = torch.from_numpy(load_picture(tmp_path / "cycles.png").copy())
+    with torch.no_grad():
+        picture = Proxy(load_scene(tmp_path), (96, 96)).render({}).display
+    found = difference(picture[48:], cycles[48:])
+    assert found.delta_e < 1.5
+    assert found.p95 < 6.0
+
+
+def _world(scene):
+    scene.world = bpy.data.worlds.new("World")
+    scene.world.color = (0, 0, 0)
+    return scene.world
+
+
+def _plane(name, size, place, turn, **inputs):
+    bpy.ops.mesh.primitive_plane_add(size=size, location=place, rotation=turn)
+    material = bpy.data.materials.new(name)
+    compat.enable_nodes(material)
+    bpy.context.object.name = name
+    bpy.context.object.data.materials.append(material)
+    sockets = material.node_tree.nodes["Principled BSDF"].inputs
+    for key, value in inputs.items():
+        sockets[key.replace("_", " ")].default_value = value

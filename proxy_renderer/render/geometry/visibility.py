@@ -124,6 +124,11 @@ class RayGeometry:
         self._classes = classes_of(self._mesh, self._hidden, clear.cpu().numpy(), self._apart)
         self._filter = any(c.clear for c in self._classes)
 
+    def visible_to(self, ray: str) -> Tensor:
+        """(F,) bool: triangles that a kind of rays meets."""
+        met = torch.tensor([ray not in hidden for hidden in self._hidden], device=self.device)
+        return met[self.object]
+
     def first_hits(self, origin: Tensor, toward: Tensor, ray: str) -> Hits:
         """Where rays (3, N) of a kind with unit directions (3, N) end; a transparent surface stops a share of them."""
         hits = self.nearest(origin, toward, ray)
@@ -134,7 +139,7 @@ class RayGeometry:
         index, parts = number, list(hits.parts)
         for _ in range(_LAYERS):
             current = Hits(*(p[index] for p in parts))
-            stopping = self._stopping(self.surface(current, toward[:, index]), toward[:, index])
+            stopping = self.stopping(self.surface(current, toward[:, index]), toward[:, index])
             passes = current.hit & (stopping <= chance[index])
             index = index[passes]
             if not len(index):
@@ -188,7 +193,7 @@ class RayGeometry:
         veils = [c for c in blocking if c.clear]
         return self._filtered(origin, toward, distance, passing, veils) if veils else passing
 
-    def _stopping(self, surface: Surface, toward: Tensor) -> Tensor:
+    def stopping(self, surface: Surface, toward: Tensor) -> Tensor:
         """Share (N,) of light along rays (3, N) that a surface stops.
 
         Curved glass gathers light in its middle: its rim, where rays graze, casts shadow.
@@ -212,7 +217,7 @@ class RayGeometry:
             met = near.hit & (reach < distance[index])
             index, reach = index[met], reach[met]
             hits = Hits(near.triangle[met], near.u[met], near.v[met], reach)
-            passing[index] *= 1 - self._stopping(self.surface(hits, toward[:, index]), toward[:, index])
+            passing[index] *= 1 - self.stopping(self.surface(hits, toward[:, index]), toward[:, index])
             start[index] = reach + 1e-5 * (self.size + reach)
             index = index[passing[index] > 1e-3]
         return passing

@@ -42,15 +42,19 @@ class ReflectedRadiance:
     Attributes:
         knots: Increasing roughness.
         images: Radiance (3, N) that a surface of each knot's roughness reflects.
+        glow: What is added to it, with knots of its own; None for nothing.
     """
 
     knots: tuple[float, ...]
     images: Sequence[Float[Tensor, "3 n"]]
+    glow: ReflectedRadiance | None = None
 
     def at(self, roughness: Float[Tensor, "*varying"]) -> Float[Tensor, "3 n"]:
         """Radiance (3, N) between the two nearest knots of one roughness () or of many (N,)."""
-        if roughness.dim():
-            return self._varying(roughness)
+        radiance = self._varying(roughness) if roughness.dim() else self._even(roughness)
+        return radiance if self.glow is None else radiance + self.glow.at(roughness)
+
+    def _even(self, roughness: Tensor) -> Tensor:
         r = float(roughness.detach())
         i = max(k for k, knot in enumerate(self.knots[:-1]) if knot <= r or k == 0)
         t = (roughness - self.knots[i]) / (self.knots[i + 1] - self.knots[i])

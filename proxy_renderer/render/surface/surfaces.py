@@ -13,6 +13,7 @@ from ...scene.values import wanted
 from ..geometry.vectors import within
 from ..lights.prefilter import GLOSSY, SATIN
 from ..material.shading_inputs import used
+from ..transport.glow import BLURS
 from ..transport.indirect import IndirectLight
 from ..transport.secondary_hits import RadianceTable
 from .frame import RenderState
@@ -70,7 +71,7 @@ def radiance(
     knots, images = _images(gathered, [level * tint for level in levels], around)
     # The gradient of one split is one concatenation; that of a slice per material is a picture of zeros for each.
     sizes = [stop - start for _, start, stop in cache.samples.slices]
-    shares = zip(*(field.split(sizes, 1) for field in (irradiance, *images)), strict=True)
+    shares = zip(*(field.split(sizes, 1) for field in (irradiance, *images, *gathered.glow)), strict=True)
     pieces = []
     for (material, start, stop), (lit, *reflections) in zip(cache.samples.slices, shares, strict=True):
         part, inputs = slice(start, stop), frame.shading_inputs[material]
@@ -79,7 +80,7 @@ def radiance(
             lamps=frame.colors[:bare],
             highlights=[direct_light.part(part) for direct_light in direct_lights],
             view=view_samples.basis[:, part],
-            reflected=ReflectedRadiance(knots, reflections),
+            reflected=_reflected(knots, reflections),
             behind=_behind(frame, table, gathered, material, part) if used(inputs.transmission) else None,
         )
         varying = dict(cache.textured_inputs(material, part, view_samples))
@@ -114,6 +115,16 @@ def _images(
     opening = (gathered.open_mirror + gathered.open_glossy) / 2
     between = (gathered.mirror + gathered.glossy) / 2 + worlds[1] * opening
     return (0.0, SATIN, GLOSSY, 1.0), [first, between, last, around]
+
+
+def _reflected(knots: tuple[float, ...], images: list[Tensor]) -> ReflectedRadiance:
+    """Reflected radiance from the images of all knots, and after them those of what glows, if anything does."""
+    images, glow = images[: len(knots)], images[len(knots) :]
+    if not glow:
+        return ReflectedRadiance(knots, images)
+    # What the roughest surface reflects holds the glow already.
+    faded = ReflectedRadiance((0.0, *BLURS, 1.0), [*glow, torch.zeros_like(glow[0])])
+    return ReflectedRadiance(knots, images, faded)
 
 
 def table_of(frame: RenderState) -> RadianceTable:

@@ -15,24 +15,22 @@ import torch
 from torch import Tensor
 
 from ..geometry.camera import View
-from ..geometry.directions import above, cosine_directions, reflect
+from ..geometry.directions import above, reflect
 from ..geometry.gather_points import GatherPoints, SparseWeights
 from ..geometry.samples import Samples
-from ..geometry.vectors import cross, dot, length, tangents, unit
+from ..geometry.vectors import length
 from ..geometry.visibility import RayGeometry, Surface, sphere_points
 from ..lights.prefilter import GLOSSY
 from ..lights.types.light_source import LightSource
-from ..material.microfacets import visible_normals
 from ..material.textures import MaterialTextures
 from .fog import FogMedium, LightPaths
+from .glow import GlowShares, glow_of
 from .indirect_fog import IndirectFog
+from .lobe_rays import LobeRays
 from .secondary_hits import RadianceTable, SecondaryHits
 
 _DIFFUSE_RAYS = 16
 _GLOSSY_RAYS = 8
-_GLOW_RAYS = 64
-"""More rays for what glows: it is small and bright, and few rays that find it by chance would make grain."""
-_LEAST_COSINE = 0.02
 
 
 @dataclass(frozen=True)
@@ -44,6 +42,8 @@ class IndirectLight:
         glossy, mirror: (3, N) blurred and mirrored radiance of surfaces and fog, without the world.
         open_glossy, open_mirror: (N,) shares of the world in the blurred and in the mirrored reflection.
         gather_points: (A, 3) irradiance at the gather points.
+        glow: Radiance (3, N) of what glows: its mirror image, then blurred as `glow.BLURS` says. The other reflections
+            lack it. Empty where nothing glows.
     """
 
     irradiance: Tensor
@@ -52,6 +52,7 @@ class IndirectLight:
     open_glossy: Tensor
     open_mirror: Tensor
     gather_points: Tensor
+    glow: tuple[Tensor, ...] = ()
 
 
 class FinalGather:
@@ -80,13 +81,18 @@ class FinalGather:
         points = surface.pick(gather_points.index)
         origin = geometry.lifted(points)
         shape = geometry, metals, lamps
-        eye = samples.toward[:, gather_points.index]
-        glossy = _glossy_rays(points, eye, generator, _GLOSSY_RAYS)
-        diffuse = _diffuse_rays(points, generator, _DIFFUSE_RAYS)
+        arrived = samples.toward[:, gather_points.index]
+        lobes = LobeRays.of(points, arrived)
+        glossy, diffuse = (
+            sphere_points(n, len(points.material), generator).to(origin.device)
+            for n in (_GLOSSY_RAYS, _DIFFUSE_RAYS)
+        )
         # What metals send on is a caustic on a matte surface: as if they scattered it evenly, on average.
         matte = geometry, torch.zeros_like(metals), lamps
-        self.diffuse = _secondary_hits(*matte, origin, diffuse, _DIFFUSE_RAYS, "diffuse")
-        self.glossy = _secondary_hits(*shape, origin, glossy, _GLOSSY_RAYS, "glossy")
+        self.diffuse = _secondary_hits(*matte, origin, lobes.hemisphere(diffuse), _DIFFUSE_RAYS, "diffuse")
+        self.glossy = _secondary_hits(
+            *shape, origin, lobes.reflections(glossy, GLOSSY**2), _GLOSSY_RAYS, "glossy"
+        )
         mirrored = above(reflect(samples.toward[:, : samples.surfaces], surface.normal), surface.facet)
         self.mirror = SecondaryHits(
             geometry, geometry.lifted(surface), mirrored, 1, metals, lamps, "glossy", maps
@@ -95,15 +101,14 @@ class FinalGather:
         self._paths = LightPaths(surface.position, mirrored, self.mirror.distance)
         self._open_glossy = gather_points.spread(self.glossy.open[:, None])[:, 0]
         self._weights: tuple[Tensor, Tensor] | None = None
+        self._blurred: list[Tensor] = []
         self._shape = len(metals), 2 * (lamps + 2)
         self._skies = len(metals) * (2 * lamps + 5)
         first = len(metals) * 2 * (lamps + 2)
-        self._emissive, self._emission = [first + m for m in emissive], slice(first, first + len(metals))
-        self._glow: tuple[Tensor, Tensor] | None = None
+        self._emission = slice(first, first + len(metals))
+        self._glow: GlowShares | None = None
         if glowing:
-            start = geometry, origin, len(metals)
-            wide = _glow(*start, _diffuse_rays(points, generator, _GLOW_RAYS), "diffuse")
-            self._glow = wide, _glow(*start, _glossy_rays(points, eye, generator, _GLOW_RAYS), "glossy")
+            self._glow = glow_of(geometry, points, arrived, glowing, emissive, len(metals), generator)
 
     def light(self, index: int, lamp: LightSource) -> None:
         """Traces shadow rays again for a light that has moved."""
@@ -123,9 +128,13 @@ class FinalGather:
         """The indirect light of one render, without fog."""
         wide, narrow = self._weighed()
         low = (wide @ table.radiances).clamp_min(0.0)
-        full = self._gather_points.spread(torch.cat((low, narrow @ table.radiances[: self._skies]), 1)).T
-        mirror = self.mirror.image(table, self._mirror_ambient(low).T)
-        return IndirectLight(full[:3], full[3:], mirror, self._open_glossy, self.mirror.open, low)
+        glow, dark = self._glow_at_points(table), self._dark(table)
+        full = self._gather_points.spread(
+            torch.cat((low, narrow @ table.radiances[: self._skies], *glow), 1)
+        ).T
+        mirror = self.mirror.image(dark, self._mirror_ambient(low).T)
+        shown = self._shown_glow(table, full[6:])
+        return IndirectLight(full[:3], full[3:6], mirror, self._open_glossy, self.mirror.open, low, shown)
 
     def gather_through(
         self, table: RadianceTable, fog: FogMedium, indirect_fog: IndirectFog
@@ -144,13 +153,15 @@ class FinalGather:
         )
         glossy = glossy + indirect_fog.haze * (1 - through)
         opening = self.glossy.open[:, None] * through
-        full = self._gather_points.spread(torch.cat((low, glossy, indirect_fog.haze, opening), 1)).T
+        glow = [light * through for light in self._glow_at_points(table)]
+        full = self._gather_points.spread(torch.cat((low, glossy, indirect_fog.haze, opening, *glow), 1)).T
         passing = self._paths.transmittance(fog)
         image = self.mirror.image(
-            table.dimmed(indirect_fog.light_transmittance.mean(0)), self._mirror_ambient(low).T
+            self._dark(table).dimmed(indirect_fog.light_transmittance.mean(0)), self._mirror_ambient(low).T
         )
         mirror = image * passing + full[6:9] * (1 - passing)
-        return IndirectLight(full[:3], full[3:6], mirror, full[9], self.mirror.open * passing, low)
+        shown = self._shown_glow(table, full[10:], passing)
+        return IndirectLight(full[:3], full[3:6], mirror, full[9], self.mirror.open * passing, low, shown)
 
     def following(
         self, gathered: IndirectLight, table: RadianceTable, lamps: Sequence[LightSource]
@@ -180,12 +191,29 @@ class FinalGather:
         if self._weights is None:
             wide, narrow = self.diffuse.weights(), self.glossy.weights()
             if self._glow is not None:
-                wide[:, self._emission], narrow[:, self._emission] = self._glow
-            wide[:, self._emissive] = 0.0  # their lamps count
+                wide[:, self._emission], narrow[:, self._emission] = self._glow.wide, 0.0
             low = self._gather_points.smooth(wide) * math.pi
             glossy = self._gather_points.smooth_glossy(narrow)
+            blurred = self._glow.blurred if self._glow else ()
+            self._blurred = [self._gather_points.smooth_glossy(share) for share in blurred]
             self._weights = low, glossy[:, : self._skies]
         return self._weights
+
+    def _glow_at_points(self, table: RadianceTable) -> list[Tensor]:
+        """Blurred reflections (A, 3) of what glows at the gather points."""
+        return [share @ table.radiances[self._emission] for share in self._blurred]
+
+    def _shown_glow(
+        self, table: RadianceTable, blurred: Tensor, passing: Tensor | float = 1.0
+    ) -> tuple[Tensor, ...]:
+        """What glows, at the samples: its mirror image, of which a share `passing` arrives, and blurred (3 K, N)."""
+        if self._glow is None:
+            return ()
+        return self.mirror.emitted(table.radiances[self._emission]) * passing, *blurred.split(3)
+
+    def _dark(self, table: RadianceTable) -> RadianceTable:
+        """The table without emission, where that is looked for on its own."""
+        return table if self._glow is None else table.without(self._emission)
 
     def _dimmed(self, weights: Tensor, table: RadianceTable, shares: Tensor, emission: Tensor) -> Tensor:
         """Light of surfaces at the gather points (A, 3), behind fog.
@@ -209,35 +237,3 @@ def _secondary_hits(
 ) -> SecondaryHits:
     origins = origin.repeat_interleave(count, 1)
     return SecondaryHits(geometry, origins, toward, count, metals, lamps, ray, deep=True)
-
-
-def _glow(geometry: RayGeometry, origin: Tensor, materials: int, toward: Tensor, ray: str) -> Tensor:
-    """Share (A, M) of the rays (3, A * R) from points (3, A) that end on each material."""
-    points = origin.shape[1]
-    count = toward.shape[1] // max(points, 1)
-    hits = geometry.first_hits(origin.repeat_interleave(count, 1), toward, ray)
-    met = hits.hit.nonzero()[:, 0]
-    place = met // count * materials + geometry.material[hits.triangle[met]]
-    return torch.bincount(place, minlength=points * materials).view(points, materials) / count
-
-
-def _diffuse_rays(points: Surface, generator: torch.Generator, rays: int) -> Tensor:
-    count = points.position.shape[1]
-    uv = sphere_points(rays, count, generator).to(points.position.device).flatten(1)
-    normal = points.normal.repeat_interleave(rays, 1)
-    return above(cosine_directions(normal, uv), points.facet.repeat_interleave(rays, 1))
-
-
-def _glossy_rays(points: Surface, toward: Tensor, generator: torch.Generator, rays: int) -> Tensor:
-    """Rays (3, N) reflected by the GGX microfacets that the camera's rays (3, A) meet."""
-    count = points.position.shape[1]
-    uv = sphere_points(rays, count, generator).to(points.position.device).flatten(1)
-    normal = points.normal.repeat_interleave(rays, 1)
-    facet = points.facet.repeat_interleave(rays, 1)
-    toward = toward.repeat_interleave(rays, 1)
-    cosine = (-dot(toward, normal)).clamp(_LEAST_COSINE, 1.0)
-    x, y, z = visible_normals(cosine, GLOSSY**2, uv)
-    level = -toward - normal * cosine
-    head_on = dot(level, level) < 1e-8
-    across = torch.where(head_on, tangents(normal)[0], unit(level))
-    return above(reflect(toward, across * x + cross(normal, across) * y + normal * z), facet)

@@ -69,6 +69,15 @@ class RadianceTable:
         scattered = torch.cat((albedo[:, None] * sources, again[:, None] * sources), 1).flatten(0, 1)
         return RadianceTable(torch.cat((scattered, emission, sky)), albedo)
 
+    def without(self, rows: slice) -> RadianceTable:
+        """The table with some of its rows dark."""
+        parts = (
+            self.radiances[: rows.start],
+            torch.zeros_like(self.radiances[rows]),
+            self.radiances[rows.stop :],
+        )
+        return RadianceTable(torch.cat(parts), self.albedo)
+
     def dimmed(self, shares: Tensor) -> RadianceTable:
         """The table behind fog: transmittance (S,) of the L + 2 sources, and again for light scattered twice."""
         split = len(self.albedo) * len(shares)
@@ -223,6 +232,10 @@ class SecondaryHits:
             self._members,
             self._relative_base_color,
         )
+
+    def emitted(self, emission: Tensor) -> Tensor:
+        """Radiance (3, A) that the hits of single rays emit themselves, of materials that emit (M, 3)."""
+        return torch.cat((emission, emission.new_zeros((1, 3)))).T.index_select(1, self.owner)
 
     def weights(self) -> Tensor:
         """(A, K) average over each point's rays: weights over the rows of `RadianceTable.radiances`."""

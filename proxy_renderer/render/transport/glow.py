@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How much of what a point sees glows: in its hemisphere, and in reflections of several roughnesses.
+
+What glows is bright and often small. Rays of a lobe find it by chance, points on it are seen by chance; both are taken
+and weighed by the power heuristic, as Cycles does it (Veach and Guibas 1995, "Optimally Combining Sampling
+Techniques for Monte Carlo Rendering"). A lamp's mirror image blurs with roughness, and its contrast is too high to
+mix a sharp with a very blurred one: hence the several roughnesses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import torch
+from torch import Tensor
+
+from ..geometry.vectors import cross, dot, unit
+from ..geometry.visibility import Hits, RayGeometry, Surface, sphere_points
+from ..lights.prefilter import GLOSSY, SATIN
+from .lobe_rays import LobeRays
+
+BLURS = (0.1, SATIN, GLOSSY)
+"""Roughness of the reflections between the mirror image and the diffuse light."""
+_LOBE_RAYS = 32
+_LAMP_RAYS = 16
+
+
+@dataclass(frozen=True)
+class GlowShares:
+    """Shares of what A points see.
+
+    Attributes:
+        wide: (A, M) of their hemisphere, weighed by the cosine, that each material's glow fills; 0 for what lamps
+            stand for.
+        blurred: For each of `BLURS`, (A, M) of the reflection of a surface of that roughness.
+    """
+
+    wide: Tensor
+    blurred: tuple[Tensor, ...]
+
+
+def glow_of(
+    geometry: RayGeometry,
+    points: Surface,
+    arrived: Tensor,
+    glowing: Sequence[int],
+    emissive: Sequence[int],
+    materials: int,
+    generator: torch.Generator,
+) -> GlowShares:
+    """Looks for what glows.
+
+    Args:
+        geometry: The triangles.
+        points: A points.
+        arrived: (3, A) directions of the camera's rays to them.
+        glowing: Indices of all materials that glow.
+        emissive: Those of them that lamps stand for in diffuse light.
+        materials: M.
+        generator: For jitter.
+    """
+    lobes = LobeRays.of(points, arrived)
+    diffuse = _Search(geometry, points, sorted(set(glowing) - set(emissive)), "diffuse", generator)
+    glossy = _Search(geometry, points, sorted(glowing), "glossy", generator)
+    wide = diffuse.shares(materials, lobes.hemisphere, lobes.hemisphere_density)
+    blurred = [
+        glossy.shares(
+            materials,
+            partial(lobes.reflections, alpha=r * r),
+            partial(lobes.reflections_density, alpha=r * r),
+        )
+        for r in BLURS
+    ]
+    return GlowShares(wide, tuple(blurred))
+
+
+class _Search:
+    """Looks from points for what glows, as one kind of rays sees it; points on the lamps are chosen once.
+
+    Every material gets as many of them, evenly over its area.
+    """
+
+    def __init__(
+        self,
+        geometry: RayGeometry,
+        points: Surface,
+        glowing: Sequence[int],
+        ray: str,
+        generator: torch.Generator,
+    ) -> None:
+        self._geometry, self._points, self._ray, self._generator = geometry, points, ray, generator
+        self._origin = geometry.lifted(points)
+        self._density = self._densities(glowing)
+        self._targets: Hits | None = None
+        lamps = (self._density > 0).nonzero()[:, 0]
+        if len(lamps):
+            self._aim(lamps)
+
+    def _densities(self, glowing: Sequence[int]) -> Tensor:
+        """(F,) chosen points per square meter on each triangle; 0 where these rays see no glow."""
+        geometry = self._geometry
+        a, b, c = geometry.corners.permute(0, 2, 1)
+        self._areas = cross(b - a, c - a).norm(dim=0) / 2
+        seen = geometry.visible_to(self._ray)
+        density = torch.zeros_like(self._areas)
+        for material in glowing:
+            own = (geometry.material == material) & seen
+            density[own] = 1 / (self._areas[own].sum().clamp_min(1e-12) * len(glowing))
+        return density
+
+    def _aim(self, lamps: Tensor) -> None:
+        """Chooses points on triangles, and finds which of them can be seen from where, and how densely they lie."""
+        count = self._origin.shape[1]
+        chance = (self._density * self._areas)[lamps].cumsum(0)
+        spots = sphere_points(_LAMP_RAYS, count, self._generator).to(chance.device)
+        order = torch.arange(_LAMP_RAYS, device=chance.device) / _LAMP_RAYS
+        shift = torch.rand((count, 1), generator=self._generator).to(chance.device) / _LAMP_RAYS
+        where = ((order + shift) * chance[-1]).flatten()
+        triangle = lamps[torch.searchsorted(chance, where).clamp_max(len(lamps) - 1)]
+        root, second = spots[0].flatten().sqrt(), spots[1].flatten()
+        weights = torch.stack((1 - root, root * (1 - second), root * second))
+        place = sum(w * c[triangle].T for w, c in zip(weights, self._geometry.corners, strict=True))
+        start = self._origin.repeat_interleave(_LAMP_RAYS, 1)
+        offset = place - start
+        distance = dot(offset, offset).clamp_min(1e-12).sqrt()
+        self._toward = offset / distance
+        self._targets = Hits(triangle, weights[1], weights[2], distance)
+        risen = dot(self._toward, self._points.facet.repeat_interleave(_LAMP_RAYS, 1)) > 0
+        index = risen.nonzero()[:, 0]
+        self._seen = torch.zeros_like(distance)
+        way = start[:, index], self._toward[:, index], distance[index] * (1 - 1e-4)
+        self._seen[index] = self._geometry.clear(*way, ray=self._ray)
+        surface = self._geometry.surface(self._targets, self._toward)
+        self._seen *= self._geometry.stopping(surface, self._toward)
+
+    def shares(
+        self,
+        materials: int,
+        directions: Callable[[Tensor], Tensor],
+        density: Callable[[Tensor], Tensor],
+    ) -> Tensor:
+        """Shares (A, M) of a lobe that the materials' glow fills.
+
+        Args:
+            materials: M.
+            directions: Rays (3, A * R) of the lobe from (2, A, R) in [0, 1).
+            density: Their density (A * R) at directions (3, A * R).
+        """
+        points = self._origin.shape[1]
+        if self._targets is None:
+            return torch.zeros((points, materials), device=self._origin.device)
+        uv = sphere_points(_LOBE_RAYS, points, self._generator).to(self._origin.device)
+        toward = directions(uv)
+        hits = self._geometry.first_hits(self._origin.repeat_interleave(_LOBE_RAYS, 1), toward, self._ray)
+        ones = torch.ones_like(hits.distance)
+        found = self._weighed(materials, hits, toward, density(toward), ones, True)
+        aimed = density(self._toward)
+        return found + self._weighed(materials, self._targets, self._toward, aimed, self._seen, False)
+
+    def _weighed(
+        self, materials: int, hits: Hits, toward: Tensor, lobe: Tensor, seen: Tensor, by_lobe: bool
+    ) -> Tensor:
+        """Sums (A, M) of rays by the power heuristic.
+
+        Args:
+            materials: M.
+            hits: Where the rays end.
+            toward: Their directions.
+            lobe: Density of the lobe there.
+            seen: Share of the light that arrives.
+            by_lobe: Whether the rays were chosen by the lobe, or else by the lamps.
+        """
+        index = (hits.hit & (seen > 0) & (self._density[hits.triangle.clamp_min(0)] > 0)).nonzero()[:, 0]
+        triangle, distance = hits.triangle[index], hits.distance[index]
+        a, b, c = (self._geometry.corners[k, triangle].T for k in range(3))
+        cosine = dot(unit(cross(b - a, c - a), 1e-15), toward[:, index]).abs().clamp_min(1e-4)
+        by_chance = _LOBE_RAYS * lobe[index]
+        aimed = _LAMP_RAYS * self._density[triangle] * distance * distance / cosine
+        chosen = by_chance if by_lobe else aimed
+        share = lobe[index] * chosen / (by_chance**2 + aimed**2).clamp_min(1e-20) * seen[index]
+        rays = _LOBE_RAYS if by_lobe else _LAMP_RAYS
+        points = len(seen) // rays
+        place = index // rays * materials + self._geometry.material[triangle]
+        sums = torch.zeros(points * materials, device=share.device).index_add(0, place, share)
+        return sums.view(points, materials)
