@@ -116,7 +116,7 @@ def _parameters() -> dict[str, dict]:
     }
     rows = {}
     for p in PARAMETERS:
-        if p.name in ("tint", "recolor", "rotation"):
+        if p.name in ("tint", "recolor", "rotation") or p.name.startswith("backdrop"):
             continue  # for linked textures and environments, of which there are none
         for owner, kind, role in owners.get(p.group, [("", "", "")]):
             if p.only and kind not in p.only:

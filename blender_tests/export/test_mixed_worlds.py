@@ -12,6 +12,10 @@ from vibe_render.render import anchors
 from vibe_render.scene import bindings, snapshot
 from vibe_render.scene.subject import SubjectChoice
 
+from proxy_renderer.planning.planner import plan
+from proxy_renderer.prompt.parser import parse
+from proxy_renderer.prompt.prompts import compose
+from proxy_renderer.prompt.types import PlanContext, SceneWords
 from proxy_renderer.render.cycles.pictures import CyclesPicture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
@@ -56,18 +60,35 @@ def in_a_group(tree):
     return add.outputs[0]
 
 
-@pytest.fixture(params=[by_camera_rays, by_height, in_a_group])
+def by_camera_rays_and_height(tree):
+    """A backdrop of two colors; light of a texture."""
+    mix, path = tree.nodes.new("ShaderNodeMixShader"), tree.nodes.new("ShaderNodeLightPath")
+    tree.links.new(path.outputs["Is Camera Ray"], mix.inputs[0])
+    light = background(tree, BLUE, 2.0)
+    texture = tree.nodes.new("ShaderNodeTexGradient")
+    tree.links.new(texture.outputs["Color"], light.node.inputs["Color"])
+    tree.links.new(light, mix.inputs[1])
+    tree.links.new(by_height(tree), mix.inputs[2])
+    return mix.outputs[0]
+
+
+@pytest.fixture(params=[by_height, in_a_group])
 def studio(request, scene):
     """A white ball before such a world."""
+    fill(scene, request.param)
+    return scene
+
+
+def fill(scene, build):
+    """The same, of one of them."""
     bpy.ops.mesh.primitive_uv_sphere_add(segments=48, ring_count=24)
     scenes.principled("White", bpy.context.object)
     bpy.context.object.name = "Ball"
     scenes.camera(scene, (0.0, -4.0, 0.0))
     tree = scenes.world(scene).node_tree
     tree.nodes.remove(tree.nodes["Background"])
-    tree.links.new(request.param(tree), tree.nodes["World Output"].inputs["Surface"])
+    tree.links.new(build(tree), tree.nodes["World Output"].inputs["Surface"])
     scene.render.resolution_x = scene.render.resolution_y = 64
-    return scene
 
 
 def cycles_and_proxy(scene, job, folder, values):
@@ -80,13 +101,56 @@ def cycles_and_proxy(scene, job, folder, values):
 
 def test_backdrop_and_light_are_predicted_and_change_as_predicted(studio, tmp_path):
     job = reading.export_scene(studio, tmp_path, SubjectChoice(("Ball",)))
-    assert job.instances["world/strength"].value == (1.0,)
-    assert "world/color" not in job.instances
+    world = {key.removeprefix("world/") for key in job.instances if key.startswith("world/")}
+    assert world == {"strength", "tint"}
     for values in ({}, {"world/strength": (0.4,), "world/tint": (1.5, 0.8, 0.5)}):
         cycles, predicted = cycles_and_proxy(studio, job, tmp_path, values)
         for part in (np.s_[:8], np.s_[-8:], np.s_[28:36, 28:36]):  # the world above and below, the ball
             a, b = cycles[part].mean((0, 1)), predicted[part].mean((0, 1))
             assert (np.abs(a - b) < 0.06 * a.max()).all()
+
+
+@pytest.mark.parametrize(
+    ("build", "light", "backdrop"),
+    [(by_camera_rays, "color", "backdrop_color"), (by_camera_rays_and_height, "tint", "backdrop_tint")],
+)
+def test_what_the_camera_sees_and_what_lights_change_each_by_itself(scene, tmp_path, build, light, backdrop):
+    fill(scene, build)
+    before = dump.contents()
+    job = reading.export_scene(scene, tmp_path, SubjectChoice(("Ball",)))
+    color = (0.5, 0.9, 0.3)
+    steps = (
+        {},
+        {f"world/{light}": color, "world/strength": (0.5,)},
+        {f"world/{backdrop}": color, "world/backdrop_strength": (0.3,)},
+    )
+    for values in steps:
+        assert values.keys() <= job.instances.keys()
+        cycles, predicted = cycles_and_proxy(scene, job, tmp_path, values)
+        for part in (np.s_[:8], np.s_[-8:], np.s_[28:36, 28:36]):
+            a, b = cycles[part].mean((0, 1)), predicted[part].mean((0, 1))
+            assert (np.abs(a - b) < 0.06 * a.max()).all(), (values, a, b)
+        assert bindings.write(scene, values, job.analysis.objects, job.analysis.pivot) == {}
+        snapshot.revert(scene)
+        assert dump.difference(before, dump.contents()) == {}
+        job = reading.export_scene(scene, tmp_path, SubjectChoice(("Ball",)))
+
+
+@pytest.mark.parametrize(
+    ("prompt", "seen", "shed"),
+    [("white background", True, False), ("warm light", False, True), ("a night scene", True, True)],
+)
+def test_words_mean_what_is_seen_or_what_lights(scene, tmp_path, prompt, seen, shed):
+    fill(scene, by_camera_rays)
+    reading.export_scene(scene, tmp_path, SubjectChoice(("Ball",)))
+    parsed = parse(prompt, SceneWords())
+    data = load_scene(tmp_path)
+    entries = plan(parsed, compose(parsed), dict(data.instances), PlanContext())
+    named = {
+        key for key, entry in entries.items() if entry.priority is not None and "supports" not in entry.reason
+    }
+    assert ("world/backdrop_color" in named) == seen
+    assert ("world/color" in named) == shed
 
 
 def test_strengths_keep_their_relation_and_come_back(studio, tmp_path):

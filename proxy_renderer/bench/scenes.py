@@ -148,7 +148,7 @@ def _instances(materials: list[str], lamps: int) -> list[Instance]:
     }
     rows = []
     for p in PARAMETERS:
-        if p.name in ("tint", "recolor", "rotation"):
+        if p.name in ("tint", "recolor", "rotation") or p.name.startswith("backdrop"):
             continue
         for i, (owner, kind) in enumerate(owners.get(p.group, [("", "")])):
             if not p.only or kind in p.only:

@@ -21,7 +21,7 @@ _OWNERS = {
     "material": (("Subject", "", "subject"), ("Surroundings", "", "surroundings")),
 }
 _LOOK = 96  # longer side of the picture that is looked at, in pixels
-_LINKED = ("tint", "recolor", "rotation")
+_LINKED = ("tint", "recolor", "rotation", "backdrop_color", "backdrop_tint", "backdrop_strength")
 
 
 def account(prompt: str, as_json: bool, scene: Path | None = None, subject: Sequence[str] = ()) -> str:

@@ -74,16 +74,16 @@ def plan_context(proxy: Proxy, values: dict[str, Values], picture: Render) -> Pl
         light_elevations=headroom.elevations(scene),
         world_share=world,
         material_share=materials,
-        environment_luminance=_environment_luminance(scene),
+        environment_luminance=_mean_luminance(scene.world.image),
+        backdrop_luminance=_mean_luminance(scene.world.backdrop),
         texture_luminance={name: float(arrays.luminance(image).mean()) for name, image in textures.items()},
         values=values,
         picture=replace(picture_stats(picture), materials=_material_colors(scene, rays[0], picture)),
     )
 
 
-def _environment_luminance(scene: SceneData) -> float:
+def _mean_luminance(image: np.ndarray | None) -> float:
     """Mean luminance over the sphere of a linked environment; 0.5, which says nothing, without one."""
-    image = scene.world.image
     if image is None:
         return 0.5
     heights = (np.arange(len(image)) + 0.5) / len(image) * np.pi - np.pi / 2

@@ -150,5 +150,5 @@ def _shown_strength(srgb: Values, instance: Instance, sources: Sources) -> Range
     else:
         bright = max(reachable(srgb, context.view, _BRIGHTEST))
         ends = (0.8 * bright, 1.25 * bright) if bright > _DARK else (0.0, 1.0)
-    environment = context.environment_luminance if sources.environment else 1.0
-    return tuple((min(v / 2**sources.exposure / environment, 10.0),) for v in ends)  # type: ignore[return-value]
+    picture = sources.world.picture
+    return tuple((min(v / 2**sources.exposure / picture, 10.0),) for v in ends)  # type: ignore[return-value]

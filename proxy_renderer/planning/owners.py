@@ -15,6 +15,12 @@ _SHARE = 0.15  # of the light on the subject from which a glow counts as a light
 _OF_GLOWS = {"power": "emission", "color": "emission_color", "temperature": "emission_color"}
 """What the parameters of lights are of glowing materials; they have neither place nor size to change."""
 _PLACES = ("azimuth", "elevation", "distance", "size", "angle")
+BACKDROP = "world/backdrop_strength"
+"""There, if what the camera sees of the world is not what lights."""
+_OF_BACKDROP = {"color": "backdrop_color", "tint": "backdrop_tint", "strength": "backdrop_strength"}
+"""What the world's parameters are of its backdrop."""
+_SEEN, _SHED = ("surroundings", "sky"), ("share", "times", "gel")
+"""Kinds of words that are about what is seen of the world, and modes of effects that are about its light."""
 _SLIVER = 0.05  # of the surroundings: so little world counts as none
 
 
@@ -51,8 +57,10 @@ class Owners:
                 names = [name for name in names if self._is_recolored(name, effect, attribute)]
         elif group == "light":
             return self._light_values(effect.name, self._lights(effect, attribute))
+        elif group == "world":
+            return self._world_values(effect, attribute) if self._concerns(effect, attribute) else []
         else:
-            names = [""] if self._concerns(effect, attribute) else []
+            names = [""]
         keys = (f"{group}/{name}/{effect.name}" if name else f"{group}/{effect.name}" for name in names)
         return [self.instances[key] for key in keys if key in self.instances]
 
@@ -103,6 +111,15 @@ class Owners:
         if effect.owner != "world" or attribute.kind != "surroundings" or effect.mode == "times":
             return True
         return not attribute.owners and not any(a.kind == "sky" for a in self.parsed.attributes)
+
+    def _world_values(self, effect: Effect, attribute: Attribute) -> list[Instance]:
+        """The world's parameter, its backdrop's, or both: a white background is seen, warm light is shed, a night is both."""
+        names = [effect.name]
+        if BACKDROP in self.instances and (own := _OF_BACKDROP.get(effect.name)):
+            seen = effect.mode == "shown" or attribute.kind in _SEEN
+            shed = effect.mode in _SHED
+            names = [own] if seen else names if shed else [*names, own]
+        return [i for name in names if (i := self.instances.get(f"world/{name}"))]
 
     # ---- lights
 

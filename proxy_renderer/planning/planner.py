@@ -13,9 +13,9 @@ from ..prompt.types import Attribute, Parsed, Plan, PlanContext, PlanEntry, Prom
 from ..schema import Instance, Values, labels
 from .demands import Demand, lacking, reason_of
 from .illumination import cast, expected, facing_radiance, veil, warmth
-from .owners import Owners
+from .owners import BACKDROP, Owners
 from .ranges import clip, effect_range
-from .sources import Range, Sources
+from .sources import Range, Sources, WorldLook
 from .support import supports
 from .vignette import seen_vignette
 from .wishes import STAGES, Wishes, stage_of
@@ -105,6 +105,8 @@ class _Planner:
                 illumination=self._light_for(effect, instance),
                 veil=veil(instance.owner, self.instances, self.sources.context, self._planned),
             )
+            if instance.parameter.name.startswith("backdrop"):
+                sources = replace(sources, world=self.sources.backdrop)
             lower, upper = effect_range(effect, replace(attribute, strength=strength), instance, sources)
             if (
                 effect.family == "material/emission"
@@ -151,13 +153,17 @@ class _Planner:
         context, key = self.sources.context, self.owners.key
         facing = facing_radiance(self.instances, context, self._planned, key)
         self.sources = replace(self.sources, key=facing)
-        color, tint = (self.instances.get(f"world/{name}") for name in ("color", "tint"))
+        world = backdrop = self._world("", context.environment_luminance)
+        if BACKDROP in self.instances:
+            backdrop = self._world("backdrop_", context.backdrop_luminance)
+        self.sources = replace(self.sources, world=world, backdrop=backdrop)
+
+    def _world(self, part: str, level: float) -> WorldLook:
+        """What is settled of the world, or of its backdrop, whose picture has a mean luminance."""
+        color, tint = (self.instances.get(f"world/{part}{name}") for name in ("color", "tint"))
         if color:
-            self.sources = replace(self.sources, world_color=self._planned(color))
-        elif tint:
-            level = self.sources.context.environment_luminance
-            shown = tuple(v * level for v in self._planned(tint))
-            self.sources = replace(self.sources, world_color=shown, environment=True)
+            return WorldLook(self._planned(color))
+        return WorldLook(tuple(v * level for v in self._planned(tint)), level) if tint else WorldLook()
 
     def _measure_light(self) -> None:
         """How brightly each region is lit, now that lights and world are settled."""

@@ -124,6 +124,8 @@ def _plain(effect: Effect, strength: float, instance: Instance, _: Sources) -> R
         "color",
         "specular_tint",
         "tint",
+        "backdrop_color",
+        "backdrop_tint",
     ):
         strength = 1.0
     bounds = (parameter.lower, parameter.upper)
@@ -164,7 +166,7 @@ def _lightness(effect: Effect, strength: float, instance: Instance, sources: Sou
         return tuple(map(min, *shades)), tuple(map(max, *shades))
     context = sources.context
     if instance.parameter.group == "world":
-        scale = 1 / max(luminance(sources.world_color), 1e-3)
+        scale = 1 / max(luminance(sources.world.color), 1e-3)
     else:
         scale = watts(instance, context) * instance.reference
     scale /= 2**sources.exposure
@@ -176,7 +178,7 @@ def _share(effect: Effect, strength: float, instance: Instance, sources: Sources
     if not sources.key:
         return _lightness(_IN_PLACE_OF_KEY, 1.0, instance, sources)
     if instance.parameter.group == "world":
-        scale = sources.key / max(luminance(sources.world_color), 1e-3)
+        scale = sources.key / max(luminance(sources.world.color), 1e-3)
     else:
         scale = sources.key * watts(instance, sources.context) * instance.reference
     return (effect.lower[0] * scale,), (effect.upper[0] * scale,)

@@ -12,31 +12,44 @@ Range = tuple[Values, Values]
 
 
 @dataclass(frozen=True)
+class WorldLook:
+    """The world at strength 1.
+
+    Attributes:
+        color: Its mean color, linear.
+        picture: Mean luminance of its linked picture; 1 for a plain color.
+    """
+
+    color: Values = (1.0, 1.0, 1.0)
+    picture: float = 1.0
+
+
+@dataclass(frozen=True)
 class Sources:
     """What ranges are computed from besides the effect itself.
 
     Attributes:
         context: The scene and its current picture.
         exposure: Stops between the scene's radiance and the view transform, as the artist has them.
-        world_color: Linear color of the world that the plan settles on, strength 1.
+        world: What the plan settles on for the world.
+        backdrop: The same for what the camera sees of it.
         own_color: sRGB of the color that the material gets or has, for glows.
         illumination: Radiance, after exposure, of a white surface where the effect acts.
         cast: Color of that light, of luminance 1.
         warmth: Color of it that comes of the lamps' temperatures, likewise.
         key: Radiance, before exposure, of a white surface that faces the key lights; 0 if there are none.
         veil: Radiance that the surface mirrors all over, whatever its color.
-        environment: Whether the world is a linked picture.
         constancy: How far colors are to look as named, 0 to 1: less under colored light, not at all in tinted pictures.
     """
 
     context: PlanContext
     exposure: float = 0.0
-    world_color: Values = (1.0, 1.0, 1.0)
+    world: WorldLook = WorldLook()
+    backdrop: WorldLook = WorldLook()
     own_color: Values = (1.0, 1.0, 1.0)
     illumination: float = 1.0
     cast: Values = (1.0, 1.0, 1.0)
     warmth: Values = (1.0, 1.0, 1.0)
     key: float = 0.0
     veil: float = 0.0
-    environment: bool = False
     constancy: float = 0.0

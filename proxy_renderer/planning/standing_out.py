@@ -11,7 +11,7 @@ from ..prompt.types import Parsed, PlanContext, PlanEntry
 from ..schema import Instance
 from ..schema.spec import Region
 from .display import lightness, radiance
-from .owners import Owners
+from .owners import BACKDROP, Owners
 from .ranges import clip
 from .sources import Sources
 
@@ -58,21 +58,27 @@ def stand_out(
     for key in (f"material/{name}/base_color" for name in owners.materials("surroundings")):
         if key in free:
             found[key] = shift(free[key], low, high)
-    if "world/strength" in free and (not found or context.world_share is None or context.world_share > 0.1):
-        glow = max(luminance(sources.world_color), 0.02) * 2**sources.exposure
-        world = free["world/strength"]
+    behind = _behind(instances)
+    if behind in free and (not found or context.world_share is None or context.world_share > 0.1):
+        glow = max(luminance(sources.backdrop.color), 0.02) * 2**sources.exposure
+        world = free[behind]
         least, most = (0.0, math.inf) if merged else (v * world.value[0] for v in _STEPS)
         ends = (min(max(radiance(goal, context.view) / glow, least), most) for goal in (low, high))
         dimmest, brightest = ends
         lower, upper = clip((dimmest,), (brightest,), world)
-        found["world/strength"] = PlanEntry(lower, upper, LATE - 1, _STANDS_OUT, prior=0.2)
+        found[behind] = PlanEntry(lower, upper, LATE - 1, _STANDS_OUT, prior=0.2)
     return found
+
+
+def _behind(instances: dict[str, Instance]) -> str:
+    """The strength of what the camera sees of the world."""
+    return BACKDROP if BACKDROP in instances else "world/strength"
 
 
 def _movable(free: dict[str, Instance], owners: Owners, context: PlanContext) -> bool:
     """Whether something may change how light the surroundings are."""
     seen = [f"material/{name}/base_color" for name in owners.materials("surroundings")]
-    return any(k in free for k in seen) or ("world/strength" in free and not owners.world_is_hidden())
+    return any(k in free for k in seen) or (_behind(free) in free and not owners.world_is_hidden())
 
 
 def _shaded_subject(
@@ -115,8 +121,9 @@ def _unlit(instances: dict[str, Instance], sources: Sources, owners: Owners) -> 
     albedos = [i.value for n in names if (i := instances.get(f"material/{n}/base_color"))]
     if albedos:
         return 0.85 * sum(lab_from_srgb(srgb_from_linear(v))[0] for v in albedos) / len(albedos)
-    strength = instances["world/strength"].value[0] if "world/strength" in instances else 1.0
-    return lightness(luminance(sources.world_color) * strength * 2**sources.exposure, sources.context.view)
+    key = _behind(instances)
+    strength = instances[key].value[0] if key in instances else 1.0
+    return lightness(luminance(sources.backdrop.color) * strength * 2**sources.exposure, sources.context.view)
 
 
 def _shifted_albedo(instance: Instance, low: float, high: float) -> PlanEntry:

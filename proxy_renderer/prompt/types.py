@@ -182,6 +182,7 @@ class PlanContext:
         world_share: Fraction of the surroundings' pixels that show the world, not a surface; None if unknown.
         material_share: Material -> fraction of its region's pixels; empty if unknown.
         environment_luminance: Mean luminance of a linked environment at strength 1, untinted.
+        backdrop_luminance: The same of a linked backdrop that only the camera sees.
         texture_luminance: Material -> mean luminance of its linked base color.
         values: Current values by key; the artist's where missing.
         picture: Measurements of the picture that these values give; None before the first one.
@@ -197,6 +198,7 @@ class PlanContext:
     world_share: float | None = None
     material_share: dict[str, float] = field(default_factory=dict)
     environment_luminance: float = 0.5
+    backdrop_luminance: float = 0.5
     texture_luminance: dict[str, float] = field(default_factory=dict)
     values: dict[str, Values] = field(default_factory=dict)
     picture: PictureStats | None = None

@@ -150,7 +150,7 @@ class WorldData:
     Attributes:
         kind: "color" or "environment".
         image: (H, W, 3) equirectangular, without tint and strength: the light of an environment.
-        backdrop: The same as the camera sees it, where that differs.
+        backdrop: The same as the camera sees it, where that differs and is no color of its own.
     """
 
     kind: str

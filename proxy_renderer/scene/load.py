@@ -146,10 +146,10 @@ def _texture(folder: Path, row: dict[str, Any]) -> Texture:
 
 
 def _world(folder: Path, row: dict[str, Any]) -> WorldData:
-    if row["kind"] != "environment":
-        return WorldData("color")
-    backdrop = _picture(folder / row["backdrop"]) if "backdrop" in row else None
-    return WorldData("environment", _picture(folder / row["image"]), backdrop)
+    image, backdrop = (
+        _picture(folder / row[name]) if name in row else None for name in ("image", "backdrop")
+    )
+    return WorldData(row["kind"], image, backdrop)
 
 
 def _picture(path: Path, channels: tuple[int, ...] = (3,)) -> Array:

@@ -88,6 +88,12 @@ PARAMETERS: tuple[Parameter, ...] = (
            "Strength of the background.", "World > Background > Strength"),
     _world("rotation",          "angle",  0.0,   -360.0,   360.0,  "deg",  LINEAR,            "whole",
            "Turns a linked environment around the vertical axis.", "World > Mapping > Rotation Z"),
+    _world("backdrop_color",    "color",  0.05,     0.0,     1.0,  "",     SRGB,              "surroundings",
+           "Color of a background that only the camera sees.", "World > Background of camera rays > Color"),
+    _world("backdrop_tint",     "color",  1.0,      0.0,     2.0,  "",     SRGB,              "surroundings",
+           "Multiplies a linked background that only the camera sees.", "World > Vibe Tint > Tint"),
+    _world("backdrop_strength", "scalar", 1.0,      0.0,    10.0,  "",     Scale("power", 3), "surroundings",
+           "Strength of a background that only the camera sees.", "World > Background of camera rays > Strength"),
 
     _material("base_color",     "color",  0.8,      0.0,     1.0,  "",     SRGB,              "subject",
               "Albedo of the surface, or reflectance of a metal.", "Principled BSDF > Base Color"),

@@ -56,7 +56,7 @@ def sky_with(image, turn):
     environment = Environment.__new__(Environment)
     environment.suns = split(image).suns
     environment.whole = image
-    return Sky(environment, torch.ones(3), turn)
+    return Sky(environment, torch.ones(3), turn, torch.ones(3), turn)
 
 
 @pytest.mark.parametrize("degrees", [0.0, 25.0, 200.0])

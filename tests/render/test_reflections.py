@@ -37,7 +37,7 @@ def sky_with_lamp():
     environment = Environment.__new__(Environment)
     environment.whole = lamp_picture(0.0, 20.0, 8.0)
     environment.blurred = prefilter.stack(environment.whole)
-    return Sky(environment, torch.ones(3), torch.zeros(()))
+    return Sky(environment, torch.ones(3), torch.zeros(()), torch.ones(3), torch.zeros(()))
 
 
 def lobe_of(elevation, roughness, side=96):

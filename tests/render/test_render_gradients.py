@@ -33,14 +33,16 @@ OFF_BOUNDS = {  # away from kinks: every lobe is there, nothing sits on a bound
     "anisotropy": 0.3, "falloff": 0.4, "offset": 0.3, "tint": (0.8, 0.6, 0.9), "recolor": 0.4, "rotation": 20.0,
     "exposure": 0.4, "gamma": 1.1, "grade_exposure": -0.3, "lift": (1.02, 0.98, 1.05), "midtone": (1.1, 0.95, 0.9),
     "gain": (0.9, 1.1, 0.95), "contrast": 1.2, "saturation": 1.2, "hue": 8.0, "grade_gamma": 1.1, "vignette": 0.3,
-    "glare": 0.2,
+    "glare": 0.2, "backdrop_color": (0.3, 0.6, 0.8), "backdrop_tint": (0.8, 0.6, 0.9), "backdrop_strength": 0.7,
 }  # fmt: skip
 
 
 def _scene() -> SceneData:
     """Two balls on a floor under four kinds of lamp, in fog."""
     scene = balls(3, len(LIGHT_TYPES), subdivisions=3)
-    return dataclasses.replace(scene, instances=_off_bounds(scene.instances))
+    rows = (FAMILIES[f"world/backdrop_{name}"] for name in ("color", "strength"))
+    parted = {p.family: Instance(p, "", (p.default,) * p.components) for p in rows}
+    return dataclasses.replace(scene, instances=_off_bounds({**scene.instances, **parted}))
 
 
 def _linked() -> SceneData:
@@ -56,6 +58,7 @@ def _linked() -> SceneData:
         "material/Ball 0/recolor": ("material/recolor", "Ball 0"),
         "world/tint": ("world/tint", ""),
         "world/rotation": ("world/rotation", ""),
+        "world/backdrop_tint": ("world/backdrop_tint", ""),
     }
     more = {}
     for key, (family, owner) in linked.items():
@@ -63,7 +66,7 @@ def _linked() -> SceneData:
         more[key] = Instance(p, owner, (p.default,) * p.components)
     return dataclasses.replace(
         scene,
-        world=WorldData("environment", picture),
+        world=WorldData("environment", picture, picture),
         materials=(ball, *scene.materials[1:]),
         mesh=dataclasses.replace(scene.mesh, uvs=uvs),
         instances={**scene.instances, **_off_bounds(more)},

@@ -28,7 +28,7 @@ class WorldPictures:
 
     Attributes:
         light: (H, 2H, 3) float32 linear; None for a world of one color.
-        backdrop: The same as the camera sees it, where that differs.
+        backdrop: The same as the camera sees it, where that differs and is no color of its own.
         note: What is approximated, or "".
     """
 
@@ -41,38 +41,59 @@ def pictures(world: bpy.types.World | None) -> WorldPictures:
     """The world's pictures: of its environment, or of all that it mixes."""
     if world is None:
         return WorldPictures()
+    parted = backgrounds.has_backdrop(world)
+    backdrop = _backdrop(world) if parted else None
     if backgrounds.mixed(world):
-        return _mix(world)
-    background = shaders.background(world)
+        light, seen = _mix(world)
+        return WorldPictures(light, backdrop if parted else seen)
+    image, note = _environment(world, backgrounds.single(world))
+    return WorldPictures(image, backdrop, note)
+
+
+def _environment(
+    world: bpy.types.World, background: shaders.NodeInGroups | None
+) -> tuple[np.ndarray | None, str]:
+    """The picture of a single Background, unturned; None for one color. And what is approximated."""
     color = background.entry("Color") if background else None
     source = insets.artists(color).source if color else None
     if source is None:
-        return WorldPictures()
+        return None, ""
     node = source.node
     if node.bl_idname == "ShaderNodeTexEnvironment" and node.projection == "EQUIRECTANGULAR":
         image = image_colors(node.image)
         if image is None:
-            magenta = np.array([[[1.0, 0.0, 1.0]]], np.float32)
-            return WorldPictures(magenta, note="the world's image is missing")
-        return WorldPictures(image)
+            return np.array([[[1.0, 0.0, 1.0]]], np.float32), "the world's image is missing"
+        return image, ""
     if source.id_data != world.node_tree:
-        return WorldPictures(
-            note="the world's color is computed inside a node group and is shown as one color"
-        )
+        return None, "the world's color is computed inside a node group and is shown as one color"
     with _plain(world, source) as twin:
-        return WorldPictures(bake.panorama_of(twin, _HEIGHT, _SAMPLES))
+        return bake.panorama_of(twin, _HEIGHT, _SAMPLES), ""
 
 
-def _mix(world: bpy.types.World) -> WorldPictures:
-    """All Backgrounds as they light surfaces, and as the camera sees them."""
+def _backdrop(world: bpy.types.World) -> np.ndarray | None:
+    """What the camera alone sees, without what parameters do to it; None for one color."""
+    single = backgrounds.single(world, backgrounds.BACKDROP)
+    color = single.entry("Color") if single else None
+    if color and insets.artists(color).source is None:
+        return None
+    with _untinted(world) as (twin, _):
+        if copy := backgrounds.single(twin, backgrounds.BACKDROP):
+            for link in copy.node.inputs["Strength"].links:
+                copy.node.id_data.links.remove(link)
+            copy.node.inputs["Strength"].default_value = 1.0
+        return _panorama(twin)
+
+
+def _mix(world: bpy.types.World) -> tuple[np.ndarray, np.ndarray | None]:
+    """All Backgrounds as they light surfaces, and as the camera sees them where that may differ."""
     with _untinted(world) as (twin, trees):
         seen = _panorama(twin)
         paths = [(tree, node) for tree in trees for node in tree.nodes if node.type == "LIGHT_PATH"]
         if not paths:
-            return WorldPictures(seen)
+            return seen, None
         for tree, node in paths:
             _pin(tree, node)
-        return WorldPictures(_panorama(twin), seen)
+        return _panorama(twin), seen
 
 
 def _panorama(world: bpy.types.World) -> np.ndarray:

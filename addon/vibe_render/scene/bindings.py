@@ -18,6 +18,7 @@ from . import locators as at
 from . import prepare, scene_context, snapshot
 from .codecs import COLOR, DEGREES, LENS, NUMBER, Codec
 from .lights.registry import type_of
+from .nodes.backgrounds import BACKDROP
 
 
 @dataclass(frozen=True)
@@ -57,9 +58,12 @@ BINDINGS: tuple[ParameterBinding, ...] = (
     _row("light/distance",          at.orbit("distance")),
 
     _row("world/color",             at.background("Color"),             COLOR),
-    _row("world/tint",              at.world_tint,                      COLOR),
+    _row("world/tint",              at.world_tint(),                    COLOR),
     _row("world/strength",          at.background("Strength")),
     _row("world/rotation",          at.world_rotation,                  DEGREES),
+    _row("world/backdrop_color",    at.background("Color", BACKDROP), COLOR),
+    _row("world/backdrop_tint",     at.world_tint(BACKDROP),         COLOR),
+    _row("world/backdrop_strength", at.background("Strength", BACKDROP)),
 
     _row("material/base_color",     at.surface_color,                   COLOR),
     _row("material/tint",           at.material_tint("Tint"),           COLOR),

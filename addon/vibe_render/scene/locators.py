@@ -16,6 +16,7 @@ from ..core.value_slots import LazySlot, PropertySlot, ValueSlot, together
 from . import fog, scene_context
 from .lights.registry import type_of
 from .nodes import backgrounds, environment_rotation, grade, inputs, layers, light_nodes, shaders
+from .nodes.backgrounds import LIGHT
 from .nodes.factor import FACTOR
 from .nodes.insets import Inset
 from .nodes.tint import TINT
@@ -169,47 +170,51 @@ def _color(material: Material, number: int) -> NodeEntry | None:
     return layers.colors(material)[number]
 
 
-def background(name: str) -> Locator:
+def background(name: str, part: str = LIGHT) -> Locator:
     """An input of a world's background; a computed color has a tint instead, of a mix each strength a factor."""
 
     def locate(context: SceneContext, world: World) -> ValueSlot | None:
-        if backgrounds.mixed(world):
-            return _of_all(world, "Strength", FACTOR, "Factor") if name == "Strength" else None
-        node = shaders.background(world)
-        if node is None:
-            plain = name == "Color" and compat.node_tree(world) is None
+        if backgrounds.mixed(world, part):
+            return _of_all(world, part, "Strength", FACTOR, "Factor") if name == "Strength" else None
+        if backgrounds.single(world, part) is None:
+            plain = part == LIGHT and name == "Color" and compat.node_tree(world) is None
             return PropertySlot(world, "color", locks.of_property(world, "color")) if plain else None
-        return inputs.slot(lambda: _background(world, name), tinted=name == "Color")
+        return inputs.slot(partial(_single, world, part, name), tinted=name == "Color")
 
     return locate
 
 
-def _background(world: World, name: str) -> NodeEntry | None:
-    node = shaders.background(world)
+def world_tint(part: str = LIGHT) -> Locator:
+    """The owned tint on a computed background, or on each of several that are mixed."""
+
+    def locate(context: SceneContext, world: World) -> ValueSlot | None:
+        if backgrounds.mixed(world, part):
+            return _of_all(world, part, "Color", TINT, "Tint")
+        return TINT.slot(partial(_single, world, part, "Color"), "Tint")
+
+    return locate
+
+
+def _single(world: World, part: str, name: str) -> NodeEntry | None:
+    node = backgrounds.single(world, part)
     return node.entry(name) if node else None
 
 
-def world_tint(context: SceneContext, world: World) -> ValueSlot | None:
-    """The owned tint on a computed background, or on each of several that are mixed."""
-    if backgrounds.mixed(world):
-        return _of_all(world, "Color", TINT, "Tint")
-    return TINT.slot(lambda: _background(world, "Color"), "Tint")
-
-
-def _of_all(world: World, entry: str, inset: Inset, name: str) -> ValueSlot | None:
+def _of_all(world: World, part: str, entry: str, inset: Inset, name: str) -> ValueSlot | None:
     """An input of the inset on an input of each Background that is mixed."""
-    count = len(backgrounds.entries(world, entry))
-    slots = [inset.slot(partial(_mixed, world, entry, n), name, plain=True) for n in range(count)]
+    count = len(backgrounds.entries(world, part, entry))
+    slots = [inset.slot(partial(_mixed, world, part, entry, n), name, plain=True) for n in range(count)]
     return together([slot for slot in slots if slot])
 
 
-def _mixed(world: World, entry: str, number: int) -> NodeEntry | None:
-    return backgrounds.entries(world, entry)[number]
+def _mixed(world: World, part: str, entry: str, number: int) -> NodeEntry | None:
+    return backgrounds.entries(world, part, entry)[number]
 
 
 def world_rotation(context: SceneContext, world: World) -> ValueSlot | None:
     """The turn of an environment texture around the vertical axis; none where it is one of several Backgrounds."""
-    return None if backgrounds.mixed(world) else environment_rotation.slot(world)
+    background = backgrounds.single(world)
+    return environment_rotation.slot(background) if background else None
 
 
 def volume(name: str) -> Locator:

@@ -148,7 +148,7 @@ def light_distance(low: Vector, high: Vector) -> float:
 def _is_lit(scene: Scene) -> bool:
     if scene.world is None:
         return False
-    single = shaders.background(scene.world)
+    single = backgrounds.single(scene.world)
     mixed = [layer.shader for layer in backgrounds.mixed(scene.world)]
     return any(_lights(background) for background in mixed or ([single] if single else []))
 

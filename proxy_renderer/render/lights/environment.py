@@ -29,7 +29,7 @@ class Environment:
 
     Attributes:
         whole: The picture (1, 3, H, W), one more column at both sides; None for a plain color.
-        backdrop: The same as the camera sees it.
+        backdrop: The same as the camera sees it; None for a plain color.
         sharp: The same without the suns that are not wide.
         blurred: Copies of that, blurred to several degrees: see `prefilter.stack`.
         suns: Its bright parts, which `soft` and `harmonics` are without.
@@ -40,7 +40,8 @@ class Environment:
     def __init__(self, scene: SceneData, device: torch.device) -> None:
         self.suns: list[EnvironmentSun] = []
         self.whole: Tensor | None = None
-        self.backdrop: Tensor | None = None
+        seen = scene.world.backdrop
+        self.backdrop = None if seen is None else _padded(_sharp(seen, device))
         self.sharp = self.blurred = self.soft = torch.zeros(0, device=device)
         image = scene.world.image
         if scene.world.kind != "environment" or image is None:
@@ -54,8 +55,8 @@ class Environment:
         grid, solid = texels(_ROUGH_HEIGHT, 2 * _ROUGH_HEIGHT, device)
         self.harmonics = harmonics(grid).mul(solid) @ small.flatten(1).T
         self.whole, self.sharp = _padded(sharp), _padded(parts.shown)
-        seen = scene.world.backdrop
-        self.backdrop = self.whole if seen is None else _padded(_sharp(seen, device))
+        if self.backdrop is None and not _is_parted(scene):
+            self.backdrop = self.whole
         self.blurred = prefilter.stack(parts.shown)
         self.soft = _padded(prefilter.blurred(small, _SOFT)[None])
 
@@ -68,16 +69,25 @@ class Sky:
         environment: Its constant part.
         color: (3,) color or tint, times strength.
         turn: () rotation of the picture around the vertical, radians.
+        backdrop_color: (3,) the same as `color` for what the camera sees.
+        backdrop_turn: () likewise.
     """
 
     environment: Environment
     color: Tensor
     turn: Tensor
+    backdrop_color: Tensor
+    backdrop_turn: Tensor
 
     @property
     def plain(self) -> bool:
         """Whether it looks the same everywhere."""
         return self.environment.whole is None
+
+    @property
+    def pictured(self) -> bool:
+        """Whether what a direction sees, or the camera there, depends on the direction."""
+        return not self.plain or self.environment.backdrop is not None
 
     def signature(self) -> tuple[float, ...]:
         """Numbers that change when what a direction sees does, color and strength aside."""
@@ -86,12 +96,18 @@ class Sky:
     def mirror(self, toward: Tensor) -> Tensor:
         """Uncolored radiance (3, N) in unit directions (3, N), as mirrors show it beside highlights."""
         return (
-            torch.ones_like(toward) if self.plain else _look_up(self.environment.sharp, self._place(toward))
+            torch.ones_like(toward)
+            if self.plain
+            else _look_up(self.environment.sharp, _place(toward, self.turn))
         )
 
     def soft(self, toward: Tensor) -> Tensor:
         """Uncolored, blurred radiance (3, N) around unit directions (3, N), without suns."""
-        return torch.ones_like(toward) if self.plain else _look_up(self.environment.soft, self._place(toward))
+        return (
+            torch.ones_like(toward)
+            if self.plain
+            else _look_up(self.environment.soft, _place(toward, self.turn))
+        )
 
     def reflected(self, mirrored: Tensor, normal: Tensor, view: Tensor, roughness: float) -> Tensor:
         """What a rough surface reflects of the world, uncolored, beside highlights.
@@ -111,7 +127,7 @@ class Sky:
         upwards = normal - mirrored * dot(normal, mirrored)
         parts = [
             prefilter.look_up(
-                self.environment.blurred, self._place(unit(mirrored + upwards * lean))[0, 0], width
+                self.environment.blurred, _place(unit(mirrored + upwards * lean), self.turn)[0, 0], width
             )
             for lean, width in zip(leans, widths, strict=True)
         ]
@@ -120,27 +136,19 @@ class Sky:
     def seen(self, toward: Tensor) -> Tensor:
         """Uncolored radiance (3, N) of the world itself in unit directions (3, N), suns included."""
         whole = self.environment.whole
-        return torch.ones_like(toward) if whole is None else _look_up(whole, self._place(toward))
+        return torch.ones_like(toward) if whole is None else _look_up(whole, _place(toward, self.turn))
 
     def backdrop(self, toward: Tensor) -> Tensor:
         """Uncolored radiance (3, N) that the camera sees behind everything, in unit directions (3, N)."""
         picture = self.environment.backdrop
-        return torch.ones_like(toward) if picture is None else _look_up(picture, self._place(toward))
+        if picture is None:
+            return torch.ones_like(toward)
+        return _look_up(picture, _place(toward, self.backdrop_turn))
 
     @property
     def lamps(self) -> list[EnvironmentSunLight]:
         """The suns in its picture."""
         return [sun.lamp(i, self.color, self.turn) for i, sun in enumerate(self.environment.suns)]
-
-    def _place(self, toward: Tensor) -> Tensor:
-        """Blender's equirectangular mapping of turned directions: (1, 1, N, 2) for grid_sample."""
-        x, y, z = toward.unbind(0)
-        across = (x * x + y * y).clamp_min(1e-12)
-        angle = torch.atan2(y, torch.where(across > 1e-11, x, x + 1e-5)) + self.turn
-        u = -angle / math.pi
-        u = u - 2 * torch.floor((u.detach() + 1) / 2)
-        v = torch.atan2(z, across.sqrt()) / (math.pi / 2)
-        return torch.stack((u, v), -1)[None, None]
 
     def coefficients(self) -> Tensor:
         """Spherical harmonics (9, 3) of the colored, turned world."""
@@ -164,14 +172,24 @@ class Sky:
         return torch.stack((even + odd, even - odd)).clamp_min(0.0)
 
 
+def _is_parted(scene: SceneData) -> bool:
+    """Whether what the camera sees of the world has a color and a strength of its own."""
+    return "world/backdrop_strength" in scene.instances
+
+
 def sky_of(environment: Environment, settings: RenderValues) -> Sky:
     """The world at a render's values."""
-    strength = settings.scalar("world/strength", 1.0)
-    if environment.whole is not None:
-        turn = torch.deg2rad(settings.scalar("world/rotation"))
-        return Sky(environment, settings.color("world/tint", 1.0) * strength, turn)
-    color = settings.color("world/color", 0.0)
-    return Sky(environment, color * strength, torch.zeros((), device=settings.device))
+    still = torch.zeros((), device=settings.device)
+    if environment.whole is None:
+        color, turn = settings.color("world/color", 0.0), still
+    else:
+        color, turn = settings.color("world/tint", 1.0), torch.deg2rad(settings.scalar("world/rotation"))
+    color = color * settings.scalar("world/strength", 1.0)
+    if not _is_parted(settings.scene):
+        return Sky(environment, color, turn, color, turn)
+    kind = "color" if environment.backdrop is None else "tint"
+    backdrop = settings.color(f"world/backdrop_{kind}", 1.0) * settings.scalar("world/backdrop_strength", 1.0)
+    return Sky(environment, color, turn, backdrop, still)
 
 
 def harmonics(toward: Tensor) -> Tensor:
@@ -184,6 +202,17 @@ def harmonics(toward: Tensor) -> Tensor:
     linear = 0.488603 * y, 0.488603 * z, 0.488603 * x
     mixed = 1.092548 * x * y, 1.092548 * y * z, 0.315392 * (3 * z * z - 1)
     return torch.stack((one, *linear, *mixed, 1.092548 * x * z, 0.546274 * (x * x - y * y)))
+
+
+def _place(toward: Tensor, turn: Tensor) -> Tensor:
+    """Blender's equirectangular mapping of directions that are turned: (1, 1, N, 2) for grid_sample."""
+    x, y, z = toward.unbind(0)
+    across = (x * x + y * y).clamp_min(1e-12)
+    angle = torch.atan2(y, torch.where(across > 1e-11, x, x + 1e-5)) + turn
+    u = -angle / math.pi
+    u = u - 2 * torch.floor((u.detach() + 1) / 2)
+    v = torch.atan2(z, across.sqrt()) / (math.pi / 2)
+    return torch.stack((u, v), -1)[None, None]
 
 
 def _sharp(image: np.ndarray, device: torch.device) -> Tensor:

@@ -68,7 +68,7 @@ class RenderState:
         return replace(
             self,
             lamps=[lamp if lamp.owner in (owner, "") else replace(lamp, color=dark) for lamp in self.lamps],
-            sky=self.sky if owner == "world" else replace(self.sky, color=dark),
+            sky=self.sky if owner == "world" else replace(self.sky, color=dark, backdrop_color=dark),
         )
 
 

@@ -87,7 +87,7 @@ def radiance(
         texture = varying.pop("base_color", None)
         pieces.append(shade(inputs.varied(varying), incoming, texture))
     if not transparent:
-        return torch.cat((*pieces, behind * tint), 1)
+        return torch.cat((*pieces, behind * sky.backdrop_color[:, None]), 1)
     shown = torch.cat((*pieces, torch.zeros_like(behind)), 1)
     return torch.cat((shown, cache.covered))
 

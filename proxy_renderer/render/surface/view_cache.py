@@ -273,7 +273,7 @@ class ViewCache:
 
         A picture has a third level between the two.
         """
-        if wanted(sky.turn) or (view_samples.moving and not sky.plain):
+        if wanted(sky.turn) or (view_samples.moving and sky.pictured):
             return _worlds(sky, view_samples)
         if self._worlds is None or self._worlds[0] != sky.signature():
             with torch.no_grad():

@@ -1,26 +1,47 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Backgrounds that a world mixes: the camera may see one and get light from another."""
+"""The Backgrounds that a world is mixed of. The camera may see some and get light from others: "backdrop" and "light"."""
 
 from __future__ import annotations
 
 from bpy.types import NodeSocket, World
 
 from ...core import compat
-from .layers import Layer, behind
+from .layers import Layer, MixSide, behind
+from .shaders import NodeInGroups
+from .shaders import background as first_background
 from .trails import NodeEntry, resolve
 
-
-def mixed(world: World) -> list[Layer]:
-    """The Backgrounds that a world's surface is mixed of; none where it is a single one."""
-    tree = compat.node_tree(world)
-    output = tree.get_output_node("ALL") if tree else None
-    found = list(behind(output.inputs["Surface"])) if output else []
-    return found if len(found) > 1 or any(layer.sides for layer in found) else []
+LIGHT, BACKDROP = "light", "backdrop"
 
 
-def entries(world: World, name: str) -> list[NodeEntry]:
-    """An input of each of the mixed Backgrounds; those whose value has one origin once."""
-    layers = mixed(world)
+def has_backdrop(world: World) -> bool:
+    """Whether what the camera sees and what lights are Backgrounds of their own: Mix Shaders by Is Camera Ray part them."""
+    ways = {_seen_by_camera(layer) for layer in _layers(world)}
+    return ways == {True, False}
+
+
+def mixed(world: World, part: str = LIGHT) -> list[Layer]:
+    """The Backgrounds that a part of a world's surface is mixed of; none where it is a single one.
+
+    Args:
+        world: The world.
+        part: LIGHT or BACKDROP; of a world without a backdrop of its own everything is LIGHT.
+    """
+    found = _of(world, part)
+    return found if len(found) > 1 or any(_weighs(s) for layer in found for s in layer.sides) else []
+
+
+def single(world: World, part: str = LIGHT) -> NodeInGroups | None:
+    """The only Background of a part of a world; None where it is mixed, or where there is none."""
+    if part == BACKDROP or has_backdrop(world):
+        found = _of(world, part)
+        return found[0].shader if len(found) == 1 and not mixed(world, part) else None
+    return None if mixed(world) else first_background(world)
+
+
+def entries(world: World, part: str, name: str) -> list[NodeEntry]:
+    """An input of each of a part's mixed Backgrounds; those whose value has one origin once."""
+    layers = mixed(world, part)
     alike = tuple(s for layer in layers if (s := layer.shader.input(name)))
     found: list[NodeEntry] = []
     origins: list[NodeSocket] = []
@@ -33,3 +54,28 @@ def entries(world: World, name: str) -> list[NodeEntry]:
             origins.append(origin.source or origin.socket)
             found.append(entry)
     return found
+
+
+def _layers(world: World) -> list[Layer]:
+    tree = compat.node_tree(world)
+    output = tree.get_output_node("ALL") if tree else None
+    return list(behind(output.inputs["Surface"])) if output else []
+
+
+def _of(world: World, part: str) -> list[Layer]:
+    layers = _layers(world)
+    if not has_backdrop(world):
+        return layers if part == LIGHT else []
+    return [layer for layer in layers if _seen_by_camera(layer) == (part == BACKDROP)]
+
+
+def _seen_by_camera(layer: Layer) -> bool | None:
+    """Whether a Background is for camera rays alone, or for all others; None if it is for both."""
+    ways = [side.second for side in layer.sides if not _weighs(side)]
+    return ways[0] if ways else None
+
+
+def _weighs(side: MixSide) -> bool:
+    """Whether a side of a Mix Shader is a share, and not one kind of rays."""
+    source = resolve(side.factor).source
+    return not (source and source.node.type == "LIGHT_PATH" and source.name == "Is Camera Ray")

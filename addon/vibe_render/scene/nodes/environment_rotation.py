@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from bpy.types import Node, NodeSocket, World
+from bpy.types import Node, NodeSocket
 
 from ...core import locks
 from ...core.journal import Journal
@@ -44,10 +44,9 @@ class EnvironmentTurnSlot:
         PropertySlot(self.mapping.inputs["Rotation"], "default_value", index=2).set(journal, self._sign * raw)
 
 
-def slot(world: World) -> ValueSlot | None:
-    """The turn of the environment texture that a world's background comes from; None without one."""
-    background = shaders.background(world)
-    texture = background and shaders.environment(background.node.inputs["Color"])
+def slot(background: shaders.NodeInGroups) -> ValueSlot | None:
+    """The turn of the environment texture that a background comes from; None without one."""
+    texture = shaders.environment(background.node.inputs["Color"])
     if not texture:
         return None
     vector = texture.node.inputs["Vector"]
