@@ -67,6 +67,18 @@ def world(scene: Scene) -> World:
     return made
 
 
+def backdrop(world: World) -> bpy.types.Node:
+    """Lets the camera see a Background of its own, which this returns; the world's Background lights."""
+    tree = world.node_tree
+    names = ("MixShader", "LightPath", "Background")
+    mix, path, seen = (tree.nodes.new(f"ShaderNode{name}") for name in names)
+    tree.links.new(path.outputs["Is Camera Ray"], mix.inputs[0])
+    tree.links.new(tree.nodes["Background"].outputs[0], mix.inputs[1])
+    tree.links.new(seen.outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], tree.nodes["World Output"].inputs["Surface"])
+    return seen
+
+
 def picture(name: str = "Picture") -> bpy.types.Image:
     """A small image inside the file."""
     image = bpy.data.images.new(name, 8, 8)
@@ -105,7 +117,7 @@ def studio(scene: Scene) -> list[Object]:
 
 
 def textured(scene: Scene) -> list[Object]:
-    """A base color and roughness from a picture, an environment map, an existing compositor."""
+    """A base color and roughness from a picture, an environment map that is the backdrop too, an existing compositor."""
     subject = cube(scene, "Subject")
     material = principled("Painted", subject)
     nodes, links = material.node_tree.nodes, material.node_tree.links
@@ -119,13 +131,15 @@ def textured(scene: Scene) -> list[Object]:
     environment = tree.nodes.new("ShaderNodeTexEnvironment")
     environment.image = picture("Sky")
     tree.links.new(environment.outputs["Color"], tree.nodes["Background"].inputs["Color"])
+    tree.links.new(environment.outputs["Color"], backdrop(scene.world).inputs["Color"])
     compositor(scene)
     return [subject]
 
 
 def foggy(scene: Scene) -> list[Object]:
-    """The artist's own fog in the world."""
+    """The artist's own fog in the world, and a backdrop of one color."""
     subject = studio(scene)
+    backdrop(scene.world)
     tree = scene.world.node_tree
     volume = tree.nodes.new("ShaderNodeVolumePrincipled")
     volume.inputs["Density"].default_value = 0.03
