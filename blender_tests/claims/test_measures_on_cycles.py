@@ -8,6 +8,7 @@ import pytest
 import torch
 from studio import Studio
 
+from proxy_renderer.claims.measures.picture import region_of
 from proxy_renderer.claims.measures.registry import MEASURES
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
@@ -40,7 +41,7 @@ def studio(tmp_path_factory):
 
 def taken(studio, name, part, values):
     shown = studio.shoot(**values).measured
-    return MEASURES[name].take(shown, shown.where(part))
+    return MEASURES[name].take(shown, region_of(shown.seen, part))
 
 
 @pytest.mark.parametrize(("name", "part", "little", "much"), MOVES, ids=[row[0] for row in MOVES])

@@ -4,16 +4,20 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import torch
 from torch import Tensor
 
+from ..render.gbuffer import GBuffer
 from ..schema import Values
-from .measures.picture import MeasuredPicture, Part
+from .measures.picture import MeasuredPicture, Part, region_of
 from .measures.registry import MEASURES
 
 _FEW = 16  # pixels of which nothing can be said
+HOLDS = 1.0
+"""A claim that is missed by no more noticeable steps holds."""
+
 _HARDEST = 100.0  # a miss, in noticeable steps, that nothing is worse than
 
 
@@ -35,7 +39,6 @@ class Claim:
         change: What is enough of a change; None if only the interval counts.
         direction: Unit vector along which a tint counts; none for the measure's own numbers.
         color: The color that is asked for, sRGB; None for other claims.
-        weight: Of its residuals.
     """
 
     word: str
@@ -48,13 +51,14 @@ class Claim:
     change: float | None = None
     direction: Values = ()
     color: Values | None = None
-    weight: float = 1.0
 
-    def value(self, picture: MeasuredPicture) -> Tensor | None:
-        """What the picture has: (n,), differentiable in it; None where the thing is hardly seen."""
-        where = picture.where(self.part, self.materials)
-        if where.sum() < _FEW:
-            return None
+    def region(self, seen: GBuffer) -> Tensor | None:
+        """The pixels (H, W) bool that it speaks of; None where the thing is hardly seen."""
+        where = region_of(seen, self.part, self.materials)
+        return where if where.sum() >= _FEW else None
+
+    def value(self, picture: MeasuredPicture, where: Tensor) -> Tensor:
+        """What a picture has in the region `where`: (n,), differentiable in it."""
         taken = MEASURES[self.measure].take(picture, where)
         return (taken @ taken.new_tensor(self.direction))[None] if self.direction else taken
 
@@ -78,7 +82,7 @@ class Claim:
         return outside / MEASURES[self.measure].notice
 
     def miss(self, value: Tensor, before: Tensor | None) -> float:
-        """The length of the residual; a claim holds if it is at most 1."""
+        """The length of the residual; a claim holds if it is at most `HOLDS`."""
         return min(float(self.residual(value, before).norm()), _HARDEST)
 
 
@@ -89,22 +93,40 @@ class ClaimSet:
     Attributes:
         claims: In the order of the words.
         before: Of each, what the artist's picture has; None where the thing is hardly seen.
+        regions: Of each, its pixels (H, W) bool in the pictures that are measured; None likewise.
     """
 
     claims: tuple[Claim, ...]
     before: tuple[Tensor | None, ...]
+    regions: tuple[Tensor | None, ...]
 
     @classmethod
     def about(cls, claims: tuple[Claim, ...], picture: MeasuredPicture) -> ClaimSet:
         """Claims about a scene whose artist's picture is this one."""
+        regions = tuple(claim.region(picture.seen) for claim in claims)
         with torch.no_grad():
-            return cls(claims, tuple(claim.value(picture) for claim in claims))
+            before = tuple(
+                None if where is None else claim.value(picture, where)
+                for claim, where in zip(claims, regions, strict=True)
+            )
+        return cls(claims, before, regions)
 
-    def residuals(self, picture: MeasuredPicture) -> Tensor:
-        """All residuals (M,) of a picture, times the square roots of their weights; differentiable in it."""
-        parts = [torch.zeros(0, device=picture.display.device)]
-        for claim, before in zip(self.claims, self.before, strict=True):
-            value = claim.value(picture)
-            if value is not None:
-                parts.append(math.sqrt(claim.weight) * claim.residual(value, before))
-        return torch.cat(parts)
+    @property
+    def words(self) -> set[str]:
+        """Those that claim what can be measured."""
+        pairs = zip(self.claims, self.regions, strict=True)
+        return {claim.word for claim, where in pairs if claim.word and where is not None}
+
+    def in_view(self, seen: GBuffer) -> ClaimSet:
+        """The same claims about pictures that see this."""
+        return replace(self, regions=tuple(claim.region(seen) for claim in self.claims))
+
+    def values(self, picture: MeasuredPicture) -> list[Tensor | None]:
+        """What a picture has of each claim: (n,), differentiable in it; None where the thing is hardly seen."""
+        pairs = zip(self.claims, self.regions, strict=True)
+        return [None if where is None else claim.value(picture, where) for claim, where in pairs]
+
+    def residuals(self, picture: MeasuredPicture) -> list[Tensor]:
+        """How far a picture is from each claim that can be measured: (n,) each, see `Claim.residual`."""
+        rows = zip(self.claims, self.values(picture), self.before, strict=True)
+        return [claim.residual(value, before) for claim, value, before in rows if value is not None]

@@ -13,7 +13,7 @@ from torch import Tensor
 
 from ..color.floats import srgb_from_oklab
 from ..render.gbuffer import GBuffer
-from .claim import Claim, ClaimSet
+from .claim import HOLDS, Claim, ClaimSet
 from .measures.picture import MeasuredPicture
 from .measures.registry import MEASURES
 
@@ -46,18 +46,16 @@ class ShotClaims:
             is wanted.
         """
         with torch.no_grad():
-            judged = ClaimSet.about(self.claims, MeasuredPicture.of(before, self.before))
-            guess, final = (MeasuredPicture.of(picture, self.after) for picture in (predicted, after))
-            pairs = zip(judged.claims, judged.before, strict=True)
-            return [_verdict(claim, was, guess, final) for claim, was in pairs]
+            judged = ClaimSet.about(self.claims, MeasuredPicture.of(before, self.before)).in_view(self.after)
+            guesses, values = (judged.values(MeasuredPicture.of(p, self.after)) for p in (predicted, after))
+        rows = zip(judged.claims, judged.before, guesses, values, strict=True)
+        return [_verdict(*row) for row in rows]
 
 
 def _verdict(
-    claim: Claim, before: Tensor | None, predicted: MeasuredPicture, after: MeasuredPicture
+    claim: Claim, before: Tensor | None, predicted: Tensor | None, after: Tensor | None
 ) -> dict[str, Any]:
-    value = claim.value(after)
-    guess = claim.value(predicted)
-    miss = None if value is None else claim.miss(value, before)
+    miss = None if after is None else claim.miss(after, before)
     return {
         "word": claim.word,
         "thing": claim.thing,
@@ -66,9 +64,9 @@ def _verdict(
         "unit": MEASURES[claim.measure].unit,
         "wanted": wanted(claim, before),
         "before": _shown(claim, before),
-        "predicted": _shown(claim, guess),
-        "after": _shown(claim, value),
-        "holds": None if miss is None else miss <= 1.0,
+        "predicted": _shown(claim, predicted),
+        "after": _shown(claim, after),
+        "holds": None if miss is None else miss <= HOLDS,
         "miss": None if miss is None else round(miss, 2),
     }
 

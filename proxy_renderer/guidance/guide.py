@@ -54,6 +54,7 @@ class Weights:
         attributes: Cross-entropy of the attribute heads.
         border: Subject on the picture's border.
         visibility: A subject that cannot be told from its surroundings, or cannot be seen.
+        claims: What the words claim of the picture, see `claims.claim`.
         prior: Pull of what no word names to the artist's value.
         hue: Pull of a color's components to one place in their ranges.
     """
@@ -67,6 +68,7 @@ class Weights:
     attributes: float = 0.5
     border: float = 0.5
     visibility: float = 2.5
+    claims: float = 0.04
     prior: float = 0.5
     hue: float = 2.0
 

@@ -145,6 +145,16 @@ def _lightness_inside(lab: Tensor, mask: Tensor) -> Tensor:
     return lab[..., 0][mask.detach() > 0.9]
 
 
+def claims_loss(residuals: list[Tensor]) -> Tensor:
+    """Sum over claims of how far each is missed, quadratic up to one noticeable step and linear beyond (Huber 1964).
+
+    Args:
+        residuals: Of each claim, (n,) in steps that people notice.
+    """
+    missed = torch.stack([(r.square().sum() + 1e-8).sqrt() for r in residuals])
+    return F.huber_loss(missed, torch.zeros_like(missed), reduction="sum")
+
+
 def hue_consistency_loss(where: Tensor, colors: Tensor, free: Tensor) -> Tensor:
     """Keeps a color's hue: its components should stand at the same place in their ranges.
 

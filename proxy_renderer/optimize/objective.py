@@ -10,7 +10,7 @@ import torch
 from torch import Tensor
 
 from ..guidance.guide import Weights
-from ..guidance.losses import hue_consistency_loss, prior_loss
+from ..guidance.losses import claims_loss, hue_consistency_loss, prior_loss
 from .inner import fixed_views
 from .shots import ShotState
 from .vector import ParameterVector
@@ -79,7 +79,8 @@ class RoundObjective:
         Returns:
             A scalar, differentiable in the picture and in u.
         """
-        total = torch.stack(list(self._terms(picture, generator, shot).values())).sum()
+        terms = self._terms(picture, generator, shot)
+        total = torch.stack(list(terms.values())).sum()
         if self._weights is None:
             return total
         where, home = ((x - self._lower) / self._span for x in (u, self._home))
@@ -108,7 +109,10 @@ class RoundObjective:
     def _terms(self, picture: Render, generator: torch.Generator, shot: int) -> dict[str, Tensor]:
         guidance = self.seen[shot].guidance
         assert guidance is not None
-        return guidance(picture.display, picture.mask, generator)
+        terms = guidance(picture.display, picture.mask, generator)
+        if residuals := self.seen[shot].residuals(picture):
+            terms["claims"] = Weights.claims * claims_loss(residuals)
+        return terms
 
 
 def _means(rows: Sequence[dict[str, float]], digits: int) -> dict[str, float]:

@@ -7,14 +7,18 @@ from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import NamedTuple
 
 import torch
 from torch import Tensor
 
+from ..claims.claim import HOLDS
+from ..claims.wanted import claims_of
 from ..guidance.encoder import Encoder
 from ..guidance.guide import Guidance, PromptGuidance, Weights
 from ..guidance.regions import Views
 from ..planning.advice import Advice, Advisor, OfflineAdvisor
+from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.types import Plan, PlanEntry
 from ..render.proxy import Proxy, Render
 from ..scene import SceneData
@@ -45,6 +49,18 @@ class Start:
 
     u: Tensor
     drawn: Tensor | None = None
+
+
+class Missed(NamedTuple):
+    """How far pictures are from what the words claim; the least is the best.
+
+    Attributes:
+        claims: How many do not hold.
+        squares: Sum of the squares of all residuals, in steps that people notice.
+    """
+
+    claims: int
+    squares: float
 
 
 @dataclass
@@ -170,6 +186,19 @@ class Search:
         for shot in self.shots:
             shot.anchoring.renew(u, number, **options)
 
+    @property
+    def claims_words(self) -> bool:
+        """Whether the words claim anything that can be measured in the pictures."""
+        return any(shot.claims and shot.claims.words for shot in self.shots)
+
+    def missed(self, u: Tensor) -> Missed:
+        """How far the pictures of u (N,) are from the words' claims; as Cycles has them, where it was just asked."""
+        for shot in self.shots:
+            shot.look(u)
+        with torch.no_grad():
+            norms = [float(r.norm()) for shot in self.shots for r in shot.residuals(shot.draw(u))]
+        return Missed(sum(norm > HOLDS for norm in norms), sum(norm * norm for norm in norms))
+
     def confine(self, u: Tensor, earlier: Plan, start: Start | None) -> Confined:
         """Lines 2 to 5 and 7 of Algorithm 1 at u: render, parse, compose, confine, project.
 
@@ -192,6 +221,8 @@ class Search:
             self.observer.begin(pictures[0].display.detach())
             for shot, picture in zip(self.shots, pictures, strict=True):
                 shot.guidance = self._guidance(advice, picture)
+                if not self.options.baseline:
+                    shot.claim(claims_of(advice.parsed, default_vocabulary()), u, picture)
         for shot in self.shots[1:]:
             shot.take(plan)
         return Confined(advice, plan, ranges, lower, upper, project(u, lower, upper))

@@ -10,15 +10,18 @@ from typing import TYPE_CHECKING
 
 from torch import Tensor
 
+from ..claims.claim import Claim, ClaimSet
+from ..claims.measures.picture import MeasuredPicture
 from ..prompt.types import Plan
 from ..scene import SceneData
 from ..schema import Instance
 from .anchoring import Anchoring, PictureSource
-from .drawing import draw
+from .drawing import chosen_values, draw
 from .vector import ParameterVector
 
 if TYPE_CHECKING:
     from ..guidance.guide import Guidance
+    from ..render.gbuffer import GBuffer
     from ..render.proxy import Proxy, Render
 
 MOVES = "it changes from shot to shot in your scene"
@@ -50,6 +53,8 @@ class ShotState:
         proxy: Renders the loop's pictures.
         anchoring: The proxy's corrections.
         guidance: Judges the pictures; calibrated on the artist's picture: the same in all rounds and for all starts.
+        claims: What the words say that its pictures have to look like; None for the baseline.
+        seen: What its camera saw when the round began.
     """
 
     scene: SceneData
@@ -58,6 +63,8 @@ class ShotState:
     proxy: Proxy
     anchoring: Anchoring
     guidance: Guidance | None = None
+    claims: ClaimSet | None = None
+    seen: GBuffer | None = None
 
     def draw(self, u: Tensor, free: set[str] | frozenset[str] = frozenset()) -> Render:
         """The proxy's picture of u.
@@ -67,6 +74,24 @@ class ShotState:
             free: Keys of the shared vector in which the picture is differentiable.
         """
         return draw(self.proxy, self.vector, u, {own for own, key in self.names.items() if key in free})
+
+    def claim(self, claims: tuple[Claim, ...], u: Tensor, picture: Render) -> None:
+        """Takes what the words claim; the picture is the artist's, at u (N,)."""
+        self.seen = self.proxy.gbuffer(chosen_values(self.vector, u, self.proxy.device))
+        self.claims = ClaimSet.about(claims, MeasuredPicture(picture.display.detach(), self.seen))
+
+    def look(self, u: Tensor) -> None:
+        """Sees again where in the picture the claims' things are, for the camera may have moved to u (N,)."""
+        if self.claims:
+            self.seen = self.proxy.gbuffer(chosen_values(self.vector, u, self.proxy.device))
+            self.claims = self.claims.in_view(self.seen)
+
+    def residuals(self, picture: Render) -> list[Tensor]:
+        """How far a picture is from each claim: (n,) in steps that people notice, differentiable in it."""
+        if self.claims is None or self.seen is None:
+            return []
+        seen = replace(self.seen, transmittance=picture.transmittance)
+        return self.claims.residuals(MeasuredPicture(picture.display, seen))
 
     def take(self, plan: Plan) -> None:
         """Has what the words name be the same here as in the first shot, if this scene has another value."""

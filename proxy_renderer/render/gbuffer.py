@@ -44,7 +44,7 @@ def gbuffer_of(
         geometry: Its triangles.
         view: The camera.
         cache: What was traced for it.
-        transmittance: (N,) of the fog before each sample.
+        transmittance: (H, W) of the fog before what is seen.
     """
     hits, shape = cache.samples.center_hits, cache.depth.shape
     with torch.no_grad():
@@ -58,5 +58,5 @@ def gbuffer_of(
         material=material.view(shape),
         materials=tuple(m.name for m in scene.materials),
         normal=normal.T.reshape(*shape, 3),
-        transmittance=cache.samples.resolve(transmittance[None]).view(shape),
+        transmittance=transmittance,
     )

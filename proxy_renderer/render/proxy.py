@@ -29,7 +29,7 @@ from .surface.view_cache import ViewCache
 from .transport.fog import FogMedium
 from .transport.indirect import IndirectLight
 from .transport.secondary_hits import RadianceTable
-from .transport.volume import DIRECTIONS, FroxelGrid, SingleScattering
+from .transport.volume import DIRECTIONS, SingleScattering
 
 _FILM_KEYS = tuple(key for key, p in FAMILIES.items() if p.group == "film")
 
@@ -45,12 +45,14 @@ class Render:
             and `display` stands on black.
         mask: (H, W) share of each pixel that the subject covers.
         depth: (H, W) distance along the rays in meters; infinite where nothing is hit.
+        transmittance: (H, W) share of light that fog lets through from what is seen.
     """
 
     display: Tensor
     linear: Tensor
     mask: Tensor
     depth: Tensor
+    transmittance: Tensor
     alpha: Tensor | None = None
 
 
@@ -92,7 +94,7 @@ class Proxy:
                 differentiable in every one of them.
         """
         frame, settings = self._frame(values)
-        radiance = self._light(frame)
+        radiance, passing = self._light(frame)
         fits = self.correction is not None and self.correction.fits(frame.view)
         if self.correction and not fits:
             current = frame.owners, frame.view, frame.cache
@@ -106,20 +108,19 @@ class Proxy:
         channels = picture.view(-1, *self.size[::-1])
         linear, alpha = channels[:3].permute(1, 2, 0), channels[3] if len(channels) > 3 else None
         film = {key: settings.color(key) for key in _FILM_KEYS if settings.has(key)}
-        return Render(self.film.develop(linear, film, alpha), linear, mask, frame.cache.depth, alpha)
+        display, depth = self.film.develop(linear, film, alpha), frame.cache.depth
+        return Render(display, linear, mask, depth, _transmittance(frame, passing), alpha)
 
     def gbuffer(self, values: Mapping[str, Tensor]) -> GBuffer:
         """What the camera sees, and through how much fog.
 
         Args:
-            values: As for `render`; the transmittance is differentiable in them.
+            values: As for `render`.
         """
-        frame, _ = self._frame(values)
-        samples = frame.cache.samples
-        passing = torch.ones_like(samples.weight)
-        if frame.fog.active:
-            _, passing = self._haze(frame, frame.view).look_up(samples.place, samples.hits.distance)
-        return gbuffer_of(self.scene, self.geometry, frame.view, frame.cache, passing)
+        with torch.no_grad():
+            frame, _ = self._frame(values)
+            clear = _transmittance(frame, self._through_fog(frame)[1] if frame.fog.active else None)
+            return gbuffer_of(self.scene, self.geometry, frame.view, frame.cache, clear)
 
     def anchor(self, values: Mapping[str, Tensor], picture: CyclesPicture) -> Correction:
         """Corrects all renders from now on by what Cycles makes of these values.
@@ -150,7 +151,7 @@ class Proxy:
         assert self.correction is not None
         lit = {k: v for k, v in self.correction.values.items() if not k.startswith("camera/")}
         camera = {k: v.detach() for k, v in values.items() if k.startswith("camera/")}
-        return self._light(self._frame({**lit, **camera}, cache)[0])[:3]
+        return self._light(self._frame({**lit, **camera}, cache)[0])[0][:3]
 
     def _frame(
         self, values: Mapping[str, Tensor], cache: ViewCache | None = None
@@ -190,14 +191,19 @@ class Proxy:
 
     def _picture(self, frame: RenderState) -> Tensor:
         """The proxy's own linear picture (3, P)."""
-        return _resolve(frame, self._light(frame))[0][:3]
+        return _resolve(frame, self._light(frame)[0])[0][:3]
 
-    def _light(self, frame: RenderState) -> Tensor:
-        """Radiance of all samples as the camera gets it: (3 or, with a transparent film, 4, N)."""
+    def _light(self, frame: RenderState) -> tuple[Tensor, Tensor | None]:
+        """Radiance of all samples as the camera gets it, (3 or, with a transparent film, 4, N), and fog's transmittance (N,)."""
         direct_lights, table = direct_lights_of(frame), table_of(frame)
         gathered = self._gather(frame, table)
         radiance = surfaces.radiance(frame, direct_lights, table, gathered, self.scene.film.transparent)
-        return self._through_fog(frame, frame.view, radiance) if frame.fog.active else radiance
+        if not frame.fog.active:
+            return radiance, None
+        light, passing = self._through_fog(frame)
+        lit = radiance[:3] * passing + light
+        veiled = lit if len(radiance) == 3 else torch.cat((lit, 1 - passing * (1 - radiance[3:])))
+        return veiled, passing
 
     @property
     def _near(self) -> float:
@@ -211,17 +217,20 @@ class Proxy:
         indirect_fog = frame.cache.indirect_fog(self._near).gather(frame.fog, frame.lamps, frame.sky)
         return frame.cache.indirect.gather_through(table, frame.fog, indirect_fog)
 
-    def _through_fog(self, frame: RenderState, view: View, radiance: Tensor) -> Tensor:
-        """Radiance of the samples behind fog: times its transmittance, plus its in-scattered light."""
-        samples = frame.cache.samples
-        light, passing = self._haze(frame, view).look_up(samples.place, samples.hits.distance)
-        lit = radiance[:3] * passing + light
-        return lit if len(radiance) == 3 else torch.cat((lit, 1 - passing * (1 - radiance[3:])))
+    def _through_fog(self, frame: RenderState) -> tuple[Tensor, Tensor]:
+        """Light (3, N) that fog scatters towards the camera before the samples, and its transmittance (N,)."""
+        sky, samples = frame.sky, frame.cache.samples
+        world = sky.color[:, None] * sky.soft(DIRECTIONS.to(self.device))
+        haze = self.volume.scatter(frame.fog, frame.view, self._near, frame.lamps, world)
+        return haze.look_up(samples.place, samples.hits.distance)
 
-    def _haze(self, frame: RenderState, view: View) -> FroxelGrid:
-        """Light scattered, and lost, between the camera and any point."""
-        world = frame.sky.color[:, None] * frame.sky.soft(DIRECTIONS.to(self.device))
-        return self.volume.scatter(frame.fog, view, self._near, frame.lamps, world)
+
+def _transmittance(frame: RenderState, passing: Tensor | None) -> Tensor:
+    """Transmittance (H, W) of the pixels from that of the samples (N,); 1 without fog."""
+    shape = frame.cache.depth.shape
+    if passing is None:
+        return torch.ones(shape, device=frame.cache.depth.device)
+    return frame.cache.samples.resolve(passing[None]).view(shape)
 
 
 def _resolve(frame: RenderState, radiance: Tensor) -> tuple[Tensor, Tensor]:

@@ -8,7 +8,7 @@ import torch
 from torch import Tensor
 
 from proxy_renderer.claims.claim import Claim, ClaimSet
-from proxy_renderer.claims.measures.picture import MeasuredPicture
+from proxy_renderer.claims.measures.picture import MeasuredPicture, region_of
 from proxy_renderer.claims.measures.registry import MEASURES
 from proxy_renderer.render.gbuffer import GBuffer
 
@@ -108,7 +108,7 @@ RISING = {
 
 
 def taken(name: str, shown: MeasuredPicture, part: str) -> Tensor:
-    return MEASURES[name].take(shown, shown.where(part))
+    return MEASURES[name].take(shown, region_of(shown.seen, part))
 
 
 def test_every_measure_of_one_number_is_tried() -> None:
@@ -148,9 +148,9 @@ def test_a_large_picture_is_measured_as_a_small_one() -> None:
 
 def test_parts_and_materials_are_told_apart() -> None:
     shown = picture()
-    assert (shown.where("subject") & shown.where("surroundings")).sum() == 0
-    assert torch.equal(shown.where("picture", ("Wall",)), shown.where("surroundings"))
-    assert not shown.where("sky").any()
+    assert (region_of(shown.seen, "subject") & region_of(shown.seen, "surroundings")).sum() == 0
+    assert torch.equal(region_of(shown.seen, "picture", ("Wall",)), region_of(shown.seen, "surroundings"))
+    assert not region_of(shown.seen, "sky").any()
 
 
 def test_a_claim_is_missed_by_as_much_as_people_notice() -> None:
@@ -175,5 +175,7 @@ def test_residuals_know_what_is_missing_and_fall_towards_it() -> None:
     dark, light = picture(), picture(torch.full((SIZE, SIZE, 3), 0.5))
     judged = ClaimSet.about(claims, dark)
     assert judged.before[1] is None
-    assert len(judged.residuals(dark)) == 1
-    assert judged.residuals(light).norm() < judged.residuals(dark).norm()
+    assert judged.words == {"bright"}
+    assert [len(r) for r in judged.residuals(dark)] == [1]
+    assert float(judged.residuals(light)[0]) < 0
+    assert judged.residuals(light)[0].abs() < judged.residuals(dark)[0].abs()

@@ -9,7 +9,7 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
-from .picture import MeasuredPicture
+from .picture import MeasuredPicture, largest_around
 
 _FLOOR = 0.004
 """Linear luminance below which differences are not seen on a display in a lit room."""
@@ -74,10 +74,10 @@ def hardness(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """
     seen = picture.seen
     material = seen.material.float()
-    same = _pooled(material, 5) == -_pooled(-material, 5)
-    outline = _pooled(seen.subject, 5) + _pooled(-seen.subject, 5) > 0.1
+    same = largest_around(material, 5) == -largest_around(-material, 5)
+    outline = largest_around(seen.subject, 5) + largest_around(-seen.subject, 5) > 0.1
     turn = torch.stack(torch.gradient(seen.normal, dim=(0, 1))).square().sum((0, -1)).sqrt()
-    smooth = where & same & ~outline & (_pooled(turn, 3) < 0.15) & (seen.material >= 0)
+    smooth = where & same & ~outline & (largest_around(turn, 3) < 0.15) & (seen.material >= 0)
     if smooth.sum() < _FEW:
         return picture.luminance.new_zeros(1)
     rows, columns = torch.gradient((picture.luminance.clamp_min(0) + _FLOOR).log2())
@@ -94,7 +94,7 @@ def rim(picture: MeasuredPicture, where: Tensor) -> Tensor:
         where: (H, W) bool, the region.
     """
     light, band = picture.lab[..., 0], 2 * max(min(where.shape) // 96, 1) + 1
-    inside = -_pooled(-where.float(), band) > 0
+    inside = -largest_around(-where.float(), band) > 0
     edge = where & ~inside
     if edge.sum() < _FEW or inside.sum() < _FEW:
         return light.new_zeros(1)
@@ -116,14 +116,19 @@ def gloss(picture: MeasuredPicture, where: Tensor) -> Tensor:
         (1,) L*; 0 for a region of fewer than 32 pixels.
     """
     count = int(where.sum())
-    light = _blurred(picture.lab[..., 0])
     if count < _FEW:
-        return light.new_zeros(1)
+        return picture.display.new_zeros(1)
+    box = _box(where)
+    light, where, seen = (
+        _blurred(picture.lab[..., 0][box]),
+        where[box],
+        (picture.seen.material[box], picture.seen.normal[box]),
+    )
     rise = torch.zeros_like(light)
     for share in _HIGHLIGHTS:
         away = max(1, round(share * math.sqrt(count)))
         for row, column in ((0, away), (away, 0), (away, away), (away, -away)):
-            sides = [_beside(picture, light, where, step) for step in ((row, column), (-row, -column))]
+            sides = [_beside(light, where, *seen, step) for step in ((row, column), (-row, -column))]
             rise = torch.maximum(rise, light - torch.maximum(*sides))
     return rise[where].topk(max(4, round(_SPOT * count))).values.mean()[None]
 
@@ -150,11 +155,16 @@ def _shading(picture: MeasuredPicture, where: Tensor) -> Tensor:
     return slope / length * (length / 0.3).clamp_max(1.0)
 
 
-def _beside(picture: MeasuredPicture, light: Tensor, where: Tensor, step: tuple[int, int]) -> Tensor:
+def _box(where: Tensor) -> tuple[slice, slice]:
+    """The rows and the columns in which a region (H, W) lies."""
+    rows, columns = where.any(1).nonzero()[:, 0], where.any(0).nonzero()[:, 0]
+    return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(columns[0]), int(columns[-1]) + 1)
+
+
+def _beside(light: Tensor, where: Tensor, material: Tensor, normal: Tensor, step: tuple[int, int]) -> Tensor:
     """The light (H, W) a step away; infinite where that is out of the region, of another material, or around a corner."""
-    seen = picture.seen
-    same = _moved(seen.material, step, -2) == seen.material
-    bent = (_moved(seen.normal, step, 0.0) * seen.normal).sum(-1) < _BEND
+    same = _moved(material, step, -2) == material
+    bent = (_moved(normal, step, 0.0) * normal).sum(-1) < _BEND
     return torch.where(_moved(where, step, False) & same & ~bent, _moved(light, step, torch.inf), torch.inf)
 
 
@@ -172,11 +182,6 @@ def _moved(field: Tensor, step: tuple[int, int], outside: float) -> Tensor:
     )
     moved[rows, columns] = field[from_rows, from_columns]
     return moved
-
-
-def _pooled(field: Tensor, width: int) -> Tensor:
-    """The largest value of a field (H, W) in a window around each pixel."""
-    return F.max_pool2d(field[None, None].float(), width, stride=1, padding=width // 2)[0, 0]
 
 
 def _blurred(field: Tensor) -> Tensor:

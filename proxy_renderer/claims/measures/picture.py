@@ -55,27 +55,34 @@ class MeasuredPicture:
         """Linear light as shown."""
         return luminance(linear_from_srgb(self.display))[..., 0]
 
-    def where(self, part: Part, materials: tuple[str, ...] = ()) -> Bool[Tensor, "h w"]:
-        """The pixels that lie wholly in a part of the picture, or show one of these materials in it.
 
-        Args:
-            part: Of the picture.
-            materials: Names; none for the whole part.
-        """
-        inside = {
-            "subject": self.seen.subject > 0.9,
-            "surroundings": self.seen.subject < 0.05,
-            "sky": (self.seen.subject < 0.05) & (self.seen.material < 0),
-            "picture": torch.ones_like(self.seen.subject, dtype=torch.bool),
-        }[part]
-        if materials:
-            numbers = [i for i, name in enumerate(self.seen.materials) if name in materials]
-            inside = torch.isin(self.seen.material, torch.tensor(numbers, device=inside.device))
-        return inside if part == "picture" and not materials else _inner(inside)
+def region_of(seen: GBuffer, part: Part, materials: tuple[str, ...] = ()) -> Bool[Tensor, "h w"]:
+    """The pixels that lie wholly in a part of the picture, or show one of these materials.
+
+    Args:
+        seen: What the camera sees.
+        part: Of the picture.
+        materials: Names; none for the whole part.
+    """
+    if materials:
+        numbers = [i for i, name in enumerate(seen.materials) if name in materials]
+        return _inner(torch.isin(seen.material, torch.tensor(numbers, device=seen.material.device)))
+    if part == "picture":
+        return torch.ones_like(seen.subject, dtype=torch.bool)
+    if part == "subject":
+        return _inner(seen.subject > 0.9)
+    around = seen.subject < 0.05
+    return _inner(around & (seen.material < 0) if part == "sky" else around)
+
+
+def largest_around(field: Tensor, width: int) -> Float[Tensor, "h w"]:
+    """The largest value of a field (H, W) in a square window of an odd width around each pixel."""
+    planes = field[None, None].float()
+    rows = F.max_pool2d(planes, (width, 1), stride=1, padding=(width // 2, 0))
+    return F.max_pool2d(rows, (1, width), stride=1, padding=(0, width // 2))[0, 0]
 
 
 def _inner(where: Tensor) -> Tensor:
     """A region (H, W) without its outline; the whole of it where it is all outline, as wires are."""
-    outside = F.max_pool2d((~where)[None, None].float(), 3, stride=1, padding=1)[0, 0] > 0
-    inside = where & ~outside
+    inside = where & ~(largest_around(~where, 3) > 0)
     return inside if inside.sum() >= 0.25 * where.sum() else where

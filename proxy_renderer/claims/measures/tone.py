@@ -6,10 +6,9 @@ from __future__ import annotations
 import math
 
 import torch
-import torch.nn.functional as F
 from torch import Tensor
 
-from .picture import MeasuredPicture
+from .picture import MeasuredPicture, largest_around, region_of
 
 _RINGS = (0.35, 0.62, 0.82)
 """Of a vignette, in half diagonals: the middle lies between the first two, the corners beyond the third."""
@@ -57,7 +56,7 @@ def vignette(picture: MeasuredPicture, where: Tensor) -> Tensor:
     Returns:
         (1,) L*; 0 if no corner can be measured.
     """
-    light, free = picture.lab[..., 0], picture.where("surroundings")
+    light, free = picture.lab[..., 0], region_of(picture.seen, "surroundings")
     height, width = light.shape
     y, x = torch.meshgrid(_middles(height, light), _middles(width, light), indexing="ij")
     radius = torch.hypot(x * width, y * height) / math.hypot(width, height)
@@ -80,7 +79,9 @@ def standing_out(picture: MeasuredPicture, where: Tensor) -> Tensor:
         picture: The picture.
         where: (H, W) bool, the region.
     """
-    return (_quantile(picture, where, 0.5) - _quantile(picture, picture.where("surroundings"), 0.5))[None]
+    return (
+        _quantile(picture, where, 0.5) - _quantile(picture, region_of(picture.seen, "surroundings"), 0.5)
+    )[None]
 
 
 def silhouette(picture: MeasuredPicture, where: Tensor) -> Tensor:
@@ -102,8 +103,7 @@ def separation(picture: MeasuredPicture, where: Tensor) -> Tensor:
         where: (H, W) bool, the region.
     """
     width = 2 * max(min(where.shape) // 16, 1) + 1
-    grown = F.max_pool2d(where[None, None].float(), width, stride=1, padding=width // 2)[0, 0] > 0
-    ring = grown & ~where
+    ring = (largest_around(where, width) > 0) & ~where
     if not ring.any():
         return picture.lab.new_full((1,), 100.0)
     difference = picture.lab[where].mean(0) - picture.lab[ring].mean(0)
