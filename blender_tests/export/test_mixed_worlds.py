@@ -60,6 +60,32 @@ def in_a_group(tree):
     return add.outputs[0]
 
 
+def by_strength(tree):
+    """One Background, a fifth as bright to the camera."""
+    only, path, math = (
+        background(tree, BLUE, 1.0),
+        tree.nodes.new("ShaderNodeLightPath"),
+        tree.nodes.new("ShaderNodeMath"),
+    )
+    math.operation, math.inputs[1].default_value, math.inputs[2].default_value = "MULTIPLY_ADD", -1.6, 2.0
+    tree.links.new(path.outputs["Is Camera Ray"], math.inputs[0])
+    tree.links.new(math.outputs[0], only.node.inputs["Strength"])
+    return only
+
+
+def by_color(tree):
+    """One Background, red to the camera and blue to the rest."""
+    only, path, mix = (
+        background(tree, BLUE, 1.5),
+        tree.nodes.new("ShaderNodeLightPath"),
+        tree.nodes.new("ShaderNodeMixRGB"),
+    )
+    tree.links.new(path.outputs["Is Camera Ray"], mix.inputs[0])
+    mix.inputs[1].default_value, mix.inputs[2].default_value = (*BLUE, 1.0), (*RED, 1.0)
+    tree.links.new(mix.outputs[0], only.node.inputs["Color"])
+    return only
+
+
 def by_camera_rays_and_height(tree):
     """A backdrop of two colors; light of a texture."""
     mix, path = tree.nodes.new("ShaderNodeMixShader"), tree.nodes.new("ShaderNodeLightPath")
@@ -72,7 +98,7 @@ def by_camera_rays_and_height(tree):
     return mix.outputs[0]
 
 
-@pytest.fixture(params=[by_height, in_a_group])
+@pytest.fixture(params=[by_height, in_a_group, by_strength, by_color])
 def studio(request, scene):
     """A white ball before such a world."""
     fill(scene, request.param)

@@ -6,8 +6,9 @@ from __future__ import annotations
 from bpy.types import NodeSocket, World
 
 from ...core import compat
+from .insets import artists
 from .layers import Layer, MixSide, behind
-from .shaders import NodeInGroups
+from .shaders import NodeInGroups, asks_for_rays
 from .shaders import background as first_background
 from .trails import NodeEntry, resolve
 
@@ -21,14 +22,16 @@ def has_backdrop(world: World) -> bool:
 
 
 def mixed(world: World, part: str = LIGHT) -> list[Layer]:
-    """The Backgrounds that a part of a world's surface is mixed of; none where it is a single one.
+    """The Backgrounds that a part of a world's surface is mixed of; none where it is a single, plain one.
+
+    One whose strength nodes compute, or whose color depends on the kind of ray, counts as a mix.
 
     Args:
         world: The world.
         part: LIGHT or BACKDROP; of a world without a backdrop of its own everything is LIGHT.
     """
     found = _of(world, part)
-    return found if len(found) > 1 or any(_weighs(s) for layer in found for s in layer.sides) else []
+    return found if len(found) > 1 or any(_is_mix(layer) for layer in found) else []
 
 
 def single(world: World, part: str = LIGHT) -> NodeInGroups | None:
@@ -54,6 +57,13 @@ def entries(world: World, part: str, name: str) -> list[NodeEntry]:
             origins.append(origin.source or origin.socket)
             found.append(entry)
     return found
+
+
+def _is_mix(layer: Layer) -> bool:
+    """Whether a Background is more than a color and a strength."""
+    color, strength = layer.shader.entry("Color"), layer.shader.entry("Strength")
+    computed = strength is not None and artists(strength).source is not None
+    return computed or (color is not None and asks_for_rays(color)) or any(map(_weighs, layer.sides))
 
 
 def _layers(world: World) -> list[Layer]:

@@ -80,6 +80,11 @@ def environment(color: NodeSocket) -> NodeInGroups | None:
     return _search(color, (), ("ShaderNodeTexEnvironment",))
 
 
+def asks_for_rays(color: NodeEntry) -> bool:
+    """Whether a color is another for the camera than for other rays."""
+    return _search(color.socket, color.inside, ("ShaderNodeLightPath",)) is not None
+
+
 def _from_output(tree: bpy.types.NodeTree | None, entry: str, kinds: tuple[str, ...]) -> NodeInGroups | None:
     """The first of some kinds of nodes behind an input of a world's output."""
     if tree is None:
