@@ -26,12 +26,15 @@ def _everything() -> SceneData:
         ("material/recolor", ball.name),
         ("world/tint", ""),
         ("world/rotation", ""),
+        ("world/backdrop_color", ""),
+        ("world/backdrop_tint", ""),
+        ("world/backdrop_strength", ""),
     ]
     linked = (Instance(p := FAMILIES[name], owner, (p.default,) * p.components) for name, owner in rows)
     return dataclasses.replace(
         scene,
         materials=(dataclasses.replace(ball, texture=Texture(image)), *rest),
-        world=WorldData("environment", image),
+        world=WorldData("environment", image, image),
         instances={**scene.instances, **{i.key: i for i in linked}},
     )
 

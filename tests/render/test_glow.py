@@ -38,7 +38,7 @@ def floor(place: float) -> tuple[Surface, torch.Tensor]:
     """Copies of one point of the floor, and the direction from which a camera sees it."""
     up = torch.tensor([0.0, 0.0, 1.0])[:, None].expand(3, COPIES).contiguous()
     position = torch.tensor([0.1, place, 0.0])[:, None].expand(3, COPIES).contiguous()
-    surface = Surface(position, up, up, torch.zeros(2, COPIES), torch.ones(COPIES, dtype=torch.int64))
+    surface = Surface(position, up, up, torch.zeros(2, COPIES), *torch.ones((2, COPIES), dtype=torch.int64))
     arrived = unit(torch.tensor([0.0, 3.0, -1.0])[:, None]).expand(3, COPIES).contiguous()
     return surface, arrived
 
