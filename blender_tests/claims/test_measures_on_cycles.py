@@ -44,6 +44,7 @@ def taken(studio, name, part, values):
     return MEASURES[name].take(shown, region_of(shown.seen, part))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "part", "little", "much"), MOVES, ids=[row[0] for row in MOVES])
 def test_a_measure_rises_on_cycles_pictures(studio, name, part, little, much):
     rise = taken(studio, name, part, much) - taken(studio, name, part, little)
