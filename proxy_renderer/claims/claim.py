@@ -15,6 +15,7 @@ from .measures.picture import MeasuredPicture, Part, region_of
 from .measures.registry import MEASURES
 
 _FEW = 16  # pixels of which nothing can be said
+_SEEN = 0.05  # share of a region that is left, at least, when what words color is left out
 HOLDS = 1.0
 """A claim that is missed by no more noticeable steps holds."""
 
@@ -39,6 +40,7 @@ class Claim:
         change: What is enough of a change; None if only the interval counts.
         direction: Unit vector along which a tint counts; none for the measure's own numbers.
         color: The color that is asked for, sRGB; None for other claims.
+        apart: Parts, each with its materials, that are left out: those that words color, where light is spoken of.
     """
 
     word: str
@@ -51,10 +53,15 @@ class Claim:
     change: float | None = None
     direction: Values = ()
     color: Values | None = None
+    apart: tuple[tuple[Part, tuple[str, ...]], ...] = ()
 
     def region(self, seen: GBuffer) -> Tensor | None:
         """The pixels (H, W) bool that it speaks of; None where the thing is hardly seen."""
         where = region_of(seen, self.part, self.materials)
+        rest = where.clone()
+        for part, materials in self.apart:
+            rest &= ~region_of(seen, part, materials)
+        where = rest if rest.sum() > _SEEN * where.sum() else where
         return where if where.sum() >= _FEW else None
 
     def value(self, picture: MeasuredPicture, where: Tensor) -> Tensor:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 import tomllib
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import cast
@@ -47,7 +48,14 @@ def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
             continue
         for claim in _of_word(attribute, parsed, vocabulary):
             claims.setdefault((claim.measure, claim.part, claim.materials, claim.direction), claim)
-    return (*claims.values(), *_of_every_picture(parsed))
+    colored = tuple((c.part, c.materials) for c in claims.values() if c.measure == "color")
+    lights = (replace(c, apart=colored) if _is_light(c) else c for c in claims.values())
+    return (*lights, *_of_every_picture(parsed))
+
+
+def _is_light(claim: Claim) -> bool:
+    """Whether a claim is about the color of light, which things that have a color of their own hide."""
+    return claim.part == "picture" and claim.measure in ("warmth", "tint")
 
 
 def _of_word(attribute: Attribute, parsed: Parsed, vocabulary: Vocabulary) -> Iterator[Claim]:

@@ -2,6 +2,7 @@
 """Measures on pictures that are made for them: each rises with what it measures, and tells nothing else."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 import torch
@@ -151,6 +152,20 @@ def test_parts_and_materials_are_told_apart() -> None:
     assert (region_of(shown.seen, "subject") & region_of(shown.seen, "surroundings")).sum() == 0
     assert torch.equal(region_of(shown.seen, "picture", ("Wall",)), region_of(shown.seen, "surroundings"))
     assert not region_of(shown.seen, "sky").any()
+
+
+def test_what_words_color_is_left_out_of_the_light_unless_nothing_else_is_seen() -> None:
+    shown = picture()
+    warm = Claim(
+        "warm", "picture", "warmth", "picture", (8.0,), (float("inf"),), apart=(("surroundings", ()),)
+    )
+    where = warm.region(shown.seen)
+    assert where is not None
+    assert not (where & region_of(shown.seen, "surroundings")).any()
+    everything = replace(warm, apart=(("surroundings", ()), ("picture", ())))
+    whole = everything.region(shown.seen)
+    assert whole is not None
+    assert whole.all()
 
 
 def test_a_claim_is_missed_by_as_much_as_people_notice() -> None:

@@ -60,6 +60,11 @@ def test_a_thing_is_measured_by_its_materials() -> None:
     assert color.thing == "table"
 
 
+def test_light_is_measured_on_what_no_word_colors() -> None:
+    (warm,) = [c for c in claims("warm light, a deep blue background") if c.measure == "warmth"]
+    assert warm.apart == (("surroundings", ()),)
+
+
 def test_what_a_mood_means_is_claimed_in_its_name() -> None:
     assert {c.word for c in claims("cozy")} == {"cosy"}
 
