@@ -135,7 +135,9 @@ def test_looks(scene: str, key: str) -> None:
         shown = picture.display if film else picture.linear
         return (shown * weights).double().sum()
 
-    usual = STEPS.get(instance.parameter.unit, max(2e-3, 0.01 * max(map(abs, instance.value))))
+    # A view transform is a table: many pixels of one color leave a cell of it at once.
+    share = 0.003 if film else 0.01
+    usual = STEPS.get(instance.parameter.unit, max(2e-3, share * max(map(abs, instance.value))))
     step = 0.02 if key.endswith("ior") else usual  # as far as the renderer compares refracted pictures
     automatic, differences = _both(total, instance.value, step)
     part = 0.1 if key.endswith("ior") else 1e-2
