@@ -630,7 +630,7 @@ FAULTS = {
         Fault(missing_environment, "the world's image is missing", _NEAR),
         Fault(environment_without_image, "the world's image is missing", _NEAR),
         Fault(wild_environment),
-        Fault(lamp_nodes, "The nodes of Point.001 are left out"),
+        Fault(lamp_nodes, "The nodes of Point.001 are shown as their average"),
         Fault(scaled_lamps, "Spot is scaled unevenly"),
         Fault(negative_light),
         Fault(lost_lamp, "Point has no usable place", _NEAR),
