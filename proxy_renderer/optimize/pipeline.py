@@ -153,11 +153,12 @@ def refine(search: Search, start: Start) -> Outcome:
     last: Confined | None = None
     for number in range(search.rounds):  # 1: r = 0 … R - 1
         started = time.monotonic()
-        confined = search.confine(u, plan, start)  # 2 to 5 and 7: render, parse, compose, confine, project
-        if last:
+        if last:  # before a model is asked for another plan
+            search.renew(u, search.number)
             ends.append(_end(search, u, loss, last, rounds[-1]))
             if _settled(search, ends):
                 break
+        confined = search.confine(u, plan, start)  # 2 to 5 and 7: render, parse, compose, confine, project
         last, plan = confined, confined.plan
         search.renew(confined.u, search.number, slack=STRIDE)
         chosen, objective = search.objective(confined, confined.u)  # 6: S_K

@@ -332,6 +332,11 @@ def vibe(scene, encoder, model, prompt=PROMPT, **options):
 
 
 class TestLoop:
+    @pytest.fixture(autouse=True)
+    def all_rounds(self, monkeypatch):
+        """However soon the picture shows the words: what a model is asked in later rounds is tried here."""
+        monkeypatch.setattr(pipeline, "_settled", lambda search, ends: False)
+
     def test_the_model_plans_every_round_from_the_current_picture(self, scene, encoder):
         with serving(lambda body, n: says(plan_for(body))) as model:
             outcome, account, seen = vibe(scene, encoder, model)
