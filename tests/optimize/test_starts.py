@@ -90,6 +90,7 @@ def variants(scene):
     return pipeline.run([ShotInput(scene)], "glossy teal ball", options, encoder, encoder, Silent())
 
 
+@pytest.mark.slow
 def test_variants_differ_in_their_pictures_and_keep_to_words_and_locks(scene, variants):
     found = variants.variants
     assert len(found) == 3
@@ -108,5 +109,6 @@ def test_variants_differ_in_their_pictures_and_keep_to_words_and_locks(scene, va
         assert all(records[k]["reason"] == starts.VARIED for k in changed_values(v) if k.endswith("azimuth"))
 
 
+@pytest.mark.slow
 def test_one_is_lit_as_the_artist_lit_it(variants):
     assert any(not [k for k in changed_values(v) if k.endswith("azimuth")] for v in variants.variants)
