@@ -4,14 +4,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import torch
 from torch import Tensor
 
-from ..color.floats import srgb_from_oklab
+from ..color.floats import hex_from_srgb, srgb_from_oklab
 from ..render.gbuffer import GBuffer
 from .claim import HOLDS, Claim, ClaimSet
 from .measures.picture import MeasuredPicture
@@ -88,18 +88,4 @@ def _shown(claim: Claim, value: Tensor | None) -> float | str | None:
 
 
 def _hex(oklab: Sequence[float]) -> str:
-    srgb = srgb_from_oklab((oklab[0] / 100, oklab[1] / 100, oklab[2] / 100))
-    return "#" + "".join(f"{round(255 * v):02x}" for v in srgb)
-
-
-def words_that_show(rows: Sequence[Mapping[str, Any]]) -> dict[str, bool]:
-    """Word -> whether all that it claims holds; words that claim nothing measurable are left out.
-
-    Args:
-        rows: As `ShotClaims.verdicts` returns them, or as `report.json` has them.
-    """
-    shows: dict[str, bool] = {}
-    for row in rows:
-        if row["word"] and row["holds"] is not None:
-            shows[row["word"]] = shows.get(row["word"], True) and row["holds"]
-    return shows
+    return hex_from_srgb(srgb_from_oklab((oklab[0] / 100, oklab[1] / 100, oklab[2] / 100)))

@@ -19,6 +19,11 @@ def srgb_from_hex(text: str) -> Values:
     return tuple(int(text[i : i + 2], 16) / 255 for i in (1, 3, 5))
 
 
+def hex_from_srgb(srgb: Sequence[float]) -> str:
+    """ "#rrggbb" of sRGB in [0, 1]."""
+    return "#" + "".join(f"{round(255 * v):02x}" for v in srgb)
+
+
 def decode(encoded: float) -> float:
     """Linear light of one sRGB-encoded component (IEC 61966-2-1)."""
     if encoded <= c.SRGB_ENCODED_END:

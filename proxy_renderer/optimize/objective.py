@@ -79,8 +79,7 @@ class RoundObjective:
         Returns:
             A scalar, differentiable in the picture and in u.
         """
-        terms = self._terms(picture, generator, shot)
-        total = torch.stack(list(terms.values())).sum()
+        total = torch.stack(list(self._terms(picture, generator, shot).values())).sum()
         if self._weights is None:
             return total
         where, home = ((x - self._lower) / self._span for x in (u, self._home))

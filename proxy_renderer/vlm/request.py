@@ -6,7 +6,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from ..color.floats import srgb_from_lab
+from ..color.floats import hex_from_srgb, srgb_from_lab
 from ..prompt.lexicon.attributes import ATTRIBUTES
 from ..prompt.types import Parsed, Plan, PlanContext, Prompts
 from ..schema import FAMILIES
@@ -167,7 +167,7 @@ def _measured(context: PlanContext) -> dict[str, Any]:
     if context.picture is None:
         return {}
     figures: dict[str, Any] = {
-        f"{region}_mean_color": "#" + "".join(f"{round(255 * v):02x}" for v in srgb_from_lab(lab))
+        f"{region}_mean_color": hex_from_srgb(srgb_from_lab(lab))
         for region, lab in context.picture.lab.items()
     }
     if context.picture.percentiles:

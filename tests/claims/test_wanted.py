@@ -6,13 +6,13 @@ import pytest
 from proxy_renderer.claims.claim import Claim
 from proxy_renderer.claims.measures.registry import MEASURES
 from proxy_renderer.claims.notation import read_claim
-from proxy_renderer.claims.verdict import words_that_show
 from proxy_renderer.claims.wanted import _of_heads, claims_of
 from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.schema import VibeError
+from proxy_renderer.schema.verdicts import missing_by_word
 
 SCENE = SceneWords(
     "vase",
@@ -104,4 +104,5 @@ def test_a_word_shows_if_all_that_it_claims_holds() -> None:
         {"word": "gone", "holds": None},
         {"word": "", "holds": False},
     ]
-    assert words_that_show(rows) == {"noir": False, "red": True}
+    shows = {word: not missing for word, missing in missing_by_word(rows).items()}
+    assert shows == {"noir": False, "red": True}

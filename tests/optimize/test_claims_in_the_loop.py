@@ -4,25 +4,12 @@
 import pytest
 import torch
 from loop_parts import PROMPT, Silent
-from tiny_job import write_job
 
-from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import pipeline
 from proxy_renderer.optimize.search import Missed, Search, Start
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.prompt.types import Plan
-from proxy_renderer.scene import load_scene
 from proxy_renderer.schema.messages import Options
-
-
-@pytest.fixture(scope="module")
-def encoder():
-    return load_encoder(None, "cpu")
-
-
-@pytest.fixture(scope="module")
-def scene(tmp_path_factory):
-    return load_scene(write_job(tmp_path_factory.mktemp("job")))
 
 
 @pytest.fixture

@@ -8,7 +8,6 @@ from tiny_job import write_job
 
 from proxy_renderer.color.tensors import lab_from_srgb
 from proxy_renderer.engine.report import changed_values, parameter_records
-from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import context, pipeline
 from proxy_renderer.optimize.drawing import draw
 from proxy_renderer.optimize.shots import ShotInput
@@ -16,16 +15,6 @@ from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import VibeError
 from proxy_renderer.schema.messages import Options
-
-
-@pytest.fixture(scope="module")
-def encoder():
-    return load_encoder(None, "cpu")
-
-
-@pytest.fixture(scope="module")
-def scene(tmp_path_factory):
-    return load_scene(write_job(tmp_path_factory.mktemp("job")))
 
 
 def vibe(scene, encoder, prompt=PROMPT, watch=None, **options):

@@ -6,6 +6,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from ..core.schema_import import verdicts
+
 
 def words_shown(claims: Sequence[Mapping[str, Any]]) -> dict[str, str]:
     """Word -> "" if the picture shows all that it claims, else what is missing.
@@ -16,11 +18,9 @@ def words_shown(claims: Sequence[Mapping[str, Any]]) -> dict[str, str]:
     Returns:
         Words in their order; those that claim nothing measurable are left out.
     """
-    shown: dict[str, str] = {}
-    for row in claims:
-        if row["word"] and row["holds"] is not None:
-            shown[row["word"]] = shown.get(row["word"], "") or ("" if row["holds"] else _missing(row))
-    return shown
+    return {
+        word: _missing(rows[0]) if rows else "" for word, rows in verdicts.missing_by_word(claims).items()
+    }
 
 
 def claim_lines(claims: Sequence[Mapping[str, Any]]) -> list[str]:

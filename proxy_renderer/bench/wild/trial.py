@@ -16,11 +16,11 @@ from typing import Any
 import torch
 
 from ...blender import launch, process_tree
-from ...claims.verdict import words_that_show
 from ...color.differences import ciede2000
 from ...color.tensors import lab_from_srgb
 from ...engine.report import load_picture
 from ...schema import atomic
+from ...schema.verdicts import missing_by_word
 
 _SHORT = ("--rounds", "1", "--steps", "8", "--samples", "64")
 """A short vibe: what is tried is whether a scene can be read, changed, predicted and given back."""
@@ -124,7 +124,7 @@ class Trial:
             "black": bool(after.amax() < 0.02),
             "subject": report["subject"],
             "read_seconds": report["timings"]["open and export"],
-            "words": words_that_show(report["claims"]),
+            "words": {word: not missing for word, missing in missing_by_word(report["claims"]).items()},
             "claims": report["claims"],
             "similarity": report["similarity"],
             "ignored": report["understood"]["ignored"],
