@@ -565,6 +565,11 @@ def percentage(scene: Scene, subject: Object) -> None:
     scene.render.resolution_percentage = 10
 
 
+def freestyle(scene: Scene, subject: Object) -> None:
+    """Lines drawn over the picture."""
+    scene.render.use_freestyle = True
+
+
 def telephoto(scene: Scene, subject: Object) -> None:
     """The longest lens there is, and a wide one for the sensor's size."""
     scene.camera.data.lens = 5000.0
@@ -653,6 +658,7 @@ FAULTS = {
         Fault(tall_pixels, near=_NEAR),
         Fault(border, "render border", _NEAR),
         Fault(empty_border, "render border", _NEAR),
+        Fault(freestyle, "Freestyle lines are in the pictures"),
         Fault(percentage, near=_NEAR),
         Fault(telephoto, near=_NEAR),
         Fault(shortest_lens, near=_NEAR),

@@ -150,6 +150,8 @@ def ignored(scene: bpy.types.Scene) -> list[str]:
         notes.append("The view transform's white balance is left out of the prediction.")
     if scene.render.use_motion_blur:
         notes.append("Motion blur is left out of the prediction.")
+    if scene.render.use_freestyle:
+        notes.append("Freestyle lines are in the pictures, not in the prediction.")
     if scene.render.use_border:
         notes.append("The render border is left out: the whole picture is predicted and rendered.")
     notes += light_linking.ignored(scene)
