@@ -57,6 +57,8 @@ def test_its_report_says_what_was_done(vibed):
     assert set(color) == {"before", "after", "lower", "upper", "optimized", "moved", "reason"}
     assert color["after"][0] > 2 * color["after"][1]
     assert set(report["similarity"]) == {"before", "after"}
+    assert set(report["prediction"]) == {"shown", "before_last_anchor", "unanchored"}
+    assert report["delta_e"] == report["prediction"]["shown"]["mean"]
     assert {row["word"] for row in report["claims"]} > {""}
     assert all(row["holds"] in (True, False, None) for row in report["claims"])
 

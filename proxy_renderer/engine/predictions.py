@@ -1,21 +1,29 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The pictures of what was found, at full size, as the proxy draws them: each shot, and each variant of it."""
+"""The pictures of what was found, at full size, as the proxy draws them, and how far they are from Cycles."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import torch
 from PIL import Image
 
+from ..color.differences import ciede2000
+from ..color.tensors import lab_from_srgb
 from ..optimize.drawing import draw
 from ..optimize.pipeline import Outcome
 from ..render.proxy import Proxy, Render
 from . import report
 
 PREDICTION, MASK = "prediction.png", "mask.png"
-OTHERS = {"before_last_anchor": "prediction-earlier.png", "unanchored": "prediction-unanchored.png"}
-"""Predictions that only the figures are taken of: of the correction before the last, and without any."""
+PICTURES = {
+    "shown": PREDICTION,
+    "before_last_anchor": "prediction-earlier.png",
+    "unanchored": "prediction-unanchored.png",
+}
+"""The predictions that figures are taken of. The last anchor was taken at the very values that are shown, so what the
+proxy can foretell is the second one: it is corrected by an anchor that was taken elsewhere."""
 
 
 def variant(number: int) -> str:
@@ -33,19 +41,19 @@ def predict(proxy: Proxy, outcome: Outcome, number: int, job: Path) -> list[str]
         job: Its folder, for the pictures.
 
     Returns:
-        Which of `OTHERS` there are.
+        Which of `PICTURES` there are; those without the last anchor where there is one.
     """
     anchoring = outcome.shots[number].anchoring
     last = anchoring.proxy.correction
-    corrections = {PREDICTION: last}
+    corrections = {"shown": last}
     if last is not None:
-        corrections |= {OTHERS["before_last_anchor"]: anchoring.earlier, OTHERS["unanchored"]: None}
+        corrections |= {"before_last_anchor": anchoring.earlier, "unanchored": None}
     for name, correction in corrections.items():
         proxy.correction = correction
         picture = _drawn(proxy, outcome, number)
-        report.save_picture(picture.display, job / name)
+        report.save_picture(picture.display, job / PICTURES[name])
     report.save_picture(picture.mask, job / MASK)
-    return [name for name in OTHERS if OTHERS[name] in corrections]
+    return list(corrections)
 
 
 def variants(proxy: Proxy, outcome: Outcome, number: int, job: Path) -> list[Image.Image]:
@@ -68,6 +76,26 @@ def variants(proxy: Proxy, outcome: Outcome, number: int, job: Path) -> list[Ima
         with Image.open(path) as image:
             pictures.append(image.convert("RGB"))
     return pictures
+
+
+def apart(predicted: np.ndarray, after: np.ndarray, subject: np.ndarray) -> dict[str, float]:
+    """How far a prediction is from Cycles' picture, in CIEDE2000.
+
+    Args:
+        predicted: (H, W, 3) sRGB-encoded, in [0, 1].
+        after: Cycles' picture, likewise.
+        subject: (H, W) the share of each pixel that the subject covers.
+
+    Returns:
+        `mean` and `p95`, the 95th percentile, over the pixels; `subject`, the mean where the subject covers most of
+        a pixel, if it does anywhere.
+    """
+    labs = (lab_from_srgb(torch.from_numpy(picture)) for picture in (predicted, after))
+    errors = ciede2000(*labs).numpy()
+    figures = {"mean": errors.mean(), "p95": np.percentile(errors, 95)}
+    if (subject > 0.5).any():
+        figures["subject"] = errors[subject > 0.5].mean()
+    return {name: round(float(figure), 3) for name, figure in figures.items()}
 
 
 def _drawn(proxy: Proxy, outcome: Outcome, number: int) -> Render:

@@ -14,7 +14,6 @@ import torch
 from PIL import Image
 
 from ..claims.verdict import ShotClaims
-from ..color.differences import mean_difference
 from ..guidance import augment
 from ..guidance.encoder import Encoder, load_encoder
 from ..optimize import context, pipeline
@@ -58,7 +57,7 @@ class EngineSession:
         self._encoder: Encoder | None = None
         endpoint = find_endpoint(options, vlm_key)
         self._model = Client(endpoint, observer.stopped) if endpoint and not options.baseline else None
-        self._others: list[str] = []
+        self._predicted: list[list[str]] = []  # names of the predictions of each shot
         self._claims: list[ShotClaims] = []  # one for each shot
         self._rows: list[list[tuple[str, Image.Image]]] = []  # of compare.png: one for each shot
 
@@ -92,7 +91,7 @@ class EngineSession:
             size = context.picture_size(shot.scene.resolution, self.options.size)
             proxy = Proxy(shot.scene, size, device, self.options.seed, fine=True)
             job = Path(self.shots[number].job)
-            self._others = predictions.predict(proxy, outcome, number, job)
+            self._predicted.append(predictions.predict(proxy, outcome, number, job))
             pictures.append(predictions.variants(proxy, outcome, number, job))
         variants = self._variants(outcome, pictures)
         clock.lap("prediction")
@@ -146,7 +145,8 @@ class EngineSession:
         before, after = (report.load_picture(Path(p)) for p in (request.before, request.after))
         shape, shot = (after.shape[1], after.shape[0]), self.shots[request.shot]
         job = Path(shot.job)
-        predicted = _drawn(job / predictions.PREDICTION, shape)
+        drawn = {n: _drawn(job / predictions.PICTURES[n], shape) for n in self._predicted[request.shot]}
+        predicted = drawn["shown"]
         panels = [("before", before), ("the proxy's prediction", predicted), ("after (Cycles)", after)]
         images = [
             (
@@ -157,14 +157,13 @@ class EngineSession:
         ]
         self._rows = [*self._rows[: request.shot], images]
         report.save_image(report.compare(self._rows, self.prompt), Path(request.compare_out))
+        with Image.open(job / predictions.MASK) as picture:
+            mask = picture.resize(shape, Image.Resampling.LANCZOS)
         if request.mask_out:
-            with Image.open(job / predictions.MASK) as mask:
-                report.save_image(mask.resize(shape, Image.Resampling.LANCZOS), Path(request.mask_out))
+            report.save_image(mask, Path(request.mask_out))
+        subject = np.asarray(mask, np.float32) / 255.0
         return messages.Finished(
-            delta_e=_delta_e(predicted, after),
-            others={
-                name: _delta_e(_drawn(job / predictions.OTHERS[name], shape), after) for name in self._others
-            },
+            prediction={name: predictions.apart(each, after, subject) for name, each in drawn.items()},
             similarity={"before": self._similarity(before), "after": self._similarity(after)},
             judge=self._judge(images[0][1], images[2][1]),
             claims=self._claims[request.shot].verdicts(*map(torch.from_numpy, (before, predicted, after))),
@@ -232,11 +231,6 @@ def _drawn(path: Path, shape: tuple[int, int]) -> np.ndarray:
     with Image.open(path) as image:
         resized = image.convert("RGB").resize(shape, Image.Resampling.LANCZOS)
     return np.asarray(resized, np.float32) / 255.0
-
-
-def _delta_e(a: np.ndarray, b: np.ndarray) -> float:
-    """Mean CIEDE2000 of two pictures (H, W, 3)."""
-    return round(float(mean_difference(torch.from_numpy(a), torch.from_numpy(b))), 3)
 
 
 def _embedded(device: str) -> Encoder | None:

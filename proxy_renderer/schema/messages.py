@@ -220,8 +220,9 @@ class Finished:
     """Engine → Blender: how well the prediction held and the words are met.
 
     Attributes:
-        delta_e: Mean CIEDE2000 of the prediction against `after`.
-        others: The same of what would have been predicted "before_last_anchor" and "unanchored".
+        prediction: How far predictions are from `after`, in CIEDE2000: the one that is "shown", and what would have been
+            predicted "before_last_anchor" and "unanchored". Each has the `mean` and `p95` over the pixels, and the
+            mean over the `subject`, if it can be seen.
         similarity: {"before": s, "after": s}, cosine of picture and prompt.
         judge: A vision-language model's verdict on before and after: winner, reason and what it cost, or
             error; empty if no model is configured.
@@ -229,10 +230,9 @@ class Finished:
     """
 
     type: ClassVar[str] = "finished"
-    delta_e: float
+    prediction: dict[str, dict[str, float]]
     similarity: dict[str, float]
     judge: dict[str, Any] = field(default_factory=dict)
-    others: dict[str, float] = field(default_factory=dict)
     claims: list[dict[str, Any]] = field(default_factory=list)
 
 

@@ -101,7 +101,7 @@ def test_a_vibe_and_its_measure(worker, job, tmp_path):
         )
     )
     finished = worker.until(messages.Finished, messages.Error)
-    assert finished.delta_e == 0.0
+    assert finished.prediction == {"shown": {"mean": 0.0, "p95": 0.0, "subject": 0.0}}
     assert set(finished.similarity) == {"before", "after"}
     for name in ("compare.png", "mask.png"):
         with Image.open(tmp_path / name) as picture:

@@ -21,7 +21,7 @@ ALL = [
     ),
     messages.Stop(),
     messages.Finish("b.png", "a.png", "c.png"),
-    messages.Finished(1.5, {"before": 0.1, "after": 0.4}),
+    messages.Finished({"shown": {"mean": 1.5, "p95": 4.0}}, {"before": 0.1, "after": 0.4}),
     messages.Error("No.", "Do that."),
     messages.Quit(),
 ]

@@ -50,13 +50,12 @@ def report_fields(
         "scene": os.path.basename(args.scene or bpy.data.filepath) or args.command,
         "subject": sorted(shot_list.subjects[0]),
         "similarity": _mean([each.similarity for each in measured]),
-        "delta_e": _mean([{"": each.delta_e} for each in measured])[""],
+        **_prediction(measured),
         "claims": measured[0].claims,
         **({"judge": judges[0]} if judges else {}),
         **({"shots": _shots(args, shot_list, measured)} if len(shot_list) > 1 else {}),
         "stopped": result.stopped,
         "not_written": skipped,
-        "delta_e_others": _mean([each.others for each in measured]),
         "warnings": _warnings(shot_list, result),
         "timings": {**timings, "total": round(sum(stopwatch.seconds.values()), 2)},
         "versions": versions,
@@ -77,7 +76,7 @@ def _shots(
             "before": numbered("before.png", number),
             "after": numbered("after.png", number),
             "similarity": each.similarity,
-            "delta_e": each.delta_e,
+            **_prediction([each]),
             "claims": each.claims,
             **({"judge": each.judge} if each.judge else {}),
         }
@@ -97,8 +96,18 @@ def numbered(name: str, number: int) -> str:
     return f"{stem}-{number + 1}.{kind}" if number else name
 
 
+def _prediction(measured: Sequence[messages.Finished]) -> dict[str, Any]:
+    """How far the predictions are from Cycles, means over the shots: `delta_e` is that of the one that is shown."""
+    rows = [each.prediction for each in measured]
+    names = [name for name in rows[0] if all(name in row for row in rows)]
+    prediction = {name: _mean([row[name] for row in rows]) for name in names}
+    return {"delta_e": prediction["shown"]["mean"], "prediction": prediction}
+
+
 def _mean(rows: Sequence[dict[str, float]]) -> dict[str, float]:
-    return {key: round(sum(row[key] for row in rows) / len(rows), 4) for key in rows[0]}
+    """Means over the rows, of what all of them have."""
+    keys = [key for key in rows[0] if all(key in row for row in rows)]
+    return {key: round(sum(row[key] for row in rows) / len(rows), 4) for key in keys}
 
 
 def _warnings(shot_list: ShotList, result: messages.Result) -> list[str]:
@@ -127,9 +136,20 @@ def closing_lines(
         s, who = each.similarity, f"{shot.name}: " if len(shot_list) > 1 else ""
         lines.append(
             f"{who}Similarity to the words {s['before']:.3f} -> {s['after']:.3f}; "
-            f"the prediction is {each.delta_e:.1f} CIEDE2000 away from Cycles."
+            f"the prediction is {_apart(each.prediction['shown'])} away from Cycles."
         )
+        if "before_last_anchor" in each.prediction:
+            lines.append(
+                f"{who}Before Cycles had shown it these very values, it was "
+                f"{_apart(each.prediction['before_last_anchor'])} away."
+            )
     return lines
+
+
+def _apart(figures: dict[str, float]) -> str:
+    """ "0.6 CIEDE2000 (subject 0.4, 95th percentile 1.7)"."""
+    subject = f"subject {figures['subject']:.1f}, " if "subject" in figures else ""
+    return f"{figures['mean']:.1f} CIEDE2000 ({subject}95th percentile {figures['p95']:.1f})"
 
 
 def change_lines(instances: dict[str, schema.Instance], values: dict[str, Any]) -> list[str]:

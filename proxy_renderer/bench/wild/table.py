@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.table import Table
 
 Row = Mapping[str, Any]
+_DISTANCES = ("delta_e", "p95", "delta_e_subject", "delta_e_before_last_anchor")
 
 
 def summary(rows: Mapping[str, Row]) -> dict[str, Any]:
@@ -22,8 +23,8 @@ def summary(rows: Mapping[str, Row]) -> dict[str, Any]:
     Returns:
         `scenes`: how many; `pictures`: of those, with a picture that is not black; `refused`: with one clear line;
         `failed`: the names of those with neither; `exact_reverts` of `compared_reverts`; `words_shown` of
-        `words` that claim something that can be measured; `clean`: nothing left behind; `delta_e`, `p95` and
-        `delta_e_subject`: median and 90th percentile; `seconds`: likewise; `rows`.
+        `words` that claim something that can be measured; `clean`: nothing left behind; `delta_e`, `p95`,
+        `delta_e_subject` and `delta_e_before_last_anchor`: median and 90th percentile; `seconds`: likewise; `rows`.
     """
     every = list(rows.values())
     compared = [row["revert"] for row in every if "revert" in row]
@@ -37,7 +38,7 @@ def summary(rows: Mapping[str, Row]) -> dict[str, Any]:
         "words_shown": sum(sum(row.get("words", {}).values()) for row in every),
         "words": sum(len(row.get("words", {})) for row in every),
         "clean": sum(not row["left_behind"] for row in every),
-        **{name: _spread(row.get(name) for row in every) for name in ("delta_e", "p95", "delta_e_subject")},
+        **{name: _spread(row.get(name) for row in every) for name in _DISTANCES},
         "seconds": _spread(row["seconds"] for row in every),
         "rows": dict(rows),
     }

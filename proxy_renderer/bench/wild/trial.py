@@ -13,11 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import torch
-
 from ...blender import launch, process_tree
-from ...color.differences import ciede2000
-from ...color.tensors import lab_from_srgb
 from ...engine.report import load_picture
 from ...schema import atomic
 from ...schema.verdicts import missing_by_word
@@ -112,16 +108,14 @@ class Trial:
         """What the vibe said of itself, and how far its prediction was from Cycles."""
         out = self.folder / "out"
         report = json.loads((out / "report.json").read_text(encoding="utf-8"))
-        after, predicted = (
-            torch.from_numpy(load_picture(out / f"{n}.png").copy()) for n in ("after", "predicted")
-        )
-        apart = ciede2000(lab_from_srgb(predicted), lab_from_srgb(after))
-        subject = torch.from_numpy(load_picture(out / "mask.png").copy())[..., 0] > 0.5
+        shown = report["prediction"]["shown"]
+        foretold = report["prediction"].get("before_last_anchor", {})
         return {
-            "delta_e": round(float(apart.mean()), 3),
-            "p95": round(float(apart.flatten().quantile(0.95)), 3),
-            "delta_e_subject": round(float(apart[subject].mean()), 3) if subject.any() else None,
-            "black": bool(after.amax() < 0.02),
+            "delta_e": shown["mean"],
+            "p95": shown["p95"],
+            "delta_e_subject": shown.get("subject"),
+            "delta_e_before_last_anchor": foretold.get("mean"),
+            "black": bool(load_picture(out / "after.png").max() < 0.02),
             "subject": report["subject"],
             "read_seconds": report["timings"]["open and export"],
             "words": {word: not missing for word, missing in missing_by_word(report["claims"]).items()},
