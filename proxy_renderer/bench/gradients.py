@@ -4,7 +4,8 @@
 Blender's side (`vibe_render.bench.gradients`) moves each parameter a step to both sides on its perceptual scale and
 renders with Cycles, every time with the same noise. The difference of these pictures is compared with autograd's
 derivative of the proxy's, both of the same functionals: mean luminance and Lab of the subject and of the surroundings
-(which stay where they were, whatever the camera does), the encoder's loss, and luminance over a coarse grid.
+(which stay where they were, whatever the camera does), the encoder's loss, and luminance over a coarse grid. The
+gradient of the whole objective of a vibe, over all parameters of a scene, is compared too: see `objective`.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ from ..render.proxy import Proxy
 from ..scene import load_scene
 from ..schema import atomic
 from . import blender, cache
+from .objective import TERMS, agreement, objective
 
 _CELLS = 6
 _REGIONS = 8
@@ -51,8 +53,8 @@ def run(
         cache_folder: Where pictures are kept; "" for the user's cache.
 
     Returns:
-        The content of results.json: `mean_cosine`, `parameters` by family, `keys` with every single one, and
-        `failed`: the scenes that could not be rendered, and why.
+        The content of results.json: `mean_cosine`, `parameters` by family, `objective` by scene, `keys` with every
+        single one, and `failed`: the scenes that could not be rendered, and why.
     """
     folder = cache.folder(cache_folder)
     options = [f"--work={out / 'scenes'}", f"--cache={folder}", f"--size={size}", f"--samples={samples}"]
@@ -77,10 +79,10 @@ def measure(event: Mapping[str, Any], encoder: Encoder) -> dict[str, dict[str, A
 
     Args:
         event: What Blender's side told of the scene.
-        encoder: Whose loss to the scene's caption is differentiated.
+        encoder: Whose loss to the scene's caption, and whose part of the objective, is differentiated.
 
     Returns:
-        By "scene: key" what `compare` says.
+        By "scene: key" what `compare` says, and by term of the `objective` the proxy's derivative and Cycles'.
     """
     steps = event["steps"]
     first = load_picture(Path(steps[0]["low_picture"]))
@@ -90,25 +92,30 @@ def measure(event: Mapping[str, Any], encoder: Encoder) -> dict[str, dict[str, A
     with torch.no_grad():
         caption = encoder.encode_texts([event["caption"]])
     mask = picture.mask.detach()
-    outputs = functionals(picture.display, mask, encoder, caption)
+    judge = objective(proxy, event["prompt"], encoder)
+
+    def outputs_of(display: Tensor) -> Tensor:
+        return torch.cat((functionals(display, mask, encoder, caption), judge(display)))
+
     slopes = [
         torch.autograd.grad(output, list(values.values()), retain_graph=True, allow_unused=True)
-        for output in outputs
+        for output in outputs_of(picture.display)
     ]
-    agreement = {}
+    rows = {}
     for i, step in enumerate(steps):
         rate = (torch.tensor(step["high"]) - torch.tensor(step["low"])) / step["du"]
         ours = torch.stack([torch.zeros(()) if s[i] is None else (s[i] * rate).sum() for s in slopes])
         with torch.no_grad():
-            low, high = (
-                functionals(_picture(step[f"{end}_picture"]), mask, encoder, caption)
-                for end in ("low", "high")
-            )
-        agreement[f"{event['name']}: {step['key']}"] = {
+            low, high = (outputs_of(_picture(step[f"{end}_picture"])) for end in ("low", "high"))
+        theirs = (high - low) / step["du"]
+        ends = len(ours) - len(TERMS)
+        pairs = zip(ours[ends:].tolist(), theirs[ends:].tolist(), strict=True)
+        rows[f"{event['name']}: {step['key']}"] = {
             "family": step["family"],
-            **compare(ours, (high - low) / step["du"]),
+            **compare(ours[:ends], theirs[:ends]),
+            "objective": dict(zip(TERMS, pairs, strict=True)),
         }
-    return agreement
+    return rows
 
 
 def functionals(display: Tensor, mask: Tensor, encoder: Encoder, caption: Tensor) -> Tensor:
@@ -151,7 +158,7 @@ def compare(ours: Tensor, cycles: Tensor) -> dict[str, Any]:
 
 
 def summary(keys: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-    """The content of results.json: means by family, and over the families."""
+    """The content of results.json: means by family, and over the families; the objective's cosines by scene."""
     families: dict[str, list[Mapping[str, Any]]] = {}
     for row in keys.values():
         families.setdefault(row["family"], []).append(row)
@@ -163,7 +170,16 @@ def summary(keys: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
         }
         parameters[family] = {**average, "note": _note(average)}
     mean_cosine = float(np.mean([row["cosine"] for row in parameters.values()])) if parameters else 0.0
-    return {"mean_cosine": round(mean_cosine, 3), "parameters": parameters, "keys": dict(keys)}
+    scenes: dict[str, dict[str, Any]] = {}
+    for key, row in keys.items():
+        scenes.setdefault(key.split(":")[0], {})[key] = row["objective"]
+    objectives = {name: agreement(slopes) for name, slopes in scenes.items()}
+    return {
+        "mean_cosine": round(mean_cosine, 3),
+        "parameters": parameters,
+        "objective": objectives,
+        "keys": dict(keys),
+    }
 
 
 def _note(row: Mapping[str, float]) -> str:
@@ -192,4 +208,11 @@ def _show(results: Mapping[str, Any]) -> None:
     for family, row in sorted(results["parameters"].items(), key=lambda item: item[1]["cosine"]):
         figures = [f"{row[name]:.2f}" for name in ("cosine", "image_cosine", "sign", "length", "change")]
         table.add_row(family, *figures, row["note"])
+    Console().print(table)
+    table = Table(title="the objective's gradient over all parameters of a scene, cosine")
+    columns = ("whole", *TERMS)
+    for title in ("scene", *columns):
+        table.add_column(title, justify="left" if title == "scene" else "right")
+    for scene, row in results["objective"].items():
+        table.add_row(scene, *(f"{row[name]:.2f}" if name in row else "" for name in columns))
     Console().print(table)

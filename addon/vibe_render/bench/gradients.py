@@ -35,7 +35,7 @@ def make(case: StepCase, a: argparse.Namespace) -> dict[str, Any]:
         a: The options of `side.main`.
 
     Returns:
-        A row of the measurement: the folder, the caption, a step for each parameter, warnings.
+        A row of the measurement: the folder, the caption, the prompt, a step for each parameter, warnings.
     """
     scene, subject = build(case.recipe, a.seed)
     folder = a.work / case.recipe.name / "job"
@@ -45,7 +45,13 @@ def make(case: StepCase, a: argparse.Namespace) -> dict[str, Any]:
     for key, instance in job.instances.items():
         if any(fnmatchcase(key, pattern) for pattern in case.keys) and not instance.locked:
             steps.append(_step(scene, job, key, instance, base, a))
-    return {"job": str(folder), "caption": case.caption, "steps": steps, "warnings": job.warnings}
+    return {
+        "job": str(folder),
+        "caption": case.caption,
+        "prompt": case.prompt,
+        "steps": steps,
+        "warnings": job.warnings,
+    }
 
 
 def _step(

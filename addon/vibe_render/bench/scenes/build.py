@@ -9,10 +9,11 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from bpy.types import Object, Scene
+from bpy.types import Node, Object, Scene
 from mathutils import Euler, Vector
 
 from ...core import compat
+from ...core.color import Color
 from ...core.schema_import import schema
 from ...scene import bindings, scene_context, snapshot
 from ...scene.lights.light_type import SIZE
@@ -128,16 +129,37 @@ def _lamp(scene: Scene, name: str, lamp: LightRecipe, pivot: Vector, luck: rando
 
 def _world(scene: Scene, world: WorldRecipe, seed: int, luck: random.Random) -> None:
     parts.world(scene, shifted(world.color, luck), world.strength)
-    if not world.picture:
-        return
     tree = compat.enable_nodes(scene.world)
+    background = next(n for n in tree.nodes if n.bl_idname == "ShaderNodeBackground")
+    if world.picture:
+        _environment(background, _world_file(world.picture, seed), luck)
+    if world.backdrop is not None:
+        _backdrop(background, world.backdrop, seed, luck)
+
+
+def _backdrop(light: Node, behind: Color | str, seed: int, luck: random.Random) -> None:
+    """Lets the camera see a Background of its own: a color, or a picture by name."""
+    tree = light.id_data
+    path, mix, seen = (tree.nodes.new(f"ShaderNode{n}") for n in ("LightPath", "MixShader", "Background"))
+    if isinstance(behind, str):
+        _environment(seen, _world_file(behind, seed), luck)
+    else:
+        seen.inputs["Color"].default_value = (*shifted(behind, luck), 1.0)
+    tree.links.new(path.outputs["Is Camera Ray"], mix.inputs[0])
+    for socket, background in zip(mix.inputs[1:], (light, seen), strict=True):
+        tree.links.new(background.outputs[0], socket)
+    tree.links.new(mix.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+
+
+def _environment(background: Node, picture: Path, luck: random.Random) -> None:
+    """Lights with a picture, turned at random."""
+    tree = background.id_data
     texture, turn = tree.nodes.new("ShaderNodeTexEnvironment"), tree.nodes.new("ShaderNodeMapping")
     place = tree.nodes.new("ShaderNodeTexCoord")
-    texture.image = bpy.data.images.load(str(_world_file(world.picture, seed)))
+    texture.image = bpy.data.images.load(str(picture))
     turn.inputs["Rotation"].default_value = Euler((0.0, 0.0, luck.uniform(-math.pi, math.pi)))
     tree.links.new(place.outputs["Generated"], turn.inputs["Vector"])
     tree.links.new(turn.outputs["Vector"], texture.inputs["Vector"])
-    background = next(n for n in tree.nodes if n.bl_idname == "ShaderNodeBackground")
     tree.links.new(texture.outputs["Color"], background.inputs["Color"])
 
 

@@ -72,11 +72,19 @@ class LightRecipe:
 
 @dataclass(frozen=True)
 class WorldRecipe:
-    """The surroundings: one color, or one of Blender's own environment pictures by name."""
+    """The surroundings: one color, or one of Blender's own environment pictures by name.
+
+    Attributes:
+        strength: Of the light.
+        color: Of the light.
+        picture: Its name; "" for one color.
+        backdrop: Color or picture that the camera sees in the light's place; None where it sees the light.
+    """
 
     strength: float = 1.0
     color: Color = (0.05, 0.055, 0.065)
     picture: str = ""
+    backdrop: Color | str | None = None
 
 
 @dataclass(frozen=True)
