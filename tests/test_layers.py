@@ -20,7 +20,7 @@ LAYERS = {
         render.film render.geometry render.material render.lights=render.lights.types render.transport render.edges render.surface
         render.cycles render claims.measures claims
         train.pictures train.text guidance train optimize engine
-        bench.mitsuba bench bench.paper bench.wild cli=cli.commands
+        bench.mitsuba bench bench.encoder bench.paper bench.wild cli=cli.commands
     """,
     "vibe_render": """
         core engine scene.geometry scene.lights scene.nodes scene scene.stage render export session looks

@@ -10,7 +10,7 @@ import torch
 from PIL import Image
 
 from proxy_renderer.bench import encoder
-from proxy_renderer.bench.mistakes import save_mistakes
+from proxy_renderer.bench.encoder.mistakes import save_mistakes
 from proxy_renderer.train.evaluate import Mistake
 from proxy_renderer.train.pictures.looks import NAMES
 

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from ..engine.report import save_image
-from ..train.evaluate import Mistake
+from ...engine.report import save_image
+from ...train.evaluate import Mistake
 
 _SIDE, _GAP, _TEXT, _COLUMNS, _MOST = 200, 10, 92, 6, 24
 _PAPER, _INK, _TRUE, _FALSE = (24, 24, 26), (236, 236, 236), (130, 210, 140), (230, 130, 120)

@@ -19,25 +19,25 @@ import torch
 from rich.console import Console
 from rich.table import Table
 
-from ..guidance.encoder import JUDGE, Encoder, load_encoder
-from ..prompt.lexicon.attributes import ATTRIBUTES
-from ..prompt.lexicon.nearest import nearest
-from ..prompt.lexicon.vocabulary import normalize, shipped_vocabulary
-from ..prompt.parser import parse
-from ..prompt.prompts import compose
-from ..prompt.types import SceneWords
-from ..schema import VibeError, atomic
-from ..train.data import LOOKS, Batch
-from ..train.evaluate import FEW, Mistake, cost, judge, shaded, skill
-from ..train.pictures import bank, cycles
-from ..train.pictures.augment import WHOLE
-from ..train.pictures.looks import INDEX, NAMES
-from ..train.text.captions import caption
-from ..train.text.wording import WordingSplit
-from . import cache
+from ...guidance.encoder import JUDGE, Encoder, load_encoder
+from ...prompt.lexicon.attributes import ATTRIBUTES
+from ...prompt.lexicon.nearest import nearest
+from ...prompt.lexicon.vocabulary import normalize, shipped_vocabulary
+from ...prompt.parser import parse
+from ...prompt.prompts import compose
+from ...prompt.types import SceneWords
+from ...schema import VibeError, atomic
+from ...train.data import LOOKS, Batch
+from ...train.evaluate import FEW, Mistake, cost, judge, shaded, skill
+from ...train.pictures import bank, cycles
+from ...train.pictures.augment import WHOLE
+from ...train.pictures.looks import INDEX, NAMES
+from ...train.text.captions import caption
+from ...train.text.wording import WordingSplit
+from .. import cache
 from .mistakes import save_mistakes
 
-WORDS = Path(__file__).with_name("unseen_words.txt")
+WORDS = Path(__file__).parents[1] / "unseen_words.txt"
 HELD_OUT = 100_000
 """Seeds of shapes from here on are never trained on."""
 _SIZE, _SHAPES = 160, 48
