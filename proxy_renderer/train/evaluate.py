@@ -98,7 +98,9 @@ class Mistake:
 
 
 Sentence = Callable[[dict[str, str], str, float], str]
-"""Makes a sentence about a thing: attributes that are stated, the thing's name, and a number that fixes the wording."""
+"""Makes a sentence about a thing: attributes that are stated, the thing's name, and a number that fixes the wording.
+
+"" where it has no words for them: then nothing is asked."""
 
 
 def shaded(bank: dict, batches: int = _BATCHES) -> Iterator[Batch]:
@@ -193,7 +195,7 @@ def _comparisons(batch: Batch, dice: random.Random, sentence: Sentence) -> list[
         if flip >= 0 and labels[flip] >= 0 and first[flip] >= 0 and labels[flip] != first[flip]:
             name, wording = NAMES[flip], dice.random()
             stated, otherwise = (sentence(_named({name: c[flip]}), noun, wording) for c in (labels, first))
-            if stated != otherwise:
+            if stated and otherwise and stated != otherwise:
                 comparisons += [
                     (f"flip/{name}", i, stated, otherwise),
                     (f"flip/{name}", base, otherwise, stated),
@@ -203,7 +205,8 @@ def _comparisons(batch: Batch, dice: random.Random, sentence: Sentence) -> list[
             wording = dice.random()
             pairs = ({"subject_color": x, "surroundings_color": y} for x, y in ((a, b), (b, a)))
             stated, otherwise = (sentence(_named(pair), noun, wording) for pair in pairs)
-            comparisons.append(("swap", i, stated, otherwise))
+            if stated and otherwise:
+                comparisons.append(("swap", i, stated, otherwise))
     return comparisons
 
 

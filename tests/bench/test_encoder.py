@@ -22,7 +22,9 @@ def test_the_command_measures_and_writes(tmp_path: Path) -> None:
     assert all(0 <= written[name] <= 1 for name in ("attribute_flip", "swap", "synonym"))
     assert written["synonym"] <= written["synonym_by_language"] == results["synonym_by_language"]
     assert {*written["heads"]} == {*written["flips"]} == {*NAMES}
-    assert {*written["sets"]} == {"meshes", "wordings"}
+    assert {*written["sets"]} == {"meshes", "wordings", "raw wordings"}
+    for asked in ("wordings", "raw wordings"):  # no wording of a vignette is kept back
+        assert "vignette" not in written["sets"][asked]["flip_by_attribute"]
     assert written["heads"]["brightness"] > 0.8
     assert (tmp_path / "out" / "mistakes.png").is_file()
 

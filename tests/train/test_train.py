@@ -168,7 +168,11 @@ def test_wordings_kept_back_are_not_those_of_training() -> None:
             assert words[0] in trained
             assert back == words or not {*trained} & {*back}
             said = [captions.caption({name: value}, dice, split=kept) for _ in range(20)]
+            assert captions.sayable({name: value}, kept) == (back != words)
             assert all(any(word in sentence for word in back) for sentence in said)
+    red, black = {"subject_color": "red"}, {"surroundings_color": "black"}
+    assert captions.sayable(red, kept)
+    assert not captions.sayable({**red, **black}, kept)
     assert wording.WordingSplit(wording.JUDGES).of(wording.NOUNS) != wording.TRAINED.of(wording.NOUNS)
 
 

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How well the encoder reads looks off pictures that it never saw, said in words that it never read.
+"""How well the encoder reads looks off shapes that it never saw, and what becomes of wordings that no caption had.
 
-Everything is held out: shapes are traced and rendered from seeds that training never uses, sentences are made of the
-wordings that `train.wording` keeps back. The judge encoder, another one that never guides, is measured beside it.
+Shapes are traced and rendered from seeds that neither training nor the choice of weights used. Wordings that
+`train.text.wording` keeps back are asked in two ways: as a vibe asks, where the language turns them into phrases that
+the encoder was trained on ("wordings": language and encoder together), and as they are ("raw wordings": the encoder
+alone). Classes that keep no wording back are left out of both. The judge encoder, another one that never guides, is
+measured beside it.
 """
 
 from __future__ import annotations
@@ -32,14 +35,15 @@ from ...train.evaluate import FEW, Mistake, cost, judge, shaded, skill
 from ...train.pictures import bank, cycles
 from ...train.pictures.augment import WHOLE
 from ...train.pictures.looks import INDEX, NAMES
-from ...train.text.captions import caption
+from ...train.text.captions import caption, sayable
 from ...train.text.wording import WordingSplit
 from .. import cache
 from .mistakes import save_mistakes
 
 WORDS = Path(__file__).parents[1] / "unseen_words.txt"
-HELD_OUT = 100_000
-"""Seeds of shapes from here on are never trained on."""
+TEST = 200_000
+"""Seeds of shapes from here on are for this measurement alone. Those from `train.__main__.HELD_OUT` on, by which weights
+were chosen, are validation."""
 _SIZE, _SHAPES = 160, 48
 _KEPT = WordingSplit(held_out=True)
 
@@ -52,7 +56,7 @@ def run(
     Args:
         out: The folder.
         encoder: As for a vibe.
-        views: How many held-out views are traced; each is shaded under many looks.
+        views: How many views are traced; each is shaded under many looks.
         pairs: How many pairs of Cycles pictures are rendered; 0 to do without Blender.
         cache_folder: Where both are kept for the next time.
 
@@ -77,14 +81,14 @@ def run(
 
 
 def _pictures(place: Path, views: int, pairs: int) -> dict[str, list[Batch]]:
-    """The sets of pictures: shaded views of held-out meshes, and Cycles pictures."""
-    traced, real = place / f"views-{views}-{_SIZE}", place / f"cycles-{pairs}-{_SIZE}"
+    """The sets of pictures: shaded views of meshes, and Cycles pictures."""
+    traced, real = place / f"test-views-{views}-{_SIZE}", place / f"test-cycles-{pairs}-{_SIZE}"
     if not traced.exists():
         print(f"Tracing {views} views …", flush=True)
-        bank.build(traced, views, _SHAPES, HELD_OUT, _SIZE, os.cpu_count() or 1)
+        bank.build(traced, views, _SHAPES, TEST, _SIZE, os.cpu_count() or 1)
     if pairs and not real.exists():
         print(f"Rendering {2 * pairs} Cycles pictures …", flush=True)
-        cycles.build(real, pairs, HELD_OUT, _SIZE)
+        cycles.build(real, pairs, TEST, _SIZE)
     sets = {"meshes": list(shaded(bank.load(traced), max(1, views // 16)))}
     return sets | ({"cycles": [_batch(cycles.load(real))]} if pairs else {})
 
@@ -99,9 +103,10 @@ def _batch(real: dict[str, np.ndarray]) -> Batch:
 
 
 def _measure(asked: Encoder, sets: dict[str, list[Batch]], mistakes: list[Mistake]) -> dict[str, Any]:
-    """Figures by set; the wordings that training lacks are read by the language first, as a vibe reads them."""
+    """Figures by set; means are over those that a vibe meets, so without the wordings that no language reads."""
     figures = {name: judge(asked, batches, mistakes=mistakes) for name, batches in sets.items()}
     figures["wordings"] = judge(asked, sets["meshes"], _in_other_words, mistakes)
+    raw = judge(asked, sets["meshes"], _raw, mistakes)
     over = {
         kind: {
             name: _mean(
@@ -119,7 +124,7 @@ def _measure(asked: Encoder, sets: dict[str, list[Batch]], mistakes: list[Mistak
         "flips": over["flip_by_attribute"],
         "heads": over["heads"],
         "skill": skill(one for name, one in figures.items() if name != "wordings"),
-        "sets": figures,
+        "sets": figures | {"raw wordings": raw},
     }
 
 
@@ -128,12 +133,19 @@ def _mean(values: Any) -> float | None:
     return round(float(np.mean(numbers)), 4) if numbers else None
 
 
-def _in_other_words(classes: dict[str, str], _noun: str, wording: float) -> str:
-    """The encoder's text for attributes in words that no caption of training used.
+def _raw(classes: dict[str, str], _noun: str, wording: float) -> str:
+    """A sentence in words that no caption of training used; "" where a class has none.
 
     A sentence names one thing: "vase, a photo of a metallic truck", as training has it, asks for no metallic vase.
     """
-    sentence = caption(classes, random.Random(wording), split=_KEPT)
+    return caption(classes, random.Random(wording), split=_KEPT) if sayable(classes, _KEPT) else ""
+
+
+def _in_other_words(classes: dict[str, str], noun: str, wording: float) -> str:
+    """The encoder's text for such a sentence: phrases of the language, which training has taught."""
+    sentence = _raw(classes, noun, wording)
+    if not sentence:
+        return ""
     try:
         return compose(parse(sentence, SceneWords()), shipped_vocabulary()).whole or sentence
     except VibeError:  # the language has no word of it

@@ -32,6 +32,9 @@ _PLAIN = {
     "light_side": SIDE_WORDS, "light_softness": SOFT_WORDS, "light_temperature": TEMPERATURE_WORDS, "fog": FOG_WORDS,
     "brightness": BRIGHTNESS_WORDS, "contrast": CONTRAST_WORDS, "saturation": SATURATION_WORDS, "vignette": VIGNETTE_WORDS,
 }  # fmt: skip
+_TABLES = {
+    "subject_color": COLOR_WORDS, "surroundings_color": COLOR_WORDS, "subject_finish": FINISH_WORDS, "subject_metal": METAL_WORDS, **_PLAIN,
+}  # fmt: skip
 _SYLLABLES = tuple(
     c + v
     for c in ("b", "d", "f", "g", "k", "l", "m", "n", "p", "r", "s", "t", "v", "z", "st", "ch")
@@ -96,6 +99,13 @@ def caption(
     if len(clauses) > 1 and dice.random() < 0.35:
         dice.shuffle(clauses)
     return dice.choice((", ", ", ", ", ", " with ", ". ", " ")).join(clauses) + dice.choice(("", "", "."))
+
+
+def sayable(mentioned: AttributeClasses, split: WordingSplit) -> bool:
+    """Whether a split has words of its own for all of these classes."""
+    lists = [_TABLES[name][value] for name, value in mentioned.items()]
+    lists += [color_names()[value] for name, value in mentioned.items() if _TABLES[name] is COLOR_WORDS]
+    return all(map(split.own, lists))
 
 
 def _phrase(rest: AttributeClasses, dice: random.Random) -> str:

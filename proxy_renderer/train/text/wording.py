@@ -31,11 +31,15 @@ class WordingSplit:
     held_out: bool = False
 
     @cache  # noqa: B019 - there are two or three splits in a process
-    def of(self, words: tuple[str, ...]) -> tuple[str, ...]:
-        """The words that this split may use; all of them where it would have none."""
+    def own(self, words: tuple[str, ...]) -> tuple[str, ...]:
+        """The words that are this split's; a class of few words may keep none of them back."""
         back = {w for w in words[1:] if zlib.crc32(f"{self.salt}:{w}".encode()) % _KEPT_BACK == 0}
         back -= {words[0]}
-        return tuple(w for w in words if (w in back) == self.held_out) or words
+        return tuple(w for w in words if (w in back) == self.held_out)
+
+    def of(self, words: tuple[str, ...]) -> tuple[str, ...]:
+        """The words that this split may use: its own, and all of them where it has none."""
+        return self.own(words) or words
 
 
 TRAINED = WordingSplit()
