@@ -189,6 +189,7 @@ def test_attributes_of_what_cannot_be_seen_count_nothing():
     plain = reading(25.0, 50.0)
     ours, theirs = verdict.compare(asked, hidden, plain)
     assert ours.whole == 0 < theirs.whole
+    assert ours.mean > theirs.mean
 
 
 @pytest.mark.parametrize("mask", [np.zeros((SIDE, SIDE)), np.ones((SIDE, SIDE))])
@@ -287,6 +288,9 @@ def test_a_half_done_experiment_is_summed_up_and_shown(tmp_path, monkeypatch):
     results = experiment.summary(planned, budget)
     assert (results["win"], results["tie"], results["loss"], results["pairs"]) == (1, 0, 0, 1)
     assert results["win_rate"] == 1.0
+    row, blind = results["by_pair"]["one"], results["without_visibility"]
+    assert (blind["win"], blind["win_rate"]) == (1, 1.0)
+    assert row["without_visibility"]["clip_only"] > row["clip_only"]  # gray before gray is hardly seen
     text = page.render(results, planned, tmp_path)
     assert text.count("data:image/jpeg;base64,") == 3
     assert "one &amp; &lt;b&gt;red&lt;/b&gt;" in text

@@ -37,7 +37,8 @@ def run(
 
     Returns:
         The content of results.json: `win`, `tie`, `loss`, `win_rate`, `interval`, `pairs` (how many were decided),
-        `by_pair`, `ablations`, `judge`, `budget`, and `failed` with what could not be run, and why.
+        `without_visibility`: the same figures of scores in which a hidden subject does not count, `by_pair`,
+        `ablations`, `judge`, `budget`, and `failed` with what could not be run, and why.
     """
     budget = _budget(quick, seeds)
     meshes = runs.find_meshes(mesh_folder)
@@ -84,22 +85,28 @@ def summary(planned: Sequence[Run], budget: RunBudget) -> dict[str, Any]:
         elif mine:
             score = verdict.alone(pair, readings[mine[0].folder])
             ablations[pair.name] = _facts(pair) | {"ours": _record(pair, readings[mine[0].folder], score)}
-    counts = {
-        kind: sum(row["verdict"] == kind for row in by_pair.values()) for kind in ("win", "tie", "loss")
-    }
-    total = len(by_pair)
-    low, high = verdict.wilson(counts["win"], total)
     return {
-        **counts,
-        "win_rate": round(counts["win"] / total, 4) if total else 0.0,
-        "interval": [round(low, 4), round(high, 4)],
-        "pairs": total,
+        **_tally([row["verdict"] for row in by_pair.values()]),
+        "without_visibility": _tally([row["without_visibility"]["verdict"] for row in by_pair.values()]),
+        "pairs": len(by_pair),
         "rule": verdict.RULE,
         "judge_encoder": network is not None,
         "judge": _model(planned),
         "budget": vars(budget),
         "by_pair": by_pair,
         "ablations": ablations,
+    }
+
+
+def _tally(verdicts: Sequence[str]) -> dict[str, Any]:
+    """How many of each, and the share of wins with its interval."""
+    counts = {kind: verdicts.count(kind) for kind in ("win", "tie", "loss")}
+    total = len(verdicts)
+    low, high = verdict.wilson(counts["win"], total)
+    return {
+        **counts,
+        "win_rate": round(counts["win"] / total, 4) if total else 0.0,
+        "interval": [round(low, 4), round(high, 4)],
     }
 
 
@@ -133,12 +140,17 @@ def _compared(pair: Pair, mine: Sequence[Run], readings: Mapping[Path, verdict.R
             )
     if not seeds:
         return {}
-    ours, theirs = ([seed[side]["score"] for seed in seeds] for side in ("ours", "clip_only"))
+    blind = _decided(seeds, "score_without_visibility")
+    return _facts(pair) | _decided(seeds, "score") | {"without_visibility": blind, "seeds": seeds}
+
+
+def _decided(seeds: Sequence[Mapping[str, Any]], score: str) -> dict[str, Any]:
+    """Who has won by a score, and both means over the seeds."""
+    ours, theirs = ([seed[side][score] for seed in seeds] for side in ("ours", "clip_only"))
     means = {"ours": sum(ours) / len(ours), "clip_only": sum(theirs) / len(theirs)}
-    return _facts(pair) | {
+    return {
         "verdict": verdict.decide(ours, theirs),
         **{side: round(value, 4) for side, value in means.items()},
-        "seeds": seeds,
     }
 
 
@@ -150,6 +162,7 @@ def _record(pair: Pair, reading: verdict.Reading, score: verdict.Score) -> dict[
     rows = zip(pair.asks, reading.amounts, score.asks, strict=True)
     return {
         "score": round(score.whole, 4),
+        "score_without_visibility": round(score.mean, 4),
         "asks": {
             ask.text: {"amount": round(amount, 3), "score": round(part, 3)} for ask, amount, part in rows
         },
@@ -214,8 +227,12 @@ def _print(results: Mapping[str, Any]) -> None:
         print(
             f"{judged['model']} by the paper's prompt: {judged['win']} won, {judged['tie']} tied, {judged['loss']} lost."
         )
-    low, high = results["interval"]
-    print(
-        f"Ours against CLIP-only: {results['win']} won, {results['tie']} tied, {results['loss']} lost of {results['pairs']}; "
-        f"win rate {results['win_rate']:.0%} (95 % interval {low:.0%} to {high:.0%})."
-    )
+    for says, row in (
+        ("Ours against CLIP-only", results),
+        ("Whether or not the subject can be seen", results["without_visibility"]),
+    ):
+        low, high = row["interval"]
+        print(
+            f"{says}: {row['win']} won, {row['tie']} tied, {row['loss']} lost of {results['pairs']}; "
+            f"win rate {row['win_rate']:.0%} (95 % interval {low:.0%} to {high:.0%})."
+        )

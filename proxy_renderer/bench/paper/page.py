@@ -59,7 +59,7 @@ def _hero(results: Mapping[str, Any]) -> str:
     return (
         "<header><p>Vibe Render</p><h1>The look follows the words.</h1>"
         f"<p>The same scenes, the same words, the same encoder, the same number of steps: structured guidance against a "
-        f"similarity alone, over {results['pairs']} pairs of a scene and a prompt.</p>"
+        f"similarity alone, over {results['pairs']} development pairs of a scene and a prompt.</p>"
         f'<div class="rate"><strong>{results["win_rate"]:.0%}</strong><span>of the pairs won<br>'
         f"<small>95 % interval {low:.0%} to {high:.0%}</small></span></div>"
         f'<div class="bar">{parts}</div><ul class="counts">{counts}</ul></header>'
@@ -153,7 +153,7 @@ def _product(parts: Mapping[str, float]) -> float:
 
 
 def _method(results: Mapping[str, Any]) -> str:
-    budget = results["budget"]
+    budget, blind = results["budget"], results["without_visibility"]
     judged = (
         " An encoder that was never optimized is asked too, as one ask among them."
         if results["judge_encoder"]
@@ -166,6 +166,8 @@ def _method(results: Mapping[str, Any]) -> str:
     return (
         f'<section class="method"><h2>How a pair is decided</h2><p class="lead">{escape(RULE)}{judged}</p>'
         f"<table><tr><th>measure</th><th>what it is</th><th>just noticeable</th></tr>{rows}</table>"
+        f"<p>By scores that leave out how well the subject can be seen: {blind['win']} won, {blind['tie']} tied, "
+        f"{blind['loss']} lost.</p>"
         f"<p>{budget['rounds']} rounds of {budget['steps']} steps, {budget['size']} pixels, {budget['samples']} samples of "
         f"Cycles, {budget['seeds']} seed{'s' if budget['seeds'] > 1 else ''}. All pictures are renders of Cycles.</p></section>"
     )

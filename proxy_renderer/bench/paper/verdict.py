@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The rule that decides a pair, fixed and written down: what `RULE` says is what the functions do."""
+"""The rule that decides a pair, written down: what `RULE` says is what the functions do."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ _LEAST = 16  # pixels that can be measured
 _COLOR_NOTICE = 2.3  # CIEDE2000, the usual just noticeable difference
 
 RULE = (
-    "Every prompt has a list of what a person reads in it, written by hand; these are development pairs. "
+    "Every prompt has a list of what a person reads in it, written by hand. These are development pairs: some lists, and "
+    "what counts as none and as enough, were mended after pictures had been seen. "
     "Each of these asks is measured on the Cycles picture alone, and gives 0 where the picture has nothing of it, 1 where "
     "nobody would ask for more, and in between in between. Differences between the two pictures that people do not "
     "notice side by side count as none. A picture's score is the mean over its asks, times how well the subject can "
@@ -53,10 +54,12 @@ class Score:
 
     Attributes:
         asks: Of each ask, 0 to 1.
-        whole: 0 to 1.
+        mean: Over all that is asked, 0 to 1, however well the subject can be seen.
+        whole: The mean times how well it can be seen.
     """
 
     asks: tuple[float, ...]
+    mean: float
     whole: float
 
 
@@ -95,7 +98,7 @@ def compare(pair: Pair, ours: Reading, theirs: Reading) -> tuple[Score, Score]:
     scores = []
     for side, reading in enumerate((ours, theirs)):
         mean = sum(column[side] for column in judged) / len(judged)
-        scores.append(Score(tuple(column[side] for column in columns), mean * reading.visible.whole))
+        scores.append(Score(tuple(column[side] for column in columns), mean, mean * reading.visible.whole))
     return scores[0], scores[1]
 
 
