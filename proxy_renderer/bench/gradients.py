@@ -4,8 +4,11 @@
 Blender's side (`vibe_render.bench.gradients`) moves each parameter a step to both sides on its perceptual scale and
 renders with Cycles, every time with the same noise. The difference of these pictures is compared with autograd's
 derivative of the proxy's, both of the same functionals: mean luminance and Lab of the subject and of the surroundings
-(which stay where they were, whatever the camera does), the encoder's loss, and luminance over a coarse grid. The
-gradient of the whole objective of a vibe, over all parameters of a scene, is compared too: see `objective`.
+(which stay where they were, whatever the camera does), the encoder's loss, and luminance over a coarse grid.
+
+The gradient of the whole objective of a vibe, over all parameters of a scene, is compared too: see `objective`. It is
+crooked (an encoder's similarity, hinges), so a derivative is not what a step brings, even of one renderer. Beside it
+are the differences of the proxy's own pictures of the same steps: they say how much of it is due to the pictures.
 """
 
 from __future__ import annotations
@@ -36,6 +39,8 @@ from .objective import TERMS, agreement, objective
 _CELLS = 6
 _REGIONS = 8
 _POOR = 0.5
+_WAYS = ("gradient", "differences")
+"""What of the proxy's is compared with the differences of Cycles' pictures: autograd's, and its own differences."""
 _FAINT = 0.3
 """Change of a region's Lab over the whole of a parameter's scale that nobody sees."""
 
@@ -53,8 +58,8 @@ def run(
         cache_folder: Where pictures are kept; "" for the user's cache.
 
     Returns:
-        The content of results.json: `mean_cosine`, `parameters` by family, `objective` by scene, `keys` with every
-        single one, and `failed`: the scenes that could not be rendered, and why.
+        The content of results.json: `mean_cosine`, `parameters` by family, `objective` by scene and way, `keys` with
+        every single one, and `failed`: the scenes that could not be rendered, and why.
     """
     folder = cache.folder(cache_folder)
     options = [f"--work={out / 'scenes'}", f"--cache={folder}", f"--size={size}", f"--samples={samples}"]
@@ -82,7 +87,7 @@ def measure(event: Mapping[str, Any], encoder: Encoder) -> dict[str, dict[str, A
         encoder: Whose loss to the scene's caption, and whose part of the objective, is differentiated.
 
     Returns:
-        By "scene: key" what `compare` says, and by term of the `objective` the proxy's derivative and Cycles'.
+        By "scene: key" what `compare` says, and for the `objective`, by way and term, the proxy's derivative and Cycles'.
     """
     steps = event["steps"]
     first = load_picture(Path(steps[0]["low_picture"]))
@@ -107,13 +112,18 @@ def measure(event: Mapping[str, Any], encoder: Encoder) -> dict[str, dict[str, A
         ours = torch.stack([torch.zeros(()) if s[i] is None else (s[i] * rate).sum() for s in slopes])
         with torch.no_grad():
             low, high = (outputs_of(_picture(step[f"{end}_picture"])) for end in ("low", "high"))
+            drawn = [proxy.render({step["key"]: torch.tensor(step[end])}) for end in ("low", "high")]
+            own_low, own_high = (judge(picture.display) for picture in drawn)
         theirs = (high - low) / step["du"]
-        ends = len(ours) - len(TERMS)
-        pairs = zip(ours[ends:].tolist(), theirs[ends:].tolist(), strict=True)
+        split = len(ours) - len(TERMS)
+        slopes_by_way = (ours[split:], (own_high - own_low) / step["du"])
         rows[f"{event['name']}: {step['key']}"] = {
             "family": step["family"],
-            **compare(ours[:ends], theirs[:ends]),
-            "objective": dict(zip(TERMS, pairs, strict=True)),
+            **compare(ours[:split], theirs[:split]),
+            "objective": {
+                way: dict(zip(TERMS, zip(slope.tolist(), theirs[split:].tolist(), strict=True), strict=True))
+                for way, slope in zip(_WAYS, slopes_by_way, strict=True)
+            },
         }
     return rows
 
@@ -170,15 +180,22 @@ def summary(keys: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
         }
         parameters[family] = {**average, "note": _note(average)}
     mean_cosine = float(np.mean([row["cosine"] for row in parameters.values()])) if parameters else 0.0
-    scenes: dict[str, dict[str, Any]] = {}
-    for key, row in keys.items():
-        scenes.setdefault(key.split(":")[0], {})[key] = row["objective"]
-    objectives = {name: agreement(slopes) for name, slopes in scenes.items()}
     return {
         "mean_cosine": round(mean_cosine, 3),
         "parameters": parameters,
-        "objective": objectives,
+        "objective": _objectives(keys),
         "keys": dict(keys),
+    }
+
+
+def _objectives(keys: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, dict[str, float]]]:
+    """By scene and way, the cosines of the objective's gradients over all parameters."""
+    scenes: dict[str, dict[str, Any]] = {}
+    for key, row in keys.items():
+        scenes.setdefault(key.split(":")[0], {})[key] = row["objective"]
+    return {
+        name: {way: agreement({key: slopes[way] for key, slopes in rows.items()}) for way in _WAYS}
+        for name, rows in scenes.items()
     }
 
 
@@ -209,10 +226,11 @@ def _show(results: Mapping[str, Any]) -> None:
         figures = [f"{row[name]:.2f}" for name in ("cosine", "image_cosine", "sign", "length", "change")]
         table.add_row(family, *figures, row["note"])
     Console().print(table)
-    table = Table(title="the objective's gradient over all parameters of a scene, cosine")
-    columns = ("whole", *TERMS)
-    for title in ("scene", *columns):
-        table.add_column(title, justify="left" if title == "scene" else "right")
-    for scene, row in results["objective"].items():
-        table.add_row(scene, *(f"{row[name]:.2f}" if name in row else "" for name in columns))
-    Console().print(table)
+    for way in _WAYS:
+        table = Table(title=f"the objective over all parameters of a scene, cosine by {way}")
+        columns = ("whole", *TERMS)
+        for title in ("scene", *columns):
+            table.add_column(title, justify="left" if title == "scene" else "right")
+        for scene, row in results["objective"].items():
+            table.add_row(scene, *(f"{row[way][name]:.2f}" if name in row[way] else "" for name in columns))
+        Console().print(table)

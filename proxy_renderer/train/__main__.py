@@ -2,7 +2,7 @@
 """``python -m proxy_renderer.train``: from nothing to the embedded encoder.
 
 Traces a bank of views if there is none, trains for the given minutes (going on where the last sitting
-stopped), writes the model as an open_clip folder and, with ``--evaluate``, judges it on held-out shapes.
+stopped), writes the model as an open_clip folder and, with ``--evaluate``, judges it on validation shapes.
 """
 
 import argparse
@@ -17,7 +17,8 @@ from .text.wording import GUIDES, JUDGES
 from .train import TrainingRecipe, train
 
 GUIDE, HELD_OUT = 50_000, 100_000
-"""Seeds of shapes from the first on are the guide's, those before are the judge's; from the second on, nobody's."""
+"""Seeds of shapes from the first on are the guide's, those before are the judge's. Those from the second on are
+validation: not trained on, but they choose between weights."""
 
 
 def main() -> None:
