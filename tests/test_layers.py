@@ -19,8 +19,8 @@ LAYERS = {
         prompt.lexicon prompt=prompt.lights planning=planning.lights vlm inputs batch.manifest batch
         render.film render.geometry render.material render.lights=render.lights.types render.transport render.edges render.surface
         render.cycles render claims.measures claims
-        train.pictures train.text guidance train optimize engine
-        bench.mitsuba bench bench.encoder bench.paper bench.wild cli=cli.commands
+        train.pictures train.text guidance train optimize=optimize.inner engine
+        bench.mitsuba bench bench.encoder bench.paper bench.ladder bench.wild cli=cli.commands
     """,
     "vibe_render": """
         core engine scene.geometry scene.lights scene.nodes scene scene.stage render export session looks

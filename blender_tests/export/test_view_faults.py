@@ -5,6 +5,8 @@ import bpy
 import pytest
 from faulty_scenes import AIM, aim, darkness, plain
 from small_scenes import cube
+from vibe_render.core.compat import start_compositor
+from vibe_render.core.journal import Journal
 from vibe_render.export import reading
 from vibe_render.render import black, final_render
 from vibe_render.scene.subject import SubjectChoice
@@ -49,8 +51,17 @@ def test_a_black_picture(scene, tmp_path):
     final_render.render(scene, tmp_path / "lit.png", 32, 1)
     darkness(scene, subject)
     final_render.render(scene, tmp_path / "dark.png", 32, 1)
-    assert black.note(tmp_path / "lit.png") == ""
-    assert "renders black" in black.note(tmp_path / "dark.png")
+    assert black.note(scene, tmp_path / "lit.png") == ""
+    assert "no light" in black.note(scene, tmp_path / "dark.png")
+
+
+def test_a_compositor_that_gives_nothing(scene, tmp_path):
+    plain(scene)
+    tree = start_compositor(Journal(), scene)
+    for link in list(tree.links):
+        tree.links.remove(link)
+    final_render.render(scene, tmp_path / "cut.png", 32, 1)
+    assert "output of its compositor" in black.note(scene, tmp_path / "cut.png")
 
 
 def test_the_picture_is_in_another_scene(scene, tmp_path):

@@ -122,6 +122,12 @@ def _wild(sub: argparse.ArgumentParser) -> None:
     )
 
 
+def _ladder(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("--only", default="*", metavar="GLOB", help='only pairs with such names: "*duck*"')
+    sub.add_argument("--size", type=int, default=160, metavar="N", help="side of the pictures (default: 160)")
+    sub.add_argument("--rounds", type=int, default=3, metavar="N", help="most rounds of a run (default: 3)")
+
+
 AddOptions = Callable[[argparse.ArgumentParser], None]
 
 BENCHES: dict[str, tuple[str, AddOptions]] = {
@@ -131,6 +137,7 @@ BENCHES: dict[str, tuple[str, AddOptions]] = {
         "Whether words are followed better than by a similarity alone: the paper's experiments.",
         _paper,
     ),
+    "ladder": ("What each part of the method adds, on the development pairs.", _ladder),
     "batch": ("What a batch costs beside its vibes: by workers, and by jobs.", _batch),
     "encoder": ("How well the encoder reads looks off pictures, and words, that it never saw.", _encoder),
     "wild": ("How a vibe fares on a folder of other people's scenes.", _wild),

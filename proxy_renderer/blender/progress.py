@@ -87,7 +87,9 @@ class VibeProgress:
         picture = out / "compare.png"
         if self._result.get("stopped"):
             self.note("Stopped early: this is the best so far.")
-        self.note(f"Done in {seconds:.0f} s. Open {picture if picture.is_file() else out}")
+        missing = ", ".join(self._result.get("missing", []))
+        ended = f"Ended without {missing}, after" if missing else "Done in"
+        self.note(f"{ended} {seconds:.0f} s. Open {picture if picture.is_file() else out}")
 
     def _progress(self, event: dict[str, Any]) -> None:
         number, rounds, steps = event["round"], event["rounds"], event["steps"]

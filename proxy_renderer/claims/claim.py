@@ -133,6 +133,20 @@ class ClaimSet:
         pairs = zip(self.claims, self.regions, strict=True)
         return [None if where is None else claim.value(picture, where) for claim, where in pairs]
 
+    def intervals(self, picture: MeasuredPicture) -> list[tuple[Tensor, Tensor, Tensor]]:
+        """Of each claim that can be measured: its value, and the lower and the upper end of what is wanted.
+
+        Returns:
+            Each (n,), in steps that people notice; the values are differentiable in the picture.
+        """
+        found = []
+        for claim, value, before in zip(self.claims, self.values(picture), self.before, strict=True):
+            if value is not None:
+                notice = MEASURES[claim.measure].notice
+                lower, upper = (value.new_tensor(end) / notice for end in claim.interval(before))
+                found.append((value / notice, lower, upper))
+        return found
+
     def residuals(self, picture: MeasuredPicture) -> list[Tensor]:
         """How far a picture is from each claim that can be measured: (n,) each, see `Claim.residual`."""
         rows = zip(self.claims, self.values(picture), self.before, strict=True)

@@ -17,6 +17,9 @@ from .claim import HOLDS, Claim, ClaimSet
 from .measures.picture import MeasuredPicture
 from .measures.registry import MEASURES
 
+_BLACK = 0.02
+"""Of white, as a picture is stored: what is darker everywhere shows nothing."""
+
 
 @dataclass(frozen=True)
 class ShotClaims:
@@ -47,9 +50,15 @@ class ShotClaims:
         """
         with torch.no_grad():
             judged = ClaimSet.about(self.claims, MeasuredPicture.of(before, self.before)).in_view(self.after)
-            guesses, values = (judged.values(MeasuredPicture.of(p, self.after)) for p in (predicted, after))
+            guesses, values = (self._values(judged, picture) for picture in (predicted, after))
         rows = zip(judged.claims, judged.before, guesses, values, strict=True)
         return [_verdict(*row) for row in rows]
+
+    def _values(self, judged: ClaimSet, picture: Tensor) -> list[Tensor | None]:
+        """What a picture has of each claim: nothing, where all of it is black."""
+        if picture.max() < _BLACK:
+            return [None] * len(judged.claims)
+        return judged.values(MeasuredPicture.of(picture, self.after))
 
 
 def _verdict(

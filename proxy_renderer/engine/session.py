@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -84,7 +84,7 @@ class EngineSession:
             for scene, blender, shot in zip(scenes, blenders, self.shots, strict=True)
         ]
         outcome = pipeline.run(views, self.prompt, self.options, encoder, heads, self._observer, advisor)
-        clock.lap("loop")
+        clock.lap("loop", {"wait for Blender": sum(blender.waited for blender in blenders)})
         self._observer.stage("drawing the prediction")
         pictures: list[list[Image.Image]] = []  # for each shot, of every variant
         for number, shot in enumerate(outcome.shots):
@@ -248,8 +248,9 @@ class _Laps:
         self.laps: dict[str, float] = {}
         self._last = time.monotonic()
 
-    def lap(self, name: str) -> None:
-        """Notes the seconds since the last lap."""
-        now = time.monotonic()
-        self.laps[name] = round(now - self._last, 3)
+    def lap(self, name: str, within: Mapping[str, float] | None = None) -> None:
+        """Notes the seconds since the last lap; those that belong to others are noted as theirs."""
+        now, others = time.monotonic(), within or {}
+        self.laps |= {name: round(now - self._last - sum(others.values()), 3)}
+        self.laps |= {other: round(seconds, 3) for other, seconds in others.items()}
         self._last = now

@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
 import torch
@@ -13,6 +13,7 @@ from torch import Tensor
 from ..color.constants import Lab
 from ..color.tensors import lab_from_srgb
 from ..prompt.types import Prompts
+from ..schema import VibeError
 from ..schema.spec import Region
 from . import regions
 from .attributes import Attributes, attributes
@@ -68,9 +69,27 @@ class Weights:
     attributes: float = 0.5
     border: float = 0.5
     visibility: float = 2.5
-    claims: float = 0.04
+    claims: float = 0.1
     prior: float = 0.5
     hue: float = 2.0
+
+    def without(self, parts: Collection[str]) -> Weights:
+        """The same without some of `PARTS`: what each is worth can be measured so.
+
+        Raises:
+            VibeError: One of them is not a part.
+        """
+        if strange := sorted(set(parts) - set(PARTS)):
+            raise VibeError(f"The objective has no part {strange[0]!r}.", f"Use some of: {', '.join(PARTS)}.")
+        left_out = {name: 0.0 for part in parts for name in PARTS[part]}
+        return replace(self, **left_out)
+
+
+PARTS = {
+    "encoder": ("subject", "surroundings", "whole", "direction", "negative", "attributes"),
+    "claims": ("claims",),
+}
+"""Parts of the objective, and the weights that they have."""
 
 
 class Guidance(Protocol):

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -44,6 +45,7 @@ class BlenderPictures:
 
     Attributes:
         seconds: How long Blender took for each picture.
+        waited: Seconds that it was busy with something else, as the artist's own picture, when it was asked.
         notes: What went wrong, in words for the artist.
     """
 
@@ -52,6 +54,7 @@ class BlenderPictures:
         self._number = self._failures = 0
         self._over = False
         self.seconds: list[float] = []
+        self.waited = 0.0
         self.notes: list[str] = []
 
     def __call__(self, values: dict[str, list[float]], size: tuple[int, int]) -> CyclesPicture | None:
@@ -60,9 +63,11 @@ class BlenderPictures:
             return None
         self._number += 1
         request = messages.Anchor(self._number, values, max(size), SAMPLES, self._seed, self._shot)
+        asked = time.monotonic()
         answer = self._ask(request)
         if answer is None:
             return None
+        self.waited += max(time.monotonic() - asked - answer.seconds, 0.0)
         try:
             picture = self._load(answer, size)
         except VibeError as error:

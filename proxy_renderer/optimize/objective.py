@@ -11,7 +11,8 @@ from torch import Tensor
 
 from ..guidance.guide import Weights
 from ..guidance.losses import claims_loss, hue_consistency_loss, prior_loss
-from .inner import fixed_views
+from .inner.descent import fixed_views
+from .inner.linear_model import Assessment
 from .shots import ShotState
 from .vector import ParameterVector
 
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class RoundObjective:
-    """What one round minimizes, see `inner.Objective`.
+    """What one round minimizes, see `inner.descent.Objective` and `inner.least_squares.ClaimObjective`.
 
     Args:
         seen: Draws and judges the shots, one or several.
@@ -30,7 +31,7 @@ class RoundObjective:
         lower: (N,) lower corner of the feasible box.
         upper: (N,) upper corner.
         pull: (N,) weight in [0, 1] of the prior on each component, 0 where words name the value.
-        weights: Of the prior and of the consistency of hues; None for neither.
+        weights: Of the claims, of the prior and of the consistency of hues.
     """
 
     def __init__(
@@ -41,7 +42,7 @@ class RoundObjective:
         lower: Tensor,
         upper: Tensor,
         pull: Tensor,
-        weights: Weights | None,
+        weights: Weights,
     ) -> None:
         self.seen, self.vector, self.free = seen, vector, free
         self._lower, self._span = lower, (upper - lower).clamp_min(1e-9)
@@ -80,12 +81,41 @@ class RoundObjective:
             A scalar, differentiable in the picture and in u.
         """
         total = torch.stack(list(self._terms(picture, generator, shot).values())).sum()
-        if self._weights is None:
-            return total
-        where, home = ((x - self._lower) / self._span for x in (u, self._home))
-        prior = self._weights.prior * prior_loss(where, home.clamp(0.0, 1.0), self._pull)
-        hue = self._weights.hue * hue_consistency_loss(where, self._colors, self._range)
-        return total + (prior + hue).float().to(total.device)
+        return total + self._held(u).to(total)
+
+    @property
+    def claim_weight(self) -> float:
+        """Of a noticeable step by which a claim is missed."""
+        return self._weights.claims
+
+    @property
+    def stiffness(self) -> Tensor:
+        """(N,) curvature of the prior by each component's place in its range."""
+        return 2.0 * self._weights.prior * self._pull
+
+    def assess(self, u: Tensor) -> Assessment:
+        """What is judged in the pictures of all shots.
+
+        Args:
+            u: (N,) in [0, 1].
+        """
+        pictures = [self.render(u, shot) for shot in range(self.shots)]
+        similar = [
+            term
+            for n, picture in enumerate(pictures)
+            for term in self._similar(picture, fixed_views(), n).values()
+        ]
+        rows = [
+            row for shot, picture in zip(self.seen, pictures, strict=True) for row in shot.intervals(picture)
+        ]
+        values, lower, upper = (
+            torch.cat([u.new_zeros(0), *(row[i].to(u) for row in rows)]) for i in range(3)
+        )
+        numbers = [torch.full(row[0].shape, number) for number, row in enumerate(rows)]
+        rest = torch.stack(similar).sum().to(u) / self.shots + self._held(u)
+        return Assessment(
+            values, lower, upper, torch.cat([torch.zeros(0).long(), *numbers]), rest, pictures[0]
+        )
 
     def account(self, u: Tensor) -> dict[str, dict[str, float]]:
         """What u is worth, as means over the shots.
@@ -106,12 +136,22 @@ class RoundObjective:
         return {"terms": _means(terms, 4), "seen": _means(probabilities, 3)}
 
     def _terms(self, picture: Render, generator: torch.Generator, shot: int) -> dict[str, Tensor]:
+        terms = self._similar(picture, generator, shot)
+        if self.claim_weight and (residuals := self.seen[shot].residuals(picture)):
+            terms["claims"] = self.claim_weight * claims_loss(residuals)
+        return terms
+
+    def _similar(self, picture: Render, generator: torch.Generator, shot: int) -> dict[str, Tensor]:
         guidance = self.seen[shot].guidance
         assert guidance is not None
-        terms = guidance(picture.display, picture.mask, generator)
-        if residuals := self.seen[shot].residuals(picture):
-            terms["claims"] = Weights.claims * claims_loss(residuals)
-        return terms
+        return guidance(picture.display, picture.mask, generator)
+
+    def _held(self, u: Tensor) -> Tensor:
+        """() the pull to the artist's values, and that of a color's components to each other."""
+        where, home = ((x - self._lower) / self._span for x in (u, self._home))
+        prior = prior_loss(where, home.clamp(0.0, 1.0), self._pull)
+        hue = hue_consistency_loss(where, self._colors, self._range)
+        return self._weights.prior * prior + self._weights.hue * hue
 
 
 def _means(rows: Sequence[dict[str, float]], digits: int) -> dict[str, float]:

@@ -26,13 +26,15 @@ from ..schema import Values
 from ..schema.messages import Options
 from . import context, starts
 from .baseline import GlobalGuidance, plan_everything
-from .inner import StepSettings, descend, fixed_views
+from .inner.adam import StepSettings, descend
+from .inner.descent import Descent, fixed_views
+from .inner.least_squares import MOST_STEPS, solve
 from .objective import RoundObjective
 from .plan import carry, feasible_ranges, lock
 from .progress import Clock, Observer
 from .selection import pull, select
 from .shots import ShotInput, ShotState, added_powers, enter, share
-from .vector import ParameterVector, project
+from .vector import ParameterVector, around, project
 
 INNER_SIZE, _LEAST_SIZE = 256, 192
 """Greatest longer side of the pictures inside the loop, in pixels, and the least however small the encoder's are."""
@@ -92,6 +94,8 @@ class Search:
         vector: The parameters of u.
         shots: One or several, each with its proxy and guidance. Plans are made for the first.
         rounds: R, the most rounds from each start.
+        steps: T, the most steps of a round.
+        weights: Of the terms of the loss.
         clock: Reports progress to the observer.
         number: Of the current round, counted over all starts.
     """
@@ -121,8 +125,9 @@ class Search:
         self.several = options.variants > 1 and not options.baseline
         # Variants share what would be one vibe's time, as far as that goes.
         self.rounds = -(-options.rounds // 2) if self.several else options.rounds
-        self.clock = Clock(self.rounds * (options.variants if self.several else 1), options.steps, observer)
-        self.weights = None if options.baseline else Weights()
+        self.steps = options.steps if options.inner == "adam" else min(options.steps, MOST_STEPS)
+        self.clock = Clock(self.rounds * (options.variants if self.several else 1), self.steps, observer)
+        self.weights = _weights(options)
         self._guidance = partial(make_guidance, encoder, heads, prompt, options)
         self.number = 0
 
@@ -199,13 +204,14 @@ class Search:
             norms = [float(r.norm()) for shot in self.shots for r in shot.residuals(shot.draw(u))]
         return Missed(sum(norm > HOLDS for norm in norms), sum(norm * norm for norm in norms))
 
-    def confine(self, u: Tensor, earlier: Plan, start: Start | None) -> Confined:
+    def confine(self, u: Tensor, earlier: Plan, start: Start | None, reach: float = 1.0) -> Confined:
         """Lines 2 to 5 and 7 of Algorithm 1 at u: render, parse, compose, confine, project.
 
         Args:
             u: (N,) the point.
             earlier: The plan of the round before; empty for the first.
             start: Where this refinement started; None for the artist's scene.
+            reach: How far from u the round may go, as a share of each component's feasible range.
         """
         self.renew(u, self.number)
         advice, plan = self._advise(u)
@@ -216,6 +222,7 @@ class Search:
         lower, upper = self.vector.bounds(ranges)
         if start and start.drawn is not None:
             lower, upper = starts.corral(start.u, lower, upper, start.drawn)
+        lower, upper = around(u, lower, upper, reach)
         if self.shots[0].guidance is None:  # the loop begins, at the artist's own values
             pictures = [shot.draw(u) for shot in self.shots]
             self.observer.begin(pictures[0].display.detach())
@@ -226,6 +233,15 @@ class Search:
         for shot in self.shots[1:]:
             shot.take(plan)
         return Confined(advice, plan, ranges, lower, upper, project(u, lower, upper))
+
+    def middle(self, now: Confined) -> Tensor:
+        """(N,) another start: what is relevant stands in the middle of its range.
+
+        Args:
+            now: The round, confined.
+        """
+        movable = self.vector.mark(key for key, entry in now.plan.items() if entry.priority is not None)
+        return torch.where(movable & (now.upper > now.lower), (now.lower + now.upper) / 2, now.u)
 
     def _advise(self, u: Tensor) -> tuple[Advice, Plan]:
         """The advice for the first shot at u (N,), and a plan with entries of the others for what only they have."""
@@ -256,11 +272,39 @@ class Search:
             The keys S_K, and the objective over them.
         """
         judged = shots or self.shots
-        chosen = select(now.plan, self.vector, judged, u, now.lower, now.upper, self.options)
+        chosen = select(now.plan, self.vector, judged, u, now.lower, now.upper, self.options, self.weights)
         weight = pull(now.plan, self.vector, chosen)
         return chosen, RoundObjective(
             judged, self.vector, set(chosen), now.lower, now.upper, weight, self.weights
         )
+
+    def descend(self, now: Confined, chosen: list[str], objective: RoundObjective) -> Descent:
+        """Lines 8 to 15 of Algorithm 1, from the round's projected point.
+
+        Args:
+            now: The round, confined.
+            chosen: S_K.
+            objective: What is minimized.
+        """
+        movable = self.vector.mark(chosen) & (now.upper > now.lower)
+        follow = self.clock.follow(self.number)
+        if self.options.inner == "adam" or self.options.baseline:
+            seed = self.options.seed * 1000 + self.number
+            return descend(
+                objective, now.u, movable, now.lower, now.upper, self.steps, seed, StepSettings(), follow
+            )
+        if self.options.inner == "least-squares":
+            return solve(objective, now.u, movable, now.lower, now.upper, self.steps, follow)
+        middle = self.options.inner == "middle"
+        found = torch.where(movable, (now.lower + now.upper) / 2, now.u) if middle else now.u
+        return Descent(found, 0.0, 0.0)
+
+
+def _weights(options: Options) -> Weights:
+    """Of the loss: the baseline has similarity alone."""
+    if options.baseline:
+        return replace(Weights(), claims=0.0, prior=0.0, hue=0.0)
+    return Weights().without(options.leave_out)
 
 
 def _with_few_views(shot: ShotState) -> ShotState:
@@ -295,7 +339,9 @@ def make_guidance(
         return GlobalGuidance(encoder, prompt, Views())
     silhouette = any(a.entry == "silhouette" and not a.negated for a in parsed.attributes)
     first = (start.display, start.mask)
-    return PromptGuidance(encoder, heads, advice.prompts, parsed.targets, parsed.colors, first, silhouette)
+    return PromptGuidance(
+        encoder, heads, advice.prompts, parsed.targets, parsed.colors, first, silhouette, _weights(options)
+    )
 
 
 def inner_size(scene: SceneData, options: Options, encoder: Encoder) -> tuple[int, int]:

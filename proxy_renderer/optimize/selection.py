@@ -4,14 +4,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import torch
 from torch import Tensor
 
+from ..guidance.guide import Weights
 from ..prompt.types import Plan
 from ..schema import VibeError
 from ..schema.messages import Options
-from .inner import first_order_gain
+from .inner.descent import first_order_gain
 from .objective import RoundObjective
 from .plan import top_k
 from .shots import ShotState
@@ -26,6 +28,7 @@ def select(
     lower: Tensor,
     upper: Tensor,
     options: Options,
+    weights: Weights,
 ) -> list[str]:
     """S_K (equation 7): the K parameters that receive gradients; for the baseline all that can move.
 
@@ -37,6 +40,7 @@ def select(
         lower: (N,) lower corner of the feasible box.
         upper: (N,) upper corner.
         options: K is `top_k`.
+        weights: Of the loss.
 
     Raises:
         VibeError: Nothing that the words name may change.
@@ -52,7 +56,8 @@ def select(
         return sorted(relevant)
     # Moving the camera means tracing everything again: only words are worth that.
     probed = {k for k in relevant if vector.instances[k].parameter.group != "camera" or plan[k].prior == 0.0}
-    probe = RoundObjective(shots, vector, probed, lower, upper, torch.zeros_like(u), None)
+    free = replace(weights, prior=0.0, hue=0.0)
+    probe = RoundObjective(shots, vector, probed, lower, upper, torch.zeros_like(u), free)
     gain = first_order_gain(probe, u, lower, upper)
     return top_k(
         plan, options.top_k, movable, {k: float(gain[part].sum()) for k, part in vector.slices.items()}

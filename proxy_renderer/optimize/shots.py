@@ -88,10 +88,15 @@ class ShotState:
 
     def residuals(self, picture: Render) -> list[Tensor]:
         """How far a picture is from each claim: (n,) in steps that people notice, differentiable in it."""
-        if self.claims is None or self.seen is None:
-            return []
-        seen = replace(self.seen, transmittance=picture.transmittance)
-        return self.claims.residuals(MeasuredPicture(picture.display, seen))
+        return self.claims.residuals(self._measured(picture)) if self.claims else []
+
+    def intervals(self, picture: Render) -> list[tuple[Tensor, Tensor, Tensor]]:
+        """What a picture has of each claim, and what is wanted, see `ClaimSet.intervals`."""
+        return self.claims.intervals(self._measured(picture)) if self.claims else []
+
+    def _measured(self, picture: Render) -> MeasuredPicture:
+        assert self.seen is not None
+        return MeasuredPicture(picture.display, replace(self.seen, transmittance=picture.transmittance))
 
     def take(self, plan: Plan) -> None:
         """Has what the words name be the same here as in the first shot, if this scene has another value."""

@@ -14,7 +14,7 @@ from torch import Tensor
 from ..color.tensors import lab_from_srgb
 from ..prompt.types import Plan, PlanEntry
 from ..schema import Instance
-from .vector import ParameterVector
+from .vector import ParameterVector, around
 
 if TYPE_CHECKING:
     from ..schema.messages import Options
@@ -124,9 +124,7 @@ def corral(start: Tensor, lower: Tensor, upper: Tensor, drawn: Tensor) -> tuple[
     Returns:
         The corners of the smaller box, each (N,).
     """
-    reach = _NEAR * (upper - lower)
-    middle = torch.minimum(torch.maximum(start, lower), upper)
-    near = torch.maximum(lower, middle - reach), torch.minimum(upper, middle + reach)
+    near = around(start, lower, upper, _NEAR)
     return torch.where(drawn, near[0], lower), torch.where(drawn, near[1], upper)
 
 

@@ -170,6 +170,22 @@ def project(u: Tensor, lower: Tensor, upper: Tensor) -> Tensor:
     return torch.minimum(torch.maximum(u, lower), upper)
 
 
+def around(u: Tensor, lower: Tensor, upper: Tensor, share: float) -> tuple[Tensor, Tensor]:
+    """The part of a box around a point.
+
+    Args:
+        u: (N,) any point; what counts is the nearest one in the box.
+        lower: (N,) lower corner of the box.
+        upper: (N,) upper corner.
+        share: Of each component's range that is left on either side.
+
+    Returns:
+        The corners of the smaller box, each (N,).
+    """
+    middle, reach = project(u, lower, upper), share * (upper - lower)
+    return torch.maximum(lower, middle - reach), torch.minimum(upper, middle + reach)
+
+
 def nearest_turn(instance: Instance, lower: Values, upper: Values, value: Values) -> tuple[Values, Values]:
     """The range of an angle, turned by whole circles so that it lies nearest to the value.
 

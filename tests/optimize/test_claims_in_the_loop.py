@@ -1,14 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the words claim steers the loop: its gradients, when it ends, and which round is the result."""
 
+from dataclasses import replace
+
 import pytest
 import torch
 from loop_parts import PROMPT, Silent
 
-from proxy_renderer.optimize import pipeline
+from proxy_renderer.optimize import refinement
+from proxy_renderer.optimize.refinement import Refinement
 from proxy_renderer.optimize.search import Missed, Search, Start
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.prompt.types import Plan
+from proxy_renderer.schema import VibeError
 from proxy_renderer.schema.messages import Options
 
 
@@ -28,13 +32,13 @@ def confined(search):
 
 def test_rounds_end_when_the_picture_shows_all_that_the_words_claim(search):
     begun = search("very dark", rounds=6)
-    outcome = pipeline.refine(begun, Start(begun.vector.encode({})))
+    outcome = Refinement(begun, Start(begun.vector.encode({}))).run()
     assert outcome.rounds[-1]["missed"]["claims"] == 0
     assert len(outcome.rounds) < 6
 
 
 def test_the_best_round_is_the_result_and_others_are_not_waited_for_long(search, monkeypatch):
-    begun = search(PROMPT, rounds=6, steps=2)
+    begun = search(PROMPT, rounds=5, steps=2)
     ends = []
 
     def missed(self, u):
@@ -42,9 +46,10 @@ def test_the_best_round_is_the_result_and_others_are_not_waited_for_long(search,
         return Missed(1, float(len(ends)))  # each round is farther from the words than the one before
 
     monkeypatch.setattr(Search, "missed", missed)
-    outcome = pipeline.refine(begun, Start(begun.vector.encode({})))
+    monkeypatch.setattr(refinement, "CONVERGED", -1.0)
+    outcome = Refinement(begun, Start(begun.vector.encode({}))).run()
     assert torch.equal(outcome.u, ends[0])
-    assert len(outcome.rounds) == 1 + pipeline.PATIENCE
+    assert len(outcome.rounds) == 2 + refinement.PATIENCE  # the last one began elsewhere
 
 
 def test_words_that_claim_nothing_do_not_end_the_rounds_early(search):
@@ -72,3 +77,64 @@ def test_the_baseline_is_judged_by_no_claim(search):
     confined(begun)
     assert begun.shots[0].claims is None
     assert begun.missed(begun.vector.encode({})) == Missed(0, 0.0)
+
+
+def test_a_round_that_made_it_worse_is_taken_back_and_the_next_goes_half_as_far(search, monkeypatch):
+    begun = search(PROMPT, rounds=3, steps=2)
+    began, ends = [], []
+    confine = Search.confine
+
+    def confined_at(self, u, earlier, start, reach=1.0):
+        began.append((u.clone(), reach))
+        return confine(self, u, earlier, start, reach)
+
+    def missed(self, u):
+        ends.append(u.clone())
+        return Missed(1, float(len(ends)))
+
+    monkeypatch.setattr(Search, "confine", confined_at)
+    monkeypatch.setattr(Search, "missed", missed)
+    monkeypatch.setattr(refinement, "CONVERGED", -1.0)
+    Refinement(begun, Start(begun.vector.encode({}))).run()
+    assert [reach for _, reach in began] == [1.0, 1.0, 0.5]
+    assert torch.equal(began[2][0], ends[0])
+
+
+@pytest.mark.parametrize("inner", ["least-squares", "adam"])
+def test_either_inner_loop_earns_a_claim_that_does_not_hold_yet(search, inner):
+    begun = search("very bright picture", steps=12, rounds=1, inner=inner)
+    now, _ = confined(begun)
+    darker = replace(now, u=(now.u + now.lower) / 2)
+    before = begun.missed(darker.u)
+    assert before.claims > 0
+    found = begun.descend(darker, *begun.objective(darker, darker.u))
+    assert found.loss < found.start_loss
+    assert begun.missed(found.u) < before
+
+
+def test_without_an_inner_loop_values_are_the_nearest_that_the_words_allow(search):
+    begun = search(PROMPT, inner="none")
+    now, _ = confined(begun)
+    assert torch.equal(begun.descend(now, *begun.objective(now, now.u)).u, now.u)
+    middle = search(PROMPT, inner="middle")
+    now, _ = confined(middle)
+    chosen, objective = middle.objective(now, now.u)
+    found = middle.descend(now, chosen, objective).u
+    marked = middle.vector.mark(chosen) & (now.upper > now.lower)
+    torch.testing.assert_close(found[marked], ((now.lower + now.upper) / 2)[marked])
+    assert torch.equal(found[~marked], now.u[~marked])
+
+
+def test_what_is_left_out_is_not_in_the_loss(search):
+    begun = search("very bright picture", leave_out=("encoder", "claims"))
+    now, home = confined(begun)
+    _, objective = begun.objective(now, home)
+    terms = objective.account(home)["terms"]
+    assert "claims" not in terms
+    assert all(terms.get(name, 0.0) == 0.0 for name in ("whole", "direction", "attributes"))
+
+
+def test_a_part_that_the_objective_does_not_have(search):
+    with pytest.raises(VibeError, match="no part 'magic'") as refused:
+        search("noir", leave_out=("magic",))
+    assert "claims" in refused.value.remedy

@@ -6,7 +6,8 @@ import math
 import pytest
 import torch
 
-from proxy_renderer.optimize.inner import StepSettings, descend, first_order_gain
+from proxy_renderer.optimize.inner.adam import StepSettings, descend
+from proxy_renderer.optimize.inner.descent import first_order_gain
 
 
 class Bowl:

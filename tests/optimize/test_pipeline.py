@@ -8,7 +8,7 @@ from tiny_job import write_job
 
 from proxy_renderer.engine.report import changed_values, parameter_records
 from proxy_renderer.optimize import pipeline
-from proxy_renderer.optimize.inner import fixed_views
+from proxy_renderer.optimize.inner.descent import fixed_views
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene

@@ -69,6 +69,14 @@ def difference(before: dict[str, Any], after: dict[str, Any]) -> dict[str, tuple
     }
 
 
+def _given_by_blender(struct: bpy_struct, name: str, value: Any) -> bool:
+    """Whether it is what Blender says of a cache: how full it is, and where a fluid's is while the file has no place for it."""
+    if isinstance(struct, bpy.types.PointCache):
+        return name == "info"
+    fluid = isinstance(struct, bpy.types.FluidDomainSettings)
+    return fluid and name == "cache_directory" and not value.startswith("//")
+
+
 def _walk(struct: bpy_struct, path: str, seen: set[int]) -> Iterator[tuple[str, Any]]:
     if isinstance(
         struct, ID | bpy.types.Node
@@ -82,6 +90,8 @@ def _walk(struct: bpy_struct, path: str, seen: set[int]) -> Iterator[tuple[str, 
         if name == "outputs" and isinstance(struct, bpy.types.CompositorNodeRLayers):
             continue  # they follow the passes: any render makes them anew
         value = getattr(struct, name, None)
+        if _given_by_blender(struct, name, value):
+            continue
         here = f"{path}.{name}"
         if isinstance(struct, bpy.types.Mesh) and name in BULK:
             yield here, _digest(value, *BULK[name])

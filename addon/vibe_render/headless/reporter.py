@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import sys
 import time
+from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -48,14 +49,16 @@ class Reporter:
                 line = f"round {message.round} of {message.rounds}: {message.seconds_left:.0f} s left"
             self._print({"type": "progress", **asdict(message)}, line)
 
-    def result(self, lines: list[str], stopped: bool = False) -> None:
+    def result(self, lines: list[str], stopped: bool = False, missing: Sequence[str] = ()) -> None:
         """Reports the result.
 
         Args:
             lines: For people.
             stopped: Whether Ctrl-C ended the search early.
+            missing: Words that the picture does not show.
         """
-        self._print({"type": "result", "lines": lines, "stopped": stopped}, "\n".join(lines))
+        event = {"type": "result", "lines": lines, "stopped": stopped, "missing": list(missing)}
+        self._print(event, "\n".join(lines))
 
     def error(self, error: schema.VibeError) -> None:
         """Reports an error."""

@@ -10,6 +10,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+import bpy
+
 from ..core.outputs import Outputs
 from ..core.schema_import import command_line, messages, schema
 from ..engine.conversation import Conversation, on_interrupt
@@ -19,6 +21,7 @@ from ..looks import take
 from ..render import anchors, black, final_render
 from ..scene import bindings, stored_subject
 from ..session import preferences
+from ..session.claim_notes import words_shown
 from . import summary
 from .reporter import Reporter
 from .scenes import save_blend
@@ -64,7 +67,9 @@ def run_with_engine(
         measured, skipped = vibe.finish(result)
         fields = summary.report_fields(args, shot_list, result, measured, skipped, vibe.stopwatch)
         out.write_json("report.json", fields)
-    reporter.result(summary.closing_lines(shot_list, result, measured, skipped), result.stopped)
+    lines = summary.closing_lines(shot_list, result, measured, skipped)
+    missing = [word for word, what in words_shown(measured[0].claims).items() if what]
+    reporter.result(lines, result.stopped, missing)
     return shot_list.jobs[-1].analysis
 
 
@@ -85,8 +90,8 @@ class _Run:
         self.stopwatch.lap("open and export")
         self.conversation.ask(self._request())
         for number in reversed(range(len(self.shot_list))):  # the last one is still open
-            self._render(number, "before.png")
-            if note := black.note(self.out.path(numbered("before.png", number))):
+            scene = self._render(number, "before.png")
+            if note := black.note(scene, self.out.path(numbered("before.png", number))):
                 self.shot_list.jobs[number].warnings.insert(0, note)
                 self.reporter.note(note)
         self.stopwatch.lap("render before")
@@ -143,10 +148,11 @@ class _Run:
         analysis = job.analysis
         return anchors.answer(analysis.scene, job.folder, request, analysis.objects, analysis.pivot)
 
-    def _render(self, number: int, name: str) -> None:
+    def _render(self, number: int, name: str) -> bpy.types.Scene:
         scene, args = self.shot_list.show(number).analysis.scene, self.args
         path = self.out.path(numbered(name, number))
         final_render.render(scene, path, args.size, args.samples, args.seed)
+        return scene
 
     def _write(self, number: int, result: messages.Result) -> dict[str, str]:
         """Writes the values, once for each .blend unless every shot has a grade of its own."""

@@ -7,12 +7,14 @@ from pathlib import Path
 
 import bpy
 
+from ..core import compat
+from ..scene.nodes import grade
 from . import bake
 
 _LEAST = 0.02  # of white, as the picture is stored: what is darker everywhere shows nothing
 
 
-def note(picture: Path) -> str:
+def note(scene: bpy.types.Scene, picture: Path) -> str:
     """What to say of a black picture of a scene; "" for any other."""
     image = bpy.data.images.load(str(picture))
     try:
@@ -22,6 +24,11 @@ def note(picture: Path) -> str:
         bpy.data.images.remove(image)
     if shows:
         return ""
+    if grade.cut_off(compat.compositor(scene)):
+        return (
+            "The scene renders black: no picture reaches the output of its compositor. Connect one, or take the "
+            "compositor out."
+        )
     return (
         "The scene renders black: no light reaches what the camera sees. Switch a light on, or ask for one."
     )

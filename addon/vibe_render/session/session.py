@@ -193,12 +193,12 @@ class Session(SessionStatus):
         while self._result is None:
             yield self.stage
             self._check_silence()
-            self._find_scene()  # raises if the artist has deleted it
+            scene = self._find_scene()
             for message in self._engine.poll():
                 self.receive(message)
                 if isinstance(message, messages.Stage) and message.picture:
                     picture = self._job / message.picture
-                    if note := black.note(picture):
+                    if note := black.note(scene, picture):
                         self.view_notes = [*self.view_notes, note]
                         self.warnings = [note, *self.warnings]
                     self.before = before_image.store(self._before_path, picture, not self._vibed)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from .. import blender
 from .pairs import COMPARED, Pair
 
 OURS, BASELINE = "", "clip-only"
-_CODE = ("color", "guidance", "optimize", "planning", "prompt", "render", "scene", "schema")
+_CODE = ("claims", "color", "guidance", "optimize", "planning", "prompt", "render", "scene", "schema")
 """What a result depends on in this package; of Blender's side it is all but the measurements."""
 
 
@@ -51,12 +51,14 @@ class Run:
         baseline: `OURS` or `BASELINE`.
         seed: Of all chance in it.
         folder: Where it is kept.
+        options: More options of `vibe run`.
     """
 
     pair: Pair
     baseline: str
     seed: int
     folder: Path
+    options: tuple[str, ...] = ()
 
     @property
     def done(self) -> bool:
@@ -78,10 +80,39 @@ def plan(pairs: Sequence[Pair], budget: RunBudget, out: Path, meshes: Path | Non
     for seed in range(budget.seeds):
         for pair in pairs:
             for baseline in (OURS, BASELINE) if pair.group in COMPARED else (OURS,):
-                what = [pair.set, _content(meshes, pair), *arguments(pair, baseline, seed, budget), code]
-                name = hashlib.sha256("\n".join(what).encode()).hexdigest()[:20]
-                planned.append(Run(pair, baseline, seed, out / "runs" / name))
+                given = arguments(pair, baseline, seed, budget)
+                planned.append(Run(pair, baseline, seed, _folder(pair, given, out, meshes, code)))
     return planned
+
+
+def plan_rungs(
+    pairs: Sequence[Pair],
+    rungs: Mapping[str, tuple[str, ...]],
+    budget: RunBudget,
+    out: Path,
+    meshes: Path | None,
+) -> dict[str, list[Run]]:
+    """Runs of the product with other options, by rung; those of a pair are told apart by their folders.
+
+    Args:
+        pairs: What is asked for.
+        rungs: Name -> options of `vibe run`.
+        budget: How much each run may do.
+        out: The results folder.
+        meshes: Folder of the paper's meshes; None if no pair needs it.
+    """
+    code = _fingerprint()
+    planned: dict[str, list[Run]] = {name: [] for name in rungs}
+    for pair in pairs:
+        for name, options in rungs.items():
+            given = [*arguments(pair, OURS, 0, budget), *options]
+            planned[name].append(Run(pair, OURS, 0, _folder(pair, given, out, meshes, code), options))
+    return planned
+
+
+def _folder(pair: Pair, given: Sequence[str], out: Path, meshes: Path | None, code: str) -> Path:
+    what = [pair.set, _content(meshes, pair), *given, code]
+    return out / "runs" / hashlib.sha256("\n".join(what).encode()).hexdigest()[:20]
 
 
 def arguments(pair: Pair, baseline: str, seed: int, budget: RunBudget) -> list[str]:
@@ -126,7 +157,7 @@ def carry_out(runs: Sequence[Run], budget: RunBudget, out: Path, meshes: Path | 
     for name, run in todo.items():
         pair = run.pair
         scene = {"set": pair.set} if pair.set else {"mesh": str(_mesh(meshes, pair))}
-        given = arguments(pair, run.baseline, run.seed, budget)
+        given = [*arguments(pair, run.baseline, run.seed, budget), *run.options]
         rows.append(
             {"name": name, "folder": str(run.folder), "clear": pair.foggy, "arguments": given} | scene
         )
@@ -142,7 +173,7 @@ def carry_out(runs: Sequence[Run], budget: RunBudget, out: Path, meshes: Path | 
         if event["type"] == "failed":
             failed[run.folder] = event["message"]
             outcome = f"FAILED: {event['message']}"
-        method = "CLIP-only" if run.baseline else "ours"
+        method = "CLIP-only" if run.baseline else " ".join(run.options) or "ours"
         print(f"[{done}/{len(runs)}] {run.pair.name}, {method}, seed {run.seed}: {outcome}", flush=True)
     return failed
 

@@ -25,6 +25,10 @@ STAGES = ("none", "floor", "cyclorama")
 """What a bare mesh can be put on."""
 
 
+INNER = ("least-squares", "adam", "none", "middle")
+"""Inner loops."""
+
+
 @dataclass(frozen=True)
 class Options:
     """How a vibe is carried out: what the engine is told.
@@ -155,6 +159,19 @@ class Options:
             "Between rounds, render a small picture with Cycles that corrects the prediction: closer to the "
             "final render, but Blender pauses for about a second each time",
         ),
+    )
+    inner: str = option(
+        "least-squares",
+        "how a round finds its values: by least squares on what the words claim, by the paper's Adam steps, or not "
+        "at all (none: the nearest feasible values; middle: the middle of their ranges) (default: least-squares)",
+        "engine",
+        choices=INNER,
+    )
+    leave_out: tuple[str, ...] = option(
+        (),
+        "parts of the objective to leave out, to see what they are worth: encoder, claims",
+        "engine",
+        unit="A,B",
     )
     baseline: str = option(
         "",

@@ -56,15 +56,18 @@ def slot(scene: Scene, name: str) -> LazySlot | None:
     return LazySlot(find, make, _INPUTS[name][0], _lock(tree))
 
 
+def cut_off(tree: NodeTree | None) -> bool:
+    """Whether no picture reaches the output of a compositor, so that every render is black."""
+    target = compat.compositor_output(tree) if tree else None
+    return tree is not None and (target is None or not active_links(target))
+
+
 def _lock(tree: NodeTree | None) -> str:
     if tree is None:
         return ""
     if tree.library:
         return f'the compositor tree "{tree.name}" is linked from another file'
-    target = compat.compositor_output(tree)
-    if target is None or not active_links(target):
-        return "no picture reaches the output of the compositor"
-    return ""
+    return "no picture reaches the output of the compositor" if cut_off(tree) else ""
 
 
 def chain(journal: Journal, scene: Scene) -> Node:

@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The inner loop by least squares: damped Gauss-Newton steps in the box, on what the words claim of the pictures.
+
+A claim is a residual, in steps that people notice. Residuals and parameters are few, so such a step is cheap, and worth
+many gradient steps. The terms of similarity, and the pull to the artist's values, are followed by their gradient. The
+region that slopes are trusted in is a rectangle (Voglis and Lagaris 2004), for the box is one. Slopes cost a backward
+pass for each residual; between the times that they are taken, they are mended by what the steps show, as in the secant
+version of Levenberg-Marquardt (Madsen, Nielsen and Tingleff 2004, section 3.5).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, Protocol
+
+import torch
+from torch import Tensor
+
+from ..vector import project
+from .descent import Descent
+from .linear_model import Assessment, LinearModel
+
+MOST_STEPS = 12
+"""In one loop, whatever the budget: more are not worth what a new picture of Cycles is."""
+
+_TAKEN = 3
+"""Times that slopes are taken in one loop."""
+
+_RADIUS, _SMALLEST = 0.35, 0.01
+"""Of the region, as shares of each component's feasible range: at first, and where the loop ends."""
+
+_GOOD, _BAD = 0.7, 0.2
+"""Shares of the foretold decrease beyond which the region grows, and below which it shrinks."""
+
+_PROGRESS = 1e-3
+"""A foretold decrease that is not worth a picture."""
+
+_NEAR = 5.0
+"""Noticeable steps inside of an end of what is wanted, from where one step does not lose it."""
+
+
+class ClaimObjective(Protocol):
+    """Pictures of u, and what the words say of them."""
+
+    @property
+    def claim_weight(self) -> float:
+        """Of a noticeable step by which a claim is missed."""
+
+    @property
+    def stiffness(self) -> Tensor:
+        """(N,) curvature of the rest by each component's place in its range, as far as it is known."""
+
+    def assess(self, u: Tensor) -> Assessment:
+        """What is judged at u (N,) in [0, 1]; differentiable in what may move."""
+
+
+def solve(
+    objective: ClaimObjective,
+    u: Tensor,
+    chosen: Tensor,
+    lower: Tensor,
+    upper: Tensor,
+    steps: int,
+    on_step: Callable[[int, float, Any], bool],
+) -> Descent:
+    """Minimizes the objective over the chosen components.
+
+    Args:
+        objective: What to minimize.
+        u: (N,) start, inside the box.
+        chosen: (N,) bool, the components that may move.
+        lower: (N,) lower corner of the feasible box.
+        upper: (N,) upper corner.
+        steps: The most points that are looked at after the start.
+        on_step: Called with (step from 1, loss, picture) after each; True ends the loop.
+    """
+    if not chosen.any():
+        return Descent(u.clone(), 0.0, 0.0)
+    places = chosen.nonzero(as_tuple=True)[0]
+    start, span = u[chosen], (upper - lower)[chosen]
+    low, high = (lower[chosen] - start) / span, (upper[chosen] - start) / span
+
+    def place(x: Tensor) -> Tensor:
+        """u with the chosen components moved by x, in shares of their ranges."""
+        return u.index_put((places,), start + span * x)
+
+    def linear(x: Tensor) -> LinearModel:
+        return _linear(objective, x, place, objective.stiffness[chosen])
+
+    x, radius, taken, fresh = torch.zeros_like(start), _RADIUS, 1, True
+    model = linear(x)
+    loss = model.loss(x)
+    found = Descent(u.clone(), loss, loss, repairs=int(not math.isfinite(loss)))
+    while math.isfinite(found.loss) and found.steps < steps and radius > _SMALLEST:
+        move = model.step((low - x).clamp_min(-radius), (high - x).clamp_max(radius))
+        foretold = found.loss - model.loss(move)
+        if foretold > _PROGRESS:
+            with torch.no_grad():
+                seen = objective.assess(project(place(x + move), lower, upper))
+            loss = seen.loss(seen.values, seen.rest, objective.claim_weight)
+            share = (found.loss - loss) / foretold if math.isfinite(loss) else -math.inf
+            radius = _resized(radius, share, float(move.abs().max()))
+            found.steps += 1
+            if share > 0.0:
+                model, x, fresh = model.moved(seen, move), x + move, False
+                found.loss, found.u = loss, project(place(x), lower, upper)
+            elif math.isfinite(loss):
+                model = model.corrected(seen, move)
+            else:
+                found.repairs += 1
+            if on_step(found.steps, found.loss, seen.picture):
+                break
+            if share >= _BAD or fresh:
+                continue
+        if fresh or taken == _TAKEN:
+            break
+        model, taken, fresh = linear(x), taken + 1, True
+    return found
+
+
+def _resized(radius: float, share: float, length: float) -> float:
+    """The region's next radius, after a step of a length that gave this share of what was foretold."""
+    if share < _BAD:
+        return 0.4 * length
+    return max(radius, min(2.0 * length, 1.0)) if share > _GOOD else radius
+
+
+def _linear(
+    objective: ClaimObjective, x: Tensor, place: Callable[[Tensor], Tensor], stiffness: Tensor
+) -> LinearModel:
+    """The model at x (n,): a backward pass for each value that a step might bring out of what is wanted, and one for the rest."""
+    point = x.clone().requires_grad_()
+    found = objective.assess(place(point))
+
+    def slope(value: Tensor) -> Tensor:
+        if not value.requires_grad:
+            return torch.zeros_like(x)
+        (gradient,) = torch.autograd.grad(value, point, retain_graph=True, allow_unused=True)
+        return torch.zeros_like(x) if gradient is None else torch.nan_to_num(gradient, 0.0, 0.0, 0.0)
+
+    near = (found.values < found.lower + _NEAR) | (found.values > found.upper - _NEAR)
+    rows = [
+        slope(value) if asked else torch.zeros_like(x)
+        for value, asked in zip(found.values, near, strict=True)
+    ]
+    slopes = torch.stack(rows) if rows else x.new_zeros((0, len(x)))
+    seen = replace(found, values=found.values.detach(), rest=found.rest.detach())
+    return LinearModel(seen, slopes, slope(found.rest), stiffness, objective.claim_weight)
