@@ -115,7 +115,10 @@ def _of_matter(attribute: Attribute, vocabulary: Vocabulary) -> Iterator[Claim]:
             and effect.color[0] == "#"
         ):
             own = srgb_from_hex(effect.color)
-            yield from _tinted(attribute.word, attribute.thing or part, part, own, attribute.owners)
+            for claim in _tinted(attribute.word, attribute.thing or part, part, own, attribute.owners):
+                yield replace(
+                    claim, change=None
+                )  # gold that is blue is none, however much less blue than before
 
 
 def _tinted(

@@ -140,6 +140,17 @@ def test_a_color_is_that_of_most_of_a_thing() -> None:
     assert abs(b) < 3
 
 
+def test_a_small_thing_in_the_light_gives_a_black_picture_contrast() -> None:
+    black = picture(torch.zeros(SIZE, SIZE, 3))
+    y, x = torch.meshgrid(torch.arange(SIZE), torch.arange(SIZE), indexing="ij")
+    small = ((y - 48).square() + (x - 48).square() < 64).float()
+    lit = MeasuredPicture(small[..., None] * torch.full((3,), 0.8), replace(black.seen, subject=small))
+    contrast, everything = MEASURES["contrast"], torch.ones(SIZE, SIZE, dtype=torch.bool)
+    assert small.mean() < 0.05
+    assert float(contrast.take(lit, everything)) > 70
+    assert float(contrast.take(black, everything)) == pytest.approx(0.0, abs=1e-3)
+
+
 def test_a_large_picture_is_measured_as_a_small_one() -> None:
     shown = picture(color=(0.8, 0.3, 0.2))
     large = shown.display.repeat_interleave(3, 0).repeat_interleave(3, 1)

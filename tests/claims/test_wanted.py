@@ -65,6 +65,14 @@ def test_light_is_measured_on_what_no_word_colors() -> None:
     assert warm.apart == (("surroundings", ()),)
 
 
+def test_a_material_has_its_color_or_not_but_light_may_be_a_change() -> None:
+    """Gold that is only less blue than before is no gold; light that is less blue than before is warmer."""
+    (gold,) = [c for c in claims("the vase is gold") if c.measure == "tint"]
+    (blue,) = [c for c in claims("blue light") if c.measure == "tint"]
+    assert gold.change is None
+    assert blue.change
+
+
 def test_what_a_mood_means_is_claimed_in_its_name() -> None:
     assert {c.word for c in claims("cozy")} == {"cosy"}
 

@@ -14,14 +14,23 @@ _RINGS = (0.35, 0.62, 0.82)
 """Of a vignette, in half diagonals: the middle lies between the first two, the corners beyond the third."""
 
 
+_FEW = 32
+"""Pixels of which no contrast is told."""
+
+
 def contrast(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """From the darkest to the lightest twentieth: (1,) L*.
+    """From the darkest to the lightest twentieth, of the region or of the subject in it: (1,) L*.
+
+    A small thing in a spot of light is a picture of high contrast, however little of it is light.
 
     Args:
         picture: The picture.
         where: (H, W) bool, the region.
     """
-    return (_quantile(picture, where, 0.95) - _quantile(picture, where, 0.05))[None]
+    subject = region_of(picture.seen, "subject") & where
+    parts = [where, subject] if subject.sum() >= _FEW else [where]
+    light = torch.stack([_quantile(picture, part, 0.95) for part in parts]).max()
+    return (light - torch.stack([_quantile(picture, part, 0.05) for part in parts]).min())[None]
 
 
 def black_point(picture: MeasuredPicture, where: Tensor) -> Tensor:
