@@ -28,7 +28,7 @@ from . import context, starts
 from .baseline import GlobalGuidance, plan_everything
 from .inner.adam import StepSettings, descend
 from .inner.descent import Descent, fixed_views
-from .inner.least_squares import MOST_STEPS, solve
+from .inner.least_squares import solve
 from .objective import RoundObjective
 from .plan import carry, feasible_ranges, lock
 from .progress import Clock, Observer
@@ -94,7 +94,6 @@ class Search:
         vector: The parameters of u.
         shots: One or several, each with its proxy and guidance. Plans are made for the first.
         rounds: R, the most rounds from each start.
-        steps: T, the most steps of a round.
         weights: Of the terms of the loss.
         clock: Reports progress to the observer.
         number: Of the current round, counted over all starts.
@@ -125,8 +124,7 @@ class Search:
         self.several = options.variants > 1 and not options.baseline
         # Variants share what would be one vibe's time, as far as that goes.
         self.rounds = -(-options.rounds // 2) if self.several else options.rounds
-        self.steps = options.steps if options.inner == "adam" else min(options.steps, MOST_STEPS)
-        self.clock = Clock(self.rounds * (options.variants if self.several else 1), self.steps, observer)
+        self.clock = Clock(self.rounds * (options.variants if self.several else 1), options.steps, observer)
         self.weights = _weights(options)
         self._guidance = partial(make_guidance, encoder, heads, prompt, options)
         self.number = 0
@@ -291,10 +289,18 @@ class Search:
         if self.options.inner == "adam" or self.options.baseline:
             seed = self.options.seed * 1000 + self.number
             return descend(
-                objective, now.u, movable, now.lower, now.upper, self.steps, seed, StepSettings(), follow
+                objective,
+                now.u,
+                movable,
+                now.lower,
+                now.upper,
+                self.options.steps,
+                seed,
+                StepSettings(),
+                follow,
             )
         if self.options.inner == "least-squares":
-            return solve(objective, now.u, movable, now.lower, now.upper, self.steps, follow)
+            return solve(objective, now.u, movable, now.lower, now.upper, self.options.steps, follow)
         middle = self.options.inner == "middle"
         found = torch.where(movable, (now.lower + now.upper) / 2, now.u) if middle else now.u
         return Descent(found, 0.0, 0.0)

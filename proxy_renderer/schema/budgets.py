@@ -13,7 +13,7 @@ class Budget:
 
     Attributes:
         rounds: Outer rounds of Algorithm 1.
-        steps: Most gradient steps in each.
+        steps: Most steps of the inner loop in each.
         size: Longer side of the pictures, pixels.
         starts: Points that a coarse first pass tries; 1 for the artist's scene alone.
         summary: For whom it is, in words.
@@ -27,9 +27,9 @@ class Budget:
 
 
 BUDGETS = {
-    "quick": Budget(3, 30, 256, 1, "a first idea"),
-    "standard": Budget(6, 40, 512, 1, "the usual"),
-    "thorough": Budget(10, 60, 512, 6, "several starts, and time to refine"),
+    "quick": Budget(3, 8, 256, 1, "a first idea"),
+    "standard": Budget(6, 12, 512, 1, "the usual"),
+    "thorough": Budget(10, 20, 512, 6, "several starts, and time to refine"),
 }
 STANDARD = BUDGETS["standard"]
 NUMBERS = ("rounds", "steps", "size", "starts")

@@ -22,9 +22,6 @@ from ..vector import project
 from .descent import Descent
 from .linear_model import Assessment, LinearModel
 
-MOST_STEPS = 12
-"""In one loop, whatever the budget: more are not worth what a new picture of Cycles is."""
-
 _TAKEN = 3
 """Times that slopes are taken in one loop."""
 

@@ -47,7 +47,7 @@ class Options:
     )
     steps: int = option(
         STANDARD.steps,
-        "gradient steps in each round",
+        "steps in each round: pictures of the proxy that the search looks at; the paper's Adam needs 40 and more",
         "budget",
         bounds=(1, 10000),
         panel=Panel("Steps", "Refinements in each round", (1, 1000)),
