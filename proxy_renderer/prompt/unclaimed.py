@@ -136,7 +136,10 @@ class Unclaimed:
             attribute = self._attributes[i]
             toned = bool(set(attribute.entry.split()[:-1]) & set(_TONED))
             first = not air and len(self._opening) == 1 and self._opening[0].text == attribute.word
-            if attribute.color and ((airy and not first) or toned or several):
+            spread = several and not (
+                first and rest
+            )  # "green, soft light" of several things is about the things
+            if attribute.color and ((airy and not first) or toned or spread):
                 self._attributes[i] = _tint(attribute)
             if attribute.color and air:  # "underwater, murky green": so is the water
                 said = replace(attribute, region="whole", kind=air.kind, thing=air.thing)

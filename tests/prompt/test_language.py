@@ -498,6 +498,13 @@ def test_a_muted_tint_tints_less_than_a_vivid_one():
     assert spread[0] < 0.75 * spread[1]
 
 
+def test_a_color_that_begins_a_prompt_is_that_of_all_subjects():
+    scene = SceneWords(objects={"A": "subject", "B": "subject"})
+    green = next(a for a in parse("emerald green, soft light from the left", scene).attributes if a.color)
+    assert (green.kind, green.region) == ("subject", "subject")
+    assert next(a for a in parse("emerald green", scene).attributes if a.color).region == "whole"
+
+
 # ---- input of every kind
 
 
