@@ -55,6 +55,29 @@ def scenes(pattern: str, options: Sequence[str], bench: str = "fidelity") -> Ite
             yield {"type": "failed", "name": at, "message": f"Blender ended unexpectedly: {last_line[:200]}"}
 
 
+def command(bench: str, *arguments: object) -> dict[str, Any]:
+    """Carries out one command of Blender's side of a measurement.
+
+    Args:
+        bench: Its name, a module of `vibe_render.bench`.
+        *arguments: What it is given.
+
+    Returns:
+        The event that it ends with.
+
+    Raises:
+        VibeError: It fails.
+    """
+    process, tail = start(["-m", f"vibe_render.bench.{bench}", *map(str, arguments)]), deque[str](maxlen=40)
+    told = list(events(process, tail))
+    process.wait()
+    if not told or told[-1]["type"] != "scene":
+        last_line = next((line.strip() for line in reversed(tail) if line.strip()), "nothing")
+        said = told[-1]["message"] if told else last_line
+        raise VibeError(f"Blender's side of this measurement failed: {said[:200]}", "Run `vibe doctor`.")
+    return told[-1]
+
+
 def _process(bench: str, arguments: Sequence[str], tail: deque[str]) -> Iterator[dict[str, Any]]:
     """The events of one process; what else it prints goes to the tail. It ends with this generator."""
     process = start(["-m", f"vibe_render.bench.{bench}", *arguments])

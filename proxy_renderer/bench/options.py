@@ -128,6 +128,31 @@ def _ladder(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--rounds", type=int, default=3, metavar="N", help="most rounds of a run (default: 3)")
 
 
+def _sealed(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("--jobs", type=int, default=24, metavar="N", help="how many prompts (default: 24)")
+    sub.add_argument(
+        "--seed",
+        dest="drawn_from",
+        default="",
+        metavar="TEXT",
+        help="draw from this (default: the hash of the clone's commit)",
+    )
+    sub.add_argument(
+        "--baseline", default="", choices=("clip-only",), help="as for a vibe (default: the product itself)"
+    )
+    _small_pictures(sub)
+
+
+def _materials(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("--only", default="*", metavar="GLOB", help='only such names: "*plastic*"')
+    _small_pictures(sub)
+
+
+def _small_pictures(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("--size", type=int, default=160, metavar="N", help="side of the pictures (default: 160)")
+    sub.add_argument("--samples", type=int, default=32, metavar="N", help="of Cycles' pictures (default: 32)")
+
+
 AddOptions = Callable[[argparse.ArgumentParser], None]
 
 BENCHES: dict[str, tuple[str, AddOptions]] = {
@@ -141,6 +166,11 @@ BENCHES: dict[str, tuple[str, AddOptions]] = {
     "batch": ("What a batch costs beside its vibes: by workers, and by jobs.", _batch),
     "encoder": ("How well the encoder reads looks off pictures, and words, that it never saw.", _encoder),
     "wild": ("How a vibe fares on a folder of other people's scenes.", _wild),
+    "sealed": (
+        "Whether pictures show what was asked for, by prompts and scenes that nobody could tune to.",
+        _sealed,
+    ),
+    "materials": ("Whether names of measured materials and lamps give what was measured.", _materials),
     "gradients": ("Whether the proxy's gradients point where Cycles' pictures go.", _gradients),
 }
 """By name: a summary, and what declares the options, which are the keywords of its module's `run`."""

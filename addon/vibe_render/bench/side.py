@@ -31,7 +31,26 @@ def main(
         make: Makes one scene and returns its report.
     """
     options = _arguments()
-    status = _run(scenes(options) if callable(scenes) else scenes, make, options)
+    end(_run(scenes(options) if callable(scenes) else scenes, make, options))
+
+
+def once(make: Callable[[], dict[str, Any]]) -> int:
+    """Does one thing and tells of it, as "scene" or as "error"; returns the exit code.
+
+    Args:
+        make: What is done; it returns what is told.
+    """
+    try:
+        say("scene", **make())
+    except Exception as error:
+        traceback.print_exc()
+        say("error", message=str(error))
+        return 2
+    return 0
+
+
+def end(status: int) -> NoReturn:
+    """Ends this process at once with an exit code."""
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(status)  # Blender 4.5's own exit handlers may wait for ever

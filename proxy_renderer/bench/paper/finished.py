@@ -97,18 +97,30 @@ def load(folder: Path, which: str) -> FinishedPicture:
         folder: Of the run.
         which: "before" for the artist's, "after" for the result.
     """
-    mask_file = {"before": "mask_before.png", "after": "mask.png"}[which]
-    with Image.open(folder / mask_file) as image:
-        mask = np.asarray(image.convert("L"), float) / 255.0
-    clear = folder / "clear.png"
-    with np.load(folder / f"{which}.npz") as sight:
+    mask = {"before": "mask_before.png", "after": "mask.png"}[which]
+    clear = folder / "clear.png" if which == "after" else None
+    return read(folder / f"{which}.png", folder / mask, folder / f"{which}.npz", clear)
+
+
+def read(picture: Path, mask: Path, sight: Path, clear: Path | None = None) -> FinishedPicture:
+    """Reads a picture from its files.
+
+    Args:
+        picture: As shown.
+        mask: Where the subject is, gray.
+        sight: What the camera sees, an .npz of Blender's side (`camera_hits.py`).
+        clear: The same picture without fog; it need not be there.
+    """
+    with Image.open(mask) as image:
+        covered = np.asarray(image.convert("L"), float) / 255.0
+    with np.load(sight) as seen:
         return FinishedPicture(
-            display=load_picture(folder / f"{which}.png").astype(float),
-            mask=mask,
-            normal=_spread(sight["normal"].astype(float), mask.shape),
-            material=_spread(sight["material"].astype(np.int64), mask.shape),
-            materials=tuple(sight["materials"].tolist()),
-            clear=load_picture(clear).astype(float) if which == "after" and clear.is_file() else None,
+            display=load_picture(picture).astype(float),
+            mask=covered,
+            normal=_spread(seen["normal"].astype(float), covered.shape),
+            material=_spread(seen["material"].astype(np.int64), covered.shape),
+            materials=tuple(seen["materials"].tolist()),
+            clear=load_picture(clear).astype(float) if clear and clear.is_file() else None,
         )
 
 

@@ -5,24 +5,19 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
-import sys
-import time
 from collections import deque
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ...blender import launch, process_tree
+from ...blender import launch
 from ...engine.report import load_picture
 from ...schema import atomic
 from ...schema.verdicts import missing_by_word
+from . import product
 
 _SHORT = ("--rounds", "1", "--steps", "8", "--samples", "64")
 """A short vibe: what is tried is whether a scene can be read, changed, predicted and given back."""
-_LONGEST = 900
-"""Seconds after which a vibe counts as hanging."""
-_TICK = 0.2
 
 
 @dataclass(frozen=True)
@@ -50,59 +45,20 @@ class Trial:
         return row
 
     def _made(self) -> dict[str, Any]:
-        current, temporary = self.folder / "current", self.folder / "temporary"
-        for each in (current, temporary):
-            each.mkdir(parents=True, exist_ok=True)
         before = _files(self.scene.parent)
-        code, seconds, memory = self._vibe(current, temporary)
-        left = sorted(_files(self.scene.parent) - before) + sorted(_files(current) | _files(temporary))
+        ended = product.vibe(self.scene, self.prompt, self.folder, [*_SHORT, "--size", str(self.size)])
+        own = _files(self.folder / "current") | _files(self.folder / "temporary")
         return {
             "prompt": self.prompt,
             "megabytes": round(self.scene.stat().st_size / 1e6, 2),
-            "code": code,
-            "error": "" if code == 0 else self._last_line(),
-            "seconds": round(seconds, 1),
-            "memory_gb": round(memory / 1e9, 2),
-            "left_behind": left,
-            **(self._report() if code == 0 else {}),
+            "code": ended.code,
+            "error": ended.last_line,
+            "seconds": round(ended.seconds, 1),
+            "memory_gb": round(ended.memory / 1e9, 2),
+            "left_behind": sorted(_files(self.scene.parent) - before) + sorted(own),
+            **(self._report() if ended.code == 0 else {}),
             **self._reverted(),
         }
-
-    def _vibe(self, current: Path, temporary: Path) -> tuple[int, float, int]:
-        """Exit code, seconds, and the most memory that all its processes held together, bytes."""
-        options = [
-            "--prompt",
-            self.prompt,
-            "--out",
-            str((self.folder / "out").resolve()),
-            *_SHORT,
-        ]
-        command = [sys.executable, "-m", "proxy_renderer.cli", "run", str(self.scene.resolve()), *options]
-        environment = {
-            **launch.environment(),
-            "TMPDIR": str(temporary.resolve()),
-            "TORCHINDUCTOR_CACHE_DIR": str(self.folder / "inductor"),
-        }
-        start, most = time.monotonic(), 0
-        with (self.folder / "log.txt").open("w", encoding="utf-8") as log:
-            process = subprocess.Popen(
-                [*command, "--size", str(self.size)],
-                stdin=subprocess.DEVNULL,
-                stdout=log,
-                stderr=subprocess.STDOUT,
-                cwd=current,
-                env=environment,
-            )
-            while process.poll() is None:
-                most = max(most, process_tree.memory(process.pid))
-                if time.monotonic() - start > _LONGEST:
-                    process_tree.kill(process.pid)
-                time.sleep(_TICK)
-        return process.returncode, time.monotonic() - start, most
-
-    def _last_line(self) -> str:
-        lines = (self.folder / "log.txt").read_text(encoding="utf-8", errors="replace").strip().splitlines()
-        return lines[-1].strip() if lines else "nothing was said"
 
     def _report(self) -> dict[str, Any]:
         """What the vibe said of itself, and how far its prediction was from Cycles."""

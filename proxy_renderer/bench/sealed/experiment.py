@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The sealed set: prompts and scenes from a seed, the product's pictures of them, and the judge's verdicts."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from PIL import Image
+
+from ...schema import VibeError, atomic
+from ..sheet import Strip, save_sheets
+from . import table
+from .commit import judged_commit
+from .prompts import draw
+from .trial import SealedTrial
+
+_MOST = 100_000
+
+
+def run(
+    out: Path, jobs: int = 24, drawn_from: str = "", size: int = 160, samples: int = 32, baseline: str = ""
+) -> dict[str, Any]:
+    """Draws, carries out what is missing, judges, and writes OUT/results.json and contact sheets.
+
+    Args:
+        out: The folder. OUT/runs keeps each job's scene and pictures; one that is there is not done again.
+        jobs: How many prompts; fewer are the first of more.
+        drawn_from: The seed, any text; "" for the hash of the judged commit.
+        size: Longer side of the pictures, pixels.
+        samples: Of Cycles.
+        baseline: As for `vibe run`; "" for the product.
+
+    Returns:
+        The content of results.json; see `table.summary`. Beside that `seed`, and `changed_files`: whether the clone has
+        files that the commit does not have, in which case others cannot repeat it.
+
+    Raises:
+        VibeError: There is neither a seed nor a commit.
+    """
+    if not 1 <= jobs <= _MOST:
+        raise VibeError(f"--jobs {jobs} is out of range.", f"Use 1 to {_MOST}.")
+    chosen, changed = (drawn_from, False) if drawn_from else judged_commit()
+    print(
+        f"Drawn from {chosen}{'; files have been changed since this commit' if changed else ''}.", flush=True
+    )
+    rows, strips = [], []
+    for number in range(jobs):
+        trial = _trial(out, chosen, number, size, samples, baseline)
+        row = {**trial.row(), "run": trial.folder.name, "asked": len(trial.job.asks)}
+        print(f"[{number + 1}/{jobs}] {row['prompt']}: {table.line(row)}", flush=True)
+        rows.append(row)
+        strips.append(_strip(row, trial.folder / "out"))
+    budget = {"size": size, "samples": samples, "baseline": baseline}
+    results = table.summary(rows) | {"seed": chosen, "changed_files": changed, **budget}
+    save_sheets(strips, out)
+    atomic.write_text(out / "results.json", json.dumps(results, indent=1, ensure_ascii=False))
+    table.show(results)
+    return results
+
+
+def _trial(out: Path, seed: str, number: int, size: int, samples: int, baseline: str) -> SealedTrial:
+    """A trial in a folder that is named by all that it depends on, but for changed files."""
+    job = draw(seed, number)
+    depends = [seed, number, size, samples, baseline, job.prompt, job.scene.plain]
+    name = hashlib.sha256(json.dumps(depends).encode()).hexdigest()[:16]
+    options = ["--vlm-model=off", *([f"--baseline={baseline}"] if baseline else [])]
+    return SealedTrial(job, out / "runs" / f"{number:03d}-{name}", size, samples, options)
+
+
+def _strip(row: Mapping[str, Any], out: Path) -> Strip:
+    """The prompt, its ticks, and what there is of both pictures."""
+    panels = []
+    for name in ("before", "after"):
+        if (out / f"{name}.png").is_file():
+            with Image.open(out / f"{name}.png") as picture:
+                panels.append((name, picture.convert("RGB")))
+    ticks = "   ".join(("+ " if a["holds"] else "- ") + a["words"] for a in row.get("asks", ()))
+    unseen = "" if row.get("seen", True) else "   (hardly seen)"
+    note = row["error"] or f"{ticks}{unseen}"
+    return Strip(row["prompt"][:56], note[:80], panels or [("no picture", Image.new("RGB", (256, 256)))])
