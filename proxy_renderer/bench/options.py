@@ -85,7 +85,9 @@ def _encoder(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--encoder", default="embedded", metavar="NAME", help="as for a vibe (default: embedded)"
     )
-    sub.add_argument("--views", type=int, default=96, metavar="N", help="views of shapes that training lacks (default: 96)")
+    sub.add_argument(
+        "--views", type=int, default=96, metavar="N", help="views of shapes that training lacks (default: 96)"
+    )
     sub.add_argument(
         "--pairs",
         type=int,
@@ -164,7 +166,10 @@ BENCHES: dict[str, tuple[str, AddOptions]] = {
     ),
     "ladder": ("What each part of the method adds, on the development pairs.", _ladder),
     "batch": ("What a batch costs beside its vibes: by workers, and by jobs.", _batch),
-    "encoder": ("How well the encoder reads looks off shapes that it never saw, and in other words.", _encoder),
+    "encoder": (
+        "How well the encoder reads looks off shapes that it never saw, and in other words.",
+        _encoder,
+    ),
     "wild": ("How a vibe fares on a folder of other people's scenes.", _wild),
     "sealed": (
         "Whether pictures show what was asked for, by prompts and scenes that nobody could tune to.",
