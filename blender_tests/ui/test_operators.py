@@ -56,7 +56,7 @@ def test_options_are_what_the_engine_takes(addon):
     addon.vibe.budget = "QUICK"
     options = addon.vibe.engine_options(bpy.context)
     assert options.lock == ("light/Key", "*/metallic")
-    assert (options.rounds, options.steps, options.size) == (3, 30, 256)
+    assert (options.rounds, options.steps, options.size) == (3, 8, 256)
 
 
 def test_run_says_what_is_in_its_way(addon):

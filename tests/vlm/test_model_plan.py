@@ -13,6 +13,7 @@ from tiny_job import write_job
 from proxy_renderer.engine.report import changed_values, parameter_records
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import context, pipeline
+from proxy_renderer.optimize.refinement import Refinement
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
 from proxy_renderer.prompt.types import Parsed, Plan, PlanContext, Prompts, SceneWords
@@ -335,7 +336,7 @@ class TestLoop:
     @pytest.fixture(autouse=True)
     def all_rounds(self, monkeypatch):
         """However soon the picture shows the words: what a model is asked in later rounds is tried here."""
-        monkeypatch.setattr(pipeline, "_settled", lambda search, ends: False)
+        monkeypatch.setattr(Refinement, "_goes_on", lambda self: self._see_end() or True)
 
     def test_the_model_plans_every_round_from_the_current_picture(self, scene, encoder):
         with serving(lambda body, n: says(plan_for(body))) as model:
