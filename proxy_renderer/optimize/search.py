@@ -16,6 +16,7 @@ from ..claims.claim import HOLDS
 from ..claims.wanted import claims_of
 from ..guidance.encoder import Encoder
 from ..guidance.guide import Guidance, PromptGuidance, Weights
+from ..guidance.losses import claims_loss
 from ..guidance.regions import Views
 from ..planning.advice import Advice, Advisor, OfflineAdvisor
 from ..prompt.lexicon.user_words import default_vocabulary
@@ -57,12 +58,13 @@ class Missed(NamedTuple):
     """How far pictures are from what the words claim; the least is the best.
 
     Attributes:
+        distance: Sum over claims of how far each is missed, see `losses.claims_loss`: one that is far off, as a subject that
+            can hardly be seen, counts more than two that nearly hold.
         claims: How many do not hold.
-        squares: Sum of the squares of all residuals, in steps that people notice.
     """
 
+    distance: float
     claims: int
-    squares: float
 
 
 @dataclass
@@ -199,8 +201,9 @@ class Search:
         for shot in self.shots:
             shot.look(u)
         with torch.no_grad():
-            norms = [float(r.norm()) for shot in self.shots for r in shot.residuals(shot.draw(u))]
-        return Missed(sum(norm > HOLDS for norm in norms), sum(norm * norm for norm in norms))
+            residuals = [r for shot in self.shots for r in shot.residuals(shot.draw(u))]
+            distance = float(claims_loss(residuals)) if residuals else 0.0
+        return Missed(round(distance, 3), sum(float(r.norm()) > HOLDS for r in residuals))
 
     def confine(self, u: Tensor, earlier: Plan, start: Start | None, reach: float = 1.0) -> Confined:
         """Lines 2 to 5 and 7 of Algorithm 1 at u: render, parse, compose, confine, project.

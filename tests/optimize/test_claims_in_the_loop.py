@@ -43,7 +43,7 @@ def test_the_best_round_is_the_result_and_others_are_not_waited_for_long(search,
 
     def missed(self, u):
         ends.append(u.clone())
-        return Missed(1, float(len(ends)))  # each round is farther from the words than the one before
+        return Missed(float(len(ends)), 1)  # each round is farther from the words than the one before
 
     monkeypatch.setattr(Search, "missed", missed)
     monkeypatch.setattr(refinement, "CONVERGED", -1.0)
@@ -76,7 +76,7 @@ def test_the_baseline_is_judged_by_no_claim(search):
     begun = search("dark", baseline="clip-only")
     confined(begun)
     assert begun.shots[0].claims is None
-    assert begun.missed(begun.vector.encode({})) == Missed(0, 0.0)
+    assert begun.missed(begun.vector.encode({})) == Missed(0.0, 0)
 
 
 def test_a_round_that_made_it_worse_is_taken_back_and_the_next_goes_half_as_far(search, monkeypatch):
@@ -90,7 +90,7 @@ def test_a_round_that_made_it_worse_is_taken_back_and_the_next_goes_half_as_far(
 
     def missed(self, u):
         ends.append(u.clone())
-        return Missed(1, float(len(ends)))
+        return Missed(float(len(ends)), 1)
 
     monkeypatch.setattr(Search, "confine", confined_at)
     monkeypatch.setattr(Search, "missed", missed)
