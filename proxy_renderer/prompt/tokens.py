@@ -11,7 +11,7 @@ from functools import cached_property
 from ..color.shades import shade
 from ..schema import Values
 from .lexicon.nearest import Guess, nearest, table
-from .lexicon.tinges import spelled_out, tending, tinged
+from .lexicon.tinges import kind_of, spelled_out, tending, tinged
 from .lexicon.vocabulary import Vocabulary, VocabularyEntry, normalize
 from .names import SceneName, in_parts, scene_names
 from .types import SceneWords
@@ -165,7 +165,9 @@ class Lexer:
         return self._tinged(words) or self._shaded(words) or self._shaded_material(words)
 
     def _tinged(self, words: list[str]) -> Token | None:
-        color = tinged(words, self.vocabulary.colors)
+        colors = self.vocabulary.colors
+        made_of = self._entry(words[0])  # "ruby red lips" are red
+        color = tinged(words, colors) or (None if made_of else kind_of(words, colors))
         return Token(" ".join(words), color=color, name=" ".join(words)) if color else None
 
     def _shaded(self, words: list[str]) -> Token | None:

@@ -122,6 +122,15 @@ def test_colors_between_colors_are_mixed():
     assert green > red > blue
 
 
+def test_a_kind_of_a_color_lies_between_both_but_two_colors_stay_two():
+    khaki_green = {a.entry: a.color for a in parse("a khaki green cup", TABLE).attributes}
+    (red, green, blue) = khaki_green["khaki green"]
+    assert green > red > blue
+    two = [a.entry for a in parse("teal orange grade", TABLE).attributes]
+    assert "teal orange" not in two
+    assert "navy white" not in [a.entry for a in parse("navy white cup", TABLE).attributes]
+
+
 def test_each_thing_has_a_caption_of_its_own():
     prompts = compose(parse("matte white cup, glossy black table", TABLE))
     assert prompts.subject.startswith("a matte white cup, ")
