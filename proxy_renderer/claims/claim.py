@@ -84,9 +84,13 @@ class Claim:
 
     def residual(self, value: Tensor, before: Tensor | None) -> Tensor:
         """How far a value (n,) lies outside of the interval: (n,) in steps that people notice, 0 inside."""
-        lower, upper = (value.new_tensor(end) for end in self.interval(before))
-        outside = (value - upper).clamp_min(0.0) - (lower - value).clamp_min(0.0)
-        return outside / MEASURES[self.measure].notice
+        return outside(*self.in_steps(value, before))
+
+    def in_steps(self, value: Tensor, before: Tensor | None) -> tuple[Tensor, Tensor, Tensor]:
+        """A value (n,), and the lower and the upper end of what is wanted, in steps that people notice."""
+        notice = MEASURES[self.measure].notice
+        lower, upper = (value.new_tensor(end) / notice for end in self.interval(before))
+        return value / notice, lower, upper
 
     def miss(self, value: Tensor, before: Tensor | None) -> float:
         """The length of the residual; a claim holds if it is at most `HOLDS`."""
@@ -139,15 +143,14 @@ class ClaimSet:
         Returns:
             Each (n,), in steps that people notice; the values are differentiable in the picture.
         """
-        found = []
-        for claim, value, before in zip(self.claims, self.values(picture), self.before, strict=True):
-            if value is not None:
-                notice = MEASURES[claim.measure].notice
-                lower, upper = (value.new_tensor(end) / notice for end in claim.interval(before))
-                found.append((value / notice, lower, upper))
-        return found
+        rows = zip(self.claims, self.values(picture), self.before, strict=True)
+        return [claim.in_steps(value, before) for claim, value, before in rows if value is not None]
 
     def residuals(self, picture: MeasuredPicture) -> list[Tensor]:
         """How far a picture is from each claim that can be measured: (n,) each, see `Claim.residual`."""
-        rows = zip(self.claims, self.values(picture), self.before, strict=True)
-        return [claim.residual(value, before) for claim, value, before in rows if value is not None]
+        return [outside(*row) for row in self.intervals(picture)]
+
+
+def outside(values: Tensor, lower: Tensor, upper: Tensor) -> Tensor:
+    """How far values lie outside of [lower, upper], all of one shape; below it less than 0, inside 0."""
+    return (values - upper).clamp_min(0.0) - (lower - values).clamp_min(0.0)

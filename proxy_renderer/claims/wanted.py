@@ -115,10 +115,9 @@ def _of_matter(attribute: Attribute, vocabulary: Vocabulary) -> Iterator[Claim]:
             and effect.color[0] == "#"
         ):
             own = srgb_from_hex(effect.color)
-            for claim in _tinted(attribute.word, attribute.thing or part, part, own, attribute.owners):
-                yield replace(
-                    claim, change=None
-                )  # gold that is blue is none, however much less blue than before
+            claims = _tinted(attribute.word, attribute.thing or part, part, own, attribute.owners)
+            # Gold that is blue is none, however much less blue than before.
+            yield from (replace(claim, change=None) for claim in claims)
 
 
 def _tinted(

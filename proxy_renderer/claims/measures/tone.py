@@ -13,7 +13,6 @@ from .picture import MeasuredPicture, largest_around, region_of
 _RINGS = (0.35, 0.62, 0.82)
 """Of a vignette, in half diagonals: the middle lies between the first two, the corners beyond the third."""
 
-
 _FEW = 32
 """Pixels of which no contrast is told."""
 

@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import torch
+import torch.nn.functional as F
 from torch import Tensor
 
+from ...claims.claim import outside
 from ..vector import project
 
 _DAMPING = 1e-3
@@ -37,14 +39,12 @@ class Assessment:
     rest: Tensor
     picture: Any
 
-    def outside(self, values: Tensor) -> Tensor:
-        """(M,) how far values (M,) lie outside of what is wanted; signed."""
-        return (values - self.upper).clamp_min(0.0) - (self.lower - values).clamp_min(0.0)
-
     def misses(self, values: Tensor) -> Tensor:
         """(claims,) by how many noticeable steps values (M,) miss each claim."""
         count = int(self.claim.max()) + 1 if len(self.claim) else 0
-        squares = values.new_zeros(count).index_add(0, self.claim, self.outside(values).square())
+        squares = values.new_zeros(count).index_add(
+            0, self.claim, outside(values, self.lower, self.upper).square()
+        )
         return squares.sqrt()
 
     def loss(self, values: Tensor, rest: Tensor, weight: float) -> float:
@@ -56,9 +56,7 @@ class Assessment:
             weight: Of a noticeable step.
         """
         misses = self.misses(values)
-        return weight * float(torch.where(misses < 1.0, 0.5 * misses.square(), misses - 0.5).sum()) + float(
-            rest
-        )
+        return weight * float(F.huber_loss(misses, torch.zeros_like(misses), reduction="sum")) + float(rest)
 
 
 @dataclass(frozen=True)
@@ -98,8 +96,9 @@ class LinearModel:
         rate = 1.0 / (steepest + float(curvature.max()))
         move = ahead = torch.zeros_like(self.rest_slope)
         for number in range(_ITERATIONS):
-            outside = self.here.outside(self.here.values + self.slopes @ ahead)
-            slope = self.slopes.T @ (weights * outside) + self.rest_slope + curvature * ahead
+            values = self.here.values + self.slopes @ ahead
+            missed = outside(values, self.here.lower, self.here.upper)
+            slope = self.slopes.T @ (weights * missed) + self.rest_slope + curvature * ahead
             earlier, move = move, project(ahead - rate * slope, low, high)
             ahead = move + number / (number + 3) * (move - earlier)
         return move

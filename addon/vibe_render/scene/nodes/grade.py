@@ -58,8 +58,10 @@ def slot(scene: Scene, name: str) -> LazySlot | None:
 
 def cut_off(tree: NodeTree | None) -> bool:
     """Whether no picture reaches the output of a compositor, so that every render is black."""
-    target = compat.compositor_output(tree) if tree else None
-    return tree is not None and (target is None or not active_links(target))
+    if tree is None:
+        return False
+    target = compat.compositor_output(tree)
+    return target is None or not active_links(target)
 
 
 def _lock(tree: NodeTree | None) -> str:
