@@ -26,8 +26,8 @@ _HARDEST = 100.0  # a miss, in noticeable steps, that nothing is worse than
 class Claim:
     """What a measure of a part of the picture has to be.
 
-    The measure is to lie between `lower` and `upper`. Where `change` is given, of which one end is open, it is also
-    enough if the measure has risen (or fallen, below 0) by so much since the artist's picture.
+    The measure is to lie between `lower` and `upper`. Where `change` is given, it is also enough if the measure has
+    risen (or fallen, below 0) by so much since the artist's picture; what is too much there already may stay.
 
     Attributes:
         word: As the prompt says it; "" for what holds without words, as that the subject can be seen.
@@ -77,10 +77,10 @@ class Claim:
         """
         if self.change is None or before is None:
             return self.lower, self.upper
-        enough = float(before[0]) + self.change
-        if math.isfinite(self.lower[0]):
-            return (min(self.lower[0], enough),), self.upper
-        return self.lower, (max(self.upper[0], enough),)
+        own = float(before[0])
+        rises = self.change > 0.0 or not math.isfinite(self.upper[0])
+        lower, upper = own + self.change if rises else own, own if rises else own + self.change
+        return (min(self.lower[0], lower),), (max(self.upper[0], upper),)
 
     def residual(self, value: Tensor, before: Tensor | None) -> Tensor:
         """How far a value (n,) lies outside of the interval: (n,) in steps that people notice, 0 inside."""

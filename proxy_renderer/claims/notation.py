@@ -59,6 +59,6 @@ def read_claim(text: str) -> ClaimText:
     if lower > upper:
         raise VibeError(f"'{text}' has a lower end above the upper one.", "Swap them.")
     change = float(match["change"]) if match["change"] else None
-    if change is not None and (change > 0) != math.isfinite(lower):
+    if change is not None and not math.isfinite(lower if change > 0 else upper):
         raise VibeError(f"'{text}' asks for a change away from its interval.", "Turn the sign of the change.")
     return ClaimText(match["part"], match["measure"], lower, upper, change)

@@ -28,6 +28,9 @@ _COLORED = 12.0  # C* below which a color tints nothing
 _TINTED = (6.0, 3.0)
 """How far in a color's direction a tinted picture lies, or how much farther than before; in a* and b*."""
 
+_DROWNED, _LEAST_DROWNED = 0.5, 25.0
+"""Share of a color's chroma, but at least this, at which its light leaves nothing of the picture's other colors."""
+
 _LIGHTING = ("light", "fill", "rim", "ambience", "tone")
 """Kinds of things whose color is a tint of the picture."""
 
@@ -96,7 +99,9 @@ def _of_color(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
         lower, upper = (tuple(v + sign * r for v, r in zip(named, reaches, strict=True)) for sign in (-1, 1))
         yield Claim(attribute.word, thing, "color", part, lower, upper, attribute.owners, color=shown)
     elif attribute.kind in _LIGHTING:
-        yield from _tinted(attribute.word, "picture", "picture", srgb)
+        most = max(_DROWNED * chroma(lab_from_srgb(srgb)), _LEAST_DROWNED)
+        tints = _tinted(attribute.word, "picture", "picture", srgb)
+        yield from (replace(claim, upper=(most,)) for claim in tints)
     elif attribute.kind == "fog":
         yield from _tinted(attribute.word, thing, "surroundings", srgb)
 

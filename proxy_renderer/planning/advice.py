@@ -8,11 +8,12 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from ..prompt.lexicon.user_words import default_vocabulary
-from ..prompt.meaning import forget_parts
+from ..prompt.meaning import forget_parts, forget_sky
 from ..prompt.parser import parse
 from ..prompt.prompts import compose
 from ..prompt.types import Parsed, Plan, PlanContext, Prompts, SceneWords
 from ..schema import Instance
+from .owners import SLIVER
 from .planner import plan
 
 
@@ -61,6 +62,8 @@ class OfflineAdvisor:
         """Raises VibeError if no word of the prompt is known."""
         vocabulary = default_vocabulary()
         parsed = parse(self.prompt, self.words, vocabulary)
+        if context.world_share is not None and context.world_share < SLIVER:
+            forget_sky(parsed)
         forget_parts(parsed, context.material_share, vocabulary)
         prompts = compose(parsed)
         return Advice(parsed, prompts, plan(parsed, prompts, dict(instances), context))

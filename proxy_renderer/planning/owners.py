@@ -21,7 +21,7 @@ _OF_BACKDROP = {"color": "backdrop_color", "tint": "backdrop_tint", "strength": 
 """What the world's parameters are of its backdrop."""
 _SEEN, _SHED = ("surroundings", "sky"), ("share", "times", "gel")
 """Kinds of words that are about what is seen of the world, and modes of effects that are about its light."""
-_SLIVER = 0.05  # of the surroundings: so little world counts as none
+SLIVER = 0.05  # of the surroundings: so little world counts as none
 
 
 class Owners:
@@ -104,7 +104,7 @@ class Owners:
     def world_is_hidden(self) -> bool:
         """Whether surfaces fill all that the camera sees."""
         share = self.context.world_share
-        return share is not None and share < _SLIVER and bool(self.materials("surroundings"))
+        return share is not None and share < SLIVER and bool(self.materials("surroundings"))
 
     def _concerns(self, effect: Effect, attribute: Attribute) -> bool:
         """Whether a word about surroundings means the world too: not if it names a thing, or a sky is named."""

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ..color.constants import Lab
 from ..color.floats import chroma, lab_from_srgb
 from ..color.shades import basic, shade
@@ -141,6 +143,24 @@ def _softer(head: str, value: str) -> str:
     if head == "fog":
         return "light" if value == "thick" else value
     return value if head in ("light_side", "light_temperature", "vignette", "subject_color") else ""
+
+
+def forget_sky(parsed: Parsed) -> None:
+    """A sky that the camera does not see is its light alone: what colors it colors the picture.
+
+    Args:
+        parsed: Complete; changed.
+    """
+
+    def its_light(attribute: Attribute) -> Attribute:
+        hidden = attribute.kind == "sky" and attribute.color
+        return replace(attribute, kind="ambience", region="whole") if hidden else attribute
+
+    for attributes in (parsed.attributes, parsed.overruled):
+        attributes[:] = map(its_light, attributes)
+    parsed.colors.pop("surroundings", None)
+    parsed.targets.pop("surroundings_color", None)
+    _region_colors(parsed, parsed.attributes)
 
 
 def forget_parts(parsed: Parsed, shares: dict[str, float], vocabulary: Vocabulary) -> None:

@@ -193,6 +193,15 @@ def test_a_change_may_be_enough() -> None:
     assert claim.miss(torch.tensor([8.0]), torch.tensor([7.0])) == 0
 
 
+def test_too_much_is_missed_too_unless_the_artist_had_it() -> None:
+    """A cool picture is not all blue; one that was that blue before need not change."""
+    claim = Claim("cool", "picture", "warmth", "picture", (-30.0,), (-4.0,), change=-4.0)
+    assert claim.miss(torch.tensor([-60.0]), torch.tensor([20.0])) == pytest.approx(20.0)
+    assert claim.miss(torch.tensor([14.0]), torch.tensor([20.0])) == 0
+    assert claim.miss(torch.tensor([-40.0]), torch.tensor([-40.0])) == 0
+    assert claim.miss(torch.tensor([-46.0]), torch.tensor([-40.0])) == pytest.approx(4.0)
+
+
 def test_residuals_know_what_is_missing_and_fall_towards_it() -> None:
     claims = (
         Claim("bright", "picture", "lightness", "picture", (70.0,), (float("inf"),)),

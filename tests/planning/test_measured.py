@@ -6,14 +6,16 @@ import math
 import pytest
 import torch
 
+from proxy_renderer.claims.wanted import claims_of
 from proxy_renderer.color.blackbody import blackbody
 from proxy_renderer.color.floats import luminance, srgb_from_lab
+from proxy_renderer.planning.advice import OfflineAdvisor
 from proxy_renderer.planning.display import reachable, scene_color
 from proxy_renderer.planning.illumination import cast, warmth
 from proxy_renderer.planning.measured import measured
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
-from proxy_renderer.prompt.meaning import display_color, forget_parts
+from proxy_renderer.prompt.meaning import display_color, forget_parts, forget_sky
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.prompts import compose
 from proxy_renderer.prompt.types import PictureStats, PlanContext, SceneWords
@@ -104,6 +106,24 @@ def test_a_part_is_not_its_region():
     assert parsed.colors == {}
     assert "subject_color" not in parsed.targets
     assert parsed.targets["subject_metal"] == "metal"
+
+
+def test_a_sky_out_of_sight_is_its_light():
+    parsed = parse("blue dusk, red sky, green walls", SceneWords())
+    assert next(a.kind for a in parsed.attributes if a.color) == "sky"
+    forget_sky(parsed)
+    assert [a.kind for a in parsed.attributes if a.color] == ["ambience", "ambience", "surroundings"]
+    tints = [claim for claim in claims_of(parsed, default_vocabulary()) if claim.measure == "tint"]
+    assert {(claim.word, claim.part) for claim in tints} >= {("blue", "picture")}
+    assert parsed.targets["surroundings_color"] == "green"
+
+
+@pytest.mark.parametrize(("share", "kind"), [(0.0, "ambience"), (0.5, "sky"), (None, "sky")])
+def test_whether_the_sky_is_seen_decides_what_its_color_is(share, kind):
+    advice = OfflineAdvisor("blue dusk", SceneWords()).advise(
+        None, {COLOR.key: COLOR}, PlanContext(world_share=share)
+    )
+    assert [a.kind for a in advice.parsed.attributes if a.color] == [kind]
 
 
 def test_colors_in_less_light_keep_their_hue():
