@@ -19,7 +19,7 @@ LAYERS = {
         prompt.lexicon prompt=prompt.lights planning=planning.lights vlm inputs batch.manifest batch
         render.film render.geometry render.material render.lights=render.lights.types render.transport render.edges render.surface
         render.cycles render claims.measures claims
-        train.pictures train.text guidance train optimize=optimize.inner engine
+        train.pictures train.text guidance train optimize=optimize.inner=optimize.rounds engine
         bench.mitsuba bench bench.encoder bench.paper bench.ladder bench.wild bench.sealed bench.materials cli=cli.commands
     """,
     "vibe_render": """

@@ -16,7 +16,7 @@ from ..guidance.guide import Weights
 from ..guidance.losses import claims_loss
 from ..optimize.context import plan_context, scene_words
 from ..optimize.inner.descent import fixed_views
-from ..optimize.search import make_guidance
+from ..optimize.rounds.judges import make_guidance
 from ..planning.advice import OfflineAdvisor
 from ..prompt.lexicon.user_words import default_vocabulary
 from ..render.proxy import Proxy

@@ -15,12 +15,14 @@ from ..color import arrays
 from ..color.constants import Lab
 from ..color.tensors import lab_from_srgb
 from ..guidance import regions
+from ..guidance.encoder import Encoder
 from ..planning.lights.glow import glows
 from ..prompt.types import PictureStats, PlanContext, SceneWords
 from ..render.geometry.camera import view_of
 from ..scene import SceneData
 from ..scene.values import RenderValues
 from ..schema import Values
+from ..schema.messages import Options
 from ..schema.spec import Region
 from . import headroom
 
@@ -28,6 +30,8 @@ if TYPE_CHECKING:
     from ..render.proxy import Proxy, Render
 
 _GRID = 64  # rays along each side of the picture
+_LARGEST, _LEAST = 256, 192
+"""Greatest longer side of the pictures inside the loop, in pixels, and the least however small the encoder's are."""
 _SEEN = 16  # rays that a material's color is measured from, at least
 
 
@@ -168,3 +172,18 @@ def picture_size(resolution: tuple[int, int], longest: int) -> tuple[int, int]:
     factor = longest / max(resolution)
     width, height = (max(round(n * factor), 1) for n in resolution)
     return width, height
+
+
+def inner_size(scene: SceneData, options: Options, encoder: Encoder) -> tuple[int, int]:
+    """Width and height of the pictures inside the loop; the prediction has the full size.
+
+    Crops are at least three quarters of the picture, so one and a half times what the encoder looks at is enough;
+    but highlights and shadows have to be there, however little it looks at.
+
+    Args:
+        scene: Has the artist's resolution.
+        options: `size` is the most that the artist wants.
+        encoder: `size` is what it looks at.
+    """
+    enough = max(_LEAST, encoder.size * 3 // 2)
+    return picture_size(scene.resolution, min(options.size, _LARGEST, enough))

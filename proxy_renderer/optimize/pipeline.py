@@ -9,9 +9,10 @@ from ..guidance.encoder import Encoder
 from ..planning.advice import Advisor
 from ..schema.messages import Options
 from .progress import Observer
-from .refinement import Outcome as Outcome
-from .refinement import Refinement
-from .search import Search
+from .rounds.refinement import Outcome as Outcome
+from .rounds.refinement import Refinement
+from .rounds.search import Search
+from .rounds.trials import find_starts
 from .shots import ShotInput
 
 
@@ -43,7 +44,7 @@ def run(
     """
     search = Search(views, prompt, options, encoder, heads, observer, advisor)
     outcomes = []
-    for start in search.find_starts():
+    for start in find_starts(search):
         outcomes.append(Refinement(search, start).run())
         if outcomes[-1].stopped:
             break

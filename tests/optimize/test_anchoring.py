@@ -13,7 +13,7 @@ from tiny_job import write_job
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import anchoring, pipeline
 from proxy_renderer.optimize.anchoring import Anchoring, BlenderPictures
-from proxy_renderer.optimize.refinement import Refinement
+from proxy_renderer.optimize.rounds.refinement import Refinement
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.optimize.vector import ParameterVector
 from proxy_renderer.render.cycles.pictures import CyclesPicture

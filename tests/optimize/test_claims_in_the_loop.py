@@ -7,9 +7,9 @@ import pytest
 import torch
 from loop_parts import PROMPT, Silent
 
-from proxy_renderer.optimize import refinement
-from proxy_renderer.optimize.refinement import Refinement
-from proxy_renderer.optimize.search import Missed, Search, Start
+from proxy_renderer.optimize.rounds import refinement
+from proxy_renderer.optimize.rounds.refinement import Refinement
+from proxy_renderer.optimize.rounds.search import Missed, Search, Start
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.prompt.types import Plan
 from proxy_renderer.schema import VibeError

@@ -8,8 +8,9 @@ from tiny_job import write_job
 
 from proxy_renderer.engine.report import changed_values, parameter_records
 from proxy_renderer.guidance.encoder import load_encoder
-from proxy_renderer.optimize import pipeline, starts
+from proxy_renderer.optimize import pipeline
 from proxy_renderer.optimize.drawing import draw
+from proxy_renderer.optimize.rounds import starts
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.optimize.vector import ParameterVector
 from proxy_renderer.prompt.types import Plan, PlanEntry

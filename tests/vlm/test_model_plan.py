@@ -13,7 +13,7 @@ from tiny_job import write_job
 from proxy_renderer.engine.report import changed_values, parameter_records
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import context, pipeline
-from proxy_renderer.optimize.refinement import Refinement
+from proxy_renderer.optimize.rounds.refinement import Refinement
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
 from proxy_renderer.prompt.types import Parsed, Plan, PlanContext, Prompts, SceneWords

@@ -9,15 +9,15 @@ from dataclasses import replace
 import torch
 from torch import Tensor
 
-from ..guidance.guide import Weights
-from ..prompt.types import Plan
-from ..schema import VibeError
-from ..schema.messages import Options
-from .inner.descent import first_order_gain
-from .objective import RoundObjective
-from .plan import top_k
-from .shots import ShotState
-from .vector import ParameterVector
+from ...guidance.guide import Weights
+from ...prompt.types import Plan
+from ...schema import VibeError
+from ...schema.messages import Options
+from ..inner.descent import first_order_gain
+from ..objective import RoundObjective
+from ..plan import top_k
+from ..shots import ShotState
+from ..vector import ParameterVector
 
 
 def select(

@@ -14,13 +14,13 @@ from typing import Any
 
 from torch import Tensor
 
-from ..prompt.types import Parsed, Plan, Prompts
-from ..schema import Values
+from ...prompt.types import Parsed, Plan, Prompts
+from ...schema import Values
+from ..anchoring import AnchorState
+from ..shots import ShotState
+from ..vector import ParameterVector
 from . import starts
-from .anchoring import AnchorState
 from .search import Confined, Missed, Search, Start
-from .shots import ShotState
-from .vector import ParameterVector
 
 STRIDE = 0.05
 """A projection that moves no value by more than this share of its whole range is not worth another anchor."""

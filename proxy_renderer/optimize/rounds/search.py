@@ -1,44 +1,40 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the rounds of Algorithm 1 share: the starts, the confiner (lines 2 to 5 and 7), S_K (line 6) and the objective L."""
+"""What the rounds of Algorithm 1 share: the confiner (lines 2 to 5 and 7), S_K (line 6) and the objective L."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
 import torch
 from torch import Tensor
 
-from ..claims.claim import HOLDS
-from ..claims.wanted import claims_of
-from ..guidance.encoder import Encoder
-from ..guidance.guide import Guidance, PromptGuidance, Weights
-from ..guidance.losses import claims_loss
-from ..guidance.regions import Views
-from ..planning.advice import Advice, Advisor, OfflineAdvisor
-from ..prompt.lexicon.user_words import default_vocabulary
-from ..prompt.types import Plan, PlanEntry
-from ..render.proxy import Proxy, Render
-from ..scene import SceneData
-from ..schema import Values
-from ..schema.messages import Options
-from . import context, starts
-from .baseline import GlobalGuidance, plan_everything
-from .inner.adam import StepSettings, descend
-from .inner.descent import Descent, fixed_views
-from .inner.least_squares import solve
-from .objective import RoundObjective
-from .plan import carry, feasible_ranges, lock
-from .progress import Clock, Observer
+from ...claims.claim import HOLDS
+from ...claims.wanted import claims_of
+from ...guidance.encoder import Encoder
+from ...guidance.losses import claims_loss
+from ...planning.advice import Advice, Advisor, OfflineAdvisor
+from ...prompt.lexicon.user_words import default_vocabulary
+from ...prompt.types import Plan, PlanEntry
+from ...render.proxy import Proxy
+from ...scene import SceneData
+from ...schema import Values
+from ...schema.messages import Options
+from .. import context
+from ..baseline import plan_everything
+from ..inner.adam import StepSettings, descend
+from ..inner.descent import Descent
+from ..inner.least_squares import solve
+from ..objective import RoundObjective
+from ..plan import carry, feasible_ranges, lock
+from ..progress import Clock, Observer
+from ..shots import ShotInput, ShotState, added_powers, enter, share
+from ..vector import ParameterVector, around, project
+from . import starts
+from .judges import make_guidance, weights_of
 from .selection import pull, select
-from .shots import ShotInput, ShotState, added_powers, enter, share
-from .vector import ParameterVector, around, project
-
-INNER_SIZE, _LEAST_SIZE = 256, 192
-"""Greatest longer side of the pictures inside the loop, in pixels, and the least however small the encoder's are."""
 
 
 @dataclass
@@ -116,7 +112,7 @@ class Search:
         self.vector = ParameterVector(lock(instances, options.groups, options.lock, options.camera))
 
         def proxy(scene: SceneData) -> Proxy:
-            size = inner_size(scene, options, encoder)
+            size = context.inner_size(scene, options, encoder)
             return Proxy(scene, size, device=str(encoder.device), seed=options.seed)
 
         self.vector.taken = added_powers(views[0].scene)
@@ -127,58 +123,9 @@ class Search:
         # Variants share what would be one vibe's time, as far as that goes.
         self.rounds = -(-options.rounds // 2) if self.several else options.rounds
         self.clock = Clock(self.rounds * (options.variants if self.several else 1), options.steps, observer)
-        self.weights = _weights(options)
+        self.weights = weights_of(options)
         self._guidance = partial(make_guidance, encoder, heads, prompt, options)
         self.number = 0
-
-    def find_starts(self) -> list[Start]:
-        """The artist's scene; with variants or several starts, points drawn in the plan's ranges and tried in a coarse pass.
-
-        Returns:
-            One start for each variant: those of least loss among which the pictures differ most.
-        """
-        home = self.vector.encode({})
-        number = starts.count(self.options)
-        if number == 1:
-            return [Start(home)]
-        now = self.confine(home, Plan(), None)
-        plan = starts.roam(self.vector.instances, now.plan) if self.several else now.plan
-        ranges = feasible_ranges(plan, self.vector.instances, self.vector.values(home))
-        box = self.vector.bounds(ranges)
-        drawn = starts.draw_starts(self.vector, plan, now.u, box, number, self.options.seed)
-        self.observer.stage(f"trying {number} starts")
-        tried = []
-        for point in drawn:
-            tried.append(self._try(point, now))
-            if self.observer.stopped():
-                break
-        losses = [loss for _, loss, _ in tried]
-        if not self.several:
-            return [Start(tried[min(range(len(tried)), key=losses.__getitem__)][0])]
-        chosen = starts.most_diverse([display for _, _, display in tried], losses, self.options.variants)
-        own = self.vector.mark(k for k, e in plan.items() if e.priority is not None and k != "film/exposure")
-        return [Start(tried[i][0], own if i else None) for i in chosen]
-
-    def _try(self, point: Tensor, now: Confined) -> tuple[Tensor, float, Tensor]:
-        """A coarse pass: a few steps on few views.
-
-        Returns:
-            The end point (N,), its loss on all views, and the first shot's picture (H, W, 3).
-        """
-        chosen, objective = self.objective(now, point, [_with_few_views(shot) for shot in self.shots])
-        movable = self.vector.mark(chosen) & (now.upper > now.lower)
-        steps, seed = starts.COARSE_STEPS, self.options.seed
-        u = descend(
-            objective, point, movable, now.lower, now.upper, steps, seed, StepSettings(), self._stop_asked
-        ).u
-        with torch.no_grad():
-            pictures = [shot.draw(u) for shot in self.shots]
-            losses = [_loss(shot, picture) for shot, picture in zip(self.shots, pictures, strict=True)]
-        return u, sum(losses) / len(losses), pictures[0].display
-
-    def _stop_asked(self, step: int, loss: float, picture: Render) -> bool:
-        """Callback of the coarse pass, which reports no progress: True ends it."""
-        return self.observer.stopped()
 
     def renew(self, u: Tensor, number: int, **options: float) -> None:
         """Corrects the proxies of all shots at u.
@@ -307,62 +254,3 @@ class Search:
         middle = self.options.inner == "middle"
         found = torch.where(movable, (now.lower + now.upper) / 2, now.u) if middle else now.u
         return Descent(found, 0.0, 0.0)
-
-
-def _weights(options: Options) -> Weights:
-    """Of the loss: the baseline has similarity alone."""
-    if options.baseline:
-        return replace(Weights(), claims=0.0, prior=0.0, hue=0.0)
-    return Weights().without(options.leave_out)
-
-
-def _with_few_views(shot: ShotState) -> ShotState:
-    """The same shot, judged on few views."""
-    guidance = copy(shot.guidance)
-    assert guidance is not None
-    guidance.views = Views(1, 1, 1)
-    return replace(shot, guidance=guidance)
-
-
-def _loss(shot: ShotState, picture: Render) -> float:
-    assert shot.guidance is not None
-    terms = shot.guidance(picture.display, picture.mask, fixed_views())
-    return float(torch.stack([*terms.values()]).sum())
-
-
-def make_guidance(
-    encoder: Encoder, heads: Encoder | None, prompt: str, options: Options, advice: Advice, start: Render
-) -> Guidance:
-    """The guidance for a prompt; the baseline's is L_pos(I, t) alone.
-
-    Args:
-        encoder: Judges similarity.
-        heads: Encoder whose attribute heads are asked; None for none.
-        prompt: What the artist typed.
-        options: Whether it is the baseline's.
-        advice: The composed captions, and what the words ask for.
-        start: The artist's picture, on which the guidance is calibrated.
-    """
-    parsed = advice.parsed
-    if options.baseline:
-        return GlobalGuidance(encoder, prompt, Views())
-    silhouette = any(a.entry == "silhouette" and not a.negated for a in parsed.attributes)
-    first = (start.display, start.mask)
-    return PromptGuidance(
-        encoder, heads, advice.prompts, parsed.targets, parsed.colors, first, silhouette, _weights(options)
-    )
-
-
-def inner_size(scene: SceneData, options: Options, encoder: Encoder) -> tuple[int, int]:
-    """Width and height of the pictures inside the loop; the prediction has the full size.
-
-    Crops are at least three quarters of the picture, so one and a half times what the encoder looks at is enough;
-    but highlights and shadows have to be there, however little it looks at.
-
-    Args:
-        scene: Has the artist's resolution.
-        options: `size` is the most that the artist wants.
-        encoder: `size` is what it looks at.
-    """
-    enough = max(_LEAST_SIZE, encoder.size * 3 // 2)
-    return context.picture_size(scene.resolution, min(options.size, INNER_SIZE, enough))

@@ -11,13 +11,13 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
-from ..color.tensors import lab_from_srgb
-from ..prompt.types import Plan, PlanEntry
-from ..schema import Instance
-from .vector import ParameterVector, around
+from ...color.tensors import lab_from_srgb
+from ...prompt.types import Plan, PlanEntry
+from ...schema import Instance
+from ..vector import ParameterVector, around
 
 if TYPE_CHECKING:
-    from ..schema.messages import Options
+    from ...schema.messages import Options
 
 COARSE_STEPS = 8
 VARIED = "left open by the words: varied, so that the variants differ"

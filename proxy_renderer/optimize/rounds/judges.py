@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What pictures are judged by in the rounds: the guidance for a prompt, and how much each term of the loss counts."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ...guidance.encoder import Encoder
+from ...guidance.guide import Guidance, PromptGuidance, Weights
+from ...guidance.regions import Views
+from ...planning.advice import Advice
+from ...render.proxy import Render
+from ...schema.messages import Options
+from ..baseline import GlobalGuidance
+
+
+def weights_of(options: Options) -> Weights:
+    """Of the loss: the baseline has similarity alone."""
+    if options.baseline:
+        return replace(Weights(), claims=0.0, prior=0.0, hue=0.0)
+    return Weights().without(options.leave_out)
+
+
+def make_guidance(
+    encoder: Encoder, heads: Encoder | None, prompt: str, options: Options, advice: Advice, start: Render
+) -> Guidance:
+    """The guidance for a prompt; the baseline's is L_pos(I, t) alone.
+
+    Args:
+        encoder: Judges similarity.
+        heads: Encoder whose attribute heads are asked; None for none.
+        prompt: What the artist typed.
+        options: Whether it is the baseline's.
+        advice: The composed captions, and what the words ask for.
+        start: The artist's picture, on which the guidance is calibrated.
+    """
+    parsed = advice.parsed
+    if options.baseline:
+        return GlobalGuidance(encoder, prompt, Views())
+    silhouette = any(a.entry == "silhouette" and not a.negated for a in parsed.attributes)
+    first = (start.display, start.mask)
+    return PromptGuidance(
+        encoder, heads, advice.prompts, parsed.targets, parsed.colors, first, silhouette, weights_of(options)
+    )
