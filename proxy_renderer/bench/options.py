@@ -6,6 +6,8 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 
+from ..schema.options.table import BASELINES
+
 HALVES = ("development", "held-out", "all")
 """Of a corpus of scenes: where faults may be looked for, where not, and both."""
 
@@ -125,6 +127,11 @@ def _wild(sub: argparse.ArgumentParser) -> None:
 
 
 def _ladder(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument(
+        "--baselines",
+        action="store_true",
+        help="the baselines at several rates instead of the method's parts",
+    )
     sub.add_argument("--only", default="*", metavar="GLOB", help='only pairs with such names: "*duck*"')
     sub.add_argument("--size", type=int, default=160, metavar="N", help="side of the pictures (default: 160)")
     sub.add_argument("--rounds", type=int, default=3, metavar="N", help="most rounds of a run (default: 3)")
@@ -140,13 +147,16 @@ def _sealed(sub: argparse.ArgumentParser) -> None:
         help="draw from this (default: the hash of the clone's commit)",
     )
     sub.add_argument(
-        "--baseline", default="", choices=("clip-only",), help="as for a vibe (default: the product itself)"
+        "--baseline", default="", choices=BASELINES, help="as for a vibe (default: the product itself)"
     )
     _small_pictures(sub)
 
 
 def _materials(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--only", default="*", metavar="GLOB", help='only such names: "*plastic*"')
+    sub.add_argument(
+        "--draw", type=int, default=0, metavar="N", help="so many of them, at random (default: all)"
+    )
     _small_pictures(sub)
 
 

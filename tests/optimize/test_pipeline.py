@@ -127,6 +127,31 @@ def test_the_baseline_uses_everything_without_a_plan(scene, encoder):
     assert end < start
 
 
+def test_the_authors_baseline_leaves_camera_and_fog_alone(scene, encoder):
+    outcome = vibe(scene, encoder, baseline="clip-authors", rounds=1, camera=True)
+    assert len(outcome.optimized) > 30
+    assert not [
+        k for k in {*outcome.optimized, *changed_values(outcome)} if k.startswith(("camera", "volume"))
+    ]
+
+
+def test_a_baseline_takes_all_its_steps_none_greater_than_its_rate(scene, encoder):
+    """Steps so small bring little: the product's own loop would have ended."""
+    last = []
+
+    class Followed(Silent):
+        def step(self, progress, display):
+            last.append(progress.step)
+            return False
+
+    outcome = vibe(scene, encoder, watch=Followed(), baseline="clip-only", rounds=1, steps=24, rate=1)
+    assert last[-1] == 24
+    vector = outcome.vector
+    lower, upper = vector.bounds({k: (i.lower, i.upper) for k, i in vector.instances.items()})
+    moved = (outcome.u - vector.encode({})).abs() / (upper - lower).clamp_min(1e-9)
+    assert 0.002 < float(moved.max()) <= 0.024 + 1e-6
+
+
 def test_a_prompt_in_which_nothing_is_known(scene, encoder):
     with pytest.raises(VibeError, match="xqzt") as caught:
         vibe(scene, encoder, prompt="xqzt wrrgl")

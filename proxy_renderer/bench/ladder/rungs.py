@@ -28,15 +28,27 @@ RUNGS: dict[str, tuple[str, ...]] = {
 }
 """Options of `vibe run`; the artist's own scene is the rung below them."""
 
+BASELINE_STEPS = ("--rounds=1", "--steps=240")
+"""As the authors' code has them."""
+
+BASELINES: dict[str, tuple[str, ...]] = {
+    f"clip-only, {rate / 10:g} %": ("--baseline=clip-only", f"--rate={rate}", *BASELINE_STEPS)
+    for rate in (40, 10, 3)
+} | {"clip-authors": ("--baseline=clip-authors", *BASELINE_STEPS)}
+"""Options of `vibe run`; a rate is a share of a parameter's whole range."""
+
 _ARTIST = "the artist's scene"
 _DRAWS = 2000
 
 
-def run(out: Path, only: str = "*", size: int = 160, rounds: int = 3) -> dict[str, Any]:
+def run(
+    out: Path, baselines: bool = False, only: str = "*", size: int = 160, rounds: int = 3
+) -> dict[str, Any]:
     """Carries out what is missing, measures it, and writes results.json.
 
     Args:
         out: The folder. OUT/runs keeps every run; one that is there is not done again.
+        baselines: Whether the rungs are the baselines at several rates.
         only: A pattern of pairs' names; the paper's own meshes are not used.
         size: Longer side of the pictures, pixels.
         rounds: The most rounds of a run.
@@ -53,11 +65,12 @@ def run(out: Path, only: str = "*", size: int = 160, rounds: int = 3) -> dict[st
     if not pairs:
         raise VibeError(f"No pair with a scene has a name like {only!r}.", "Leave out --only for all.")
     budget = RunBudget(rounds=rounds, size=size, samples=32, seeds=1)
-    planned = runs.plan_rungs(pairs, RUNGS, budget, out, None)
+    planned = runs.plan_rungs(pairs, BASELINES if baselines else RUNGS, budget, out, None)
     broken = runs.carry_out([run for row in planned.values() for run in row], budget, out, None)
     done = {name: [run for run in row if run.done] for name, row in planned.items()}
     results = {
-        "rungs": {_ARTIST: _artist(done["full"])} | {name: _rung(row) for name, row in done.items()},
+        "rungs": {_ARTIST: _artist(max(done.values(), key=len))}
+        | {name: _rung(row) for name, row in done.items()},
         "pairs": len(pairs),
         "failed": {
             f"{run.pair.name}, {name}": broken[run.folder]
@@ -83,7 +96,7 @@ def _rung(row: Sequence[Run]) -> dict[str, Any]:
         ]
         seconds.append(report["timings"]["engine: loop"])
     return _figures(scores) | {
-        "claims": round(sum(claims) / max(len(claims), 1), 3),
+        "claims": round(sum(claims) / len(claims), 3) if claims else None,
         "counted": len(claims),
         "seconds": round(sum(seconds) / max(len(seconds), 1), 1),
     }
@@ -118,7 +131,7 @@ def _show(results: Mapping[str, Any]) -> None:
     table = Table("rung", "asks", "95 %", "claims", "loop, s", "runs", box=None, pad_edge=False)
     for name, row in results["rungs"].items():
         low, high = row["interval"]
-        claims = f"{row['claims']:.0%}" if "claims" in row else ""
+        claims = f"{row['claims']:.0%}" if row.get("claims") is not None else ""
         table.add_row(
             name,
             f"{row['asks']:.2f}",

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import random
 from collections.abc import Mapping, Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -28,12 +29,13 @@ from . import compare, table
 Rows = list[dict[str, Any]]
 
 
-def run(out: Path, only: str = "*", size: int = 160, samples: int = 32) -> dict[str, Any]:
+def run(out: Path, only: str = "*", draw: int = 0, size: int = 160, samples: int = 32) -> dict[str, Any]:
     """Carries out what is missing, compares, and writes OUT/results.json and contact sheets.
 
     Args:
         out: The folder. OUT/runs keeps each vibe; one that is there is not done again.
         only: A pattern of what the prompts call them.
+        draw: How many of those, drawn at random with seed 0, fewer being the first of more; 0 for all.
         size: Side of the pictures, pixels.
         samples: Of Cycles.
 
@@ -43,23 +45,23 @@ def run(out: Path, only: str = "*", size: int = 160, samples: int = 32) -> dict[
     Raises:
         VibeError: Nothing has such a name.
     """
-    materials, lights = (_chosen(kind, only) for kind in ("materials", "lights"))
-    if not materials and not lights:
+    chosen = _chosen(only, draw)
+    if not chosen:
         raise VibeError(f"Nothing has a name like {only!r}.", "Use *, or a part of a name: *glass*.")
     vibes = _Vibes(
         out, _studio(out / "studio"), [f"--size={size}", f"--samples={samples}", "--vlm-model=off"]
     )
+    materials = [row for kind, row in chosen if kind == "material"]
     references = _references(out, vibes.scene, materials, size, samples)
     rows: Rows = []
-    for kind, group in (("material", materials), ("light", lights)):
-        for row in group:
-            prompt = f"the ball is {row['say']}" if kind == "material" else f"lit by {row['say']}"
-            done = {"name": row["name"], "kind": kind, "prompt": prompt, **vibes.vibe(prompt)}
-            if done["code"] == 0:
-                done |= _compared(row, kind, vibes.folder(prompt), references)
-            rows.append(done)
-            print(f"[{len(rows)}/{len(materials) + len(lights)}] {prompt}: {table.line(done)}", flush=True)
-    results = table.summary(rows) | {"size": size, "samples": samples}
+    for kind, row in chosen:
+        prompt = f"the ball is {row['say']}" if kind == "material" else f"lit by {row['say']}"
+        done = {"name": row["name"], "kind": kind, "prompt": prompt, **vibes.vibe(prompt)}
+        if done["code"] == 0:
+            done |= _compared(row, kind, vibes.folder(prompt), references)
+        rows.append(done)
+        print(f"[{len(rows)}/{len(chosen)}] {prompt}: {table.line(done)}", flush=True)
+    results = table.summary(rows) | {"draw": draw, "size": size, "samples": samples}
     save_sheets([_strip(row, vibes.folder(row["prompt"]), references) for row in rows], out)
     atomic.write_text(out / "results.json", json.dumps(results, indent=1, ensure_ascii=False))
     table.show(results)
@@ -92,8 +94,13 @@ def _studio(folder: Path) -> Path:
     return path
 
 
-def _chosen(kind: str, only: str) -> Rows:
-    return [row for row in measured()[kind] if fnmatchcase(row["say"], only)]
+def _chosen(only: str, draw: int) -> list[tuple[str, dict[str, Any]]]:
+    """Kind and row of what has such a name."""
+    kinds = {"material": "materials", "light": "lights"}
+    rows = [
+        (k, row) for k, name in kinds.items() for row in measured()[name] if fnmatchcase(row["say"], only)
+    ]
+    return random.Random(0).sample(rows, len(rows))[:draw] if draw else rows
 
 
 def _references(out: Path, scene: Path, materials: Rows, size: int, samples: int) -> Path:

@@ -23,8 +23,8 @@ from ...scene import SceneData
 from ...schema import Values
 from ...schema.messages import Options
 from .. import context
-from ..baseline import plan_everything
-from ..inner.adam import StepSettings, descend
+from ..baseline import plan_everything, step_settings
+from ..inner.adam import descend
 from ..inner.descent import Descent
 from ..inner.least_squares import solve
 from ..objective import RoundObjective
@@ -165,7 +165,7 @@ class Search:
         advice, plan = self._advise(u)
         plan = carry(plan, earlier)
         if self.options.baseline:
-            plan = plan_everything(self.vector.instances)
+            plan = plan_everything(self.vector.instances, self.options.baseline)
         ranges = feasible_ranges(plan, self.vector.instances, self.vector.values(u))
         lower, upper = self.vector.bounds(ranges)
         if start and start.drawn is not None:
@@ -246,7 +246,7 @@ class Search:
                 now.upper,
                 self.options.steps,
                 seed,
-                StepSettings(),
+                step_settings(self.options),
                 follow,
             )
         if self.options.inner == "least-squares":

@@ -28,6 +28,9 @@ STAGES = ("none", "floor", "cyclorama")
 INNER = ("least-squares", "adam", "none", "middle")
 """Inner loops."""
 
+BASELINES = ("clip-only", "clip-authors")
+"""What the method can be compared with."""
+
 
 @dataclass(frozen=True)
 class Options:
@@ -175,9 +178,16 @@ class Options:
     )
     baseline: str = option(
         "",
-        "the paper's baseline instead: one similarity, all parameters",
+        "a baseline instead: one similarity, all parameters, as the paper has it, or without camera and fog, as in its "
+        "authors' code",
         "engine",
-        choices=("clip-only",),
+        choices=BASELINES,
+    )
+    rate: int = option(
+        0,
+        "greatest step of Adam and of the baselines, in thousandths of a range; 0 for their own",
+        "engine",
+        bounds=(0, 1000),
     )
     size: int = option(
         STANDARD.size,
