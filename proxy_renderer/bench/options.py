@@ -147,7 +147,10 @@ def _sealed(sub: argparse.ArgumentParser) -> None:
         help="draw from this (default: the hash of the clone's commit)",
     )
     sub.add_argument(
-        "--baseline", default="", choices=BASELINES, help="as for a vibe (default: the product itself)"
+        "--baseline",
+        default="",
+        choices=BASELINES,
+        help="one that gets the same jobs, and as many seconds; who shows more is counted (default: none)",
     )
     _small_pictures(sub)
 

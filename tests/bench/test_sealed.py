@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from ball_pictures import DISC, SIDE, X, Y, gray, lit, painted, shot
 
-from proxy_renderer.bench.sealed import commit, experiment, judge, prompts, rules, table
+from proxy_renderer.bench.sealed import commit, contest, experiment, judge, prompts, rules, table
 from proxy_renderer.bench.sealed.prompts import STRICT, Looseness, SealedAsk
 from proxy_renderer.bench.sealed.scenes import things
 from proxy_renderer.color.floats import srgb_from_hex
@@ -331,3 +331,52 @@ def test_the_summary_counts_asks_prompts_and_failures():
     assert results["failed"] == {"f": "vibe: no."}
     assert 0.1 < results["asks"]["interval"][0] < 0.4 < results["asks"]["interval"][1] < 0.8
     table.show(results)
+
+
+# ---- the contest
+
+
+def test_the_one_that_shows_more_wins_and_a_tie_is_half_a_win():
+    failed = {"prompt": "f", "code": 2, "error": "vibe: no.", "seconds": 1.0, "asked": 2}
+    better, worse, even = (
+        (row([True, True]), row([True, None])),
+        (row([False]), row([True])),
+        (row([None]), failed),
+    )
+    hidden = (row([True, True], seen=False), row([True, False]))
+    figures = contest.summary(*zip(better, worse, even, hidden, strict=True))
+    assert [figures["wins"][kind] for kind in ("win", "tie", "loss")] == [2, 1, 1]
+    assert figures["wins"]["win_rate"] == 0.625
+    assert 0.2 < figures["wins"]["interval"][0] < 0.3
+    assert [figures["wins_seen"][kind] for kind in ("win", "tie", "loss")] == [1, 1, 2]
+    assert (figures["asks"]["held"], figures["asks"]["asked"]) == (3, 6)
+    contest.show("clip-only", figures)
+
+
+@pytest.mark.parametrize(("loop", "asked"), [(20.0, [240]), (60.0, [240, 528])])
+def test_a_baseline_has_as_many_seconds_as_the_product(loop, asked):
+    """A stand-in for runs: eight steps a second."""
+    steps = []
+
+    def carry_out(options):
+        steps.append(int(options[-1].partition("=")[2]))
+        return row([True], loop_seconds=steps[-1] / 8)
+
+    last = contest.rival("clip-only", row([True], loop_seconds=loop), carry_out)
+    assert steps == asked
+    assert last["loop_seconds"] >= loop
+
+
+def test_a_contest_puts_both_before_the_same_judge(tmp_path, monkeypatch, capsys):
+    """A stand-in for runs: the product shows all, the baseline nothing."""
+
+    def vibed(trial):
+        baseline = any(option.startswith("--baseline") for option in trial.options)
+        return row([not baseline] * len(trial.job.asks), loop_seconds=9.0)
+
+    monkeypatch.setattr(experiment.SealedTrial, "row", vibed)
+    results = experiment.run(tmp_path, jobs=3, drawn_from="a", baseline="clip-authors")
+    assert results["contest"]["wins"]["win"] == 3
+    assert results["asks"]["share"] == 1.0
+    assert len({each["run"] for each in [*results["rows"], *results["contest"]["rows"]]}) == 6
+    assert "Wins against clip-authors by asks: 100%" in capsys.readouterr().out

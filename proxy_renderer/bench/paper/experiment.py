@@ -86,8 +86,10 @@ def summary(planned: Sequence[Run], budget: RunBudget) -> dict[str, Any]:
             score = verdict.alone(pair, readings[mine[0].folder])
             ablations[pair.name] = _facts(pair) | {"ours": _record(pair, readings[mine[0].folder], score)}
     return {
-        **_tally([row["verdict"] for row in by_pair.values()]),
-        "without_visibility": _tally([row["without_visibility"]["verdict"] for row in by_pair.values()]),
+        **verdict.tally([row["verdict"] for row in by_pair.values()]),
+        "without_visibility": verdict.tally(
+            [row["without_visibility"]["verdict"] for row in by_pair.values()]
+        ),
         "pairs": len(by_pair),
         "rule": verdict.RULE,
         "judge_encoder": network is not None,
@@ -95,18 +97,6 @@ def summary(planned: Sequence[Run], budget: RunBudget) -> dict[str, Any]:
         "budget": vars(budget),
         "by_pair": by_pair,
         "ablations": ablations,
-    }
-
-
-def _tally(verdicts: Sequence[str]) -> dict[str, Any]:
-    """How many of each, and the share of wins with its interval."""
-    counts = {kind: verdicts.count(kind) for kind in ("win", "tie", "loss")}
-    total = len(verdicts)
-    low, high = verdict.wilson(counts["win"], total)
-    return {
-        **counts,
-        "win_rate": round(counts["win"] / total, 4) if total else 0.0,
-        "interval": [round(low, 4), round(high, 4)],
     }
 
 

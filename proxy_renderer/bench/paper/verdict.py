@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from .finished import FinishedPicture
 from .measures import NOTICES, color_error, taken
@@ -135,11 +136,31 @@ def notice(ask: Ask) -> float:
     return _COLOR_NOTICE if ask.lab else NOTICES[ask.trait.measure]
 
 
-def wilson(wins: int, count: int, z: float = 1.96) -> tuple[float, float]:
+def tally(verdicts: Sequence[str], tie: float = 0.0) -> dict[str, Any]:
+    """How many of each, and the share of wins with its 95 % interval.
+
+    Args:
+        verdicts: "win", "tie" or "loss", see `decide`.
+        tie: The part of a win that a tie counts as.
+
+    Returns:
+        `win`, `tie`, `loss`, `win_rate`, `interval`.
+    """
+    counts = {kind: verdicts.count(kind) for kind in ("win", "tie", "loss")}
+    total, wins = len(verdicts), counts["win"] + tie * counts["tie"]
+    low, high = wilson(wins, total)
+    return {
+        **counts,
+        "win_rate": round(wins / total, 4) if total else 0.0,
+        "interval": [round(low, 4), round(high, 4)],
+    }
+
+
+def wilson(wins: float, count: int, z: float = 1.96) -> tuple[float, float]:
     """Confidence interval of a share, 95 % by default (Wilson 1927).
 
     Args:
-        wins: How many of them.
+        wins: How many of them; a half for one that is half a win.
         count: Of trials.
         z: Standard deviations of the interval; 1.96 for 95 %.
     """

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,7 @@ from PIL import Image
 
 from ...schema import VibeError, atomic
 from ..sheet import Strip, save_sheets
-from . import table
+from . import contest, table
 from .commit import judged_commit
 from .prompts import draw
 from .trial import SealedTrial
@@ -32,10 +32,10 @@ def run(
         drawn_from: The seed, any text; "" for the hash of the judged commit.
         size: Longer side of the pictures, pixels.
         samples: Of Cycles.
-        baseline: As for `vibe run`; "" for the product.
+        baseline: One that gets the same jobs, as for `vibe run`; "" for none.
 
     Returns:
-        The content of results.json; see `table.summary`. Beside that `seed`, and `changed_files`: whether the clone has
+        The content of results.json; see `table.summary`, and `contest.summary` for `contest`. Beside that `seed`, and `changed_files`: whether the clone has
         files that the commit does not have, in which case others cannot repeat it.
 
     Raises:
@@ -47,33 +47,48 @@ def run(
     print(
         f"Drawn from {chosen}{'; files have been changed since this commit' if changed else ''}.", flush=True
     )
-    rows, strips = [], []
+    rows, rivals, strips = [], [], []
     for number in range(jobs):
-        trial = _trial(out, chosen, number, size, samples, baseline)
-        row = {**trial.row(), "run": trial.folder.name, "asked": len(trial.job.asks)}
+
+        def carried_out(options: Sequence[str] = (), number: int = number) -> table.JobResult:
+            return _row(_trial(out, chosen, number, size, samples, options))
+
+        row = carried_out()
         print(f"[{number + 1}/{jobs}] {row['prompt']}: {table.line(row)}", flush=True)
         rows.append(row)
-        strips.append(_strip(row, trial.folder / "out"))
+        strips.append(_strip(row, out))
+        if baseline:
+            rivals.append(contest.rival(baseline, row, carried_out))
+            print(f"    {baseline}: {table.line(rivals[-1])}", flush=True)
+            strips.append(_strip(rivals[-1], out))
     budget = {"size": size, "samples": samples, "baseline": baseline}
     results = table.summary(rows) | {"seed": chosen, "changed_files": changed, **budget}
+    if baseline:
+        results["contest"] = contest.summary(rows, rivals)
     save_sheets(strips, out)
     atomic.write_text(out / "results.json", json.dumps(results, indent=1, ensure_ascii=False))
     table.show(results)
+    if baseline:
+        contest.show(baseline, results["contest"])
     return results
 
 
-def _trial(out: Path, seed: str, number: int, size: int, samples: int, baseline: str) -> SealedTrial:
+def _trial(out: Path, seed: str, number: int, size: int, samples: int, options: Sequence[str]) -> SealedTrial:
     """A trial in a folder that is named by all that it depends on, but for changed files."""
     job = draw(seed, number)
-    depends = [seed, number, size, samples, baseline, job.prompt, job.scene.plain]
+    depends = [seed, number, size, samples, *options, job.prompt, job.scene.plain]
     name = hashlib.sha256(json.dumps(depends).encode()).hexdigest()[:16]
-    options = ["--vlm-model=off", *([f"--baseline={baseline}"] if baseline else [])]
-    return SealedTrial(job, out / "runs" / f"{number:03d}-{name}", size, samples, options)
+    folder = out / "runs" / f"{number:03d}-{name}"
+    return SealedTrial(job, folder, size, samples, ["--vlm-model=off", *options])
 
 
-def _strip(row: Mapping[str, Any], out: Path) -> Strip:
+def _row(trial: SealedTrial) -> table.JobResult:
+    return {**trial.row(), "run": trial.folder.name, "asked": len(trial.job.asks)}
+
+
+def _strip(row: Mapping[str, Any], results: Path) -> Strip:
     """The prompt, its ticks, and what there is of both pictures."""
-    panels = []
+    panels, out = [], results / "runs" / row["run"] / "out"
     for name in ("before", "after"):
         if (out / f"{name}.png").is_file():
             with Image.open(out / f"{name}.png") as picture:

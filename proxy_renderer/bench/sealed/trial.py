@@ -76,6 +76,7 @@ class SealedTrial:
                 for ask, holds, found in judged(self.job, evidence)
             ],
             "seen": evidence.subject_is_seen,
+            "loop_seconds": report["timings"]["engine: loop"],
             "claims_held": sum(claims),
             "claims": len(claims),
             "ignored": report["understood"]["ignored"],

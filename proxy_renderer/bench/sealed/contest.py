@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The product against a baseline on the same jobs, with as many seconds in the loop or more for the baseline."""
+
+from __future__ import annotations
+
+import math
+import statistics
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from rich.console import Console
+
+from ..paper.verdict import tally
+from .table import JobResult, share
+
+STEPS = 240
+"""The fewest of a baseline, in one round: those of the authors' code."""
+
+_SPARE = 1.1
+"""How many more steps a baseline that had fewer seconds gets than their ratio says, as two runs never take the same time."""
+
+
+def rival(baseline: str, ours: JobResult, carry_out: Callable[[Sequence[str]], JobResult]) -> JobResult:
+    """The baseline's row of a job; done again with more steps if it had fewer seconds than the product.
+
+    Args:
+        baseline: As for `vibe run`.
+        ours: The product's row.
+        carry_out: Takes options of `vibe run`, and returns the row of a run with them.
+    """
+
+    def run(steps: int) -> JobResult:
+        return carry_out([f"--baseline={baseline}", "--rounds=1", f"--steps={steps}"])
+
+    row = run(STEPS)
+    behind = _seconds(ours) / _seconds(row) if _seconds(row) else 0.0
+    return run(math.ceil(_SPARE * behind * STEPS)) if behind > 1.0 else row
+
+
+def summary(ours: Sequence[JobResult], theirs: Sequence[JobResult]) -> dict[str, Any]:
+    """Who shows more of what was asked for.
+
+    Args:
+        ours: The product's rows.
+        theirs: The baseline's rows of the same jobs.
+
+    Returns:
+        `wins` by asks that hold, and `wins_seen` where none holds in a picture whose subject cannot be seen: each `win`, `tie`,
+        `loss`, `win_rate`, in which a tie is half a win, and its `interval`; `asks`: those that the baseline holds;
+        `seconds` and `baseline_seconds`, the medians in the loop; `rows`, the baseline's.
+    """
+    pairs = list(zip(ours, theirs, strict=True))
+    held = [ask["holds"] for row in theirs for ask in row.get("asks", ()) if ask["holds"] is not None]
+    lost = sum(row["asked"] for row in theirs if row["code"] != 0)
+    return {
+        "wins": tally([_verdict(_held(a), _held(b)) for a, b in pairs], tie=0.5),
+        "wins_seen": tally([_verdict(_held_and_seen(a), _held_and_seen(b)) for a, b in pairs], tie=0.5),
+        "asks": share([*held, *[False] * lost]),
+        "seconds": _median(ours),
+        "baseline_seconds": _median(theirs),
+        "rows": list(theirs),
+    }
+
+
+def _verdict(ours: int, theirs: int) -> str:
+    return "tie" if ours == theirs else "win" if ours > theirs else "loss"
+
+
+def _held(row: JobResult) -> int:
+    """How many of its asks hold; none of a run that failed."""
+    return sum(ask["holds"] is True for ask in row.get("asks", ()))
+
+
+def _held_and_seen(row: JobResult) -> int:
+    return _held(row) if row.get("seen") else 0
+
+
+def _seconds(row: JobResult) -> float:
+    return float(row.get("loop_seconds", 0.0))
+
+
+def _median(rows: Sequence[JobResult]) -> float:
+    return round(statistics.median(map(_seconds, rows)), 1)
+
+
+def show(baseline: str, figures: Mapping[str, Any]) -> None:
+    """Prints who has won.
+
+    Args:
+        baseline: Its name.
+        figures: `contest` of results.json.
+    """
+    console = Console(width=None if Console().is_terminal else 120)
+    for name, says in (("wins", "asks"), ("wins_seen", "asks, and the subject is seen")):
+        each = figures[name]
+        low, high = each["interval"]
+        line = f"Wins against {baseline} by {says}: {each['win_rate']:.0%} ({low:.0%} to {high:.0%}), "
+        line += f"{each['win']} won, {each['tie']} tied, {each['loss']} lost."
+        console.print(line, markup=False, highlight=False)
+    asks = figures["asks"]
+    line = f"{baseline} holds {asks['held']} of {asks['asked']} asks. In the loop, median: {figures['seconds']} s, "
+    console.print(f"{line}{baseline} {figures['baseline_seconds']} s.", markup=False, highlight=False)
