@@ -133,6 +133,8 @@ def _ladder(sub: argparse.ArgumentParser) -> None:
         help="the baselines at several rates instead of the method's parts",
     )
     sub.add_argument("--only", default="*", metavar="GLOB", help='only pairs with such names: "*duck*"')
+    sub.add_argument("--rungs", default="*", metavar="GLOB", help='only rungs with such names: "*sharing"')
+    sub.add_argument("--seeds", type=int, default=1, metavar="N", help="times that all is done (default: 1)")
     sub.add_argument("--size", type=int, default=160, metavar="N", help="side of the pictures (default: 160)")
     sub.add_argument("--rounds", type=int, default=3, metavar="N", help="most rounds of a run (default: 3)")
 

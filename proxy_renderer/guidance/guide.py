@@ -80,7 +80,7 @@ class Weights:
             VibeError: One of them is not a part.
         """
         if strange := sorted(set(parts) - set(PARTS)):
-            raise VibeError(f"The objective has no part {strange[0]!r}.", f"Use some of: {', '.join(PARTS)}.")
+            raise VibeError(f"The method has no part {strange[0]!r}.", f"Use some of: {', '.join(PARTS)}.")
         left_out = {name: 0.0 for part in parts for name in PARTS[part]}
         return replace(self, **left_out)
 
@@ -88,8 +88,9 @@ class Weights:
 PARTS = {
     "encoder": ("subject", "surroundings", "whole", "direction", "negative", "attributes"),
     "claims": ("claims",),
+    "sharing": (),
 }
-"""Parts of the objective, and the weights that they have."""
+"""Parts of the method that can be left out, and the weights that they have."""
 
 
 class Guidance(Protocol):

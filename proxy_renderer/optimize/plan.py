@@ -3,41 +3,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from ..prompt.types import Plan
 from ..schema import GROUPS, Instance, Values, VibeError, labels, matches
 from .vector import nearest_turn
-
-_OCTAVE = 1.5
-_FAINTEST = 2.0**-20
-
-
-def top_k(
-    plan: Plan, k: int, movable: Mapping[str, bool], first_order_gain: Mapping[str, float]
-) -> list[str]:
-    """The K most important of the relevant parameters (equation 7), refined by how much they can still lower the loss.
-
-    Those without a priority, and those that cannot move, are dropped before anything is ranked.
-    Among the others, half the gain costs one and a half places: a parameter at the right
-    end of its range, or where the loss is flat, makes room for one that still helps.
-
-    Args:
-        plan: Entries by key; a smaller priority is more important, None is irrelevant.
-        k: How many keys at most; a color counts as one.
-        movable: Key -> whether its feasible range is more than a point.
-        first_order_gain: Key -> how much the loss could fall, to first order, by moving it within its range.
-    """
-    most = max(first_order_gain.values(), default=0.0)
-
-    def rank(key: str) -> tuple[float, str]:
-        share = first_order_gain.get(key, 0.0) / most if most > 0.0 else 1.0
-        return (plan[key].priority or 0) - _OCTAVE * math.log2(max(share, _FAINTEST)), key
-
-    relevant = [key for key, entry in plan.items() if entry.priority is not None and movable[key]]
-    return sorted(relevant, key=rank)[:k]
 
 
 def carry(plan: Plan, earlier: Plan) -> Plan:

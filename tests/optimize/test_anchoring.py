@@ -46,16 +46,16 @@ class Elsewhere:
         return CyclesPicture(whole, {"world": 0.5 * whole}, 0.5 * whole)
 
 
-def run(scene, source, **options):
+def run(scene, source, prompt=PROMPT, **options):
     encoder = load_encoder(None, "cpu")
     chosen = Options(**{"rounds": 2, "steps": 4, "size": 48, **options})
-    return pipeline.run([ShotInput(scene, source)], PROMPT, chosen, encoder, encoder, Silent())
+    return pipeline.run([ShotInput(scene, source)], prompt, chosen, encoder, encoder, Silent())
 
 
 def test_every_round_starts_from_a_picture_and_so_does_the_prediction(scene, monkeypatch):
     monkeypatch.setattr(Refinement, "_goes_on", lambda self: self._see_end() or True)
     source = Elsewhere(scene)
-    outcome = run(scene, source)
+    outcome = run(scene, source, "red ball, bright background, high contrast")
     assert source.asked[0] == {}
     assert {r["round"] for r in outcome.shots[0].anchoring.records} == {1, 2}
     last = {

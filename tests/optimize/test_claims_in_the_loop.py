@@ -62,7 +62,7 @@ def test_words_that_claim_nothing_do_not_end_the_rounds_early(search):
 def test_a_missed_claim_pulls_the_picture_towards_it(search):
     begun = search("very bright picture")
     now, home = confined(begun)
-    _, objective = begun.objective(now, home)
+    objective = begun.select(now, home).objective
     u = home.clone().requires_grad_()
     residuals = begun.shots[0].residuals(objective.render(u, 0))
     worst = max(residuals, key=lambda r: float(r.detach().norm()))
@@ -107,7 +107,7 @@ def test_either_inner_loop_earns_a_claim_that_does_not_hold_yet(search, inner):
     darker = replace(now, u=(now.u + now.lower) / 2)
     before = begun.missed(darker.u)
     assert before.claims > 0
-    found = begun.descend(darker, *begun.objective(darker, darker.u))
+    found = begun.descend(darker, begun.select(darker, darker.u))
     assert found.loss < found.start_loss
     assert begun.missed(found.u) < before
 
@@ -115,12 +115,12 @@ def test_either_inner_loop_earns_a_claim_that_does_not_hold_yet(search, inner):
 def test_without_an_inner_loop_values_are_the_nearest_that_the_words_allow(search):
     begun = search(PROMPT, inner="none")
     now, _ = confined(begun)
-    assert torch.equal(begun.descend(now, *begun.objective(now, now.u)).u, now.u)
+    assert torch.equal(begun.descend(now, begun.select(now, now.u)).u, now.u)
     middle = search(PROMPT, inner="middle")
     now, _ = confined(middle)
-    chosen, objective = middle.objective(now, now.u)
-    found = middle.descend(now, chosen, objective).u
-    marked = middle.vector.mark(chosen) & (now.upper > now.lower)
+    chosen = middle.select(now, now.u)
+    found = middle.descend(now, chosen).u
+    marked = middle.vector.mark(chosen.keys) & (now.upper > now.lower)
     torch.testing.assert_close(found[marked], ((now.lower + now.upper) / 2)[marked])
     assert torch.equal(found[~marked], now.u[~marked])
 
@@ -128,7 +128,7 @@ def test_without_an_inner_loop_values_are_the_nearest_that_the_words_allow(searc
 def test_what_is_left_out_is_not_in_the_loss(search):
     begun = search("very bright picture", leave_out=("encoder", "claims"))
     now, home = confined(begun)
-    _, objective = begun.objective(now, home)
+    objective = begun.select(now, home).objective
     terms = objective.account(home)["terms"]
     assert "claims" not in terms
     assert all(terms.get(name, 0.0) == 0.0 for name in ("whole", "direction", "attributes"))

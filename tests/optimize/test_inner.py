@@ -7,7 +7,6 @@ import pytest
 import torch
 
 from proxy_renderer.optimize.inner.adam import StepSettings, descend
-from proxy_renderer.optimize.inner.descent import first_order_gain
 
 
 class Bowl:
@@ -111,13 +110,3 @@ def test_shots_meet_in_the_middle_and_are_judged_together():
     found = run(bowls, [0.9], [0.0], [1.0], steps=80)
     assert found.u.item() == pytest.approx(0.4, abs=0.05)
     assert found.loss == pytest.approx(0.04, abs=0.005)  # the mean of both
-    slopes = first_order_gain(bowls, torch.tensor([0.5], dtype=torch.float64), torch.zeros(1), torch.ones(1))
-    assert slopes.item() == pytest.approx(0.5 * 0.2)
-
-
-def test_first_order_gain_is_the_slope_times_the_room_that_is_left():
-    bowl = Bowl([0.0, 1.0, 1.0])
-    u = torch.tensor([0.5, 0.5, 0.5], dtype=torch.float64)
-    found = first_order_gain(bowl, u, torch.tensor([0.0, 0.0, 0.0]), torch.tensor([1.0, 0.6, 0.5]))
-    expected = torch.tensor([0.5, 0.1, 0.0], dtype=torch.float64)
-    torch.testing.assert_close(found, expected, atol=1e-6, rtol=0)

@@ -3,13 +3,9 @@
 
 import pytest
 
-from proxy_renderer.optimize.plan import carry, feasible_ranges, lock, top_k
+from proxy_renderer.optimize.plan import carry, feasible_ranges, lock
 from proxy_renderer.prompt.types import Plan, PlanEntry
 from proxy_renderer.schema import FAMILIES, Instance, VibeError
-
-
-def entry(priority, prior=0.0):
-    return PlanEntry((0.0,), (1.0,), priority, "because", prior)
 
 
 def instances():
@@ -21,28 +17,6 @@ def instances():
     ]
     made = [Instance(FAMILIES[f], owner, (FAMILIES[f].default,)) for f, owner in rows]
     return {i.key: i for i in made}
-
-
-def test_what_is_irrelevant_is_dropped_before_anything_is_ranked():
-    plan = Plan({"a": entry(None), "b": entry(3), "c": entry(0), "d": entry(None), "e": entry(7)})
-    assert top_k(plan, 8, dict.fromkeys(plan, True), {"a": 100.0}) == ["c", "b", "e"]
-    assert top_k(plan, 1, dict.fromkeys(plan, True), {}) == ["c"]
-
-
-def test_what_cannot_move_does_not_use_up_the_budget():
-    plan = Plan({"a": entry(0), "b": entry(1), "c": entry(2)})
-    assert top_k(plan, 2, {"a": False, "b": True, "c": True}, {}) == ["b", "c"]
-
-
-def test_gain_decides_among_equals():
-    plan = Plan({"a": entry(1), "b": entry(1), "c": entry(0)})
-    assert top_k(plan, 3, dict.fromkeys(plan, True), {"a": 0.5, "b": 0.6, "c": 0.6}) == ["c", "b", "a"]
-
-
-def test_what_gains_little_makes_room():
-    plan = Plan({"a": entry(0), "b": entry(5), "c": entry(9)})
-    assert top_k(plan, 2, dict.fromkeys(plan, True), {"a": 1e-6, "b": 0.3, "c": 0.2}) == ["b", "c"]
-    assert top_k(plan, 2, dict.fromkeys(plan, True), {"a": 0.1, "b": 0.3, "c": 0.2}) == ["a", "b"]
 
 
 def test_locks_say_why():

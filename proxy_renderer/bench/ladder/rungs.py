@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import fnmatch
+import itertools
 import json
 import random
 from collections.abc import Mapping, Sequence
@@ -12,7 +14,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from ...schema import VibeError, atomic
+from ...schema import FAMILIES, Instance, VibeError, atomic, split_key
 from ..paper import finished, runs, verdict
 from ..paper.pairs import WIDER, read_pairs
 from ..paper.runs import Run, RunBudget
@@ -23,6 +25,7 @@ RUNGS: dict[str, tuple[str, ...]] = {
     "Adam": ("--inner=adam",),
     "without the encoder": ("--leave-out=encoder",),
     "without the claims": ("--leave-out=claims",),
+    "without sharing": ("--leave-out=sharing",),
     "without anchors": ("--no-anchor",),
     "full": (),
 }
@@ -42,7 +45,13 @@ _DRAWS = 2000
 
 
 def run(
-    out: Path, baselines: bool = False, only: str = "*", size: int = 160, rounds: int = 3
+    out: Path,
+    baselines: bool = False,
+    only: str = "*",
+    rungs: str = "*",
+    size: int = 160,
+    rounds: int = 3,
+    seeds: int = 1,
 ) -> dict[str, Any]:
     """Carries out what is missing, measures it, and writes results.json.
 
@@ -50,27 +59,33 @@ def run(
         out: The folder. OUT/runs keeps every run; one that is there is not done again.
         baselines: Whether the rungs are the baselines at several rates.
         only: A pattern of pairs' names; the paper's own meshes are not used.
+        rungs: A pattern of rungs' names.
         size: Longer side of the pictures, pixels.
         rounds: The most rounds of a run.
+        seeds: How many times everything is done.
 
     Returns:
         The content of results.json: `rungs`, for each `asks`, the mean score of what people read in the prompts, and
         its 95 % `interval` over the pairs; `claims`, the share of the words' claims that hold on Cycles' pictures;
-        `seconds` in the loop; and `failed`.
+        `seconds` in the loop; with several seeds `spread`, see `spread`; and `failed`.
 
     Raises:
-        VibeError: No pair that has a set of its own has such a name.
+        VibeError: No pair that has a set of its own has such a name, or no rung.
     """
+    ladder = BASELINES if baselines else RUNGS
+    taken = {name: options for name, options in ladder.items() if fnmatch.fnmatch(name, rungs)}
+    if not taken:
+        raise VibeError(f"No rung has a name like {rungs!r}.", f"Choose from: {', '.join(ladder)}.")
     pairs = [pair for pair in read_pairs(only) if pair.set and pair.group == WIDER]
     if not pairs:
         raise VibeError(f"No pair with a scene has a name like {only!r}.", "Leave out --only for all.")
-    budget = RunBudget(rounds=rounds, size=size, samples=32, seeds=1)
-    planned = runs.plan_rungs(pairs, BASELINES if baselines else RUNGS, budget, out, None)
+    budget = RunBudget(rounds=rounds, size=size, samples=32, seeds=seeds)
+    planned = runs.plan_rungs(pairs, taken, budget, out, None)
     broken = runs.carry_out([run for row in planned.values() for run in row], budget, out, None)
     done = {name: [run for run in row if run.done] for name, row in planned.items()}
     results = {
         "rungs": {_ARTIST: _artist(max(done.values(), key=len))}
-        | {name: _rung(row) for name, row in done.items()},
+        | {name: _rung(row, seeds) for name, row in done.items()},
         "pairs": len(pairs),
         "failed": {
             f"{run.pair.name}, {name}": broken[run.folder]
@@ -84,7 +99,7 @@ def run(
     return results
 
 
-def _rung(row: Sequence[Run]) -> dict[str, Any]:
+def _rung(row: Sequence[Run], seeds: int) -> dict[str, Any]:
     """The figures of a rung's runs that are done."""
     scores, claims, seconds = [], [], []
     for done in row:
@@ -95,11 +110,52 @@ def _rung(row: Sequence[Run]) -> dict[str, Any]:
             claim["holds"] for claim in report["claims"] if claim["word"] and claim["holds"] is not None
         ]
         seconds.append(report["timings"]["engine: loop"])
-    return _figures(scores) | {
-        "claims": round(sum(claims) / len(claims), 3) if claims else None,
-        "counted": len(claims),
-        "seconds": round(sum(seconds) / max(len(seconds), 1), 1),
-    }
+    return (
+        _figures(scores)
+        | {
+            "claims": round(sum(claims) / len(claims), 3) if claims else None,
+            "counted": len(claims),
+            "seconds": round(sum(seconds) / max(len(seconds), 1), 1),
+        }
+        | ({"spread": _mean_spread(row)} if seeds > 1 else {})
+    )
+
+
+def _mean_spread(row: Sequence[Run]) -> float:
+    """The mean of `spread` over the pairs."""
+    reports: dict[str, list[dict[str, Any]]] = {}
+    for done in row:
+        report = json.loads((done.folder / "report.json").read_text("utf-8"))
+        reports.setdefault(done.pair.name, []).append(report["parameters"])
+    spreads = [spread(rows) for rows in reports.values()]
+    return round(sum(spreads) / max(len(spreads), 1), 4)
+
+
+def spread(runs: Sequence[Mapping[str, Mapping[str, Any]]]) -> float:
+    """How far the values of one scene, prompt and budget differ from seed to seed.
+
+    Args:
+        runs: For each seed, `parameters` of its report.json.
+
+    Returns:
+        The mean over all parameters that a run moved, and all pairs of seeds: of the greatest difference of a component,
+        in shares of its range on the perceptual scale.
+    """
+    distances = []
+    for key in runs[0]:
+        if not any(other[key]["moved"] for other in runs):
+            continue
+        group, owner, name = split_key(key)
+        ends = [_values(other[key]["after"]) for other in runs]
+        distances += [
+            Instance(FAMILIES[f"{group}/{name}"], owner, a).distance(b)
+            for a, b in itertools.combinations(ends, 2)
+        ]
+    return sum(distances) / max(len(distances), 1)
+
+
+def _values(after: float | Sequence[float]) -> tuple[float, ...]:
+    return (after,) if isinstance(after, int | float) else tuple(after)
 
 
 def _artist(row: Sequence[Run]) -> dict[str, Any]:
@@ -128,7 +184,7 @@ def _figures(scores: Sequence[float]) -> dict[str, Any]:
 
 
 def _show(results: Mapping[str, Any]) -> None:
-    table = Table("rung", "asks", "95 %", "claims", "loop, s", "runs", box=None, pad_edge=False)
+    table = Table("rung", "asks", "95 %", "claims", "spread", "loop, s", "runs", box=None, pad_edge=False)
     for name, row in results["rungs"].items():
         low, high = row["interval"]
         claims = f"{row['claims']:.0%}" if row.get("claims") is not None else ""
@@ -137,6 +193,7 @@ def _show(results: Mapping[str, Any]) -> None:
             f"{row['asks']:.2f}",
             f"{low:.2f}-{high:.2f}",
             claims,
+            f"{row['spread']:.3f}" if "spread" in row else "",
             f"{row.get('seconds', '')}",
             f"{row['runs']}",
         )

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -103,10 +104,10 @@ def plan_rungs(
     """
     code = _fingerprint()
     planned: dict[str, list[Run]] = {name: [] for name in rungs}
-    for pair in pairs:
+    for seed, pair in itertools.product(range(budget.seeds), pairs):
         for name, options in rungs.items():
-            given = [*arguments(pair, OURS, 0, budget), *options]
-            planned[name].append(Run(pair, OURS, 0, _folder(pair, given, out, meshes, code), options))
+            given = [*arguments(pair, OURS, seed, budget), *options]
+            planned[name].append(Run(pair, OURS, seed, _folder(pair, given, out, meshes, code), options))
     return planned
 
 

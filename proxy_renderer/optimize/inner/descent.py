@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What inner loops share: what they minimize, what they find, and what a parameter could gain."""
+"""What inner loops share: what they minimize, and what they find."""
 
 from __future__ import annotations
 
@@ -61,26 +61,3 @@ class Descent:
 def fixed_views() -> torch.Generator:
     """The generator of the views that points are compared on."""
     return torch.Generator().manual_seed(12345)
-
-
-def first_order_gain(objective: Objective, u: Tensor, lower: Tensor, upper: Tensor) -> Tensor:
-    """(N,) how much the loss could fall, to first order, by moving each component within the box.
-
-    Args:
-        objective: What is minimized.
-        u: (N,) where the gradient is taken, inside the box.
-        lower: (N,) lower corner of the feasible box.
-        upper: (N,) upper corner.
-
-    Returns:
-        (N,) at least 0, in units of the loss; the mean over all shots.
-    """
-    point = u.clone().requires_grad_()
-    for shot in range(objective.shots):
-        objective.loss(objective.render(point, shot), point, fixed_views(), shot).backward()
-    slope = (
-        torch.zeros_like(u)
-        if point.grad is None
-        else torch.nan_to_num(point.grad / objective.shots, 0.0, 0.0, 0.0)
-    )
-    return slope.abs() * torch.where(slope > 0, u - lower, upper - u)

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any, Protocol
 
 import torch
@@ -20,7 +19,7 @@ from torch import Tensor
 
 from ..vector import project
 from .descent import Descent
-from .linear_model import Assessment, LinearModel
+from .linear_model import Assessment, LinearModel, linearize
 
 _TAKEN = 3
 """Times that slopes are taken in one loop."""
@@ -33,9 +32,6 @@ _GOOD, _BAD = 0.7, 0.2
 
 _PROGRESS = 1e-3
 """A foretold decrease that is not worth a picture."""
-
-_NEAR = 5.0
-"""Noticeable steps inside of an end of what is wanted, from where one step does not lose it."""
 
 
 class ClaimObjective(Protocol):
@@ -61,6 +57,7 @@ def solve(
     upper: Tensor,
     steps: int,
     on_step: Callable[[int, float, Any], bool],
+    first: LinearModel | None = None,
 ) -> Descent:
     """Minimizes the objective over the chosen components.
 
@@ -72,6 +69,7 @@ def solve(
         upper: (N,) upper corner.
         steps: The most points that are looked at after the start.
         on_step: Called with (step from 1, loss, picture) after each; True ends the loop.
+        first: The model of the chosen components' shares of their ranges at the start, if there is one already.
     """
     if not chosen.any():
         return Descent(u.clone(), 0.0, 0.0)
@@ -84,10 +82,10 @@ def solve(
         return u.index_put((places,), start + span * x)
 
     def linear(x: Tensor) -> LinearModel:
-        return _linear(objective, x, place, objective.stiffness[chosen])
+        return linearize(objective.assess, place, x, objective.stiffness[chosen], objective.claim_weight)
 
     x, radius, taken, fresh = torch.zeros_like(start), _RADIUS, 1, True
-    model = linear(x)
+    model = first or linear(x)
     loss = model.loss(x)
     found = Descent(u.clone(), loss, loss, repairs=int(not math.isfinite(loss)))
     while math.isfinite(found.loss) and found.steps < steps and radius > _SMALLEST:
@@ -122,26 +120,3 @@ def _resized(radius: float, share: float, length: float) -> float:
     if share < _BAD:
         return 0.4 * length
     return max(radius, min(2.0 * length, 1.0)) if share > _GOOD else radius
-
-
-def _linear(
-    objective: ClaimObjective, x: Tensor, place: Callable[[Tensor], Tensor], stiffness: Tensor
-) -> LinearModel:
-    """The model at x (n,): a backward pass for each value that a step might bring out of what is wanted, and one for the rest."""
-    point = x.clone().requires_grad_()
-    found = objective.assess(place(point))
-
-    def slope(value: Tensor) -> Tensor:
-        if not value.requires_grad:
-            return torch.zeros_like(x)
-        (gradient,) = torch.autograd.grad(value, point, retain_graph=True, allow_unused=True)
-        return torch.zeros_like(x) if gradient is None else torch.nan_to_num(gradient, 0.0, 0.0, 0.0)
-
-    near = (found.values < found.lower + _NEAR) | (found.values > found.upper - _NEAR)
-    rows = [
-        slope(value) if asked else torch.zeros_like(x)
-        for value, asked in zip(found.values, near, strict=True)
-    ]
-    slopes = torch.stack(rows) if rows else x.new_zeros((0, len(x)))
-    seen = replace(found, values=found.values.detach(), rest=found.rest.detach())
-    return LinearModel(seen, slopes, slope(found.rest), stiffness, objective.claim_weight)

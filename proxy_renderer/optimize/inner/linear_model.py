@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the loss is near a point, as its slopes say, and the move that lowers it most."""
+"""What the loss is near a point, as its slopes say, the move that lowers it most, and which components serve."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,6 +18,15 @@ _DAMPING = 1e-3
 """Curvature that every component gets: of two moves that do the same, the shorter one (Levenberg 1944)."""
 
 _ITERATIONS = 200
+
+_NOTHING = 1e-3
+"""Noticeable steps of all values together, for a component's whole range: so little changes nothing."""
+
+_TELLING = 2
+"""Values more than components that could do the same, at least, to say that they do."""
+
+_NEAR = 5.0
+"""Noticeable steps inside of an end of what is wanted, from where one step does not lose it."""
 
 
 @dataclass(frozen=True)
@@ -103,6 +113,52 @@ class LinearModel:
             ahead = move + number / (number + 3) * (move - earlier)
         return move
 
+    def of(self, components: Tensor) -> LinearModel:
+        """The model of some components (n,) bool; the others stay."""
+        return replace(
+            self,
+            slopes=self.slopes[:, components],
+            rest_slope=self.rest_slope[components],
+            stiffness=self.stiffness[components],
+        )
+
+    def gain(self, move: Tensor, part: slice, low: Tensor, high: Tensor) -> float:
+        """How much lower the loss would be, if components moved on alone from x + move: by one damped Newton step.
+
+        Args:
+            move: (n,).
+            part: The components.
+            low: (n,) least that may be moved.
+            high: (n,) most.
+        """
+        values = self.here.values + self.slopes @ move
+        far = self.here.misses(values).clamp_min(1.0)[self.here.claim]
+        missed = outside(values, self.here.lower, self.here.upper)
+        slopes, weights = self.slopes[:, part], self.weight / far * (missed != 0)
+        curvature = slopes.T @ (weights[:, None] * slopes) + torch.diag(self.stiffness[part] + _DAMPING)
+        slope = slopes.T @ (weights * missed) + self.rest_slope[part] + (self.stiffness * move)[part]
+        there = move.clone()
+        there[part] = (move[part] - torch.linalg.solve(curvature, slope)).clamp(low[part], high[part])
+        return max(self.loss(move) - self.loss(there), 0.0)
+
+    def alike(self, part: slice, other: slice) -> float:
+        """The share of what components do to the values that others could do, in [0, 1].
+
+        Args:
+            part: The components.
+            other: Others.
+
+        Returns:
+            0 also where the components do nothing, or where too few values are known to tell.
+        """
+        told = (self.slopes != 0).any(1)
+        mine, theirs = self.slopes[told, part], self.slopes[told, other]
+        length = float(mine.norm())
+        if length < _NOTHING or len(theirs) < theirs.shape[1] + _TELLING:
+            return 0.0
+        rest = mine - theirs @ torch.linalg.lstsq(theirs, mine, driver="gelsd").solution
+        return 1.0 - float(rest.norm()) / length
+
     def corrected(self, seen: Assessment, move: Tensor) -> LinearModel:
         """The model at x, whose slopes agree with what was seen at x + move (Broyden 1965).
 
@@ -123,3 +179,38 @@ class LinearModel:
         """The model at x + move; arguments as for `corrected`."""
         there = self.corrected(seen, move)
         return replace(there, here=seen, rest_slope=there.rest_slope + self.stiffness * move)
+
+
+def linearize(
+    assess: Callable[[Tensor], Assessment],
+    place: Callable[[Tensor], Tensor],
+    x: Tensor,
+    stiffness: Tensor,
+    weight: float,
+) -> LinearModel:
+    """The model at x: a backward pass for each value that a step might bring out of what is wanted, and one for the rest.
+
+    Args:
+        assess: What is judged at a point u.
+        place: The point u of x.
+        x: (n,).
+        stiffness: (n,) curvature of the rest.
+        weight: Of a noticeable step by which a claim is missed.
+    """
+    point = x.clone().requires_grad_()
+    found = assess(place(point))
+
+    def slope(value: Tensor) -> Tensor:
+        if not value.requires_grad:
+            return torch.zeros_like(x)
+        (gradient,) = torch.autograd.grad(value, point, retain_graph=True, allow_unused=True)
+        return torch.zeros_like(x) if gradient is None else torch.nan_to_num(gradient, 0.0, 0.0, 0.0)
+
+    near = (found.values < found.lower + _NEAR) | (found.values > found.upper - _NEAR)
+    rows = [
+        slope(value) if asked else torch.zeros_like(x)
+        for value, asked in zip(found.values, near, strict=True)
+    ]
+    slopes = torch.stack(rows) if rows else x.new_zeros((0, len(x)))
+    seen = replace(found, values=found.values.detach(), rest=found.rest.detach())
+    return LinearModel(seen, slopes, slope(found.rest), stiffness, weight)

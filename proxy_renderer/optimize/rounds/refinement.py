@@ -169,17 +169,18 @@ class Refinement:
         now = search.confine(self._u, plan, self._start, self._reach)  # 2 to 5 and 7
         if self._elsewhere:
             now = replace(now, u=search.middle(now))
-        self._last = now
         search.renew(now.u, search.number, slack=STRIDE)
-        chosen, objective = search.objective(now, now.u)  # 6: S_K
-        descent = search.descend(now, chosen, objective)  # 8 to 15
+        chosen = search.select(now, now.u)  # 6: S_K
+        self._last = replace(now, plan=chosen.with_reasons(now.plan))
+        descent = search.descend(now, chosen)  # 8 to 15
         self._u, self._loss = descent.u, descent.loss  # 16
         search.number += 1
         self._rounds.append(
             {
-                "parameters": chosen,
+                "parameters": chosen.keys,
+                "shared": chosen.shared,
                 "loss": [descent.start_loss, descent.loss],
-                **objective.account(descent.u),
+                **chosen.objective.account(descent.u),
                 "steps": descent.steps,
                 "repairs": descent.repairs,
                 "advice": now.advice.source,
@@ -188,7 +189,7 @@ class Refinement:
         )
         gained = descent.start_loss - descent.loss
         self._settled = len(self._rounds) > 1 and gained < CONVERGED * abs(descent.start_loss)
-        return bool(chosen) and not search.clock.stopped
+        return bool(chosen.keys) and not search.clock.stopped
 
     def _outcome(self, best: RoundEnd) -> Outcome:
         search, plan = self._search, best.confined.plan

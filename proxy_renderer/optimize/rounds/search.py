@@ -27,14 +27,13 @@ from ..baseline import plan_everything, step_settings
 from ..inner.adam import descend
 from ..inner.descent import Descent
 from ..inner.least_squares import solve
-from ..objective import RoundObjective
 from ..plan import carry, feasible_ranges, lock
 from ..progress import Clock, Observer
 from ..shots import ShotInput, ShotState, added_powers, enter, share
 from ..vector import ParameterVector, around, project
 from . import starts
 from .judges import make_guidance, weights_of
-from .selection import pull, select
+from .selection import Selection, select
 
 
 @dataclass
@@ -206,40 +205,31 @@ class Search:
         assert advice is not None
         return advice, Plan({key: entries[key] for key in self.vector.instances}, advice.plan.notes)
 
-    def objective(
-        self, now: Confined, u: Tensor, shots: Sequence[ShotState] = ()
-    ) -> tuple[list[str], RoundObjective]:
+    def select(self, now: Confined, u: Tensor, shots: Sequence[ShotState] = ()) -> Selection:
         """What is minimized in a round, and over which parameters.
 
         Args:
             now: The round, confined.
-            u: (N,) where gradients are taken to select.
+            u: (N,) where the parameters are chosen.
             shots: Those that judge; all if there are none.
-
-        Returns:
-            The keys S_K, and the objective over them.
         """
-        judged = shots or self.shots
-        chosen = select(now.plan, self.vector, judged, u, now.lower, now.upper, self.options, self.weights)
-        weight = pull(now.plan, self.vector, chosen)
-        return chosen, RoundObjective(
-            judged, self.vector, set(chosen), now.lower, now.upper, weight, self.weights
+        return select(
+            now.plan, self.vector, shots or self.shots, u, now.lower, now.upper, self.options, self.weights
         )
 
-    def descend(self, now: Confined, chosen: list[str], objective: RoundObjective) -> Descent:
+    def descend(self, now: Confined, chosen: Selection) -> Descent:
         """Lines 8 to 15 of Algorithm 1, from the round's projected point.
 
         Args:
             now: The round, confined.
-            chosen: S_K.
-            objective: What is minimized.
+            chosen: S_K, and what is minimized; chosen at that point.
         """
-        movable = self.vector.mark(chosen) & (now.upper > now.lower)
+        movable = self.vector.mark(chosen.keys) & (now.upper > now.lower)
         follow = self.clock.follow(self.number)
         if self.options.inner == "adam" or self.options.baseline:
             seed = self.options.seed * 1000 + self.number
             return descend(
-                objective,
+                chosen.objective,
                 now.u,
                 movable,
                 now.lower,
@@ -250,7 +240,16 @@ class Search:
                 follow,
             )
         if self.options.inner == "least-squares":
-            return solve(objective, now.u, movable, now.lower, now.upper, self.options.steps, follow)
+            return solve(
+                chosen.objective,
+                now.u,
+                movable,
+                now.lower,
+                now.upper,
+                self.options.steps,
+                follow,
+                chosen.model,
+            )
         middle = self.options.inner == "middle"
         found = torch.where(movable, (now.lower + now.upper) / 2, now.u) if middle else now.u
         return Descent(found, 0.0, 0.0)

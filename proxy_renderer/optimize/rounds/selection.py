@@ -1,10 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The update set S_K of a round (equation 7; Algorithm 1, line 6), and the prior on what it holds."""
+"""The update set S_K of a round (equation 7; Algorithm 1, line 6): what serves the claims most, and each only once.
+
+Many parameters do the same to a picture: exposure and the power of a lamp, the color of a lamp and the film's gain. The
+claims cannot tell their values apart (the paper's scale ambiguity). So parameters are chosen one after the other, by what
+each can still add to those before it, as in orthogonal matching pursuit (Pati, Rezaiifar and Krishnaprasad 1993); and one
+that does the same as one of them, and can add nothing to it, is held for the round.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import torch
 from torch import Tensor
@@ -13,11 +20,43 @@ from ...guidance.guide import Weights
 from ...prompt.types import Plan
 from ...schema import VibeError
 from ...schema.messages import Options
-from ..inner.descent import first_order_gain
+from ..inner.linear_model import LinearModel, linearize
 from ..objective import RoundObjective
-from ..plan import top_k
 from ..shots import ShotState
 from ..vector import ParameterVector
+
+_HALF = 1.5
+"""Places in the order of priorities that half the gain costs."""
+
+_FAINTEST = 2.0**-20
+
+_ALIKE, _NOTHING_NEW = 0.9, 0.1
+"""Share of what a parameter does to the claims that another one does too, and of its gain that is left beside that one."""
+
+
+@dataclass(frozen=True)
+class Selection:
+    """What a round optimizes.
+
+    Attributes:
+        keys: S_K, what serves most first.
+        objective: What is minimized, differentiable in all that was looked at.
+        shared: Key of a parameter that is held -> the one of S_K that does the same to what the words claim.
+        model: The objective near the point where they were chosen, over the components of S_K; None for the baseline.
+    """
+
+    keys: list[str]
+    objective: RoundObjective
+    shared: dict[str, str] = field(default_factory=dict)
+    model: LinearModel | None = None
+
+    def with_reasons(self, plan: Plan) -> Plan:
+        """The plan, with what is held and why."""
+        held = {
+            key: replace(plan[key], reason=f"{plan[key].reason}; shared: {other} does the same to the words")
+            for key, other in self.shared.items()
+        }
+        return Plan({**plan, **held}, plan.notes)
 
 
 def select(
@@ -29,14 +68,14 @@ def select(
     upper: Tensor,
     options: Options,
     weights: Weights,
-) -> list[str]:
+) -> Selection:
     """S_K (equation 7): the K parameters that receive gradients; for the baseline all that can move.
 
     Args:
         plan: Priorities and priors by key.
         vector: The parameters of u.
-        shots: The shots whose losses are probed.
-        u: (N,) where they are probed.
+        shots: The shots that judge.
+        u: (N,) where parameters are chosen.
         lower: (N,) lower corner of the feasible box.
         upper: (N,) upper corner.
         options: K is `top_k`.
@@ -45,34 +84,105 @@ def select(
     Raises:
         VibeError: Nothing that the words name may change.
     """
-    movable = {key: bool((upper > lower)[part].any()) for key, part in vector.slices.items()}
-    relevant = {key for key, entry in plan.items() if entry.priority is not None and movable[key]}
+    wide = upper > lower
+    relevant = {k for k, e in plan.items() if e.priority is not None and wide[vector.slices[k]].any()}
     if all(plan[key].prior > 0.0 for key in relevant):
         raise VibeError(
             "Nothing that the words name may change in this scene.",
             "Unlock something, allow more groups, or use other words.",
         )
-    if options.baseline:
-        return sorted(relevant)
     # Moving the camera means tracing everything again: only words are worth that.
     probed = {k for k in relevant if vector.instances[k].parameter.group != "camera" or plan[k].prior == 0.0}
-    free = replace(weights, prior=0.0, hue=0.0)
-    probe = RoundObjective(shots, vector, probed, lower, upper, torch.zeros_like(u), free)
-    gain = first_order_gain(probe, u, lower, upper)
-    return top_k(
-        plan, options.top_k, movable, {k: float(gain[part].sum()) for k, part in vector.slices.items()}
-    )
+    probed = relevant if options.baseline else probed
+    objective = RoundObjective(shots, vector, probed, lower, upper, _pull(plan, vector, probed), weights)
+    if options.baseline:
+        return Selection(sorted(relevant), objective)
+    model, parts, low, high = _probe(objective, vector, probed, u, lower, upper)
+    keys, shared = choose(plan, options.top_k, model, parts, low, high, "sharing" not in options.leave_out)
+    mine = torch.zeros(len(low), dtype=torch.bool)
+    for key in keys:
+        mine[parts[key]] = True
+    return Selection(keys, objective, shared, model.of(mine))
 
 
-def pull(plan: Plan, vector: ParameterVector, chosen: list[str]) -> Tensor:
-    """(N,) weight in [0, 1] of the prior: on what is optimized though no word named it.
+def choose(
+    plan: Plan,
+    k: int,
+    model: LinearModel,
+    parts: Mapping[str, slice],
+    low: Tensor,
+    high: Tensor,
+    sharing: bool = True,
+) -> tuple[list[str], dict[str, str]]:
+    """The K most important parameters, refined by how much each can still lower the loss beside those before it.
+
+    Half the gain costs one and a half places: a parameter at the right end of its range, or one that the loss does not
+    depend on, makes room for one that still helps.
 
     Args:
-        plan: Priors by key.
-        vector: The parameters of u.
-        chosen: The keys of S_K.
+        plan: Entries by key; a smaller priority is more important.
+        k: How many keys at most; a color counts as one.
+        model: The loss over all that may be chosen.
+        parts: Key -> its components in the model.
+        low: (n,) least that each component may be moved.
+        high: (n,) most.
+        sharing: Whether parameters that do the same as a chosen one are held.
+
+    Returns:
+        The keys, and what is held -> the key that does the same.
     """
+    move, free = torch.zeros_like(low), torch.zeros(len(low), dtype=torch.bool)
+    left = dict(parts)
+    keys: list[str] = []
+    shared: dict[str, str] = {}
+    gains = alone = {key: model.gain(move, part, low, high) for key, part in left.items()}
+    most = max(alone.values(), default=0.0)
+
+    def rank(key: str) -> tuple[float, str]:
+        share = gains[key] / most if most > 0.0 else 1.0
+        return (plan[key].priority or 0) - _HALF * math.log2(max(share, _FAINTEST)), key
+
+    while left and len(keys) < k:
+        keys.append(best := min(left, key=rank))
+        part = left.pop(best)
+        free[part] = True
+        move = model.step(torch.where(free, low, 0.0), torch.where(free, high, 0.0))
+        gains = {key: model.gain(move, other, low, high) for key, other in left.items()}
+        if sharing:
+            same = [key for key, other in left.items() if model.alike(other, part) > _ALIKE]
+            shared |= {key: best for key in same if gains[key] <= _NOTHING_NEW * alone[key]}
+            left = {key: other for key, other in left.items() if key not in shared}
+    return keys, shared
+
+
+def _probe(
+    objective: RoundObjective,
+    vector: ParameterVector,
+    probed: set[str],
+    u: Tensor,
+    lower: Tensor,
+    upper: Tensor,
+) -> tuple[LinearModel, dict[str, slice], Tensor, Tensor]:
+    """The loss near u over all of these keys, in shares of their ranges; where each key is; the box around u."""
+    wide = vector.mark(probed) & (upper > lower)
+    places, before = wide.nonzero(as_tuple=True)[0], wide.cumsum(0)
+    span = (upper - lower)[wide]
+
+    def place(x: Tensor) -> Tensor:
+        return u.index_put((places,), u[wide] + span * x)
+
+    x = torch.zeros(len(places), dtype=u.dtype)
+    model = linearize(objective.assess, place, x, objective.stiffness[wide], objective.claim_weight)
+    parts = {}
+    for key in sorted(probed):
+        end = int(before[vector.slices[key].stop - 1])
+        parts[key] = slice(end - int(wide[vector.slices[key]].sum()), end)
+    return model, parts, ((lower - u)[wide] / span), ((upper - u)[wide] / span)
+
+
+def _pull(plan: Plan, vector: ParameterVector, probed: set[str]) -> Tensor:
+    """(N,) weight in [0, 1] of the prior: on what may be optimized though no word named it."""
     weight = torch.zeros(vector.size, dtype=torch.float64)
-    for key in chosen:
+    for key in probed:
         weight[vector.slices[key]] = plan[key].prior
     return weight

@@ -58,15 +58,17 @@ def _try(search: Search, point: Tensor, now: Confined) -> tuple[Tensor, float, T
     Returns:
         The end point (N,), its loss on all views, and the first shot's picture (H, W, 3).
     """
-    chosen, objective = search.objective(now, point, [_with_few_views(shot) for shot in search.shots])
-    movable = search.vector.mark(chosen) & (now.upper > now.lower)
+    chosen = search.select(now, point, [_with_few_views(shot) for shot in search.shots])
+    movable = search.vector.mark(chosen.keys) & (now.upper > now.lower)
     steps, seed = starts.COARSE_STEPS, search.options.seed
 
     def stop_asked(step: int, loss: float, picture: Render) -> bool:
         """The coarse pass reports no progress."""
         return search.observer.stopped()
 
-    u = descend(objective, point, movable, now.lower, now.upper, steps, seed, StepSettings(), stop_asked).u
+    u = descend(
+        chosen.objective, point, movable, now.lower, now.upper, steps, seed, StepSettings(), stop_asked
+    ).u
     with torch.no_grad():
         pictures = [shot.draw(u) for shot in search.shots]
         losses = [_loss(shot, picture) for shot, picture in zip(search.shots, pictures, strict=True)]

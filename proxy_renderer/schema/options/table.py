@@ -172,7 +172,7 @@ class Options:
     )
     leave_out: tuple[str, ...] = option(
         (),
-        "parts of the objective to leave out, to see what they are worth: encoder, claims",
+        "parts of the method to leave out, to see what they are worth: encoder, claims, sharing",
         "engine",
         unit="A,B",
     )
