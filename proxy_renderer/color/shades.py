@@ -48,19 +48,6 @@ def shade(
     )
 
 
-def mix(first: Values, second: Values, share: float) -> Values:
-    """A color between two, in sRGB, with that share of the second.
-
-    Args:
-        first: sRGB in [0, 1].
-        second: Likewise.
-        share: Of the second color, in [0, 1].
-    """
-    pairs = zip(oklab_from_srgb(first), oklab_from_srgb(second), strict=True)
-    light, a, b = ((1 - share) * p + share * q for p, q in pairs)
-    return srgb_from_oklab((light, a, b))
-
-
 def hue_apart(one: Values, other: Values) -> float:
     """Degrees between the Lab hues of two sRGB colors; 0 where one of them is grayish."""
     labs = lab_from_srgb(one), lab_from_srgb(other)

@@ -11,7 +11,7 @@ from functools import cached_property
 from ..color.shades import shade
 from ..schema import Values
 from .lexicon.nearest import Guess, nearest, table
-from .lexicon.tinges import kind_of, spelled_out, tending, tinged
+from .lexicon.tinges import compound, parted, tending, unslashed
 from .lexicon.vocabulary import Vocabulary, VocabularyEntry, normalize
 from .names import SceneName, in_parts, scene_names
 from .types import SceneWords
@@ -73,10 +73,18 @@ class Lexer:
 
     def clauses(self, prompt: str) -> list[list[Token]]:
         """Tokens of each clause of a prompt."""
-        text = spelled_out(re.sub(r"\s*&\s*", " and ", prompt), self.vocabulary.colors)
+        text = unslashed(re.sub(r"\s*&\s*", " and ", prompt), self.vocabulary.colors)
         text = normalize(text)
         words = [re.findall(r"[^\W_]+(?:'[a-z]+)?", part) for part in _BREAK.split(text)]
-        return [self._tokens(self._gathered(part)) for part in words if part]
+        return [self._tokens(self._gathered(self._parted(part))) for part in words if part]
+
+    def _parted(self, words: list[str]) -> list[str]:
+        """The words, with a space in "bluegreen" and "lightblue"."""
+        v = self.vocabulary
+        known = v.synonyms.keys() | v.nouns.keys() | self.names.keys()
+        return [
+            part for word in words for part in ([word] if word in known else parted(word, v.colors, v.shades))
+        ]
 
     def _gathered(self, words: list[str]) -> list[str]:
         """ "Deep glossy blue" as "glossy deep blue": a shade is its color's, whatever stands between them."""
@@ -166,8 +174,8 @@ class Lexer:
 
     def _tinged(self, words: list[str]) -> Token | None:
         colors = self.vocabulary.colors
-        made_of = self._entry(words[0])  # "ruby red lips" are red
-        color = tinged(words, colors) or (None if made_of else kind_of(words, colors))
+        made_of = words[0] in colors and self._entry(words[0])  # "ruby red lips" are red
+        color = None if made_of else compound(words, colors)
         return Token(" ".join(words), color=color, name=" ".join(words)) if color else None
 
     def _shaded(self, words: list[str]) -> Token | None:
@@ -176,6 +184,7 @@ class Lexer:
         for split in range(1, len(words)):
             last = " ".join(words[split:])
             color = v.colors.get(last) or v.colors.get(last.removesuffix("s"))
+            color = color or compound(words[split:], v.colors)
             leading = words[:split]
             if (
                 color
@@ -266,7 +275,8 @@ def _is_swapped(word: str, typed: str) -> bool:
 
 
 def _shade(row: dict[str, float], strength: float) -> tuple[float, float, float, float]:
-    """Arguments of `color.shade` for one shade word, `strength` times as much as it does alone."""
+    """Arguments of `color.shade` for one shade word; "very" does the same to it again, "slightly" half of it."""
+    strength = strength**2 if strength > 1 else strength
     lightness = max(1 - (1 - row.get("lightness", 1.0)) * strength, 0.05)
     tinted = 1 - (1 - row.get("chroma", 1.0)) * strength
     return lightness, tinted, row.get("towards", 60.0), row.get("warmth", 0.0) * strength
