@@ -52,7 +52,7 @@ class ShotState:
         vector: The shared vector under its keys.
         proxy: Renders the loop's pictures.
         anchoring: The proxy's corrections.
-        guidance: Judges the pictures; calibrated on the artist's picture: the same in all rounds and for all starts.
+        guidance: Judges the pictures as the round's advice says; calibrated on the artist's picture.
         claims: What the words say that its pictures have to look like; None for the baseline.
         seen: What its camera saw when the round began.
     """

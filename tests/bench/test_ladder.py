@@ -30,5 +30,5 @@ def test_spread_is_a_share_of_the_range_on_the_perceptual_scale():
 
 def test_no_rung_of_a_name_is_said(tmp_path):
     with pytest.raises(VibeError, match="No rung has a name like 'magic'") as refused:
-        run(tmp_path, "*duck*", rungs="magic")
+        run(tmp_path, only="*duck*", rungs="magic")
     assert "without sharing" in refused.value.remedy

@@ -7,6 +7,8 @@ import pytest
 import torch
 from loop_parts import PROMPT, Silent
 
+from proxy_renderer.guidance.encoder import Encoder
+from proxy_renderer.optimize.inner.descent import fixed_views
 from proxy_renderer.optimize.rounds import refinement
 from proxy_renderer.optimize.rounds.refinement import Refinement
 from proxy_renderer.optimize.rounds.search import Missed, Search, Start
@@ -123,6 +125,43 @@ def test_without_an_inner_loop_values_are_the_nearest_that_the_words_allow(searc
     marked = middle.vector.mark(chosen.keys) & (now.upper > now.lower)
     torch.testing.assert_close(found[marked], ((now.lower + now.upper) / 2)[marked])
     assert torch.equal(found[~marked], now.u[~marked])
+
+
+def test_what_a_model_says_in_a_later_round_reaches_the_loss(search):
+    begun = search(PROMPT)
+    now, _ = confined(begun)
+    (shot,) = begun.shots
+    first, claims = shot.guidance, shot.claims.claims
+    begun.confine(now.u, now.plan, None)
+    assert shot.guidance is first  # the same words
+    advisor = begun.advisor
+
+    class Model:
+        def advise(self, display, instances, known):
+            advice = advisor.advise(display, instances, known)
+            return replace(advice, prompts=replace(advice.prompts, subject="a rusty ball", whole="rust"))
+
+    begun.advisor = Model()
+    begun.confine(now.u, now.plan, None)
+    picture = shot.draw(now.u)
+    before, after = (
+        judge(picture.display, picture.mask, fixed_views())["subject"] for judge in (first, shot.guidance)
+    )
+    assert float(before) != float(after)
+    assert shot.claims.claims == claims  # of the artist's words, whatever the model makes of them
+
+
+def test_the_papers_loop_asks_for_the_raw_text(search, monkeypatch):
+    asked = []
+    encode = Encoder.encode_texts
+    monkeypatch.setattr(
+        Encoder, "encode_texts", lambda self, texts: asked.extend(texts) or encode(self, texts)
+    )
+    confined(search(PROMPT, inner="adam"))
+    assert PROMPT in asked
+    asked.clear()
+    confined(search(PROMPT))
+    assert PROMPT not in asked
 
 
 def test_what_is_left_out_is_not_in_the_loss(search):

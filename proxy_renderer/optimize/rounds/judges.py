@@ -39,6 +39,8 @@ def make_guidance(
         return GlobalGuidance(encoder, prompt, Views())
     silhouette = any(a.entry == "silhouette" and not a.negated for a in parsed.attributes)
     first = (start.display, start.mask)
+    # The paper's full-image term has the raw text.
+    prompts = replace(advice.prompts, whole=prompt) if options.inner == "adam" else advice.prompts
     return PromptGuidance(
-        encoder, heads, advice.prompts, parsed.targets, parsed.colors, first, silhouette, weights_of(options)
+        encoder, heads, prompts, parsed.targets, parsed.colors, first, silhouette, weights_of(options)
     )

@@ -18,7 +18,7 @@ from ...guidance.losses import claims_loss
 from ...planning.advice import Advice, Advisor, OfflineAdvisor
 from ...prompt.lexicon.user_words import default_vocabulary
 from ...prompt.types import Plan, PlanEntry
-from ...render.proxy import Proxy
+from ...render.proxy import Proxy, Render
 from ...scene import SceneData
 from ...schema import Values
 from ...schema.messages import Options
@@ -124,6 +124,8 @@ class Search:
         self.clock = Clock(self.rounds * (options.variants if self.several else 1), options.steps, observer)
         self.weights = weights_of(options)
         self._guidance = partial(make_guidance, encoder, heads, prompt, options)
+        self._artists: list[Render] = []
+        self._asked: object = None
         self.number = 0
 
     def renew(self, u: Tensor, number: int, **options: float) -> None:
@@ -170,16 +172,24 @@ class Search:
         if start and start.drawn is not None:
             lower, upper = starts.corral(start.u, lower, upper, start.drawn)
         lower, upper = around(u, lower, upper, reach)
-        if self.shots[0].guidance is None:  # the loop begins, at the artist's own values
-            pictures = [shot.draw(u) for shot in self.shots]
-            self.observer.begin(pictures[0].display.detach())
-            for shot, picture in zip(self.shots, pictures, strict=True):
-                shot.guidance = self._guidance(advice, picture)
-                if not self.options.baseline:
-                    shot.claim(claims_of(advice.parsed, default_vocabulary()), u, picture)
+        self._judge_by(advice, u)
         for shot in self.shots[1:]:
             shot.take(plan)
         return Confined(advice, plan, ranges, lower, upper, project(u, lower, upper))
+
+    def _judge_by(self, advice: Advice, u: Tensor) -> None:
+        """Has pictures judged as this round's advice says; what the words claim is as understood at first, at u (N,)."""
+        if not self._artists:  # the loop begins, at the artist's own values
+            self._artists = [shot.draw(u) for shot in self.shots]
+            self.observer.begin(self._artists[0].display.detach())
+            if not self.options.baseline:
+                for shot, picture in zip(self.shots, self._artists, strict=True):
+                    shot.claim(claims_of(advice.parsed, default_vocabulary()), u, picture)
+        asked = advice.prompts, advice.parsed.targets, advice.parsed.colors
+        if asked != self._asked:
+            self._asked = asked
+            for shot, picture in zip(self.shots, self._artists, strict=True):
+                shot.guidance = self._guidance(advice, picture)
 
     def middle(self, now: Confined) -> Tensor:
         """(N,) another start: what is relevant stands in the middle of its range.
