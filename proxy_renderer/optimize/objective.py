@@ -90,8 +90,13 @@ class RoundObjective:
 
     @property
     def stiffness(self) -> Tensor:
-        """(N,) curvature of the prior by each component's place in its range."""
-        return 2.0 * self._weights.prior * self._pull
+        """(N, N) curvature of what holds values, by their places in their ranges: apart, a color's components leave its hue."""
+        prior = 2.0 * self._weights.prior * torch.diag(self._pull)
+        place = torch.zeros(self.vector.size, dtype=self._pull.dtype)
+        hue = torch.autograd.functional.hessian(
+            lambda where: hue_consistency_loss(where, self._colors, self._range), place, vectorize=True
+        )
+        return prior + self._weights.hue * hue
 
     def assess(self, u: Tensor) -> Assessment:
         """What is judged in the pictures of all shots.

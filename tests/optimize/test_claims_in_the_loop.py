@@ -74,6 +74,21 @@ def test_a_missed_claim_pulls_the_picture_towards_it(search):
     assert torch.cat(nearer).norm() < torch.cat(residuals).norm()
 
 
+def test_what_holds_values_and_hues_is_foreseen_exactly(search):
+    """The model of least squares knows what it costs to move a color's components apart, though its slope is 0 at first."""
+    begun = search("titanium ball")
+    now, home = confined(begun)
+    objective = begun.select(now, home).objective
+    dice = torch.Generator().manual_seed(0)
+    span = (now.upper - now.lower).clamp_min(1e-9)
+    where = home.clone().requires_grad_()
+    (slope,) = torch.autograd.grad(objective._held(where), where)
+    apart = torch.rand(len(home), generator=dice, dtype=torch.float64) * (now.upper > now.lower)
+    foreseen = slope @ (span * apart) + 0.5 * apart @ objective.stiffness @ apart
+    torch.testing.assert_close(objective._held(home + span * apart) - objective._held(home), foreseen)
+    assert float(foreseen) > 0.1
+
+
 def test_the_baseline_is_judged_by_no_claim(search):
     begun = search("dark", baseline="clip-only")
     confined(begun)

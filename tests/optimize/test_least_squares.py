@@ -23,7 +23,7 @@ class Claims:
         self.values, self.rest = values, rest
         self.lower, self.upper = doubles(lower), doubles(upper)
         self.claim = torch.tensor(claim or range(len(lower)))
-        self.stiffness = torch.zeros(size, dtype=torch.float64)
+        self.stiffness = torch.zeros((size, size), dtype=torch.float64)
         self.slopes_taken, self.seen = 0, []
 
     def assess(self, u):

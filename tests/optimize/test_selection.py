@@ -32,7 +32,7 @@ def chosen(priorities, slopes, misses, k=8, gains=None, high=1.0, sharing=True):
     )
     rest = -doubles(gains) if gains else torch.zeros(len(names), dtype=torch.float64)
     rows = doubles(slopes) if len(misses) else torch.zeros((0, len(names)), dtype=torch.float64)
-    model = LinearModel(here, rows, rest, torch.zeros_like(rest), 1.0)
+    model = LinearModel(here, rows, rest, torch.diag(torch.zeros_like(rest)), 1.0)
     parts = {name: slice(i, i + 1) for i, name in enumerate(names)}
     low, up = torch.zeros_like(rest), torch.full_like(rest, high)
     return choose(plan, k, model, parts, low, up, sharing)

@@ -43,7 +43,7 @@ class ClaimObjective(Protocol):
 
     @property
     def stiffness(self) -> Tensor:
-        """(N,) curvature of the rest by each component's place in its range, as far as it is known."""
+        """(N, N) curvature of the rest by the components' places in their ranges, as far as it is known."""
 
     def assess(self, u: Tensor) -> Assessment:
         """What is judged at u (N,) in [0, 1]; differentiable in what may move."""
@@ -82,7 +82,9 @@ def solve(
         return u.index_put((places,), start + span * x)
 
     def linear(x: Tensor) -> LinearModel:
-        return linearize(objective.assess, place, x, objective.stiffness[chosen], objective.claim_weight)
+        return linearize(
+            objective.assess, place, x, objective.stiffness[chosen][:, chosen], objective.claim_weight
+        )
 
     x, radius, taken, fresh = torch.zeros_like(start), _RADIUS, 1, True
     model = first or linear(x)

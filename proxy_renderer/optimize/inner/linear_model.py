@@ -77,7 +77,7 @@ class LinearModel:
         here: What is judged at the point.
         slopes: (M, n) of the values.
         rest_slope: (n,) of the rest.
-        stiffness: (n,) curvature of the rest.
+        stiffness: (n, n) curvature of the rest.
         weight: Of a noticeable step by which a claim is missed.
     """
 
@@ -89,7 +89,7 @@ class LinearModel:
 
     def loss(self, move: Tensor) -> float:
         """Foretold at x + move (n,)."""
-        rest = self.here.rest + self.rest_slope @ move + 0.5 * self.stiffness @ move.square()
+        rest = self.here.rest + self.rest_slope @ move + 0.5 * move @ self.stiffness @ move
         return self.here.loss(self.here.values + self.slopes @ move, rest, self.weight)
 
     def step(self, low: Tensor, high: Tensor) -> Tensor:
@@ -102,13 +102,13 @@ class LinearModel:
         weights = self.weight / far
         scaled = self.slopes * weights.sqrt()[:, None]
         steepest = float(torch.linalg.matrix_norm(scaled, 2)) ** 2 if len(scaled) else 0.0
-        curvature = self.stiffness + _DAMPING
-        rate = 1.0 / (steepest + float(curvature.max()))
+        curvature = self.stiffness + _DAMPING * torch.eye(len(self.stiffness))
+        rate = 1.0 / (steepest + float(torch.linalg.matrix_norm(curvature, 2)))
         move = ahead = torch.zeros_like(self.rest_slope)
         for number in range(_ITERATIONS):
             values = self.here.values + self.slopes @ ahead
             missed = outside(values, self.here.lower, self.here.upper)
-            slope = self.slopes.T @ (weights * missed) + self.rest_slope + curvature * ahead
+            slope = self.slopes.T @ (weights * missed) + self.rest_slope + curvature @ ahead
             earlier, move = move, project(ahead - rate * slope, low, high)
             ahead = move + number / (number + 3) * (move - earlier)
         return move
@@ -119,7 +119,7 @@ class LinearModel:
             self,
             slopes=self.slopes[:, components],
             rest_slope=self.rest_slope[components],
-            stiffness=self.stiffness[components],
+            stiffness=self.stiffness[components][:, components],
         )
 
     def gain(self, move: Tensor, part: slice, low: Tensor, high: Tensor) -> float:
@@ -135,8 +135,9 @@ class LinearModel:
         far = self.here.misses(values).clamp_min(1.0)[self.here.claim]
         missed = outside(values, self.here.lower, self.here.upper)
         slopes, weights = self.slopes[:, part], self.weight / far * (missed != 0)
-        curvature = slopes.T @ (weights[:, None] * slopes) + torch.diag(self.stiffness[part] + _DAMPING)
-        slope = slopes.T @ (weights * missed) + self.rest_slope[part] + (self.stiffness * move)[part]
+        damping = _DAMPING * torch.eye(slopes.shape[1])
+        curvature = slopes.T @ (weights[:, None] * slopes) + self.stiffness[part, part] + damping
+        slope = slopes.T @ (weights * missed) + self.rest_slope[part] + (self.stiffness @ move)[part]
         there = move.clone()
         there[part] = (move[part] - torch.linalg.solve(curvature, slope)).clamp(low[part], high[part])
         return max(self.loss(move) - self.loss(there), 0.0)
@@ -168,7 +169,7 @@ class LinearModel:
         """
         along = move / move.square().sum()
         missing = seen.values - self.here.values - self.slopes @ move
-        rest = seen.rest - self.here.rest - (self.rest_slope + 0.5 * self.stiffness * move) @ move
+        rest = seen.rest - self.here.rest - (self.rest_slope + 0.5 * self.stiffness @ move) @ move
         return replace(
             self,
             slopes=self.slopes + missing[:, None] * along,
@@ -178,7 +179,7 @@ class LinearModel:
     def moved(self, seen: Assessment, move: Tensor) -> LinearModel:
         """The model at x + move; arguments as for `corrected`."""
         there = self.corrected(seen, move)
-        return replace(there, here=seen, rest_slope=there.rest_slope + self.stiffness * move)
+        return replace(there, here=seen, rest_slope=there.rest_slope + self.stiffness @ move)
 
 
 def linearize(
@@ -194,7 +195,7 @@ def linearize(
         assess: What is judged at a point u.
         place: The point u of x.
         x: (n,).
-        stiffness: (n,) curvature of the rest.
+        stiffness: (n, n) curvature of the rest.
         weight: Of a noticeable step by which a claim is missed.
     """
     point = x.clone().requires_grad_()
