@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The documents' pictures, small, from what commands have written into one folder; those that are not there are left alone.
+
+python docs/pictures.py [FOLDER]     FOLDER is the commands' `out`
+
+demo.jpg       vibe demo --out out/demo
+dolphin.jpg    vibe run dolphin.obj --prompt "Glossy teal dolphin, white studio background." --out out/dolphin
+tree.jpg       vibe run tree.obj --prompt "Misty tree silhouette, cool blue fog, vignette." --out out/tree
+fidelity.jpg   vibe bench fidelity --out out/fidelity
+tutorial/      the tutorial's own commands
+
+Those of the panel are photographs of Blender's window, made by hand.
+"""
+
+import sys
+from pathlib import Path
+
+from PIL import Image
+
+HERE = Path(__file__).parent
+PICTURES = {
+    "demo.jpg": ("demo/compare.png", 1200),
+    "dolphin.jpg": ("dolphin/compare.png", 1200),
+    "tree.jpg": ("tree/compare.png", 1200),
+    "tutorial/before.jpg": ("teal/before.png", 480),
+    "tutorial/teal.jpg": ("teal/compare.png", 1000),
+    "tutorial/noir.jpg": ("noir/after.png", 480),
+    "tutorial/mist.jpg": ("mist/compare.png", 1000),
+    "tutorial/looks.jpg": ("looks/variants.png", 1000),
+}
+"""Picture of the documents: the file that it is made of, and its width in pixels."""
+
+SCENES = (
+    "copper_rings",
+    "frosted_bottle",
+    "globe",
+    "stage_spots",
+    "columns_haze",
+    "granite_knot",
+    "cornell_box",
+    "worn_car",
+)
+"""Scenes of fidelity.jpg, from left to right."""
+
+_SIDE, _GAP = 128, 6
+
+
+def main(folder: Path) -> None:
+    """Writes them beside this file."""
+    for name, (source, width) in PICTURES.items():
+        if (folder / source).is_file():
+            picture = Image.open(folder / source).convert("RGB")
+            picture.thumbnail((width, width), Image.Resampling.LANCZOS)
+            save(picture, name)
+    scenes = [folder / "fidelity" / "scenes" / name for name in SCENES]
+    if all(scene.is_dir() for scene in scenes):
+        save(beside(scenes), "fidelity.jpg")
+
+
+def beside(scenes: list[Path]) -> Image.Image:
+    """A column for each scene: Cycles' picture, and the proxy's below it."""
+    step = _SIDE + _GAP
+    sheet = Image.new("RGB", (len(scenes) * step - _GAP, 2 * step - _GAP), "white")
+    for column, scene in enumerate(scenes):
+        for row, name in enumerate(("cycles.png", "proxy.png")):
+            picture = Image.open(scene / name).convert("RGB").resize((_SIDE, _SIDE), Image.Resampling.LANCZOS)
+            sheet.paste(picture, (column * step, row * step))
+    return sheet
+
+
+def save(picture: Image.Image, name: str) -> None:
+    """Writes a picture of the documents, and says how large it is."""
+    picture.save(HERE / name, quality=85, optimize=True)
+    print(f"{HERE / name}: {(HERE / name).stat().st_size / 1000:.0f} kB")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1] if len(sys.argv) > 1 else "out"))
