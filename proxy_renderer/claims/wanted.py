@@ -31,6 +31,11 @@ _TINTED = (6.0, 3.0)
 _DROWNED, _LEAST_DROWNED = 0.5, 25.0
 """Share of a color's chroma, but at least this, at which its light leaves nothing of the picture's other colors."""
 
+_TONED = {"shadow": "shadow_warmth", "highlight": "highlight_warmth"}
+"""Kinds of things whose color is a warmth of the picture's darks or lights -> its measure."""
+_WARM = (4.0, 4.0)
+"""How warm or cold they are, or by how much more than before; b*."""
+
 _LIGHTING = ("light", "fill", "rim", "ambience", "tone")
 """Kinds of things whose color is a tint of the picture."""
 
@@ -102,8 +107,20 @@ def _of_color(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
         most = max(_DROWNED * chroma(lab_from_srgb(srgb)), _LEAST_DROWNED)
         tints = _tinted(attribute.word, "picture", "picture", srgb)
         yield from (replace(claim, upper=(most,)) for claim in tints)
+    elif attribute.kind in _TONED:
+        yield from _toned(attribute, srgb)
     elif attribute.kind == "fog":
         yield from _tinted(attribute.word, thing, "surroundings", srgb)
+
+
+def _toned(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
+    """ "Orange highlights": warm ones; nothing for a color that is neither warm nor cold."""
+    warmth, (least, change) = lab_from_srgb(srgb)[2], _WARM
+    if abs(warmth) >= _COLORED:
+        sign = math.copysign(1.0, warmth)
+        ends = ((least,), (math.inf,)) if sign > 0 else ((-math.inf,), (-least,))
+        measure = _TONED[attribute.kind]
+        yield Claim(attribute.word, "picture", measure, "picture", *ends, change=sign * change)
 
 
 def _of_matter(attribute: Attribute, vocabulary: Vocabulary) -> Iterator[Claim]:

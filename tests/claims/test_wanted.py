@@ -48,10 +48,31 @@ def test_claims_of_the_vocabulary_can_be_read_and_those_of_heads_name_classes() 
         ("a dark background", {("lightness", "surroundings")}),
         ("blue light", {("tint", "picture")}),
         ("the vase is gold", {("tint", "subject")}),
+        (
+            "teal shadows and orange highlights",
+            {("shadow_warmth", "picture"), ("highlight_warmth", "picture")},
+        ),
     ],
 )
 def test_words_claim_what_they_are_about(prompt: str, wanted: set[tuple[str, str]]) -> None:
     assert wanted <= asked(prompt)
+
+
+def test_a_color_of_the_highlights_is_their_warmth() -> None:
+    (warm,) = [c for c in claims("orange highlights") if c.measure == "highlight_warmth"]
+    (cold,) = [c for c in claims("blue highlights") if c.measure == "highlight_warmth"]
+    assert warm.lower[0] > 0 > cold.upper[0]
+    assert not [
+        c for c in claims("green highlights, red vase") if c.measure == "highlight_warmth" and c.upper[0] < 0
+    ]
+
+
+@pytest.mark.parametrize(
+    ("prompt", "dusk"), [("a vase as the sun goes down", True), ("a vase at three in the afternoon", False)]
+)
+def test_a_low_sun_is_warm_and_not_bright(prompt: str, dusk: bool) -> None:
+    assert (("lightness", "picture") in asked(prompt)) is dusk
+    assert ("warmth", "picture") in asked(prompt)
 
 
 def test_a_thing_is_measured_by_its_materials() -> None:
