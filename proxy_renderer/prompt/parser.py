@@ -8,8 +8,8 @@ import re
 from ..schema import VibeError
 from ..schema.limits import LONGEST_PROMPT
 from .english import ONLY_ENGLISH, other_language
-from .hours import told
 from .keyed import spoken, without_spared
+from .lexicon.hours import told
 from .lexicon.user_words import default_vocabulary
 from .lexicon.vocabulary import Vocabulary
 from .meaning import complete

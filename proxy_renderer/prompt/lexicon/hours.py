@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Times of day that are told, not named: "three in the morning", "as the sun goes down", "after dusk" (lexicon/hours.toml)."""
+"""Times of day that are told, not named: "three in the morning", "as the sun goes down", "after dusk" (hours.toml)."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from .lexicon.vocabulary import Vocabulary
+from .vocabulary import Vocabulary
 
 _HALF, _DAY = 12, 24
 
@@ -100,7 +100,7 @@ def _doings() -> dict[str, list[str]]:
 
 @cache
 def _rows() -> dict[str, Any]:
-    return tomllib.loads((Path(__file__).parent / "lexicon" / "hours.toml").read_text("utf-8"))
+    return tomllib.loads(Path(__file__).with_name("hours.toml").read_text("utf-8"))
 
 
 def _words(text: str) -> list[str]:
