@@ -186,6 +186,22 @@ def around(u: Tensor, lower: Tensor, upper: Tensor, share: float) -> tuple[Tenso
     return torch.maximum(lower, middle - reach), torch.minimum(upper, middle + reach)
 
 
+def opened(lower: Tensor, upper: Tensor, which: Tensor, share: float) -> tuple[Tensor, Tensor]:
+    """A box with wider ranges, within the hard bounds.
+
+    Args:
+        lower: (N,) lower corner of the box.
+        upper: (N,) upper corner.
+        which: (N,) bool, the components whose ranges are widened.
+        share: Of a range, by which it is wider on either side.
+
+    Returns:
+        The corners of the larger box, each (N,).
+    """
+    margin = share * torch.where(which, upper - lower, 0.0)
+    return (lower - margin).clamp_min(0.0).minimum(lower), (upper + margin).clamp_max(1.0).maximum(upper)
+
+
 def nearest_turn(instance: Instance, lower: Values, upper: Values, value: Values) -> tuple[Values, Values]:
     """The range of an angle, turned by whole circles so that it lies nearest to the value.
 

@@ -101,9 +101,9 @@ def test_a_round_that_made_it_worse_is_taken_back_and_the_next_goes_half_as_far(
     began, ends = [], []
     confine = Search.confine
 
-    def confined_at(self, u, earlier, start, reach=1.0):
-        began.append((u.clone(), reach))
-        return confine(self, u, earlier, start, reach)
+    def confined_at(self, u, earlier, start, reach=1.0, opening=0.0):
+        began.append((u.clone(), reach, opening))
+        return confine(self, u, earlier, start, reach, opening)
 
     def missed(self, u):
         ends.append(u.clone())
@@ -113,8 +113,21 @@ def test_a_round_that_made_it_worse_is_taken_back_and_the_next_goes_half_as_far(
     monkeypatch.setattr(Search, "missed", missed)
     monkeypatch.setattr(refinement, "CONVERGED", -1.0)
     Refinement(begun, Start(begun.vector.encode({}))).run()
-    assert [reach for _, reach in began] == [1.0, 1.0, 0.5]
+    assert [reach for _, reach, _ in began] == [1.0, 1.0, 0.5]
+    assert [opening for *_, opening in began] == [0.0, 0.5, 1.0]  # for a claim is missed all the time
     assert torch.equal(began[2][0], ends[0])
+
+
+def test_a_claim_out_of_reach_of_its_words_ranges_is_earned_in_wider_ones(search):
+    begun = search("blue night, rim light, glossy", steps=12, rounds=2, size=64)
+    outcome = Refinement(begun, Start(begun.vector.encode({}))).run()
+    first, last = (record["missed"] for record in outcome.rounds)
+    assert first["claims"] > 0
+    assert last["distance"] < 0.5 * first["distance"]
+    for key, values in outcome.vector.values(outcome.u).items():
+        instance, (low, high) = outcome.vector.instances[key], outcome.ranges[key]
+        assert all(a - 1e-5 <= v <= b + 1e-5 for a, v, b in zip(low, values, high, strict=True))
+        assert all(a <= v <= b for a, v, b in zip(instance.lower, values, instance.upper, strict=True))
 
 
 @pytest.mark.parametrize("inner", ["least-squares", "adam"])

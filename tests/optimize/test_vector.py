@@ -4,7 +4,7 @@
 import pytest
 import torch
 
-from proxy_renderer.optimize.vector import ParameterVector, nearest_turn, project
+from proxy_renderer.optimize.vector import ParameterVector, nearest_turn, opened, project
 from proxy_renderer.schema import FAMILIES, PARAMETERS, Instance
 
 
@@ -104,3 +104,12 @@ def test_a_range_never_turns_out_of_the_hard_bounds():
     assert sun.lower[0] <= low[0] <= high[0] <= sun.upper[0]
     hue = instance("film/hue", 80.0)
     assert nearest_turn(hue, (-90.0,), (-80.0,), (80.0,)) == ((-90.0,), (-80.0,))
+
+
+def test_wider_ranges_stay_within_the_hard_bounds_and_leave_others_alone():
+    lower, upper = (
+        torch.tensor(x, dtype=torch.float64) for x in ([0.1, 0.4, 0.4, 0.5], [0.5, 0.6, 0.6, 0.5])
+    )
+    low, high = opened(lower, upper, torch.tensor([True, True, False, True]), 0.5)
+    torch.testing.assert_close(low, torch.tensor([0.0, 0.3, 0.4, 0.5], dtype=torch.float64))
+    torch.testing.assert_close(high, torch.tensor([0.7, 0.7, 0.6, 0.5], dtype=torch.float64))

@@ -28,6 +28,10 @@ STRIDE = 0.05
 CONVERGED = 0.005
 """A round, other than the first, that lowers the loss by a smaller share is the last one."""
 
+OPENING, WIDEST = 0.5, 1.0
+"""Share of their ranges by which the ranges of a round are wider on either side than those of the one before, while
+claims are missed; and the most that it comes to."""
+
 PATIENCE = 2
 """Rounds that come no nearer to what the words claim, after which one begins elsewhere, or none."""
 
@@ -117,7 +121,7 @@ class Refinement:
 
     def __init__(self, search: Search, start: Start) -> None:
         self._search, self._start = search, start
-        self._u, self._loss, self._reach = start.u, math.inf, 1.0
+        self._u, self._loss, self._reach, self._opening = start.u, math.inf, 1.0, 0.0
         self._last: Confined | None = None
         self._rounds: list[dict[str, Any]] = []
         self._ends: list[RoundEnd] = []
@@ -141,6 +145,8 @@ class Refinement:
         self._see_end()
         if self._search.claims_words and self._ends[-1].missed.claims == 0:
             return False
+        if self._search.claims_words and self._start.drawn is None:
+            self._opening = min(self._opening + OPENING, WIDEST)
         nearest = _nearest(self._ends)
         stuck = self._settled or all(end.missed > nearest.missed for end in self._ends[-PATIENCE:])
         self._elsewhere = stuck and self._search.claims_words and not self._tried_elsewhere
@@ -166,7 +172,7 @@ class Refinement:
         """Lines 2 to 16; returns whether another round may be worth it."""
         search, started = self._search, time.monotonic()
         plan = self._last.plan if self._last else Plan()
-        now = search.confine(self._u, plan, self._start, self._reach)  # 2 to 5 and 7
+        now = search.confine(self._u, plan, self._start, self._reach, self._opening)  # 2 to 5 and 7
         if self._elsewhere:
             now = replace(now, u=search.middle(now))
         search.renew(now.u, search.number, slack=STRIDE)

@@ -30,7 +30,7 @@ from ..inner.least_squares import solve
 from ..plan import carry, feasible_ranges, lock
 from ..progress import Clock, Observer
 from ..shots import ShotInput, ShotState, added_powers, enter, share
-from ..vector import ParameterVector, around, project
+from ..vector import ParameterVector, around, opened, project
 from . import starts
 from .judges import make_guidance, weights_of
 from .selection import Selection, select
@@ -153,7 +153,9 @@ class Search:
             distance = float(claims_loss(residuals)) if residuals else 0.0
         return Missed(round(distance, 3), sum(float(r.norm()) > HOLDS for r in residuals))
 
-    def confine(self, u: Tensor, earlier: Plan, start: Start | None, reach: float = 1.0) -> Confined:
+    def confine(
+        self, u: Tensor, earlier: Plan, start: Start | None, reach: float = 1.0, opening: float = 0.0
+    ) -> Confined:
         """Lines 2 to 5 and 7 of Algorithm 1 at u: render, parse, compose, confine, project.
 
         Args:
@@ -161,6 +163,7 @@ class Search:
             earlier: The plan of the round before; empty for the first.
             start: Where this refinement started; None for the artist's scene.
             reach: How far from u the round may go, as a share of each component's feasible range.
+            opening: By how much ranges are wider than the plan's on either side, likewise.
         """
         self.renew(u, self.number)
         advice, plan = self._advise(u)
@@ -169,6 +172,11 @@ class Search:
             plan = plan_everything(self.vector.instances, self.options.baseline)
         ranges = feasible_ranges(plan, self.vector.instances, self.vector.values(u))
         lower, upper = self.vector.bounds(ranges)
+        if opening:
+            named = self.vector.mark(key for key, entry in plan.items() if entry.priority is not None)
+            lower, upper = opened(lower, upper, named, opening)
+            low, high = self.vector.plain(lower), self.vector.plain(upper)
+            ranges |= {key: (low[key], high[key]) for key in plan if plan[key].priority is not None}
         if start and start.drawn is not None:
             lower, upper = starts.corral(start.u, lower, upper, start.drawn)
         lower, upper = around(u, lower, upper, reach)
