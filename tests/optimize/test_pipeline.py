@@ -8,12 +8,13 @@ from tiny_job import write_job
 
 from proxy_renderer.engine.report import changed_values, parameter_records
 from proxy_renderer.optimize import pipeline
+from proxy_renderer.optimize.baseline import GlobalGuidance
 from proxy_renderer.optimize.inner.descent import fixed_views
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import VibeError
-from proxy_renderer.schema.messages import Options
+from proxy_renderer.schema.messages import Options, Progress
 
 
 def vibe(scene, encoder, prompt=PROMPT, watch=None, **options):
@@ -135,21 +136,21 @@ def test_the_authors_baseline_leaves_camera_and_fog_alone(scene, encoder):
     ]
 
 
-def test_a_baseline_takes_all_its_steps_none_greater_than_its_rate(scene, encoder):
-    """Steps so small bring little: the product's own loop would have ended."""
-    last = []
+def test_a_baseline_takes_all_its_steps_though_they_bring_nothing(scene, encoder, monkeypatch):
+    monkeypatch.setattr(
+        GlobalGuidance, "__call__", lambda self, display, mask, generator: {"whole": 0.0 * display.mean()}
+    )
+    watch = Silent()
+    vibe(scene, encoder, watch=watch, baseline="clip-only", rounds=1, steps=24, size=32)
+    assert [p.step for p in watch.seen if isinstance(p, Progress)] == list(range(1, 25))
 
-    class Followed(Silent):
-        def step(self, progress, display):
-            last.append(progress.step)
-            return False
 
-    outcome = vibe(scene, encoder, watch=Followed(), baseline="clip-only", rounds=1, steps=24, rate=1)
-    assert last[-1] == 24
+def test_no_step_of_a_baseline_is_greater_than_its_rate(scene, encoder):
+    outcome = vibe(scene, encoder, baseline="clip-only", rounds=1, steps=4, rate=3)
     vector = outcome.vector
     lower, upper = vector.bounds({k: (i.lower, i.upper) for k, i in vector.instances.items()})
     moved = (outcome.u - vector.encode({})).abs() / (upper - lower).clamp_min(1e-9)
-    assert 0.002 < float(moved.max()) <= 0.024 + 1e-6
+    assert 0.002 < float(moved.max()) <= 4 * 0.003 + 1e-6
 
 
 def test_a_prompt_in_which_nothing_is_known(scene, encoder):
