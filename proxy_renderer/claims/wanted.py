@@ -28,6 +28,9 @@ _COLORED = 12.0  # C* below which a color tints nothing
 _TINTED = (6.0, 3.0)
 """How far in a color's direction a tinted picture lies, or how much farther than before; in a* and b*."""
 
+_ACCENT = 12.0
+"""The same for a tenth of the picture, where it is one of several lights that has the color."""
+
 _DROWNED, _LEAST_DROWNED = 0.5, 25.0
 """Share of a color's chroma, but at least this, at which its light leaves nothing of the picture's other colors."""
 
@@ -63,7 +66,7 @@ def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
 
 def _is_light(claim: Claim) -> bool:
     """Whether a claim is about the color of light, which things that have a color of their own hide."""
-    return claim.part == "picture" and claim.measure in ("warmth", "tint")
+    return claim.part == "picture" and claim.measure in ("warmth", "tint", "accent")
 
 
 def _of_word(attribute: Attribute, parsed: Parsed, vocabulary: Vocabulary) -> Iterator[Claim]:
@@ -104,6 +107,10 @@ def _of_color(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
         lower, upper = (tuple(v + sign * r for v, r in zip(named, reaches, strict=True)) for sign in (-1, 1))
         yield Claim(attribute.word, thing, "color", part, lower, upper, attribute.owners, color=shown)
     elif attribute.kind in _LIGHTING:
+        if attribute.lamp or attribute.role:  # one of several lights: it does not tint all
+            tints = _tinted(attribute.word, "picture", "picture", srgb)
+            yield from (replace(claim, measure="accent", lower=(_ACCENT,)) for claim in tints)
+            return
         most = max(_DROWNED * chroma(lab_from_srgb(srgb)), _LEAST_DROWNED)
         tints = _tinted(attribute.word, "picture", "picture", srgb)
         yield from (replace(claim, upper=(most,)) for claim in tints)

@@ -86,6 +86,19 @@ def test_light_is_measured_on_what_no_word_colors() -> None:
     assert warm.apart == (("surroundings", ()),)
 
 
+def test_one_of_several_lights_colors_a_part_of_the_picture() -> None:
+    assert ("tint", "picture") in asked("blue light")
+    for prompt in ("red light from the left, blue light from the right", "warm key light, blue rim light"):
+        assert ("accent", "picture") in asked(prompt)
+        assert ("tint", "picture") not in asked(prompt)
+
+
+def test_a_black_void_is_nearly_black() -> None:
+    (dark,) = [c for c in claims("gold vase in a black void") if c.part == "surroundings"]
+    assert dark.upper[0] < 15
+    assert dark.change is None
+
+
 def test_a_material_has_its_color_or_not_but_light_may_be_a_change() -> None:
     """Gold that is only less blue than before is no gold; light that is less blue than before is warmer."""
     (gold,) = [c for c in claims("the vase is gold") if c.measure == "tint"]
