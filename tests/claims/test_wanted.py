@@ -7,6 +7,7 @@ from proxy_renderer.claims.claim import Claim
 from proxy_renderer.claims.measures.registry import MEASURES
 from proxy_renderer.claims.notation import read_claim
 from proxy_renderer.claims.wanted import _of_heads, claims_of
+from proxy_renderer.color.floats import oklab_from_srgb, srgb_from_hex
 from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.parser import parse
@@ -56,6 +57,19 @@ def test_claims_of_the_vocabulary_can_be_read_and_those_of_heads_name_classes() 
 )
 def test_words_claim_what_they_are_about(prompt: str, wanted: set[tuple[str, str]]) -> None:
     assert wanted <= asked(prompt)
+
+
+@pytest.mark.parametrize(
+    ("name", "code", "impostor"), [("yellow", "#ffdd00", "#bca030"), ("navy blue", "#001146", "#2c4a80")]
+)
+def test_a_pale_or_dark_color_is_not_its_neighbor(name: str, code: str, impostor: str) -> None:
+    """What cannot be shown as it is named is still no mustard, and no plain blue."""
+    (claim,) = [c for c in claims(f"{name} vase") if c.measure == "color"]
+    lightness = [100 * oklab_from_srgb(srgb_from_hex(c))[0] for c in (code, impostor)]
+    shown = 100 * oklab_from_srgb(claim.color or (0, 0, 0))[0]
+    assert claim.lower[0] <= shown <= claim.upper[0]
+    assert not claim.lower[0] <= lightness[1] <= claim.upper[0]
+    assert abs(lightness[0] - shown) < 15
 
 
 def test_a_color_of_the_highlights_is_their_warmth() -> None:
