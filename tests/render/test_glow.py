@@ -46,7 +46,8 @@ def floor(place: float) -> tuple[Surface, torch.Tensor]:
 def searched(name: str) -> tuple[GlowShares, RayGeometry, LobeRays]:
     geometry = geometry_of(scene_with(PANELS[name]), CPU)
     surface, arrived = floor(0.0)
-    glow = glow_of(geometry, surface, arrived, (0,), (), 2, torch.Generator().manual_seed(0))
+    turn = torch.arange(COPIES)
+    glow = glow_of(geometry, surface, arrived, turn, turn, (0,), (), 2, torch.Generator().manual_seed(0))
     return glow, geometry, LobeRays.of(surface, arrived)
 
 

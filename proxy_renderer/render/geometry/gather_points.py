@@ -94,8 +94,10 @@ class GatherPoints:
         kind = (cell * 4096 + surface.material) * 8 + samples.layer[:n].clamp_max(7)
         _, group = torch.unique(kind, return_inverse=True)
         self.index = last_of(group, order, int(group.max()) + 1 if n else 0)
+        own = cell[self.index]
+        self._cell = torch.stack((own % columns, own // columns))
         most = 3 * (1 + int(samples.layer[:n].max())) if n else 3
-        self._lists = _cell_lists(cell[self.index], columns, rows, min(most, 9))
+        self._lists = _cell_lists(own, columns, rows, min(most, 9))
         points = _Places(place, surface, samples.hits.distance[:n] * (2.0 / max(columns, rows)))
         self._gather_points = points.pick(self.index)
         near = range(-3, 4)
@@ -107,6 +109,15 @@ class GatherPoints:
             self._gather_points, self._gather_points, self._lists, near, nearest=9, width=1.6
         )
         self.spread = _spread(self._gather_points, points, self._lists, (0, 1), nearest=4, width=1.0)
+
+    def turns(self, side: int) -> Tensor:
+        """(A,) numbers below side * side, all different in a square of cells of such a side.
+
+        Averages that weigh each of them alike leave no pattern of squares: `smooth_glossy` does nearly so for a
+        side of 2, `smooth` for one of 4.
+        """
+        column, row = self._cell % side
+        return row * side + column
 
     def spread_to(
         self, surface: Surface, place: Tensor, distance: Tensor, chosen: Tensor | None = None

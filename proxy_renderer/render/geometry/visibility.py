@@ -316,5 +316,20 @@ def sphere_points(count: int, copies: int, generator: torch.Generator) -> Tensor
     return ((base[:, None, :] + shift) % 1.0).to(torch.float32)
 
 
+def shared_points(count: int, turn: Tensor, generator: torch.Generator) -> Tensor:
+    """Points in [0, 1)^2 that copies share: (2, copies, count), all shifted by the same random step.
+
+    Every turn takes the next `count` points of the sequence of `sphere_points`, so that copies of different
+    turns add up to one set that spreads as well. Where neighbors are averaged, little noise is left.
+
+    Args:
+        count: Points for each copy.
+        turn: (copies,) from 0 on.
+        generator: For the shift.
+    """
+    points = sphere_points(count * (int(turn.max()) + 1 if len(turn) else 0), 1, generator).to(turn.device)
+    return points.view(2, -1, count)[:, turn]
+
+
 def _rows(vectors: Tensor) -> np.ndarray:
     return np.ascontiguousarray(vectors.detach().cpu().numpy().T, np.float32)

@@ -17,13 +17,13 @@ import torch
 from torch import Tensor
 
 from ..geometry.vectors import cross, dot, unit
-from ..geometry.visibility import Hits, RayGeometry, Surface, sphere_points
+from ..geometry.visibility import Hits, RayGeometry, Surface, shared_points
 from ..lights.prefilter import GLOSSY, SATIN
 from .lobe_rays import LobeRays
 
 BLURS = (0.1, SATIN, GLOSSY)
 """Roughness of the reflections between the mirror image and the diffuse light."""
-_LOBE_RAYS = 32
+_LOBE_RAYS = 64
 _LAMP_RAYS = 16
 
 
@@ -45,6 +45,8 @@ def glow_of(
     geometry: RayGeometry,
     points: Surface,
     arrived: Tensor,
+    near: Tensor,
+    wide: Tensor,
     glowing: Sequence[int],
     emissive: Sequence[int],
     materials: int,
@@ -56,15 +58,17 @@ def glow_of(
         geometry: The triangles.
         points: A points.
         arrived: (3, A) directions of the camera's rays to them.
+        near: (A,) `GatherPoints.turns` that share rays of reflections.
+        wide: (A,) those that share rays of the hemisphere.
         glowing: Indices of all materials that glow.
         emissive: Those of them that lamps stand for in diffuse light.
         materials: M.
         generator: For jitter.
     """
     lobes = LobeRays.of(points, arrived)
-    diffuse = _Search(geometry, points, sorted(set(glowing) - set(emissive)), "diffuse", generator)
-    glossy = _Search(geometry, points, sorted(glowing), "glossy", generator)
-    wide = diffuse.shares(materials, lobes.hemisphere, lobes.hemisphere_density)
+    diffuse = _Search(geometry, points, wide, sorted(set(glowing) - set(emissive)), "diffuse", generator)
+    glossy = _Search(geometry, points, near, sorted(glowing), "glossy", generator)
+    hemisphere = diffuse.shares(materials, lobes.hemisphere, lobes.hemisphere_density)
     blurred = [
         glossy.shares(
             materials,
@@ -73,7 +77,7 @@ def glow_of(
         )
         for r in BLURS
     ]
-    return GlowShares(wide, tuple(blurred))
+    return GlowShares(hemisphere, tuple(blurred))
 
 
 class _Search:
@@ -86,11 +90,13 @@ class _Search:
         self,
         geometry: RayGeometry,
         points: Surface,
+        turn: Tensor,
         glowing: Sequence[int],
         ray: str,
         generator: torch.Generator,
     ) -> None:
         self._geometry, self._points, self._ray, self._generator = geometry, points, ray, generator
+        self._turn = turn
         self._origin = geometry.lifted(points)
         self._density = self._densities(glowing)
         self._targets: Hits | None = None
@@ -112,11 +118,11 @@ class _Search:
 
     def _aim(self, lamps: Tensor) -> None:
         """Chooses points on triangles, and finds which of them can be seen from where, and how densely they lie."""
-        count = self._origin.shape[1]
         chance = (self._density * self._areas)[lamps].cumsum(0)
-        spots = sphere_points(_LAMP_RAYS, count, self._generator).to(chance.device)
+        spots = shared_points(_LAMP_RAYS, self._turn, self._generator)
         order = torch.arange(_LAMP_RAYS, device=chance.device) / _LAMP_RAYS
-        shift = torch.rand((count, 1), generator=self._generator).to(chance.device) / _LAMP_RAYS
+        shift = torch.rand(1, generator=self._generator).to(chance.device) + self._turn[:, None]
+        shift = shift / (int(self._turn.max()) + 1) / _LAMP_RAYS
         where = ((order + shift) * chance[-1]).flatten()
         triangle = lamps[torch.searchsorted(chance, where).clamp_max(len(lamps) - 1)]
         root, second = spots[0].flatten().sqrt(), spots[1].flatten()
@@ -151,7 +157,7 @@ class _Search:
         points = self._origin.shape[1]
         if self._targets is None:
             return torch.zeros((points, materials), device=self._origin.device)
-        uv = sphere_points(_LOBE_RAYS, points, self._generator).to(self._origin.device)
+        uv = shared_points(_LOBE_RAYS, self._turn, self._generator)
         toward = directions(uv)
         hits = self._geometry.first_hits(self._origin.repeat_interleave(_LOBE_RAYS, 1), toward, self._ray)
         ones = torch.ones_like(hits.distance)

@@ -19,7 +19,7 @@ from ..geometry.directions import above, reflect
 from ..geometry.gather_points import GatherPoints, SparseWeights
 from ..geometry.samples import Samples
 from ..geometry.vectors import length
-from ..geometry.visibility import RayGeometry, Surface, sphere_points
+from ..geometry.visibility import RayGeometry, Surface, shared_points
 from ..lights.prefilter import GLOSSY
 from ..lights.types.light_source import LightSource
 from ..material.textures import MaterialTextures
@@ -83,10 +83,9 @@ class FinalGather:
         shape = geometry, metals, lamps
         arrived = samples.toward[:, gather_points.index]
         lobes = LobeRays.of(points, arrived)
-        glossy, diffuse = (
-            sphere_points(n, len(points.material), generator).to(origin.device)
-            for n in (_GLOSSY_RAYS, _DIFFUSE_RAYS)
-        )
+        near, wide = gather_points.turns(2), gather_points.turns(4)
+        glossy = shared_points(_GLOSSY_RAYS, near, generator)
+        diffuse = shared_points(_DIFFUSE_RAYS, wide, generator)
         # What metals send on is a caustic on a matte surface: as if they scattered it evenly, on average.
         matte = geometry, torch.zeros_like(metals), lamps
         self.diffuse = _secondary_hits(*matte, origin, lobes.hemisphere(diffuse), _DIFFUSE_RAYS, "diffuse")
@@ -99,7 +98,8 @@ class FinalGather:
         )
         self._mirror_ambient = self.spread_to(self.mirror)
         self._paths = LightPaths(surface.position, mirrored, self.mirror.distance)
-        self._open_glossy = gather_points.spread(self.glossy.open[:, None])[:, 0]
+        self._opening = gather_points.smooth_glossy(self.glossy.open[:, None])
+        self._open_glossy = gather_points.spread(self._opening)[:, 0]
         self._weights: tuple[Tensor, Tensor] | None = None
         self._blurred: list[Tensor] = []
         self._shape = len(metals), 2 * (lamps + 2)
@@ -108,7 +108,9 @@ class FinalGather:
         self._emission = slice(first, first + len(metals))
         self._glow: GlowShares | None = None
         if glowing:
-            self._glow = glow_of(geometry, points, arrived, glowing, emissive, len(metals), generator)
+            self._glow = glow_of(
+                geometry, points, arrived, near, wide, glowing, emissive, len(metals), generator
+            )
 
     def light(self, index: int, lamp: LightSource) -> None:
         """Traces shadow rays again for a light that has moved."""
@@ -152,7 +154,7 @@ class FinalGather:
             * through
         )
         glossy = glossy + indirect_fog.haze * (1 - through)
-        opening = self.glossy.open[:, None] * through
+        opening = self._opening * through
         glow = [light * through for light in self._glow_at_points(table)]
         full = self._gather_points.spread(torch.cat((low, glossy, indirect_fog.haze, opening, *glow), 1)).T
         passing = self._paths.transmittance(fog)
@@ -194,8 +196,10 @@ class FinalGather:
                 wide[:, self._emission], narrow[:, self._emission] = self._glow.wide, 0.0
             low = self._gather_points.smooth(wide) * math.pi
             glossy = self._gather_points.smooth_glossy(narrow)
-            blurred = self._glow.blurred if self._glow else ()
-            self._blurred = [self._gather_points.smooth_glossy(share) for share in blurred]
+            if self._glow is not None:
+                # Averages would blur the edges of what glows; rays of the widest lobe alone need them.
+                *narrower, widest = self._glow.blurred
+                self._blurred = [*narrower, self._gather_points.smooth_glossy(widest)]
             self._weights = low, glossy[:, : self._skies]
         return self._weights
 
