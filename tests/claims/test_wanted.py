@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """From words to claims."""
 
+import math
+
 import pytest
 
 from proxy_renderer.claims.claim import Claim
@@ -72,7 +74,9 @@ def test_a_color_of_the_highlights_is_their_warmth() -> None:
 )
 def test_a_low_sun_is_warm_and_not_bright(prompt: str, dusk: bool) -> None:
     assert (("lightness", "picture") in asked(prompt)) is dusk
-    assert ("warmth", "picture") in asked(prompt)
+    (warm,) = [c for c in claims(prompt) if c.measure == "warmth"]
+    assert warm.lower[0] > 0
+    assert math.isfinite(warm.upper[0]) is dusk, "a sunset leaves other colors than orange"
 
 
 def test_a_thing_is_measured_by_its_materials() -> None:
