@@ -66,7 +66,10 @@ class Claim:
 
     def value(self, picture: MeasuredPicture, where: Tensor) -> Tensor:
         """What a picture has in the region `where`: (n,), differentiable in it."""
-        taken = MEASURES[self.measure].take(picture, where)
+        measure = MEASURES[self.measure]
+        if measure.directed:
+            return measure.take(picture, where, picture.display.new_tensor(self.direction))
+        taken = measure.take(picture, where)
         return (taken @ taken.new_tensor(self.direction))[None] if self.direction else taken
 
     def interval(self, before: Tensor | None) -> tuple[Values, Values]:

@@ -33,7 +33,8 @@ def parameter_records(outcome: Outcome) -> dict[str, dict[str, Any]]:
     """What `report.json` says of every parameter of the scene.
 
     Returns:
-        Key -> before, after, lower, upper, moved (on the perceptual scale), optimized, reason.
+        Key -> before, after, lower, upper, moved (on the perceptual scale), priority (the confiner's π, 0 comes first;
+        None is irrelevant), optimized, reason.
     """
     after = outcome.vector.values(outcome.u)
     lower, upper = (outcome.vector.plain(b) for b in outcome.vector.bounds(outcome.ranges))
@@ -44,6 +45,7 @@ def parameter_records(outcome: Outcome) -> dict[str, dict[str, Any]]:
             "lower": plain(lower[key]),
             "upper": plain(upper[key]),
             "moved": round(instance.distance(after[key]), 4),
+            "priority": outcome.plan[key].priority,
             "optimized": key in outcome.optimized,
             "reason": instance.locked or outcome.plan[key].reason,
         }

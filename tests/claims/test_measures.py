@@ -9,6 +9,7 @@ import torch
 from torch import Tensor
 
 from proxy_renderer.claims.claim import Claim, ClaimSet
+from proxy_renderer.claims.colored import tinted
 from proxy_renderer.claims.measures.picture import MeasuredPicture, region_of
 from proxy_renderer.claims.measures.registry import MEASURES
 from proxy_renderer.render.gbuffer import GBuffer
@@ -113,7 +114,7 @@ def taken(name: str, shown: MeasuredPicture, part: str) -> Tensor:
 
 
 def test_every_measure_of_one_number_is_tried() -> None:
-    assert set(MEASURES) - set(RISING) == {"color", "tint"}
+    assert set(MEASURES) - set(RISING) == {"color", "tint", "accent"}
 
 
 @pytest.mark.parametrize("name", RISING)
@@ -130,6 +131,24 @@ def test_measures_have_gradients_that_point_there(name: str) -> None:
     (slope,) = torch.autograd.grad(taken(name, mixed, part).sum(), way)
     assert torch.isfinite(slope)
     assert slope > 0
+
+
+def test_each_of_two_lights_has_its_part_of_the_picture() -> None:
+    """Blue on the left and red on the right: the mean has neither, a tenth of the picture each."""
+    gray = torch.full((SIZE, SIZE, 3), 0.5)
+    lit = gray.clone()
+    lit[:, : SIZE // 9] *= torch.tensor([0.4, 0.6, 1.5])
+    lit[:, -SIZE // 9 :] *= torch.tensor([1.5, 0.5, 0.4])
+    for srgb in ((0.2, 0.3, 0.9), (0.9, 0.2, 0.2)):
+        (claim,) = (c for c in tinted("", "picture", "picture", srgb) if c.measure == "tint")
+        lamp = replace(claim, measure="accent", lower=(12.0,))
+        everywhere = torch.ones(SIZE, SIZE, dtype=torch.bool)
+        values = [float(c.value(picture(lit), everywhere)) for c in (claim, lamp)]
+        assert values[0] < 8 < 12 < values[1]
+        shown = lit.clone().requires_grad_()
+        lamp.value(picture(shown), everywhere).sum().backward()
+        assert shown.grad[:, SIZE // 2].abs().max() == 0  # only where that light falls
+        assert shown.grad.abs().max() > 0
 
 
 def test_a_color_is_that_of_most_of_a_thing() -> None:

@@ -7,6 +7,7 @@ from proxy_renderer.claims.claim import Claim
 from proxy_renderer.claims.measures.registry import MEASURES
 from proxy_renderer.claims.notation import read_claim
 from proxy_renderer.claims.wanted import _of_heads, claims_of
+from proxy_renderer.color.floats import oklab_from_srgb, srgb_from_hex
 from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.parser import parse
@@ -58,6 +59,19 @@ def test_words_claim_what_they_are_about(prompt: str, wanted: set[tuple[str, str
     assert wanted <= asked(prompt)
 
 
+@pytest.mark.parametrize(
+    ("name", "code", "impostor"), [("yellow", "#ffdd00", "#bca030"), ("navy blue", "#001146", "#2c4a80")]
+)
+def test_a_pale_or_dark_color_is_not_its_neighbor(name: str, code: str, impostor: str) -> None:
+    """What cannot be shown as it is named is still no mustard, and no plain blue."""
+    (claim,) = [c for c in claims(f"{name} vase") if c.measure == "color"]
+    lightness = [100 * oklab_from_srgb(srgb_from_hex(c))[0] for c in (code, impostor)]
+    shown = 100 * oklab_from_srgb(claim.color or (0, 0, 0))[0]
+    assert claim.lower[0] <= shown <= claim.upper[0]
+    assert not claim.lower[0] <= lightness[1] <= claim.upper[0]
+    assert abs(lightness[0] - shown) < 15
+
+
 def test_a_color_of_the_highlights_is_their_warmth() -> None:
     (warm,) = [c for c in claims("orange highlights") if c.measure == "highlight_warmth"]
     (cold,) = [c for c in claims("blue highlights") if c.measure == "highlight_warmth"]
@@ -86,6 +100,19 @@ def test_a_thing_is_measured_by_its_materials() -> None:
 def test_light_is_measured_on_what_no_word_colors() -> None:
     (warm,) = [c for c in claims("warm light, a deep blue background") if c.measure == "warmth"]
     assert warm.apart == (("surroundings", ()),)
+
+
+def test_one_of_several_lights_colors_a_part_of_the_picture() -> None:
+    assert ("tint", "picture") in asked("blue light")
+    for prompt in ("red light from the left, blue light from the right", "warm key light, blue rim light"):
+        assert ("accent", "picture") in asked(prompt)
+        assert ("tint", "picture") not in asked(prompt)
+
+
+def test_a_black_void_is_nearly_black() -> None:
+    (dark,) = [c for c in claims("gold vase in a black void") if c.part == "surroundings"]
+    assert dark.upper[0] < 15
+    assert dark.change is None
 
 
 def test_a_material_has_its_color_or_not_but_light_may_be_a_change() -> None:

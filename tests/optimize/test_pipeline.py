@@ -64,6 +64,7 @@ def test_every_value_is_within_its_range_and_has_a_reason(teal):
         for low, value, high in rows:
             assert low - 1e-5 * abs(low) - 1e-9 <= value <= high + 1e-5 * abs(high) + 1e-9, key
         assert record["reason"], key
+        assert not record["optimized"] or record["priority"] is not None, key
 
 
 def test_no_round_optimizes_more_than_k(scene, encoder):

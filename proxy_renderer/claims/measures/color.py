@@ -11,6 +11,9 @@ from .picture import MeasuredPicture
 _REST = 0.1
 """Share of a region's darkest pixels, and of its lightest, that say nothing of its color: shadows and highlights."""
 
+_ACCENT = 0.1
+"""Share of a region that one of several colors of light has to tint."""
+
 _ENDS = 0.3
 """Share of the darkest, or of the lightest, pixels that tints of shadows and of lights are read from."""
 
@@ -38,6 +41,20 @@ def tint(picture: MeasuredPicture, where: Tensor) -> Tensor:
         where: (H, W) bool, the region.
     """
     return picture.lab[..., 1:][where].mean(0)
+
+
+def accent(picture: MeasuredPicture, where: Tensor, direction: Tensor) -> Tensor:
+    """How far the part of a region that lies farthest in a color's direction does so: (1,) a* and b* along it.
+
+    Two lights of two colors tint different parts of a picture, and its mean by neither.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+        direction: (2,) unit vector in a* and b*.
+    """
+    along = picture.lab[..., 1:][where] @ direction
+    return along[along.detach() >= torch.quantile(along.detach(), 1 - _ACCENT)].mean()[None]
 
 
 def lightness(picture: MeasuredPicture, where: Tensor) -> Tensor:

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from torch import Tensor
 
 from . import air, color, light, tone
-from .picture import MeasuredPicture
 
 
 @dataclass(frozen=True)
@@ -21,17 +20,20 @@ class Measure:
         unit: For the report.
         notice: The least difference between two pictures that people notice side by side.
         says: What it is, for the report.
+        directed: Whether `take` also wants the (2,) direction in a* and b* of the color that it looks for.
     """
 
-    take: Callable[[MeasuredPicture, Tensor], Tensor]
+    take: Callable[..., Tensor]
     unit: str
     notice: float
     says: str
+    directed: bool = False
 
 
 MEASURES: dict[str, Measure] = {
     "color": Measure(color.color, "OKLab", 3.0, "color"),
     "tint": Measure(color.tint, "ab", 2.0, "tint"),
+    "accent": Measure(color.accent, "ab", 2.0, "tint of a tenth", directed=True),
     "lightness": Measure(color.lightness, "L*", 2.0, "lightness"),
     "chroma": Measure(color.chroma, "C*", 2.0, "chroma"),
     "warmth": Measure(color.warmth, "b*", 1.5, "warmth"),

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Color words as claims: the color of a thing, a tint of the light, the air or the film, warm shadows, and gold that is golden."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+from ..color.floats import chroma, lab_from_srgb, oklab_from_srgb, srgb_from_hex, srgb_from_lab
+from ..prompt.lexicon.vocabulary import Vocabulary
+from ..prompt.meaning import display_color
+from ..prompt.types import Attribute
+from ..schema import Values
+from ..schema.spec import Region
+from .claim import Claim
+from .measures.picture import Part
+
+_LIGHTNESS, _CHROMA, _LEAST_CHROMA = 12.0, 0.35, 4.0
+"""How far a color may be from the one that can be shown, OKLab times 100: lightness, and a share of its chroma but at least
+this."""
+_FARTHEST = 15.0
+"""How much lighter or darker than the named color it may be; more, only where it cannot be shown."""
+
+_COLORED = 12.0  # C* below which a color tints nothing
+_TINTED = (6.0, 3.0)
+"""How far in a color's direction a tinted picture lies, or how much farther than before; in a* and b*."""
+
+_ACCENT = 12.0
+"""The same for a tenth of the picture, where it is one of several lights that has the color."""
+
+_DROWNED, _LEAST_DROWNED = 0.5, 25.0
+"""Share of a color's chroma, but at least this, at which its light leaves nothing of the picture's other colors."""
+
+_TONED = {"shadow": "shadow_warmth", "highlight": "highlight_warmth"}
+"""Kinds of things whose color is a warmth of the picture's darks or lights -> its measure."""
+_WARM = (4.0, 4.0)
+"""How warm or cold they are, or by how much more than before; b*."""
+
+_LIGHTING = ("light", "fill", "rim", "ambience", "tone")
+"""Kinds of things whose color is a tint of the picture."""
+
+
+def of_color(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
+    """A color word: the color of a thing, or a tint of the light, the air or the film."""
+    part, thing = part_of(attribute), attribute.thing or attribute.region
+    if attribute.kind in ("subject", "surroundings", "sky"):
+        region: Region = "subject" if part == "subject" else "surroundings"
+        shown = srgb_from_lab(display_color(srgb, region))
+        lower, upper = _around(shown, 100 * oklab_from_srgb(srgb)[0])
+        yield Claim(attribute.word, thing, "color", part, lower, upper, attribute.owners, color=shown)
+    elif attribute.kind in _LIGHTING:
+        if attribute.lamp or attribute.role:  # one of several lights: it does not tint all
+            tints = tinted(attribute.word, "picture", "picture", srgb)
+            yield from (replace(claim, measure="accent", lower=(_ACCENT,)) for claim in tints)
+            return
+        most = max(_DROWNED * chroma(lab_from_srgb(srgb)), _LEAST_DROWNED)
+        tints = tinted(attribute.word, "picture", "picture", srgb)
+        yield from (replace(claim, upper=(most,)) for claim in tints)
+    elif attribute.kind in _TONED:
+        yield from _toned(attribute, srgb)
+    elif attribute.kind == "fog":
+        yield from tinted(attribute.word, thing, "surroundings", srgb)
+
+
+def _toned(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
+    """ "Orange highlights": warm ones; nothing for a color that is neither warm nor cold."""
+    warmth, (least, change) = lab_from_srgb(srgb)[2], _WARM
+    if abs(warmth) >= _COLORED:
+        sign = math.copysign(1.0, warmth)
+        ends = ((least,), (math.inf,)) if sign > 0 else ((-math.inf,), (-least,))
+        measure = _TONED[attribute.kind]
+        yield Claim(attribute.word, "picture", measure, "picture", *ends, change=sign * change)
+
+
+def _around(shown: Values, named: float) -> tuple[Values, Values]:
+    """The interval of a color, OKLab times 100.
+
+    Args:
+        shown: What a picture can show of it, sRGB.
+        named: Lightness of the color itself: yellow is shown darker, but not as dark as mustard.
+    """
+    light, a, b = (100 * v for v in oklab_from_srgb(shown))
+    reach = max(_CHROMA * math.hypot(a, b), _LEAST_CHROMA)
+    darkest = max(light - _LIGHTNESS, min(named - _FARTHEST, light))
+    lightest = min(light + _LIGHTNESS, max(named + _FARTHEST, light))
+    return (darkest, a - reach, b - reach), (lightest, a + reach, b + reach)
+
+
+def of_matter(attribute: Attribute, vocabulary: Vocabulary) -> Iterator[Claim]:
+    """A material with a color of its own, as gold has: the thing is tinted by it."""
+    entry = vocabulary.entries[attribute.entry]
+    part = part_of(attribute)
+    if entry.slot != "material" or part == "picture":
+        return
+    for effect in entry.effects:
+        if (
+            effect.family == "material/tint"
+            and effect.mode == "color"
+            and not effect.weak
+            and effect.color[0] == "#"
+        ):
+            own = srgb_from_hex(effect.color)
+            claims = tinted(attribute.word, attribute.thing or part, part, own, attribute.owners)
+            # Gold that is blue is none, however much less blue than before.
+            yield from (replace(claim, change=None) for claim in claims)
+
+
+def tinted(
+    word: str, thing: str, part: Part, srgb: Values, materials: tuple[str, ...] = ()
+) -> Iterator[Claim]:
+    """That the mean color lies in a color's direction; nothing for a color that is none."""
+    named = lab_from_srgb(srgb)
+    if (strength := chroma(named)) >= _COLORED:
+        direction = named[1] / strength, named[2] / strength
+        least, change = _TINTED
+        yield Claim(word, thing, "tint", part, (least,), (math.inf,), materials, change, direction, srgb)
+
+
+def part_of(attribute: Attribute) -> Part:
+    """The part of the picture that a word describes."""
+    if attribute.kind == "sky":
+        return "sky"
+    return "picture" if attribute.region == "whole" else attribute.region
