@@ -5,19 +5,24 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import cast
 
+from ..color.shades import warm
 from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.meaning import heads_of
 from ..prompt.types import Attribute, Parsed
+from ..schema import Values
 from .claim import Claim
 from .colored import of_color, of_matter, part_of
 from .measures.picture import Part
 from .notation import ClaimText, read_claim
+
+_OPPOSED = 0.5
+"""Cosine between a tint and the other direction, from where a picture cannot have both."""
 
 
 def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
@@ -36,9 +41,19 @@ def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
             continue
         for claim in _of_word(attribute, parsed, vocabulary):
             claims.setdefault((claim.measure, claim.part, claim.materials, claim.direction), claim)
+    tints = [c.direction for c in claims.values() if c.part == "picture" and c.measure == "tint"]
+    claims = {key: claim for key, claim in claims.items() if not _gives_way(claim, tints)}
     colored = tuple((c.part, c.materials) for c in claims.values() if c.measure == "color")
     lights = (replace(c, apart=colored) if _is_light(c) else c for c in claims.values())
     return (*lights, *_of_every_picture(parsed))
+
+
+def _gives_way(claim: Claim, tints: Sequence[Values]) -> bool:
+    """Whether the color that light is said to have rules out how warm or cool a word would have it: pale blue, in the morning."""
+    if claim.part != "picture" or claim.measure != "warmth":
+        return False
+    asks = 1 if claim.lower[0] > 0.0 else -1 if claim.upper[0] < 0.0 else 0
+    return any(asks * warm(*tint) < -_OPPOSED for tint in tints)
 
 
 def _is_light(claim: Claim) -> bool:

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from ..schema import Values
 from .floats import chroma, lab_from_srgb, oklab_from_srgb, srgb_from_hex, srgb_from_oklab
 
+_WARM = (0.5, 1.0)  # in a* and b*, see `claims.measures.color.warmth`
 _GRAYISH = 20.0  # chroma below which a hue says little
 
 # Several typical shades for each basic color: the nearest one decides.
@@ -55,6 +56,11 @@ def hue_apart(one: Values, other: Values) -> float:
         return 0.0
     hues = [math.degrees(math.atan2(b, a)) for _, a, b in labs]
     return abs((hues[0] - hues[1] + 180) % 360 - 180)
+
+
+def warm(a: float, b: float) -> float:
+    """Cosine between a tint, in a* and b*, and the way from blue to orange: 1 is warm, -1 is cool."""
+    return (_WARM[0] * a + _WARM[1] * b) / (math.hypot(*_WARM) * max(math.hypot(a, b), 1e-6))
 
 
 def basic(srgb: Sequence[float]) -> str:

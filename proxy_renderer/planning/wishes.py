@@ -5,11 +5,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..color.floats import lab_from_srgb
-from ..color.shades import hue_apart
+from ..color.floats import chroma, lab_from_srgb
+from ..color.shades import hue_apart, warm
 from ..prompt.lexicon.vocabulary import OWNERS, Effect, Vocabulary
 from ..prompt.types import Attribute, Parsed
-from ..schema import FAMILIES
+from ..schema import FAMILIES, Values
 from .owners import Owners
 
 _CASTS = {
@@ -22,6 +22,14 @@ _PALED = 0.6  # saturation below which named colors are not what is wanted
 _THICK = 0.5  # fog through which named colors are not to look as named; less is haze
 _ADAPTED = 0.5  # share of the cast of colored light that eyes take out
 _HIDDEN = 60.0  # degrees of hue between a thing and its light from which neither looks as named
+_OTHER_SIDE = (
+    90.0  # degrees of hue from the light that a word stands for, from where a named color is another light
+)
+_WHITE_LIGHT = (5500.0, 7500.0)  # kelvins between which light is neither warm nor cool
+_TINTED, _OPPOSED = (
+    8.0,
+    0.5,
+)  # chroma of a color that is one, and its cosine with cool where it is no warm light
 STAGES = 5
 """How many there are, see `stage_of`."""
 
@@ -39,7 +47,8 @@ class Wishes:
         if any(a.slot == "lighting" and not a.cause and e.name == "temperature" for a, e in strong):
             # "Street lamps on a rainy night": a light that is named is not the neon that such nights have.
             wishes = [w for w in wishes if not (w[0].cause and w[1].family == "light/color")]
-        return wishes
+        gels = [a.color for a, _ in wishes if a.color and a.kind == "light" and not (a.lamp or a.role)]
+        return [(a, e) for a, e in wishes if not any(_opposes(e, gel) for gel in gels)]
 
     def constancy(self) -> float:
         """How far named colors are to look as named: words may change how colors look, as dusk, blue light and sepia do."""
@@ -106,6 +115,15 @@ class Wishes:
         return [
             Effect(e.owner, e.name, "", (n,), (n,)) for e in entry.effects if (n := _neutral(e)) is not None
         ]
+
+
+def _opposes(effect: Effect, gel: Values) -> bool:
+    """Whether an effect makes light warm that is said to be blue, or cool that is said to be orange."""
+    if effect.name != "temperature" or effect.mode:
+        return False
+    kelvin, lab = (effect.lower[0] + effect.upper[0]) / 2, lab_from_srgb(gel)
+    asks = 1 if kelvin < _WHITE_LIGHT[0] else -1 if kelvin > _WHITE_LIGHT[1] else 0
+    return chroma(lab) > _TINTED and asks * warm(*lab[1:]) < -_OPPOSED
 
 
 def stage_of(effect: Effect) -> int:

@@ -109,6 +109,14 @@ def test_one_of_several_lights_colors_a_part_of_the_picture() -> None:
         assert ("tint", "picture") not in asked(prompt)
 
 
+def test_a_light_of_a_color_is_no_light_of_the_other_side() -> None:
+    """A morning is warm, unless its light is said to be pale blue."""
+    assert ("warmth", "picture") in asked("winter morning")
+    assert ("warmth", "picture") in asked("winter morning, golden light")
+    assert ("warmth", "picture") not in asked("winter morning, pale blue light")
+    assert ("warmth", "picture") not in asked("cool mood, orange light")
+
+
 def test_a_black_void_is_nearly_black() -> None:
     (dark,) = [c for c in claims("gold vase in a black void") if c.part == "surroundings"]
     assert dark.upper[0] < 15

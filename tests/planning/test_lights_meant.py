@@ -101,3 +101,9 @@ def found(prompt, lights):
     return lacking(
         parse(prompt, SceneWords(), vocabulary), make_instances(lights=lights), context, STANDBY, vocabulary
     )
+
+
+@pytest.mark.parametrize(("prompt", "blue"), [("morning light", False), ("morning, pale blue light", True)])
+def test_a_light_that_is_said_to_be_blue_is_not_warm_by_its_time_of_day(prompt, blue):
+    key = make_plan(prompt)["light/Key/temperature"]
+    assert (key.upper[0] >= 5500) == blue
