@@ -126,7 +126,8 @@ def test_a_claim_out_of_reach_of_its_words_ranges_is_earned_in_wider_ones(search
     assert last["distance"] < 0.5 * first["distance"]
     for key, values in outcome.vector.values(outcome.u).items():
         instance, (low, high) = outcome.vector.instances[key], outcome.ranges[key]
-        assert all(a - 1e-5 <= v <= b + 1e-5 for a, v, b in zip(low, values, high, strict=True))
+        for a, v, b in zip(low, values, high, strict=True):
+            assert a - 1e-5 * (1 + abs(a)) <= v <= b + 1e-5 * (1 + abs(b))
         assert all(a <= v <= b for a, v, b in zip(instance.lower, values, instance.upper, strict=True))
 
 
