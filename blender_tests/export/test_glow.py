@@ -9,7 +9,7 @@ from vibe_render.export import reading
 from vibe_render.scene import bindings, prepare, snapshot
 from vibe_render.scene.subject import SubjectChoice
 
-from proxy_renderer.engine.added_lights import with_added_lights
+from proxy_renderer.engine.additions import with_additions
 from proxy_renderer.planning.lights.glow import glows
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.prompt.parser import parse
@@ -37,7 +37,7 @@ def panel(scene):
 
 def planned(scene, prompt, folder):
     reading.export_scene(scene, folder, SubjectChoice(("Cube",)))
-    data = with_added_lights([load_scene(folder)], prompt)[0]
+    data = with_additions([load_scene(folder)], prompt)[0]
     parsed = parse(prompt, SceneWords())
     return plan(parsed, compose(parsed), dict(data.instances), PlanContext(glows=glows(data)))
 

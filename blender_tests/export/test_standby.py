@@ -27,6 +27,6 @@ def test_a_value_adds_the_light_and_revert_takes_it_away(tmp_path):
     values = {"light/Vibe Rim/power": [60.0]}
     assert bindings.write(scene, values, job.analysis.objects, job.analysis.pivot) == {}
     assert abs(scene.objects["Vibe Rim"].data.energy - 60.0) < 1e-3
-    assert "light/Vibe Rim/power" in job.with_lights_of(values).instances
+    assert "light/Vibe Rim/power" in job.with_additions_of(values).instances
     snapshot.revert(scene)
     assert dump.difference(before, dump.contents()) == {}

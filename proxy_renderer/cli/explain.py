@@ -52,7 +52,7 @@ def _read(
 
     with tempfile.TemporaryDirectory(prefix="vibe-explain-") as folder, prepared(scene) as place:
         launch(["export", str(place), f"--out={folder}", *subject], scene, VibeProgress(sys.stderr))
-        from ..engine.added_lights import with_added_lights
+        from ..engine.additions import with_additions
         from ..optimize import context
         from ..optimize.drawing import draw
         from ..optimize.plan import lock
@@ -60,7 +60,7 @@ def _read(
         from ..render.proxy import Proxy
         from ..scene import load_scene
 
-        data = with_added_lights([load_scene(Path(folder))], prompt)[0]
+        data = with_additions([load_scene(Path(folder))], prompt)[0]
         vector = ParameterVector(lock(data.instances, (), (), scene.suffix.lower() != ".blend"))
         proxy = Proxy(data, context.picture_size(data.resolution, _LOOK), device="cpu", seed=0)
         u = vector.encode({})

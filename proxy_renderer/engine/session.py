@@ -28,7 +28,7 @@ from ..vlm.advisor import ModelAdvisor
 from ..vlm.client import Client
 from ..vlm.endpoint import find_endpoint
 from . import predictions, report
-from .added_lights import with_added_lights
+from .additions import with_additions
 from .claimed import claims_about, foreseen
 from .device import pick_device
 
@@ -74,7 +74,7 @@ class EngineSession:
         heads = encoder if encoder.heads is not None else _embedded(device)
         clock.lap("load encoder")
         self._observer.stage("loading the scene")
-        scenes = with_added_lights([load_scene(Path(shot.job)) for shot in self.shots], self.prompt)
+        scenes = with_additions([load_scene(Path(shot.job)) for shot in self.shots], self.prompt)
         clock.lap("load scene")
         advisor = self._advisor(scenes)
         ask, seed = self._observer.ask, self.options.seed

@@ -79,7 +79,9 @@ def plan_context(proxy: Proxy, values: dict[str, Values], picture: Render) -> Pl
         world_share=world,
         material_share=materials,
         environment_luminance=_mean_luminance(scene.world.image),
-        backdrop_luminance=_mean_luminance(scene.world.backdrop),
+        backdrop_luminance=_mean_luminance(
+            scene.world.image if scene.world.backdrop is None else scene.world.backdrop
+        ),
         texture_luminance={name: float(arrays.luminance(image).mean()) for name, image in textures.items()},
         values=values,
         picture=replace(picture_stats(picture), materials=_material_colors(scene, rays[0], picture)),

@@ -150,7 +150,7 @@ class WorldData:
     Attributes:
         kind: "color" or "environment".
         image: (H, W, 3) equirectangular, without tint and strength: the light of an environment.
-        backdrop: The same as the camera sees it, where that differs and is no color of its own.
+        backdrop: The same as the camera sees it, where that is another picture.
     """
 
     kind: str
@@ -203,7 +203,12 @@ class SceneMesh:
 
 @dataclass(frozen=True)
 class Standby:
-    """Lights that the scene gets if the words ask for a light that it lacks, and their parameters by key."""
+    """What the scene gets if the words ask for it: lights that it lacks, a backdrop of its own.
+
+    Attributes:
+        lights: The lights.
+        instances: The parameters of the lights and of the backdrop, by key.
+    """
 
     lights: tuple[Light, ...] = ()
     instances: Mapping[str, Instance] = field(default_factory=dict)
@@ -218,7 +223,7 @@ class SceneData:
         pivot: What the camera and the lights orbit: the center of the subject's bounding box.
         references: Scene-wide lengths that bounds are multiples of.
         instances: Every parameter of this scene by key, with the artist's value.
-        standby: Lights that it may get.
+        standby: Lights, and a backdrop, that it may get.
         unseen: The values of materials that the camera does not see, whose light it sees.
     """
 
@@ -248,6 +253,16 @@ class SceneData:
         lights = tuple(replace(light, added=True) for light in self.standby.lights if light.name in names)
         theirs = {key: i for key, i in self.standby.instances.items() if i.owner in names}
         return replace(self, lights=(*self.lights, *lights), instances={**self.instances, **theirs})
+
+    @property
+    def may_be_parted(self) -> bool:
+        """Whether what the camera sees of the world may get a color and a strength of its own."""
+        return any(i.parameter.group == "world" for i in self.standby.instances.values())
+
+    def parted(self) -> SceneData:
+        """The scene with a backdrop on standby in it; a backdrop starts as the world is."""
+        theirs = {key: i for key, i in self.standby.instances.items() if i.parameter.group == "world"}
+        return replace(self, instances={**self.instances, **theirs})
 
     def value(self, key: str, default: float | Values = 0.0) -> Values:
         """The artist's value of a parameter.

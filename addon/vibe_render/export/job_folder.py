@@ -31,7 +31,7 @@ class SceneJob:
         folder: Where it is.
         analysis: The scene's analysis.
         instances: Its parameters, by key.
-        standby: Those of the lights that are added if the words ask for a light that the scene lacks.
+        standby: Those of the lights, and of the backdrop, that are added if the words ask for them.
         warnings: What the engine sees only approximately, in words for the artist, after `view_notes`.
         view_notes: What spoils the picture whatever its look, in words for the artist.
     """
@@ -43,8 +43,14 @@ class SceneJob:
     warnings: list[str] = field(default_factory=list)
     view_notes: list[str] = field(default_factory=list)
 
-    def with_lights_of(self, values: Mapping[str, Sequence[float]]) -> SceneJob:
-        """The job of the scene with the lights on standby that values (by key) add to it."""
+    @property
+    def before(self) -> dict[str, schema.Instance]:
+        """What values change from: the scene's parameters, and those of a backdrop, which starts as the world is."""
+        backdrop = {key: i for key, i in self.standby.items() if i.parameter.group == "world"}
+        return {**self.instances, **backdrop}
+
+    def with_additions_of(self, values: Mapping[str, Sequence[float]]) -> SceneJob:
+        """The job of the scene with what values (by key) add to it of what is on standby."""
         owners = {schema.split_key(key)[1] for key in values if key in self.standby}
         added = {key: i for key, i in self.standby.items() if i.owner in owners}
         return replace(self, instances={**self.instances, **added})
@@ -64,6 +70,7 @@ def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
     materials = measured.materials(analysis)
     instances, mended = sanitize.instances(_with_materials(bound, analysis, materials))
     spare, spare_instances = standby.lights(analysis)
+    spare_instances |= standby.backdrop(analysis, instances)
     warnings = [*spoiling, *notes.by_reason(_material_notes(analysis, materials)), *geometry.warnings]
     warnings += [*view.ignored(scene), *mended]
     world, note = _write_world(scene.world, folder)
@@ -125,9 +132,10 @@ def _material_notes(
 
 
 def parameters(analysis: SceneAnalysis) -> dict[str, schema.Instance]:
-    """The scene's parameters by key; unlike `write_job`, renders and writes nothing."""
+    """The scene's parameters by key, those of a backdrop that it may get included; unlike `write_job`, renders and writes nothing."""
     bound = bindings.instances(analysis.scene, analysis.objects, analysis.pivot)
-    return sanitize.instances(_with_materials(bound, analysis, {}))[0]
+    mended = sanitize.instances(_with_materials(bound, analysis, {}))[0]
+    return {**mended, **standby.backdrop(analysis, mended)}
 
 
 def _scaled(scene: bpy.types.Scene, pixels: int) -> int:

@@ -1,19 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lights on standby: those that we would add to a scene if the words asked for a light that it lacks."""
+"""What is on standby: lights that a scene lacks, and a backdrop of its own, added only if the words ask for them."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
 import bpy
+import numpy as np
 from mathutils import Vector
 
 from ..core.journal import Journal
 from ..core.schema_import import schema
-from ..scene import bindings, prepare, scene_context
+from ..scene import bindings, own_backdrop, prepare, scene_context
 from . import view
 from .analysis import SceneAnalysis
+
+_SEEN = 0.05  # of what is around the subject: less world than this is out of sight
 
 
 def lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[str, schema.Instance]]:
@@ -31,3 +35,18 @@ def lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[str, sch
         journal.undo()
         scene_context.layer(scene).update()
     return rows, ours
+
+
+def backdrop(analysis: SceneAnalysis, instances: Mapping[str, schema.Instance]) -> dict[str, schema.Instance]:
+    """The parameters of a backdrop that the world may get; none where the picture does not show the world.
+
+    Args:
+        analysis: Of the scene.
+        instances: Its parameters by key.
+    """
+    scene, shown = analysis.scene, analysis.visible.object
+    mine = np.append(analysis.is_subject, False)[shown]
+    world_is_seen = (shown < 0).sum() >= _SEEN * max((~mine).sum(), 1)
+    if scene.render.film_transparent or not world_is_seen:
+        return {}
+    return own_backdrop.offered(scene.world, instances)

@@ -28,7 +28,7 @@ class WorldPictures:
 
     Attributes:
         light: (H, 2H, 3) float32 linear; None for a world of one color.
-        backdrop: The same as the camera sees it, where that differs and is no color of its own.
+        backdrop: The same as the camera sees it, where that is another picture.
         note: What is approximated, or "".
     """
 
@@ -71,7 +71,9 @@ def _environment(
 
 
 def _backdrop(world: bpy.types.World) -> np.ndarray | None:
-    """What the camera alone sees, without what parameters do to it; None for one color."""
+    """What the camera alone sees, without what parameters do to it; None for one color, or the same picture."""
+    if backgrounds.shares_picture(world):
+        return None
     single = backgrounds.single(world, backgrounds.BACKDROP)
     color = single.entry("Color") if single else None
     if color and insets.artists(color).source is None:

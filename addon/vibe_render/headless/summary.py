@@ -125,7 +125,7 @@ def closing_lines(
     """The lines for people at the end of a vibe; see `report_fields` for the arguments."""
     values = {k: v for k, v in result.values.items() if k not in skipped}
     notes = [*word_notes(result.report)[:6], *_warnings(shot_list, result)]
-    lines = [*(f"Note: {note}" for note in notes), *change_lines(shot_list.jobs[0].instances, values)]
+    lines = [*(f"Note: {note}" for note in notes), *change_lines(shot_list.jobs[0].before, values)]
     if result.variants:
         lines.append(
             f"{len(result.variants)} variants on variants.png; `vibe apply preset-2.json` takes the second."

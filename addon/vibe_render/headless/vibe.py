@@ -113,7 +113,7 @@ class _Run:
             compared = self._ask_to_measure(number)
             if number == 0:
                 look = take.extract(
-                    self.args.prompt, self.shot_list.jobs[0].with_lights_of(result.values), result.values
+                    self.args.prompt, self.shot_list.jobs[0].with_additions_of(result.values), result.values
                 )
                 self.out.write_text("preset.json", look.dumps())
                 _write_variants(self.out, self.args.prompt, self.shot_list, result.variants)
@@ -217,7 +217,9 @@ def _write_variants(
     """Writes a preset of every variant, and their contact sheet."""
     job = shot_list.jobs[0]
     for number, variant in enumerate(variants, start=1):
-        look = take.extract(prompt, job.with_lights_of(variant.values), variant.values, f"{number}: {prompt}")
+        look = take.extract(
+            prompt, job.with_additions_of(variant.values), variant.values, f"{number}: {prompt}"
+        )
         out.write_text(f"preset-{number}.json", look.dumps())
     if variants:
         out.copy(messages.VARIANTS, Path(job.folder) / messages.VARIANTS)

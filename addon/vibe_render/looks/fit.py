@@ -18,6 +18,8 @@ _TEXTURE_LUMA = 0.5  # of a typical texture: what a color is divided by to becom
 _OURS = {role: name for name, role in prepare.ROLES.items()}
 _DIM = 0.01  # radiance of white below which a light is too dark to be added
 _PROMINENT = 0.5  # of the visible area of the subject's largest material: smaller materials keep their look
+_TINTS = {"base_color": "tint", "color": "tint", "backdrop_color": "backdrop_tint"}
+"""The colors that a texture takes the place of, and what tints it."""
 _ONLY_LAMPS = {"distance"}  # suns have none, which needs no note
 
 
@@ -118,7 +120,7 @@ def _put(result: Fit, target: SceneParameters, group: str, owner: str, name: str
     key = schema.FAMILIES[f"{group}/{name}"].key(owner)
     instance = target.instances.get(key)
     if instance is None or instance.locked:
-        tinted = _as_tint(target, group, owner, value) if name in ("base_color", "color") else {}
+        tinted = _as_tint(target, group, owner, _TINTS[name], value) if name in _TINTS else {}
         result.values |= tinted
         if not tinted and not (instance is None and name in _ONLY_LAMPS):
             reason = instance.locked if instance else "there is nothing of that kind in this scene"
@@ -130,9 +132,11 @@ def _put(result: Fit, target: SceneParameters, group: str, owner: str, name: str
     result.values[key] = [min(max(v * instance.reference, low), high) for v, low, high in bounds]
 
 
-def _as_tint(target: SceneParameters, group: str, owner: str, color: list[float]) -> dict[str, list[float]]:
+def _as_tint(
+    target: SceneParameters, group: str, owner: str, name: str, color: list[float]
+) -> dict[str, list[float]]:
     """The tint that gives a texture this color; nothing if it has no tint, or a locked one."""
-    tint = target.instances.get(f"{group}/{owner}/tint" if owner else f"{group}/tint")
+    tint = target.instances.get(f"{group}/{owner}/{name}" if owner else f"{group}/{name}")
     recolor = target.instances.get(f"{group}/{owner}/recolor")
     if tint is None or tint.locked:
         return {}

@@ -15,7 +15,7 @@ from ..core.journal import Journal
 from ..core.schema_import import labels, schema
 from ..core.value_slots import ValueSlot
 from . import locators as at
-from . import prepare, scene_context, snapshot
+from . import own_backdrop, prepare, scene_context, snapshot
 from .codecs import COLOR, DEGREES, LENS, NUMBER, Codec
 from .lights.registry import type_of
 from .nodes.backgrounds import BACKDROP
@@ -165,7 +165,8 @@ def write(
         subject: As for `instances`.
         pivot: As for `instances`.
 
-    Keys of one of our own lights (see `prepare.LIGHTS`) that is not there add it.
+    Keys of one of our own lights (see `prepare.LIGHTS`) that is not there add it, and those of a backdrop that is to
+    differ from the world part the two.
 
     Returns:
         The keys that have been left alone, and why: locked, or nothing of that name in the scene.
@@ -206,6 +207,9 @@ def _put(
 ) -> dict[str, str]:
     for key, value in values.items():
         _check(key, value)
+    if any(key in own_backdrop.OF_WORLD for key in values):
+        world = instances(scene, subject, pivot, ("world",))
+        values = own_backdrop.made(journal, scene.world, world, values)
     rest = dict.fromkeys(values, "there is nothing of that name in this scene")
     owners = {owner for group, owner, _ in map(schema.split_key, values) if group == "light"}
     add_lights(journal, scene, owners, subject)

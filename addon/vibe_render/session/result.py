@@ -9,7 +9,7 @@ from typing import Any
 import bpy
 
 from ..core.schema_import import labels, messages, schema
-from ..scene import bindings, snapshot
+from ..scene import bindings, own_backdrop, snapshot
 from . import before_image, changes
 
 
@@ -72,11 +72,12 @@ def _list_changes(
     skipped: Mapping[str, str],
     records: Mapping[str, Mapping[str, Any]],
 ) -> None:
-    """Lists what has been written; a light that was not there before was dark."""
+    """Lists what has been written; a light that was not there before was dark, a backdrop the world's."""
     for key, new in values.items():
         if key not in skipped:
             dark = schema.split_key(key)[2] in ("power", "strength")
-            old = before.get(key) or ((0.0,) if dark else tuple(new))
+            earlier = before.get(key) or before.get(own_backdrop.OF_WORLD.get(key, ""))
+            old = earlier or ((0.0,) if dark else tuple(new))
             _list_change(settings, key, old, tuple(new), records.get(key, {}))
 
 

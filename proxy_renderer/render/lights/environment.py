@@ -55,7 +55,7 @@ class Environment:
         grid, solid = texels(_ROUGH_HEIGHT, 2 * _ROUGH_HEIGHT, device)
         self.harmonics = harmonics(grid).mul(solid) @ small.flatten(1).T
         self.whole, self.sharp = _padded(sharp), _padded(parts.shown)
-        if self.backdrop is None and not _is_parted(scene):
+        if self.backdrop is None and _shares_picture(scene):
             self.backdrop = self.whole
         self.blurred = prefilter.stack(parts.shown)
         self.soft = _padded(prefilter.blurred(small, _SOFT)[None])
@@ -177,6 +177,13 @@ def _is_parted(scene: SceneData) -> bool:
     return "world/backdrop_strength" in scene.instances
 
 
+def _shares_picture(scene: SceneData) -> bool:
+    """Whether the camera sees the picture that lights, turned as it is."""
+    return scene.world.backdrop is None and (
+        not _is_parted(scene) or "world/backdrop_tint" in scene.instances
+    )
+
+
 def sky_of(environment: Environment, settings: RenderValues) -> Sky:
     """The world at a render's values."""
     still = torch.zeros((), device=settings.device)
@@ -189,7 +196,7 @@ def sky_of(environment: Environment, settings: RenderValues) -> Sky:
         return Sky(environment, color, turn, color, turn)
     kind = "color" if environment.backdrop is None else "tint"
     backdrop = settings.color(f"world/backdrop_{kind}", 1.0) * settings.scalar("world/backdrop_strength", 1.0)
-    return Sky(environment, color, turn, backdrop, still)
+    return Sky(environment, color, turn, backdrop, turn if _shares_picture(settings.scene) else still)
 
 
 def harmonics(toward: Tensor) -> Tensor:

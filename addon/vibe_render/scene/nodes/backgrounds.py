@@ -59,6 +59,14 @@ def entries(world: World, part: str, name: str) -> list[NodeEntry]:
     return found
 
 
+def shares_picture(world: World) -> bool:
+    """Whether what the camera sees and what lights have their colors from the same output: one texture."""
+    parts = [single(world, part) for part in (LIGHT, BACKDROP)]
+    colors = [background.entry("Color") for background in parts if background]
+    sources = [artists(color).source for color in colors if color]
+    return len(sources) == 2 and sources[0] is not None and sources[0] == sources[1]
+
+
 def _is_mix(layer: Layer) -> bool:
     """Whether a Background is more than a color and a strength."""
     color, strength = layer.shader.entry("Color"), layer.shader.entry("Strength")

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A world is parted for a background whose light would spoil the picture, and for nothing else."""
+
+import json
+
+import pytest
+from tiny_job import write_job
+
+from proxy_renderer.engine.additions import with_additions
+from proxy_renderer.optimize.context import scene_words
+from proxy_renderer.planning.planner import plan
+from proxy_renderer.prompt.parser import parse
+from proxy_renderer.prompt.prompts import compose
+from proxy_renderer.prompt.types import PlanContext
+from proxy_renderer.scene import load_scene
+
+STRENGTH, COLOR = "world/backdrop_strength", "world/backdrop_color"
+
+
+def shot(folder, offered=True):
+    """The ball in front of a world that may get a backdrop, or may not."""
+    write_job(folder)
+    content = json.loads((folder / "scene.json").read_text())
+    world = {key: content["parameters"][f"world/{key}"] for key in ("color", "strength")}
+    if offered:
+        content["standby"] = {"parameters": {f"world/backdrop_{key}": row for key, row in world.items()}}
+    (folder / "scene.json").write_text(json.dumps(content))
+    return load_scene(folder)
+
+
+@pytest.mark.parametrize(
+    ("prompt", "parted"),
+    [
+        ("green background", True),
+        ("glossy red ball in warm light, dark blue background", True),
+        ("black background", True),
+        ("white background", False),
+        ("pale grey background", False),
+        ("warm evening light", False),
+        ("foggy night", False),
+        ("a red ball on a green floor", False),
+        ("an orange sky", False),
+        ("qwertyuiop", False),
+    ],
+)
+def test_it_is_parted_for_words_that_color_what_is_behind(tmp_path, prompt, parted):
+    scene = shot(tmp_path)
+    (got,) = with_additions([scene], prompt)
+    assert (STRENGTH in got.instances) == parted
+    if parted:
+        assert got.value(COLOR) == scene.value("world/color")
+
+
+def test_all_shots_get_it_or_none(tmp_path):
+    seen, hidden = shot(tmp_path / "seen"), shot(tmp_path / "hidden", offered=False)
+    assert all(STRENGTH in s.instances for s in with_additions([seen, seen], "green background"))
+    for scene in with_additions([seen, hidden], "green background"):
+        assert STRENGTH not in scene.instances
+
+
+def test_green_is_seen_and_the_light_of_the_night_is_shed(tmp_path):
+    prompt = "moonlit night, green background"
+    (scene,) = with_additions([shot(tmp_path)], prompt)
+    parsed = parse(prompt, scene_words(scene))
+    entries = plan(parsed, compose(parsed), dict(scene.instances), PlanContext())
+    green, light = entries[COLOR], entries["world/color"]
+    assert green.lower[1] > 2 * max(green.upper[0], green.upper[2])
+    assert "green" in green.reason
+    assert light.upper[1] < light.lower[2]  # the blue of nights
+    assert "green" not in light.reason
