@@ -16,6 +16,9 @@ from .measures.registry import MEASURES
 
 _FEW = 16  # pixels of which nothing can be said
 _SEEN = 0.05  # share of a region that is left, at least, when what words color is left out
+_NEARLY = 2.0
+"""Changes from the interval, from where a change is enough: what was very blue is not warm for being a little less so."""
+
 HOLDS = 1.0
 """A claim that is missed by no more noticeable steps holds."""
 
@@ -27,7 +30,8 @@ class Claim:
     """What a measure of a part of the picture has to be.
 
     The measure is to lie between `lower` and `upper`. Where `change` is given, it is also enough if the measure has
-    risen (or fallen, below 0) by so much since the artist's picture; what is too much there already may stay.
+    risen (or fallen, below 0) by so much since the artist's picture and is not far from the interval; what is too much
+    there already may stay.
 
     Attributes:
         word: As the prompt says it; "" for what holds without words, as that the subject can be seen.
@@ -83,6 +87,10 @@ class Claim:
         own = float(before[0])
         rises = self.change > 0.0 or not math.isfinite(self.upper[0])
         lower, upper = own + self.change if rises else own, own if rises else own + self.change
+        if rises and self.change:
+            lower = max(lower, self.lower[0] - _NEARLY * self.change)
+        elif self.change:
+            upper = min(upper, self.upper[0] - _NEARLY * self.change)
         return (min(self.lower[0], lower),), (max(self.upper[0], upper),)
 
     def residual(self, value: Tensor, before: Tensor | None) -> Tensor:

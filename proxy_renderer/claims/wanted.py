@@ -36,7 +36,8 @@ def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
         VibeError: A claim in the vocabulary cannot be read.
     """
     claims: dict[tuple[object, ...], Claim] = {}
-    for attribute in sorted(parsed.attributes, key=lambda a: bool(a.cause)):
+    # Of two words for one measure the prompt's own goes before what another one stands for, light before a setting.
+    for attribute in sorted(parsed.attributes, key=lambda a: (bool(a.cause), a.slot == "setting")):
         if attribute in parsed.overruled:
             continue
         for claim in _of_word(attribute, parsed, vocabulary):

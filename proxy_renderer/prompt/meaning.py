@@ -45,8 +45,12 @@ def _settle_targets(parsed: Parsed, vocabulary: Vocabulary) -> None:
     """What the attribute heads should say; of words that contradict each other, the first one counts."""
     settlers: dict[str, Attribute] = {}
 
-    def rank(attribute: Attribute) -> tuple[bool, bool, bool]:
-        return bool(attribute.cause), attribute.slot == "material", is_vague(attribute, vocabulary)
+    def rank(attribute: Attribute) -> tuple[bool, bool, bool, bool]:
+        usual = (
+            attribute.slot == "material",
+            attribute.slot == "setting",
+        )  # a desert is bright, but not at dusk
+        return bool(attribute.cause), *usual, is_vague(attribute, vocabulary)
 
     for attribute in sorted(parsed.attributes, key=rank):
         heads, lost = heads_of(attribute, vocabulary), 0
@@ -57,7 +61,8 @@ def _settle_targets(parsed: Parsed, vocabulary: Vocabulary) -> None:
                 if not attribute.cause and value == "thick":
                     parsed.targets[head] = value
                 continue
-            usual = attribute.slot == "material" and head == "subject_finish"  # matte ceramic
+            usual = attribute.slot == "setting"
+            usual |= attribute.slot == "material" and head == "subject_finish"  # matte ceramic
             apart = attribute.owners and first.owners and not {*attribute.owners} & {*first.owners}
             apart = apart or attribute.lamp != first.lamp
             if settled != value and not (attribute.cause or usual or apart or head.endswith("_color")):

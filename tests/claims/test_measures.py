@@ -206,17 +206,28 @@ def test_a_claim_is_missed_by_as_much_as_people_notice() -> None:
 
 def test_a_change_may_be_enough() -> None:
     claim = Claim("warm", "picture", "warmth", "picture", (8.0,), (float("inf"),), change=4.0)
-    before = torch.tensor([-10.0])
-    assert claim.miss(torch.tensor([-6.0]), before) == 0
-    assert claim.miss(torch.tensor([-9.0]), before) == pytest.approx(2.0)
+    before = torch.tensor([-2.0])
+    assert claim.miss(torch.tensor([2.0]), before) == 0
+    assert claim.miss(torch.tensor([-1.0]), before) == pytest.approx(2.0)
     assert claim.miss(torch.tensor([8.0]), torch.tensor([7.0])) == 0
+
+
+def test_a_change_is_not_enough_far_from_what_is_wanted() -> None:
+    """A blue picture that is a little less blue is not warm."""
+    claim = Claim("warm", "picture", "warmth", "picture", (8.0,), (float("inf"),), change=4.0)
+    before = torch.tensor([-30.0])
+    assert claim.miss(torch.tensor([-26.0]), before) > 1
+    assert claim.miss(torch.tensor([0.0]), before) == 0
+    dark = Claim("dark", "picture", "lightness", "picture", (12.0,), (40.0,), change=-12.0)
+    assert dark.miss(torch.tensor([76.0]), torch.tensor([88.0])) > 1
+    assert dark.miss(torch.tensor([64.0]), torch.tensor([88.0])) == 0
 
 
 def test_too_much_is_missed_too_unless_the_artist_had_it() -> None:
     """A cool picture is not all blue; one that was that blue before need not change."""
     claim = Claim("cool", "picture", "warmth", "picture", (-30.0,), (-4.0,), change=-4.0)
     assert claim.miss(torch.tensor([-60.0]), torch.tensor([20.0])) == pytest.approx(20.0)
-    assert claim.miss(torch.tensor([14.0]), torch.tensor([20.0])) == 0
+    assert claim.miss(torch.tensor([2.0]), torch.tensor([6.0])) == 0
     assert claim.miss(torch.tensor([-40.0]), torch.tensor([-40.0])) == 0
     assert claim.miss(torch.tensor([-46.0]), torch.tensor([-40.0])) == pytest.approx(4.0)
 

@@ -117,6 +117,11 @@ def test_a_light_of_a_color_is_no_light_of_the_other_side() -> None:
     assert ("warmth", "picture") not in asked("cool mood, orange light")
 
 
+def test_the_time_of_day_says_how_light_a_setting_is() -> None:
+    (light,) = [c for c in claims("desert dunes at dusk") if (c.measure, c.part) == ("lightness", "picture")]
+    assert light.upper[0] < 50
+
+
 def test_a_black_void_is_nearly_black() -> None:
     (dark,) = [c for c in claims("gold vase in a black void") if c.part == "surroundings"]
     assert dark.upper[0] < 15
