@@ -19,6 +19,8 @@ from .measures.picture import Part
 _LIGHTNESS, _CHROMA, _LEAST_CHROMA = 12.0, 0.35, 4.0
 """How far a color may be from the one that can be shown, OKLab times 100: lightness, and a share of its chroma but at least
 this."""
+_FAINTEST, _OFF_GRAY = 3.0, 0.6
+"""Chroma from which a color is not gray, and how much of what it has beyond the least a picture of it may lack."""
 _FARTHEST = 15.0
 """How much lighter or darker than the named color it may be; more, only where it cannot be shown."""
 
@@ -81,7 +83,10 @@ def _around(shown: Values, named: float) -> tuple[Values, Values]:
         named: Lightness of the color itself: yellow is shown darker, but not as dark as mustard.
     """
     light, a, b = (100 * v for v in oklab_from_srgb(shown))
-    reach = max(_CHROMA * math.hypot(a, b), _LEAST_CHROMA)
+    strength = math.hypot(a, b)
+    reach = max(_CHROMA * strength, _LEAST_CHROMA)
+    if strength > _FAINTEST:  # pale, but no gray
+        reach = min(reach, max(_OFF_GRAY * (strength - _LEAST_CHROMA), 1.0))
     darkest = max(light - _LIGHTNESS, min(named - _FARTHEST, light))
     lightest = min(light + _LIGHTNESS, max(named + _FARTHEST, light))
     return (darkest, a - reach, b - reach), (lightest, a + reach, b + reach)

@@ -2,6 +2,7 @@
 """From words to claims."""
 
 import pytest
+import torch
 
 from proxy_renderer.claims.claim import Claim
 from proxy_renderer.claims.measures.registry import MEASURES
@@ -120,6 +121,15 @@ def test_a_light_of_a_color_is_no_light_of_the_other_side() -> None:
 def test_the_time_of_day_says_how_light_a_setting_is() -> None:
     (light,) = [c for c in claims("desert dunes at dusk") if (c.measure, c.part) == ("lightness", "picture")]
     assert light.upper[0] < 50
+
+
+@pytest.mark.parametrize("name", ["icy blue", "lavender", "pastel pink", "mint", "cream"])
+def test_a_pale_color_is_not_gray(name: str) -> None:
+    (color,) = [c for c in claims(f"a {name} vase") if c.measure == "color"]
+    light = (color.lower[0] + color.upper[0]) / 2
+    middle = [(a + b) / 2 for a, b in zip(color.lower, color.upper, strict=True)]
+    assert color.miss(torch.tensor([light, 0.0, 0.0]), None) > 1
+    assert color.miss(torch.tensor([light, 0.8 * middle[1], 0.8 * middle[2]]), None) <= 1
 
 
 def test_a_black_void_is_nearly_black() -> None:
