@@ -19,7 +19,7 @@ BACKDROP = "world/backdrop_strength"
 """There, if what the camera sees of the world is not what lights."""
 _OF_BACKDROP = {"color": "backdrop_color", "tint": "backdrop_tint", "strength": "backdrop_strength"}
 """What the world's parameters are of its backdrop."""
-_SEEN, _SHED = ("surroundings", "sky"), ("share", "times", "gel")
+SEEN, _SHED = ("surroundings", "sky"), ("share", "times", "gel")
 """Kinds of words that are about what is seen of the world, and modes of effects that are about its light."""
 SLIVER = 0.05  # of the surroundings: so little world counts as none
 
@@ -116,7 +116,7 @@ class Owners:
         """The world's parameter, its backdrop's, or both: a white background is seen, warm light is shed, a night is both."""
         names = [effect.name]
         if BACKDROP in self.instances and (own := _OF_BACKDROP.get(effect.name)):
-            seen = effect.mode == "shown" or attribute.kind in _SEEN
+            seen = effect.mode == "shown" or attribute.kind in SEEN
             shed = effect.mode in _SHED
             names = [own] if seen else names if shed else [*names, own]
         return [i for name in names if (i := self.instances.get(f"world/{name}"))]

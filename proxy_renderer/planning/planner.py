@@ -13,7 +13,7 @@ from ..prompt.types import Attribute, Parsed, Plan, PlanContext, PlanEntry, Prom
 from ..schema import Instance, Values, labels
 from .demands import Demand, lacking, reason_of
 from .illumination import cast, expected, facing_radiance, veil, warmth
-from .owners import BACKDROP, Owners
+from .owners import BACKDROP, SEEN, Owners
 from .ranges import clip, effect_range
 from .sources import Range, Sources, WorldLook
 from .support import supports
@@ -105,8 +105,10 @@ class _Planner:
                 illumination=self._light_for(effect, instance),
                 veil=veil(instance.owner, self.instances, self.sources.context, self._planned),
             )
+            vague = is_vague(attribute, self.vocabulary)
             if instance.parameter.name.startswith("backdrop"):
                 sources = replace(sources, world=self.sources.backdrop)
+                vague = vague or attribute.kind not in SEEN  # words for what is seen come first there
             lower, upper = effect_range(effect, replace(attribute, strength=strength), instance, sources)
             if (
                 effect.family == "material/emission"
@@ -122,7 +124,6 @@ class _Planner:
             if effect.name == "vignette":
                 lower, upper = clip(*self._seen_vignette((lower, upper)), instance)
             reason = reason_of(attribute, shown.phrase if shown else "")
-            vague = is_vague(attribute, self.vocabulary)
             demands.append(
                 Demand(instance.key, lower, upper, attribute, reason, effect.weak, priority, vague)
             )

@@ -33,7 +33,10 @@ def shot(folder, offered=True):
     [
         ("green background", True),
         ("glossy red ball in warm light, dark blue background", True),
-        ("black background", True),
+        ("chrome ball, dark background", True),
+        ("moonlit night, white background", True),
+        ("black background", False),
+        ("dark background", False),
         ("white background", False),
         ("pale grey background", False),
         ("warm evening light", False),
@@ -68,3 +71,13 @@ def test_green_is_seen_and_the_light_of_the_night_is_shed(tmp_path):
     assert "green" in green.reason
     assert light.upper[1] < light.lower[2]  # the blue of nights
     assert "green" not in light.reason
+
+
+def test_chrome_has_light_to_mirror_before_a_dark_background(tmp_path):
+    prompt = "chrome ball, dark background"
+    (scene,) = with_additions([shot(tmp_path)], prompt)
+    parsed = parse(prompt, scene_words(scene))
+    entries = plan(parsed, compose(parsed), dict(scene.instances), PlanContext())
+    assert "dark background" in entries[STRENGTH].reason
+    assert "chrome" in entries["world/strength"].reason
+    assert entries[STRENGTH].upper < entries["world/strength"].lower

@@ -1,25 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether the world is to be parted from its light: a background in a color whose light would spoil the picture."""
+"""Whether what is seen of the world is to be parted from its light: where the one would spoil the other."""
 
 from __future__ import annotations
 
 from ...color.floats import chroma, lab_from_srgb
-from ...prompt.lexicon.vocabulary import Vocabulary
-from ...prompt.types import Parsed, PlanContext
-from ...schema import Instance, Values
+from ...prompt.lexicon.vocabulary import Effect, Vocabulary
+from ...prompt.types import Attribute, Parsed, PlanContext
+from ...schema import Instance
 from ..owners import Owners
 from ..wishes import Wishes
 
 _VIVID = 20.0  # chroma from which a world tints what it lights
-_DARK = 40.0  # L* below which it hardly lights anything
+Wish = tuple[Attribute, Effect]
 
 
 def asks_for_backdrop(
     parsed: Parsed, instances: dict[str, Instance], context: PlanContext, vocabulary: Vocabulary
 ) -> bool:
-    """Whether words color what is seen of the world, and light of that color would tint or darken the scene.
+    """Whether words give the background a color that is not to tint the scene, or a lightness that its light cannot have.
 
-    A white or pale background is a light too, as in a photographer's studio.
+    A white or pale background is a light too, as in a photographer's studio, if no other word wants less light.
 
     Args:
         parsed: The prompt, understood.
@@ -28,17 +28,27 @@ def asks_for_backdrop(
         vocabulary: What words mean.
     """
     owners = Owners(parsed, instances, context, vocabulary)
-    return any(
-        effect.owner == "world"
-        and effect.mode == "shown"
-        and attribute.kind == "surroundings"
-        and attribute.color is not None
-        and _spoils(attribute.color)
-        and bool(owners.of(effect, attribute))
-        for attribute, effect in Wishes(parsed, vocabulary, owners).all()
-    )
+    wishes = Wishes(parsed, vocabulary, owners).all()
+    of_world = [(a, e) for a, e in wishes if e.family == "world/strength" and owners.of(e, a)]
+    seen = [wish for wish in of_world if wish[0].kind == "surroundings"]
+    shed = [wish for wish in of_world if wish[0].kind not in ("surroundings", "sky")]
+    return any(map(_tints, seen)) or any(_apart(one, other) for one in seen for other in shed)
 
 
-def _spoils(srgb: Values) -> bool:
-    lab = lab_from_srgb(srgb)
-    return chroma(lab) > _VIVID or lab[0] < _DARK
+def _tints(wish: Wish) -> bool:
+    color = wish[0].color
+    return color is not None and wish[1].mode == "shown" and chroma(lab_from_srgb(color)) > _VIVID
+
+
+def _apart(one: Wish, other: Wish) -> bool:
+    """Whether no strength of the world serves both."""
+    a, b = _lightness(one), _lightness(other)
+    return a is not None and b is not None and (a[1] < b[0] or b[1] < a[0])
+
+
+def _lightness(wish: Wish) -> tuple[float, float] | None:
+    """The L* that the world is to have, from and to; None where a wish says nothing of it."""
+    attribute, effect = wish
+    if effect.mode == "shown" and attribute.color:
+        return (lab_from_srgb(attribute.color)[0],) * 2
+    return (effect.lower[0], effect.upper[0]) if effect.mode == "lightness" else None
