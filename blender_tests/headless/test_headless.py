@@ -54,7 +54,7 @@ def test_its_report_says_what_was_done(vibed):
     assert report["subject"] == ["Box"]
     assert report["versions"]["blender"] == bpy.app.version_string
     color = report["parameters"]["material/Box/base_color"]
-    assert set(color) == {"before", "after", "lower", "upper", "optimized", "moved", "reason"}
+    assert set(color) == {"before", "after", "lower", "upper", "moved", "priority", "optimized", "reason"}
     assert color["after"][0] > 2 * color["after"][1]
     assert set(report["similarity"]) == {"before", "after"}
     assert set(report["prediction"]) == {"shown", "before_last_anchor", "unanchored"}

@@ -53,7 +53,9 @@ class Selection:
     def with_reasons(self, plan: Plan) -> Plan:
         """The plan, with what is held and why."""
         held = {
-            key: replace(plan[key], reason=f"{plan[key].reason}; shared: {other} does the same to the words")
+            key: replace(
+                plan[key], reason=f"{plan[key].reason}; held: {other} does the same to what is claimed"
+            )
             for key, other in self.shared.items()
         }
         return Plan({**plan, **held}, plan.notes)
