@@ -25,6 +25,7 @@ DATA = (
     *(f"proxy_renderer/guidance/{encoder}/{name}" for encoder in ("embedded", "judge") for name in _ENCODER),
     "proxy_renderer/guidance/embedded/skill.json",
     "proxy_renderer/prompt/lexicon/colors.txt",
+    "proxy_renderer/prompt/lexicon/hours.toml",
     "proxy_renderer/prompt/lexicon/vocabulary.toml",
     "proxy_renderer/prompt/lexicon/words.safetensors",
     "proxy_renderer/planning/view_colors.txt",
