@@ -47,8 +47,8 @@ class Wishes:
         if any(a.slot == "lighting" and not a.cause and e.name == "temperature" for a, e in strong):
             # "Street lamps on a rainy night": a light that is named is not the neon that such nights have.
             wishes = [w for w in wishes if not (w[0].cause and w[1].family == "light/color")]
-        gels = [a.color for a, _ in wishes if a.color and a.kind == "light" and not (a.lamp or a.role)]
-        return [(a, e) for a, e in wishes if not any(_opposes(e, gel) for gel in gels)]
+        gels = [a.color for a, _ in wishes if a.color and a.kind == "light" and not _is_one_light(a)]
+        return [(a, e) for a, e in wishes if _is_one_light(a) or not any(_opposes(e, gel) for gel in gels)]
 
     def constancy(self) -> float:
         """How far named colors are to look as named: words may change how colors look, as dusk, blue light and sepia do."""
@@ -115,6 +115,11 @@ class Wishes:
         return [
             Effect(e.owner, e.name, "", (n,), (n,)) for e in entry.effects if (n := _neutral(e)) is not None
         ]
+
+
+def _is_one_light(attribute: Attribute) -> bool:
+    """Whether a word is about one of several lights: what another one is like does not concern it."""
+    return bool(attribute.lamp or attribute.role or attribute.owners)
 
 
 def _opposes(effect: Effect, gel: Values) -> bool:
