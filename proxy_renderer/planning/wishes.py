@@ -25,6 +25,7 @@ _HIDDEN = 60.0  # degrees of hue between a thing and its light from which neithe
 _OTHER_SIDE = (
     90.0  # degrees of hue from the light that a word stands for, from where a named color is another light
 )
+_MAIN = 1  # priority of what a word is mainly about
 _WHITE_LIGHT = (5500.0, 7500.0)  # kelvins between which light is neither warm nor cool
 _TINTED, _OPPOSED = (
     8.0,
@@ -123,8 +124,8 @@ def _is_one_light(attribute: Attribute) -> bool:
 
 
 def _opposes(effect: Effect, gel: Values) -> bool:
-    """Whether an effect makes light warm that is said to be blue, or cool that is said to be orange."""
-    if effect.name != "temperature" or effect.mode:
+    """Whether what a word is not mainly about makes light warm that is said to be blue, or cool that is said to be orange."""
+    if effect.name != "temperature" or effect.mode or effect.priority <= _MAIN:
         return False
     kelvin, lab = (effect.lower[0] + effect.upper[0]) / 2, lab_from_srgb(gel)
     asks = 1 if kelvin < _WHITE_LIGHT[0] else -1 if kelvin > _WHITE_LIGHT[1] else 0
