@@ -21,7 +21,7 @@ from ..vector import project
 from .descent import Descent
 from .linear_model import Assessment, LinearModel, linearize
 
-_TAKEN = 3
+_TAKEN = 2
 """Times that slopes are taken in one loop."""
 
 _RADIUS, _SMALLEST = 0.35, 0.01
