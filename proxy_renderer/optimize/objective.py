@@ -88,14 +88,22 @@ class RoundObjective:
         """Of a noticeable step by which a claim is missed."""
         return self._weights.claims
 
-    @property
-    def stiffness(self) -> Tensor:
-        """(N, N) curvature of what holds values, by their places in their ranges: apart, a color's components leave its hue."""
-        prior = 2.0 * self._weights.prior * torch.diag(self._pull)
-        place = torch.zeros(self.vector.size, dtype=self._pull.dtype)
-        hue = torch.autograd.functional.hessian(
-            lambda where: hue_consistency_loss(where, self._colors, self._range), place, vectorize=True
-        )
+    def stiffness(self, chosen: Tensor) -> Tensor:
+        """Curvature of what holds values, by their places in their ranges: apart, a color's components leave its hue.
+
+        Args:
+            chosen: (N,) bool, the n components whose curvature is asked for: a scene may have thousands.
+
+        Returns:
+            (n, n).
+        """
+        prior = 2.0 * self._weights.prior * torch.diag(self._pull[chosen])
+        rest, places = torch.zeros_like(self._pull), chosen.nonzero(as_tuple=True)
+
+        def hue_loss(where: Tensor) -> Tensor:
+            return hue_consistency_loss(rest.index_put(places, where), self._colors, self._range)
+
+        hue = torch.autograd.functional.hessian(hue_loss, rest[chosen], vectorize=True)
         return prior + self._weights.hue * hue
 
     def assess(self, u: Tensor) -> Assessment:

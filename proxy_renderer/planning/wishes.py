@@ -22,15 +22,10 @@ _PALED = 0.6  # saturation below which named colors are not what is wanted
 _THICK = 0.5  # fog through which named colors are not to look as named; less is haze
 _ADAPTED = 0.5  # share of the cast of colored light that eyes take out
 _HIDDEN = 60.0  # degrees of hue between a thing and its light from which neither looks as named
-_OTHER_SIDE = (
-    90.0  # degrees of hue from the light that a word stands for, from where a named color is another light
-)
 _MAIN = 1  # priority of what a word is mainly about
 _WHITE_LIGHT = (5500.0, 7500.0)  # kelvins between which light is neither warm nor cool
-_TINTED, _OPPOSED = (
-    8.0,
-    0.5,
-)  # chroma of a color that is one, and its cosine with cool where it is no warm light
+_TINTED = 8.0  # chroma from which light has a color
+_OPPOSED = 0.5  # cosine with cool light from which a color is no warm one
 STAGES = 5
 """How many there are, see `stage_of`."""
 

@@ -84,7 +84,10 @@ def test_what_holds_values_and_hues_is_foreseen_exactly(search):
     where = home.clone().requires_grad_()
     (slope,) = torch.autograd.grad(objective._held(where), where)
     apart = torch.rand(len(home), generator=dice, dtype=torch.float64) * (now.upper > now.lower)
-    foreseen = slope @ (span * apart) + 0.5 * apart @ objective.stiffness @ apart
+    foreseen = (
+        slope @ (span * apart)
+        + 0.5 * apart @ objective.stiffness(torch.ones_like(apart, dtype=torch.bool)) @ apart
+    )
     torch.testing.assert_close(objective._held(home + span * apart) - objective._held(home), foreseen)
     assert float(foreseen) > 0.1
 

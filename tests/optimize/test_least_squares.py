@@ -19,12 +19,14 @@ class Claims:
 
     claim_weight = 1.0
 
-    def __init__(self, values, lower, upper, claim=None, rest=lambda u: u.sum() * 0, size=2):
+    def __init__(self, values, lower, upper, claim=None, rest=lambda u: u.sum() * 0):
         self.values, self.rest = values, rest
         self.lower, self.upper = doubles(lower), doubles(upper)
         self.claim = torch.tensor(claim or range(len(lower)))
-        self.stiffness = torch.zeros((size, size), dtype=torch.float64)
         self.slopes_taken, self.seen = 0, []
+
+    def stiffness(self, chosen):
+        return torch.zeros((int(chosen.sum()),) * 2, dtype=torch.float64)
 
     def assess(self, u):
         self.slopes_taken += u.requires_grad

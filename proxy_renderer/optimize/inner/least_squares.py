@@ -41,9 +41,8 @@ class ClaimObjective(Protocol):
     def claim_weight(self) -> float:
         """Of a noticeable step by which a claim is missed."""
 
-    @property
-    def stiffness(self) -> Tensor:
-        """(N, N) curvature of the rest by the components' places in their ranges, as far as it is known."""
+    def stiffness(self, chosen: Tensor) -> Tensor:
+        """(n, n) curvature of the rest by the places of the n chosen components (N,) in their ranges, as far as it is known."""
 
     def assess(self, u: Tensor) -> Assessment:
         """What is judged at u (N,) in [0, 1]; differentiable in what may move."""
@@ -82,9 +81,7 @@ def solve(
         return u.index_put((places,), start + span * x)
 
     def linear(x: Tensor) -> LinearModel:
-        return linearize(
-            objective.assess, place, x, objective.stiffness[chosen][:, chosen], objective.claim_weight
-        )
+        return linearize(objective.assess, place, x, objective.stiffness(chosen), objective.claim_weight)
 
     x, radius, taken, fresh = torch.zeros_like(start), _RADIUS, 1, True
     model = first or linear(x)

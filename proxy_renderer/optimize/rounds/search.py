@@ -243,31 +243,13 @@ class Search:
             chosen: S_K, and what is minimized; chosen at that point.
         """
         movable = self.vector.mark(chosen.keys) & (now.upper > now.lower)
-        follow = self.clock.follow(self.number)
+        follow, steps = self.clock.follow(self.number), self.options.steps
+        where = chosen.objective, now.u, movable, now.lower, now.upper
         if self.options.inner == "adam" or self.options.baseline:
             seed = self.options.seed * 1000 + self.number
-            return descend(
-                chosen.objective,
-                now.u,
-                movable,
-                now.lower,
-                now.upper,
-                self.options.steps,
-                seed,
-                step_settings(self.options),
-                follow,
-            )
+            return descend(*where, steps, seed, step_settings(self.options), follow)
         if self.options.inner == "least-squares":
-            return solve(
-                chosen.objective,
-                now.u,
-                movable,
-                now.lower,
-                now.upper,
-                self.options.steps,
-                follow,
-                chosen.model,
-            )
+            return solve(*where, steps, follow, chosen.model)
         middle = self.options.inner == "middle"
         found = torch.where(movable, (now.lower + now.upper) / 2, now.u) if middle else now.u
         return Descent(found, 0.0, 0.0)

@@ -174,7 +174,7 @@ def _probe(
         return u.index_put((places,), u[wide] + span * x)
 
     x = torch.zeros(len(places), dtype=u.dtype)
-    model = linearize(objective.assess, place, x, objective.stiffness[wide][:, wide], objective.claim_weight)
+    model = linearize(objective.assess, place, x, objective.stiffness(wide), objective.claim_weight)
     parts = {}
     for key in sorted(probed):
         end = int(before[vector.slices[key].stop - 1])
