@@ -118,6 +118,23 @@ def test_the_color_is_that_of_the_shader_that_shows(scene, subject, tree, kind):
     assert difference(before, dump()) == {}
 
 
+def test_matte_car_paint_of_nodes_loses_its_lacquer(scene, subject, tree):
+    body, end = layered(tree, "car paint")
+    lacquer = next(n for n in tree.nodes if n.bl_label == "Glossy BSDF" and n != body)
+    lacquer.inputs["Color"].default_value = (0.8, 0.4, 0.4, 1.0)
+    shown(tree, end)
+    before = dump()
+    assert bindings.read(scene, subject, PIVOT)["material/Body/coat"] == pytest.approx((0.8,))
+    assert bindings.read(scene, subject, PIVOT)["material/Body/coat_roughness"] == pytest.approx((0.1,))
+    write(scene, subject, coat=0.2, coat_roughness=0.6)
+    assert color_of(lacquer.inputs["Color"]) == pytest.approx((0.2, 0.1, 0.1))
+    assert lacquer.inputs["Roughness"].default_value == pytest.approx(0.6)
+    assert color_of(body.inputs["Color"]) == pytest.approx(RED[:3])
+    assert body.inputs["Roughness"].default_value == pytest.approx(0.5)
+    assert snapshot.revert(scene) == []
+    assert difference(before, dump()) == {}
+
+
 def test_the_roughness_of_plastic_is_its_coats_and_the_glow_the_emissions(scene, subject, tree):
     gloss = node(tree, "BsdfGlossy", Color=GRAY)
     plastic = joined(tree, "Mix", node(tree, "BsdfDiffuse", Color=RED), gloss, fac=0.1)

@@ -9,7 +9,7 @@ from ..schema import VibeError
 from ..schema.limits import LONGEST_PROMPT
 from .english import ONLY_ENGLISH, other_language
 from .keyed import spoken, without_spared
-from .lexicon.hours import told
+from .lexicon import hours, kelvins
 from .lexicon.user_words import default_vocabulary
 from .lexicon.vocabulary import Vocabulary
 from .meaning import complete
@@ -38,7 +38,8 @@ def parse(prompt: str, scene: SceneWords, vocabulary: Vocabulary | None = None) 
         raise VibeError(f"The prompt '{text[:60]}' is not in English.", ONLY_ENGLISH)
     vocabulary = vocabulary or default_vocabulary()
     reader = PromptReader(vocabulary, scene)
-    said, spared = without_spared(spoken(told(text, vocabulary), vocabulary, reader.lexer.names))
+    told = kelvins.told(hours.told(text, vocabulary))
+    said, spared = without_spared(spoken(told, vocabulary, reader.lexer.names))
     parsed = reader.read(said)
     if not parsed.attributes and reader.named:  # "castle": if it is nothing else, it is a mood
         reader = PromptReader(vocabulary, scene, things=False)

@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 
 from ..core.schema_import import schema
-from ..scene.nodes import insets, layers
+from ..scene.nodes import insets, lacquer, layers
 from ..scene.nodes.layers import TRANSPARENT, Layer, MixSide
 from ..scene.nodes.trails import ValueOrigin, active_links, resolve
 
@@ -148,7 +148,8 @@ class Mixture:
         gloss = self._gloss(base)
         if base.matter == "metal":
             values["metallic"] = (shares["metal"] / whole,)
-            values |= _coat(gloss) if gloss and gloss.sides[-1].grazing else {}
+            coat = lacquer.layer(self.layers, base)
+            values |= _coat(coat) if coat else {}
         elif gloss and base.matter == "matte":
             values |= _plastic(gloss, float(self.share(gloss, measured).mean()))
         return values
@@ -159,8 +160,8 @@ class Mixture:
 
     def coat_ior(self, base: Layer) -> float | None:
         """The IOR of a lacquer: of a glossy shader that a Fresnel node lays over another one."""
-        gloss = self._gloss(base)
-        node = gloss.sides[-1].grazing if gloss and base.matter == "metal" else None
+        coat = lacquer.layer(self.layers, base) if base.matter == "metal" else None
+        node = coat.sides[-1].grazing if coat else None
         return _ior(node) if node else None
 
 

@@ -15,7 +15,7 @@ from ..core.journal import Journal
 from ..core.value_slots import LazySlot, PropertySlot, ValueSlot, together
 from . import fog, scene_context
 from .lights.registry import type_of
-from .nodes import backgrounds, environment_rotation, grade, inputs, layers, light_nodes, shaders
+from .nodes import backgrounds, environment_rotation, grade, inputs, lacquer, layers, light_nodes, shaders
 from .nodes.backgrounds import LIGHT
 from .nodes.factor import FACTOR
 from .nodes.insets import Inset
@@ -127,6 +127,16 @@ def shader(name: str) -> Locator:
         return inputs.slot(lambda: layers.entry(material, name))
 
     return locate
+
+
+def coat(context: SceneContext, material: Material) -> ValueSlot | None:
+    """How strong a coat is: the input of the shader, or the color of a glossy one that lies over a metal."""
+    return shader("Coat Weight")(context, material) or lacquer.weight(material)
+
+
+def coat_roughness(context: SceneContext, material: Material) -> ValueSlot | None:
+    """The roughness of the same."""
+    return shader("Coat Roughness")(context, material) or lacquer.roughness(material)
 
 
 def surface_color(context: SceneContext, material: Material) -> ValueSlot | None:

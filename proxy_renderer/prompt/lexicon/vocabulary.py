@@ -11,6 +11,7 @@ from pathlib import Path
 
 from ...color.floats import srgb_from_hex
 from ...schema import FAMILIES, Values, VibeError
+from . import kelvins
 from .attributes import ATTRIBUTES
 
 OWNERS = {
@@ -223,7 +224,8 @@ def load(text: str, colors: str) -> Vocabulary:
         rows = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise VibeError(f"The vocabulary cannot be read: {error}.", "Mend that line.") from error
-    entries = {normalize(name): read_entry(normalize(name), row) for name, row in rows["look"].items()}
+    looks = {normalize(name): row for name, row in rows["look"].items()} | kelvins.entries()
+    entries = {name: read_entry(name, row) for name, row in looks.items()}
     grammar = rows["grammar"]
     synonyms: dict[str, str] = {}
     for entry in entries.values():
@@ -237,7 +239,7 @@ def load(text: str, colors: str) -> Vocabulary:
             )
     adjectives = {
         normalize(w): {k: normalize(e) for k, e in kinds.items()} for w, kinds in rows["adjective"].items()
-    }
+    } | kelvins.adjectives()
     for word, kinds in adjectives.items():
         for target in kinds.values():
             if target not in entries:

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A glossy shader that a Fresnel or Layer Weight node lays over another one: the lacquer of car paints made of nodes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+from bpy.types import Material
+
+from ...core.journal import Journal
+from ...core.value_slots import ValueSlot
+from . import inputs, layers
+from .layers import Layer
+from .trails import NodeEntry
+
+
+@dataclass
+class StrengthSlot:
+    """Value slot: the strongest component of a color; setting it keeps the hue.
+
+    Attributes:
+        color: The slot of the color, RGB or RGBA.
+    """
+
+    color: ValueSlot
+
+    @property
+    def locked(self) -> str:
+        """Why it must be left alone; "" where it may change."""
+        return self.color.locked
+
+    def get(self) -> float:
+        """From 0 to 1."""
+        return float(min(max(self.color.get()[:3]), 1.0))
+
+    def set(self, journal: Journal, raw: float) -> None:
+        """Makes the color as strong as that."""
+        color, strongest = self.color.get(), max(self.color.get()[:3])
+        if raw == self.get():
+            return
+        self.color.set(journal, tuple(raw * c / strongest if strongest else raw for c in color[:3]))
+
+
+def layer(shown: list[Layer], base: Layer) -> Layer | None:
+    """The lacquer over a shader.
+
+    Args:
+        shown: The shaders of a material.
+        base: The one that has the color.
+    """
+    gloss = next((x for x in shown if x.matter == "metal" and x != base and x.sides), None)
+    return gloss if gloss and gloss.sides[-1].grazing else None
+
+
+def weight(material: Material) -> ValueSlot | None:
+    """How strong the lacquer over a metal is: its color, which is 1 at full strength; None without one."""
+    color = inputs.slot(partial(_entry, material, "Base Color"))
+    return StrengthSlot(color) if color else None
+
+
+def roughness(material: Material) -> ValueSlot | None:
+    """The roughness of the lacquer over a metal; None without one."""
+    return inputs.slot(partial(_entry, material, "Roughness"))
+
+
+def _entry(material: Material, name: str) -> NodeEntry | None:
+    shown = layers.by_prominence(material)
+    base = next((x for x in shown if x.shader.input("Base Color")), None)
+    coat = layer(shown, base) if base and base.matter == "metal" else None
+    return coat.shader.entry(name) if coat else None
+
+
