@@ -156,11 +156,13 @@ class Lexer:
         return v.nouns.get(text.rpartition(" ")[2], "") if entry and entry.slot == "setting" else ""
 
     def _ends_in_thing(self, words: list[str]) -> bool:
-        """Whether a phrase is a look and a thing of this scene: "terracotta pot", where there is a pot."""
+        """Whether a phrase is a look and a thing of this scene: "terracotta pot", or "turquoise water" where water is."""
         v, last = self.vocabulary, words[-1]
         if len(words) < 2 or last not in self.names or " ".join(words) in self.names:
             return False
-        return last not in v.synonyms and last not in v.colors and self._phrase(" ".join(words[:-1])).known
+        first = " ".join(words[:-1])
+        may_be_thing = last not in v.colors and (last not in v.synonyms or first in v.colors)
+        return may_be_thing and self._phrase(first).known
 
     def _cuts_a_phrase(self, words: list[str], start: int, end: int) -> bool:
         """Whether words from start to end take the first word of a listed phrase: "warm golden" of "golden hour"."""

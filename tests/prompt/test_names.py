@@ -134,3 +134,8 @@ def test_of_two_materials_of_one_name_the_subjects_is_meant():
     """After Make Single-User the subject has "Monkey.001", and the floor keeps "Monkey"."""
     words = SceneWords(materials={"Monkey": "surroundings", "Monkey.001": "subject"})
     assert scene_names(words)["monkey"].materials == ("Monkey.001",)
+
+
+def test_a_color_before_a_thing_of_the_scene_is_its_color_though_both_are_a_place():
+    words = scene({"Water": "Water", "Boat": "Hull"})
+    assert painted("turquoise water", words, {"Water": 0.5, "Hull": 0.5}) == {"Water"}
