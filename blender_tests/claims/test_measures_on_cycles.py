@@ -30,6 +30,7 @@ MOVES = [
     ("burnt", "subject", {}, {"film__exposure": 9.0}),
     ("drowned", "subject", {}, {"film__exposure": -8.0}),
     ("light_front", "subject", {"light__Key__azimuth": 90.0}, {"light__Key__azimuth": 0.0}),
+    ("key_to_fill", "subject", {"world__strength": 4.0}, {"world__strength": 0.0}),
     ("rim", "subject", {"light__Key__azimuth": 0.0}, {"light__Key__azimuth": 150.0}),
 ]  # fmt: skip
 

@@ -7,6 +7,7 @@ The paper's own failure is under-exposure of dark materials (section 4.2): these
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from ..color.floats import chroma
 from ..prompt.types import Parsed, PlanContext, PlanEntry
@@ -34,7 +35,11 @@ def supports(
     entries: dict[str, PlanEntry],
     owners: Owners,
 ) -> dict[str, PlanEntry]:
-    """Entries that replace those of untouched parameters; never those of locked or named ones."""
+    """Entries that replace those of untouched parameters; never those of locked or named ones.
+
+    All of them hold the artist's value: what moves, and how far, is for the claims to say (`claims.wanted`). Only a
+    light that is added has no such value.
+    """
     free = {k: i for k, i in instances.items() if entries[k].priority is None and not i.locked}
     found = stand_out(parsed, instances, free, sources, owners)
     found |= _key_light(parsed, free, entries, sources, owners)
@@ -44,13 +49,21 @@ def supports(
         found["world/strength"] = _around(
             free["world/strength"], 0.5, 2.0, LATE + 2, "keeps the shadows readable"
         )
-    found |= _added_lights(free, sources)
     found |= _mirroring(parsed, free, owners, sources.context)
     if "film/contrast" in free and (entry := _contrast(parsed, free["film/contrast"], sources.context)):
         found["film/contrast"] = entry
     if "film/saturation" in free and (entry := _saturation(parsed, free["film/saturation"], sources.context)):
         found["film/saturation"] = entry
-    return found | _camera(free)
+    found |= _camera(free)
+    return {key: _from_home(entry, free[key]) for key, entry in found.items()} | _added_lights(free, sources)
+
+
+def _from_home(entry: PlanEntry, instance: Instance) -> PlanEntry:
+    """An entry that reaches from the artist's value to what is supposed to help."""
+    home = instance.value
+    lower = tuple(map(min, entry.lower, home))
+    upper = tuple(map(max, entry.upper, home))
+    return replace(entry, lower=lower, upper=upper)
 
 
 def _around(instance: Instance, low: float, high: float, priority: int, why: str) -> PlanEntry:
@@ -135,10 +148,6 @@ def _exposure(parsed: Parsed, instance: Instance, context: PlanContext) -> PlanE
             shift = current - value + math.log2(radiance(goal, context.view) / radiance(now, context.view))
     shift = min(max(shift, -1.5), 1.5)
     lower, upper = clip((value + min(shift, 0.0) - 0.7,), (value + max(shift, 0.0) + 0.7,), instance)
-    if shift > 0.7:
-        lower = (min(value + shift - 0.7, upper[0]),)
-    elif shift < -0.7:
-        upper = (max(value + shift + 0.7, lower[0]),)
     return PlanEntry(
         lower, upper, LATE, "supports the words: the subject is neither burnt nor black", prior=0.5
     )

@@ -102,6 +102,7 @@ RISING = {
     "light_up": ("subject", picture(light=(0.2, -0.6, 0.4)), picture(light=(0.2, 0.6, 0.4))),
     "light_front": ("subject", picture(light=(0.6, 0.6, 0.1)), picture(light=(0.1, 0.1, 0.9))),
     "hardness": ("surroundings", edged(20.0), edged(1.5)),
+    "key_to_fill": ("subject", picture(light=(0.2, 0.2, 0.9)), picture(light=(0.9, 0.2, 0.1))),
     "rim": ("subject", rimmed(0.1), rimmed(0.9)),
     "gloss": ("subject", spotted(0.7), spotted(0.07)),
     "haze": ("surroundings", picture(transmittance=0.9), picture(transmittance=0.4)),

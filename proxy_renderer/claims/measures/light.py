@@ -86,6 +86,29 @@ def hardness(picture: MeasuredPicture, where: Tensor) -> Tensor:
     return steepest.mean()[None] * (max(smooth.shape) / _GRAIN)
 
 
+def key_to_fill(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """How much more light falls on the sides that the key reaches than on those that only the fill does: (1,) stops.
+
+    Between the tenths of the region in most and in least light, each material by itself, so that dark paint is no shade;
+    the brightest percent, highlights, is left out.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    light, material = (picture.luminance.clamp_min(0) + _FLOOR).log2()[where], picture.seen.material[where]
+    spans, counts = [], []
+    for number in material.unique():
+        mine = light[material == number].sort().values
+        if len(mine) >= _FEW:
+            tenth, most = len(mine) // 10, round(0.99 * len(mine))
+            spans.append(mine[most - tenth : most].mean() - mine[:tenth].mean())
+            counts.append(float(len(mine)))
+    if not spans:
+        return light.new_zeros(1)
+    return (torch.stack(spans) @ light.new_tensor(counts) / sum(counts))[None]
+
+
 def rim(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """How much lighter the lightest fifth of a region's outline is than its inside: (1,) L*.
 

@@ -53,6 +53,7 @@ MEASURES: dict[str, Measure] = {
     "light_up": Measure(light.light_up, "", 0.1, "light from above"),
     "light_front": Measure(light.light_front, "", 0.1, "light from the camera's side"),
     "hardness": Measure(light.hardness, "stops/px", 0.05, "steepness of shadow edges"),
+    "key_to_fill": Measure(light.key_to_fill, "stops", 0.3, "from shade to light"),
     "rim": Measure(light.rim, "L*", 3.0, "lightness of the outline above the inside"),
     "gloss": Measure(light.gloss, "L*", 1.5, "contrast of highlights"),
     "haze": Measure(air.haze, "", 0.04, "share of light that the air takes away"),
