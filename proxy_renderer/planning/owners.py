@@ -11,6 +11,7 @@ from .illumination import facing_radiance
 from .lights.meant import KnownLight, assigned, named
 
 _PART = 0.12  # materials on less of their region are parts: tyres, eyes, screws
+_LIKE = 0.25  # where all are parts, share of the largest that those have which make it up: a shelf of a hundred books
 _SHARE = 0.15  # of the light on the subject from which a glow counts as a light of the scene
 _OF_GLOWS = {"power": "emission", "color": "emission_color", "temperature": "emission_color"}
 """What the parameters of lights are of glowing materials; they have neither place nor size to change."""
@@ -98,8 +99,8 @@ class Owners:
         made_up = [n for n in names if not is_detail(n)] or names
         least = _PART * sum(shares.values())
         large = [n for n in made_up if shares[kind_of(n)] >= least]
-        most = max(made_up, key=lambda n: shares[kind_of(n)], default="")
-        return large or [n for n in made_up if kind_of(n) == kind_of(most)]
+        most = max((shares[kind_of(n)] for n in made_up), default=0.0)
+        return large or [n for n in made_up if shares[kind_of(n)] >= _LIKE * most]
 
     def world_is_hidden(self) -> bool:
         """Whether surfaces fill all that the camera sees."""

@@ -38,3 +38,15 @@ def test_a_lights_own_exposure_counts():
     assert Owners(parse("noir", SceneWords()), instances("SUN"), context, default_vocabulary()).key == [
         "Spot"
     ]
+
+
+def test_of_many_small_things_all_that_are_about_as_large_are_meant():
+    titles = "Dune Emma Ulysses Walden Ivanhoe Candide Persuasion Solaris Momo Faust Kim Lolita".split()
+    shares = dict.fromkeys(titles, 0.07) | {"Bookend": 0.1, "Screws": 0.002}
+    family = FAMILIES["material/base_color"]
+    books = {i.key: i for i in (Instance(family, name, (0.5,) * 3, 1.0, "subject") for name in shares)}
+    parsed = parse("emerald green", SceneWords(materials=dict.fromkeys(shares, "subject")))
+    owners = Owners(parsed, books, PlanContext(material_share=shares), default_vocabulary())
+    (effect,) = (e for e in default_vocabulary().painted["subject"] if e.name == "base_color")
+    painted = {i.owner for i in owners.of(effect, parsed.attributes[0])}
+    assert painted == shares.keys() - {"Screws"}
