@@ -41,8 +41,19 @@ def test_a_lights_own_exposure_counts():
 
 
 def test_of_many_small_things_all_that_are_about_as_large_are_meant():
-    titles = "Dune Emma Ulysses Walden Ivanhoe Candide Persuasion Solaris Momo Faust Kim Lolita".split()
-    shares = dict.fromkeys(titles, 0.07) | {"Bookend": 0.1, "Screws": 0.002}
+    titles = (
+        "Dune",
+        "Emma",
+        "Ulysses",
+        "Walden",
+        "Ivanhoe",
+        "Candide",
+        "Persuasion",
+        "Solaris",
+        "Momo",
+        "Faust",
+    )
+    shares = dict.fromkeys(titles, 0.08) | {"Bookend": 0.1, "Screws": 0.002}
     family = FAMILIES["material/base_color"]
     books = {i.key: i for i in (Instance(family, name, (0.5,) * 3, 1.0, "subject") for name in shares)}
     parsed = parse("emerald green", SceneWords(materials=dict.fromkeys(shares, "subject")))

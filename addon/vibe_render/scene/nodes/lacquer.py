@@ -69,5 +69,3 @@ def _entry(material: Material, name: str) -> NodeEntry | None:
     base = next((x for x in shown if x.shader.input("Base Color")), None)
     coat = layer(shown, base) if base and base.matter == "metal" else None
     return coat.shader.entry(name) if coat else None
-
-
