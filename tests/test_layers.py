@@ -19,8 +19,8 @@ LAYERS = {
         prompt.lexicon prompt=prompt.lights planning=planning.lights vlm inputs batch.manifest batch
         render.film render.geometry render.material render.lights=render.lights.types render.transport render.edges render.surface
         render.cycles render claims.measures claims
-        train.pictures train.text guidance train optimize=optimize.inner=optimize.rounds engine
-        bench.mitsuba bench bench.encoder bench.paper bench.ladder bench.wild bench.sealed bench.materials cli=cli.commands
+        train.sentences train.pictures train.text guidance train optimize=optimize.inner=optimize.rounds engine
+        bench.mitsuba bench bench.encoder bench.paper bench.ladder bench.wild bench.sealed bench.materials bench.binding cli=cli.commands
     """,
     "vibe_render": """
         core engine scene.geometry scene.lights scene.nodes scene scene.stage render export session looks

@@ -110,6 +110,7 @@ def test_data_that_the_clone_has_lost_is_missed(wheel, monkeypatch):
         "out/vibed.blend",
         "proxy_renderer/bench/__pycache__/speed.cpython-313.pyc",
         "proxy_renderer/bench/paper/index.html",
+        "proxy_renderer/train/sentences/development/scenes.toml",
         "vibe_render/looks/shipped/noir.png",
     ],
 )

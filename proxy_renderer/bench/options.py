@@ -157,6 +157,16 @@ def _sealed(sub: argparse.ArgumentParser) -> None:
     _small_pictures(sub)
 
 
+def _binding(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument(
+        "--sentences", required=True, metavar="DIR", help="folder of scenes.toml and sentences_NN.toml"
+    )
+    sub.add_argument("--kind", default="", metavar="NAME", help="only sentences of this kind: lamps")
+    sub.add_argument(
+        "--misses", action="store_true", help="show each mistaken sentence, with what was wanted"
+    )
+
+
 def _materials(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--only", default="*", metavar="GLOB", help='only such names: "*plastic*"')
     sub.add_argument(
@@ -191,6 +201,7 @@ BENCHES: dict[str, tuple[str, AddOptions]] = {
         _sealed,
     ),
     "materials": ("Whether names of measured materials and lamps give what was measured.", _materials),
+    "binding": ("Whether look words of labeled sentences are bound to what they describe.", _binding),
     "gradients": ("Whether the proxy's gradients point where Cycles' pictures go.", _gradients),
 }
 """By name: a summary, and what declares the options, which are the keywords of its module's `run`."""

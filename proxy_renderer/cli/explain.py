@@ -14,14 +14,13 @@ from ..planning.planner import plan
 from ..prompt.parser import parse
 from ..prompt.prompts import compose
 from ..prompt.types import PlanContext, SceneWords
-from ..schema import PARAMETERS, Instance
+from ..scene.plain import plain_instances
+from ..schema import Instance
+from ..schema.spec import Region
 
-_OWNERS = {
-    "light": (("Key", "AREA", "key"), ("Fill", "AREA", "fill"), ("Rim", "AREA", "rim")),
-    "material": (("Subject", "", "subject"), ("Surroundings", "", "surroundings")),
-}
+_LIGHTS = (("Key", "AREA", "key"), ("Fill", "AREA", "fill"), ("Rim", "AREA", "rim"))
+_MATERIALS: dict[str, Region] = {"Subject": "subject", "Surroundings": "surroundings"}
 _LOOK = 96  # longer side of the picture that is looked at, in pixels
-_LINKED = ("tint", "recolor", "rotation", "backdrop_color", "backdrop_tint", "backdrop_strength")
 
 
 def account(prompt: str, as_json: bool, scene: Path | None = None, subject: Sequence[str] = ()) -> str:
@@ -69,17 +68,6 @@ def _read(
 
 
 def _plain() -> tuple[SceneWords, dict[str, Instance], PlanContext]:
-    words = SceneWords(materials={"Subject": "subject", "Surroundings": "surroundings"})
-    lights = {name: kind for name, kind, _ in _OWNERS["light"]}
-    return words, _plain_scene(), PlanContext(light_types=lights)
-
-
-def _plain_scene() -> dict[str, Instance]:
-    """Every parameter at its default; lengths are in units of the scene's own."""
-    instances = [
-        Instance(p, owner, (p.default,) * p.components, role=role)
-        for p in PARAMETERS
-        for owner, kind, role in _OWNERS.get(p.group, (("", "", ""),))
-        if p.name not in _LINKED and (not p.only or kind in p.only)
-    ]
-    return {i.key: i for i in instances}
+    instances = plain_instances(_LIGHTS, _MATERIALS.items())
+    context = PlanContext(light_types={name: kind for name, kind, _ in _LIGHTS})
+    return SceneWords(materials=dict(_MATERIALS)), instances, context

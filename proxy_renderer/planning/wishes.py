@@ -38,7 +38,7 @@ class Wishes:
 
     def all(self) -> list[tuple[Attribute, Effect]]:
         """Each with its attribute, in the order of the prompt."""
-        wishes = [(a, effect) for a in self._shared_out() for effect in self._effects(a)]
+        wishes = [(a, effect) for a in self._shared_out() for effect in self.effects(a)]
         strong = [(a, e) for a, e in wishes if not e.weak]
         if any(a.slot == "lighting" and not a.cause and e.name == "temperature" for a, e in strong):
             # "Street lamps on a rainy night": a light that is named is not the neon that such nights have.
@@ -49,7 +49,7 @@ class Wishes:
     def constancy(self) -> float:
         """How far named colors are to look as named: words may change how colors look, as dusk, blue light and sepia do."""
         others = [a for a in self._said() if a.kind not in ("subject", "surroundings")]
-        strong = [e for a in others for e in self._effects(a) if not e.weak]
+        strong = [e for a in others for e in self.effects(a) if not e.weak]
         casts = [e for e in strong if e.name in _CASTS and OWNERS[e.owner] != "material"]
         hidden = any(
             (e.family == "volume/density" and e.upper[0] > _THICK)
@@ -93,7 +93,7 @@ class Wishes:
         assert gel.color
         return all(c and hue_apart(c, gel.color) > _HIDDEN for c in colors)
 
-    def _effects(self, attribute: Attribute) -> list[Effect]:
+    def effects(self, attribute: Attribute) -> list[Effect]:
         """What a word does; negated, what it forbids or the mild opposite."""
         if attribute.color:
             kind = attribute.kind

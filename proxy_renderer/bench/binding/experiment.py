@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Reads every labeled sentence of a folder with the real reader and the real assignment of lights, and compares.
+
+Nothing is rendered, and no Blender is needed. Sentences are printed only if they are asked for: those that are held out
+stay unread.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from ...prompt.lexicon.vocabulary import shipped_vocabulary
+from ...schema import VibeError, atomic
+from ...train.sentences import read_folder
+from ...train.sentences.labels import SENTENCE_KINDS
+from . import table
+from .judge import judge
+from .reading import read
+
+
+def run(out: Path, sentences: str, kind: str = "", misses: bool = False) -> dict[str, Any]:
+    """Measures, prints the tables, and writes OUT/results.json.
+
+    Args:
+        out: The folder.
+        sentences: Folder of scenes.toml and sentences_NN.toml.
+        kind: Only sentences of this kind; "" for all.
+        misses: Print each mistaken sentence, and write it into results.json.
+
+    Returns:
+        The content of results.json, see `table.summary`.
+
+    Raises:
+        VibeError: The folder is not of the format, or has no such sentence.
+    """
+    labeled = [s for s in read_folder(Path(sentences)) if kind in ("", s.kind)]
+    if not labeled:
+        raise VibeError(f"No sentence is of the kind '{kind}'.", f"Use one of: {', '.join(SENTENCE_KINDS)}.")
+    vocabulary = shipped_vocabulary()
+    read(labeled[0].text, labeled[0].scene, vocabulary)  # word vectors are loaded once
+    verdicts = [judge(s, read(s.text, s.scene, vocabulary), vocabulary) for s in labeled]
+    results = table.summary(verdicts) | ({"misses": table.missed(verdicts)} if misses else {})
+    atomic.write_text(out / "results.json", json.dumps(results, indent=1, ensure_ascii=False))
+    table.show(results)
+    return results
