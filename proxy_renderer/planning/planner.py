@@ -227,4 +227,5 @@ class _Planner:
             return PlanEntry(instance.lower, instance.upper, None, "does not glow: keeps the artist's value")
         lower, upper = clip(lower, upper, instance)
         reason = "; ".join(dict.fromkeys(d.reason for d in winners))
-        return PlanEntry(lower, upper, min(d.priority for d in winners), reason, prior=0.0)
+        usual = all(d.weak for d in winners)
+        return PlanEntry(lower, upper, min(d.priority for d in winners), reason, prior=0.0, usual=usual)

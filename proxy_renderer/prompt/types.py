@@ -214,6 +214,7 @@ class PlanEntry:
         priority: The smaller the more important; None is never optimized (but still projected).
         reason: For the artist; quotes the word that caused it.
         prior: Weight in [0, 1] of the pull to the artist's value: 0 where words named the value.
+        usual: Whether words only have it so as a rule, as nights are blue: it gives way to other words, but not to claims.
     """
 
     lower: Values
@@ -221,6 +222,7 @@ class PlanEntry:
     priority: int | None
     reason: str
     prior: float = 1.0
+    usual: bool = False
 
 
 class Plan(dict[str, PlanEntry]):

@@ -173,7 +173,8 @@ class Search:
         ranges = feasible_ranges(plan, self.vector.instances, self.vector.values(u))
         lower, upper = self.vector.bounds(ranges)
         if opening:
-            named = [key for key, entry in plan.items() if entry.priority is not None and not entry.prior]
+            meant = ((k, e) for k, e in plan.items() if e.priority is not None and not e.usual)
+            named = [key for key, entry in meant if not entry.prior]
             lower, upper = opened(lower, upper, self.vector.mark(named), opening)
             low, high = self.vector.plain(lower), self.vector.plain(upper)
             ranges |= {key: (low[key], high[key]) for key in named}
