@@ -84,11 +84,21 @@ def _sheet(strips: Sequence[Strip], columns: int) -> Image.Image:
 def _draw(sheet: Image.Image, strip: Strip, place: tuple[int, int]) -> None:
     left, top = place
     draw, large, small = ImageDraw.Draw(sheet), ImageFont.load_default(18), ImageFont.load_default(13)
-    draw.text((left, top), strip.title, _INK, large)
-    draw.text((left, top + _LINE), strip.note, _FAINT, small)
+    width = max(len(strip.panels), 1) * (_SIDE + _GAP)
+    draw.text((left, top), _cut(strip.title, large, width), _INK, large)
+    draw.text((left, top + _LINE), _cut(strip.note, small, width), _FAINT, small)
     for number, (label, picture) in enumerate(strip.panels):
         x, y = left + number * (_SIDE + _GAP), top + 2 * _LINE - 4
         scale = _SIDE / max(picture.size)
         size = (max(round(picture.width * scale), 1), max(round(picture.height * scale), 1))
         sheet.paste(picture.convert("RGB").resize(size, Image.Resampling.LANCZOS), (x, y))
         draw.text((x + 5, y + 3), label, _INK, small, stroke_width=2, stroke_fill=(0, 0, 0))
+
+
+def _cut(text: str, font: ImageFont.FreeTypeFont | ImageFont.ImageFont, width: int) -> str:
+    """As much of a text as fits a width in pixels; what is left out is shown by dots."""
+    if font.getlength(text) <= width:
+        return text
+    return next(
+        f"{text[:n]}…" for n in range(len(text), -1, -1) if n == 0 or font.getlength(f"{text[:n]}…") <= width
+    )
