@@ -23,6 +23,7 @@ _COLORED = {
     "glow": "material",
 }
 _BLACK = 12.0  # L* of a black thing whose form can be seen
+_DARKEST, _LIGHTEST = 14.0, 78.0  # L* of lit things of a strong color, navy and yellow
 _MAIN = 0.5  # share of its region above which a thing's color is the region's
 _NamedThing = tuple[str, Region, tuple[str, ...]]
 
@@ -104,7 +105,7 @@ def display_color(color: tuple[float, ...], region: Region) -> Lab:
     """
     light, a, b = lab_from_srgb(color)
     if chroma((light, a, b)) > 20:
-        return min(max(light, 22.0), 74.0), 0.8 * a, 0.8 * b
+        return min(max(light, _DARKEST), _LIGHTEST), 0.8 * a, 0.8 * b
     ceiling = 95.0 if region == "surroundings" else 86.0
     return min(max(light, _BLACK), ceiling), a, b
 

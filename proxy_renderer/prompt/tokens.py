@@ -189,6 +189,12 @@ class Lexer:
             color = color or compound(words[split:], v.colors)
             leading = words[:split]
             if (
+                last in v.colors
+                and words[split] in v.shades
+                and all(v.intensity.get(w, 0) > 1 for w in leading)
+            ):
+                leading = [words[split]]  # "very dark blue" is darker than the dark blue of the list
+            if (
                 color
                 and all(w in v.shades or v.intensity.get(w) for w in leading)
                 and leading[-1] in v.shades

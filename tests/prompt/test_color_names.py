@@ -114,3 +114,12 @@ def test_shades_of_mixtures_and_very() -> None:
     assert light is not None
     assert very is not None
     assert polar(plain)[0] + 5 < polar(light)[0] < polar(very)[0] - 5
+
+
+@pytest.mark.parametrize("name", ["dark blue", "dark green", "dark red"])
+def test_very_dark_is_darker_than_what_the_list_calls_dark(name: str) -> None:
+    dark, very = color_of(name), color_of(f"very {name}")
+    assert dark is not None
+    assert very is not None
+    assert polar(very)[0] < polar(dark)[0] - 2
+    assert abs((polar(very)[2] - polar(dark)[2] + 180) % 360 - 180) < 30

@@ -7,7 +7,8 @@ import re
 from typing import Any
 
 _LEAST, _MOST, _STEP = 1300, 15500, 100
-"""Kelvins of lamps and skies, and how finely they are told apart; 4K and 8K are sizes of pictures."""
+"""Kelvins that lights can have, and how finely they are told apart; 4K and 8K are sizes of pictures."""
+_HOTTEST = 40000  # of what somebody may ask for: bluer light hardly differs
 _REACH = 0.03  # share by which a lamp may differ from what it is said to be
 _WARM, _COOL = 4800, 7200
 """Below the one light is warm, above the other it is cool."""
@@ -20,7 +21,9 @@ def told(text: str) -> str:
 
     def named(match: re.Match[str]) -> str:
         kelvins = int(re.sub(r"\D", "", match[1]))
-        return _name(round(kelvins / _STEP) * _STEP) if _LEAST <= kelvins <= _MOST else match[0]
+        if not _LEAST <= kelvins <= _HOTTEST:
+            return match[0]
+        return _name(min(round(kelvins / _STEP) * _STEP, _MOST))
 
     return _NUMBER.sub(named, text)
 
