@@ -25,6 +25,7 @@ class GBuffer:
         materials: Names of the materials by number.
         normal: (H, W, 3) unit normals in the camera's space: x to the right, y up, z towards it; zero for the world.
         transmittance: (H, W) share of light that fog lets through from what is seen.
+        pattern: (H, W) luminance of textured base colors relative to their material's mean; 1 where none is linked.
     """
 
     subject: Tensor
@@ -32,6 +33,7 @@ class GBuffer:
     materials: tuple[str, ...]
     normal: Tensor
     transmittance: Tensor
+    pattern: Tensor
 
 
 def gbuffer_of(
@@ -59,4 +61,5 @@ def gbuffer_of(
         materials=tuple(m.name for m in scene.materials),
         normal=normal.T.reshape(*shape, 3),
         transmittance=transmittance,
+        pattern=cache.pattern(),
     )

@@ -44,6 +44,7 @@ def picture(
         materials=("Ball", "Wall"),
         normal=normal,
         transmittance=torch.full((SIZE, SIZE), transmittance),
+        pattern=torch.ones(SIZE, SIZE),
     )
     return MeasuredPicture(display.float(), seen)
 
@@ -245,3 +246,18 @@ def test_residuals_know_what_is_missing_and_fall_towards_it() -> None:
     assert [len(r) for r in judged.residuals(dark)] == [1]
     assert float(judged.residuals(light)[0]) < 0
     assert judged.residuals(light)[0].abs() < judged.residuals(dark)[0].abs()
+
+
+def test_the_edges_of_a_pattern_are_no_shadows() -> None:
+    squares = torch.arange(SIZE) // 8
+    pattern = torch.where((squares[:, None] + squares) % 2 == 0, 1.6, 0.4)
+    for width, hard in ((20.0, False), (1.5, True)):
+        plain = edged(width)
+        seen = replace(plain.seen, pattern=pattern)
+        tiled = MeasuredPicture(plain.display * pattern[..., None] / 1.6, seen)
+        known, unknown = (
+            float(taken("hardness", shown, "surroundings"))
+            for shown in (tiled, MeasuredPicture(tiled.display, plain.seen))
+        )
+        assert unknown > 0.5
+        assert (known > 0.2) == hard

@@ -44,7 +44,7 @@ class FinishedPicture:
 
     @property
     def measured(self) -> MeasuredPicture:
-        """As the measures of claims take it; how much air is in between is not known."""
+        """As the measures of claims take it; what is not known is how much air is in between, and what textures do."""
         mask = torch.from_numpy(self.mask)
         seen = GBuffer(
             subject=mask,
@@ -52,6 +52,7 @@ class FinishedPicture:
             materials=self.materials,
             normal=torch.from_numpy(self.normal),
             transmittance=torch.ones_like(mask),
+            pattern=torch.ones_like(mask),
         )
         return MeasuredPicture(torch.from_numpy(self.display), seen)
 

@@ -23,6 +23,9 @@ _HIGHLIGHTS = (0.03, 0.06)
 _BEND = 0.5
 """Cosine between normals beyond which two places do not lie on one surface, but on both sides of an edge."""
 
+_EVEN = 0.15
+"""Stops per pixel by which a texture may change: the edges of a pattern are no shadows."""
+
 _SPOT = 0.002
 """The share of a region that the sharpest highlight fills at least."""
 
@@ -61,7 +64,7 @@ def light_front(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def hardness(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """The steepest slope of light where surfaces are smooth and of one material: edges of shadows.
+    """The steepest slope of light where surfaces are smooth, even and of one material: edges of shadows.
 
     Highlights, too, have steep slopes under small lamps.
 
@@ -77,10 +80,12 @@ def hardness(picture: MeasuredPicture, where: Tensor) -> Tensor:
     same = largest_around(material, 5) == -largest_around(-material, 5)
     outline = largest_around(seen.subject, 5) + largest_around(-seen.subject, 5) > 0.1
     turn = torch.stack(torch.gradient(seen.normal, dim=(0, 1))).square().sum((0, -1)).sqrt()
-    smooth = where & same & ~outline & (largest_around(turn, 3) < 0.15) & (seen.material >= 0)
+    fade = torch.stack(torch.gradient(seen.pattern.clamp_min(_FLOOR).log2())).square().sum(0).sqrt()
+    even = (largest_around(turn, 3) < 0.15) & (largest_around(fade, 3) < _EVEN)
+    smooth = where & same & ~outline & even & (seen.material >= 0)
     if smooth.sum() < _FEW:
         return picture.luminance.new_zeros(1)
-    rows, columns = torch.gradient((picture.luminance.clamp_min(0) + _FLOOR).log2())
+    rows, columns = torch.gradient((picture.shading.clamp_min(0) + _FLOOR).log2())
     slope = (rows.square() + columns.square() + 1e-8).sqrt()[smooth].sort().values
     steepest = slope[round(0.985 * len(slope)) : max(round(0.995 * len(slope)), 1)]
     return steepest.mean()[None] * (max(smooth.shape) / _GRAIN)
@@ -96,7 +101,7 @@ def key_to_fill(picture: MeasuredPicture, where: Tensor) -> Tensor:
         picture: The picture.
         where: (H, W) bool, the region.
     """
-    light, material = (picture.luminance.clamp_min(0) + _FLOOR).log2()[where], picture.seen.material[where]
+    light, material = (picture.shading.clamp_min(0) + _FLOOR).log2()[where], picture.seen.material[where]
     spans, counts = [], []
     for number in material.unique():
         mine = light[material == number].sort().values

@@ -15,6 +15,9 @@ from torch import Tensor
 from ...color.tensors import lab_from_srgb, linear_from_srgb, luminance, oklab_from_srgb
 from ...render.gbuffer import GBuffer
 
+_DARKEST = 0.05
+"""Of a pattern, relative to its mean: what is darker mirrors rather than scatters light."""
+
 Part = Literal["subject", "surroundings", "sky", "picture"]
 """A part of the picture that a claim speaks of; the sky is what is seen of the world."""
 
@@ -54,6 +57,11 @@ class MeasuredPicture:
     def luminance(self) -> Float[Tensor, "h w"]:
         """Linear light as shown."""
         return luminance(linear_from_srgb(self.display))[..., 0]
+
+    @cached_property
+    def shading(self) -> Float[Tensor, "h w"]:
+        """Linear light without what textures make of it."""
+        return self.luminance / self.seen.pattern.clamp_min(_DARKEST)
 
 
 def region_of(seen: GBuffer, part: Part, materials: tuple[str, ...] = ()) -> Bool[Tensor, "h w"]:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import torch
 from torch import Tensor
 
+from ...color.tensors import luminance
 from ...scene import Material, SceneData
 from ...scene.values import wanted
 from ..edges.shadow_edges import ShadowEdges
@@ -162,6 +163,16 @@ class ViewCache:
         return {
             name: self._maps.at(material, name, surface) for name in names if self._maps.has(material, name)
         }
+
+    def pattern(self) -> Tensor:
+        """(H, W) luminance of textured base colors relative to their mean over what is seen; 1 where none is linked."""
+        relative = torch.ones_like(self.inside)
+        for material, start, stop in self.samples.slices:
+            color = self.textured_inputs(material, slice(start, stop), self._view_samples).get("base_color")
+            if color is not None:
+                light = luminance(color.detach().T)[:, 0]
+                relative[0, start:stop] = light / light.mean().clamp_min(1e-3)
+        return self.samples.resolve(relative).view(self.depth.shape)
 
     def direct_light(
         self, index: int, lamp: LightSource, view_samples: ViewSamples, view: View
