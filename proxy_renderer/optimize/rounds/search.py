@@ -163,7 +163,7 @@ class Search:
             earlier: The plan of the round before; empty for the first.
             start: Where this refinement started; None for the artist's scene.
             reach: How far from u the round may go, as a share of each component's feasible range.
-            opening: By how much ranges that serve the words are wider than the plan's on either side, likewise.
+            opening: By how much ranges that words name are wider than the plan's on either side, likewise.
         """
         self.renew(u, self.number)
         advice, plan = self._advise(u)
@@ -173,10 +173,11 @@ class Search:
         ranges = feasible_ranges(plan, self.vector.instances, self.vector.values(u))
         lower, upper = self.vector.bounds(ranges)
         if opening:
-            meant = [key for key, entry in plan.items() if entry.priority is not None and not entry.usual]
-            lower, upper = opened(lower, upper, self.vector.mark(meant), opening)
+            meant = ((k, e) for k, e in plan.items() if e.priority is not None and not e.usual)
+            named = [key for key, entry in meant if not entry.prior]
+            lower, upper = opened(lower, upper, self.vector.mark(named), opening)
             low, high = self.vector.plain(lower), self.vector.plain(upper)
-            ranges |= {key: (low[key], high[key]) for key in meant}
+            ranges |= {key: (low[key], high[key]) for key in named}
         if start and start.drawn is not None:
             lower, upper = starts.corral(start.u, lower, upper, start.drawn)
         lower, upper = around(u, lower, upper, reach)
