@@ -27,6 +27,7 @@ def temperatures(prompt):
         ("6500 kelvin light", 6500),
         ("7540 K", 7500),
         ("1900k candlelight", 1900),
+        ("embers of 800 K", 1300),
     ],
 )
 def test_a_number_of_kelvins_is_the_lights_temperature(prompt, kelvins):
@@ -39,7 +40,7 @@ def test_each_light_gets_its_own():
     )
 
 
-@pytest.mark.parametrize("prompt", ["4K render", "8k", "90000 K", "12 k"])
+@pytest.mark.parametrize("prompt", ["4K render", "8k", "90000 K", "480k", "12 k"])
 def test_other_numbers_are_no_temperatures(prompt):
     with pytest.raises(VibeError, match="names a look"):
         parse(prompt, _plain()[0])

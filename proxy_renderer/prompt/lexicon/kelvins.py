@@ -8,11 +8,11 @@ from typing import Any
 
 _LEAST, _MOST, _STEP = 1300, 15500, 100
 """Kelvins that lights can have, and how finely they are told apart; 4K and 8K are sizes of pictures."""
-_HOTTEST = 40000  # of what somebody may ask for: bluer light hardly differs
+_ASKED = (600, 40000)  # what somebody may ask for: redder and bluer light than lamps have
 _REACH = 0.03  # share by which a lamp may differ from what it is said to be
 _WARM, _COOL = 4800, 7200
 """Below the one light is warm, above the other it is cool."""
-_NUMBER = re.compile(r"\b(\d{1,2}[.,' ]?\d{3}|\d{4,5})[\s-]*(?:k|kelvins?|degrees kelvin)\b", re.IGNORECASE)
+_NUMBER = re.compile(r"\b(\d{1,2}[.,' ]?\d{3}|\d{3,5})[\s-]*(?:k|kelvins?|degrees kelvin)\b", re.IGNORECASE)
 _KINDS = ("light", "fill", "rim")
 
 
@@ -21,9 +21,9 @@ def told(text: str) -> str:
 
     def named(match: re.Match[str]) -> str:
         kelvins = int(re.sub(r"\D", "", match[1]))
-        if not _LEAST <= kelvins <= _HOTTEST:
+        if not _ASKED[0] <= kelvins <= _ASKED[1]:
             return match[0]
-        return _name(min(round(kelvins / _STEP) * _STEP, _MOST))
+        return _name(min(max(round(kelvins / _STEP) * _STEP, _LEAST), _MOST))
 
     return _NUMBER.sub(named, text)
 
