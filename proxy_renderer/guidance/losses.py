@@ -155,7 +155,7 @@ def claims_loss(residuals: list[Tensor]) -> Tensor:
     return F.huber_loss(missed, torch.zeros_like(missed), reduction="sum")
 
 
-def hue_consistency_loss(where: Tensor, colors: Tensor, free: Tensor) -> Tensor:
+def hue_consistency_loss(where: Tensor, colors: Tensor, weights: Tensor) -> Tensor:
     """Keeps a color's hue: its components should stand at the same place in their ranges.
 
     A range is a box around the named color; its corners are other hues.
@@ -163,9 +163,9 @@ def hue_consistency_loss(where: Tensor, colors: Tensor, free: Tensor) -> Tensor:
     Args:
         where: (N,) position of each component within its feasible range, in [0, 1].
         colors: (M, 3) indices of the components of each color.
-        free: (N,) 1 for components that have a range, 0 for those that are fixed.
+        weights: (N,) how much it counts; 0 for components that are fixed.
     """
-    place, weight = where[colors], free[colors]
+    place, weight = where[colors], weights[colors]
     middle = (place * weight).sum(1, keepdim=True) / weight.sum(1, keepdim=True).clamp_min(1.0)
     return (weight * (place - middle).square()).sum()
 

@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from ..render.proxy import Render
 
 
+_UNNAMED = 9.0
+"""How much more a color that no word names is kept from other hues: a floor may be lighter, not greener."""
+
+
 class RoundObjective:
     """What one round minimizes, see `inner.descent.Objective` and `inner.least_squares.ClaimObjective`.
 
@@ -48,7 +52,7 @@ class RoundObjective:
         self._lower, self._span = lower, (upper - lower).clamp_min(1e-9)
         self._home = vector.encode({})
         self._pull, self._weights = pull, weights
-        self._range = (upper - lower > 1e-9).to(lower)
+        self._hued = (upper - lower > 1e-9) * (1.0 + _UNNAMED * (pull > 0.0))
         colors = [vector.slices[key] for key in free if vector.instances[key].parameter.components == 3]
         self._colors = (
             torch.tensor([[part.start + i for i in range(3)] for part in colors]).view(-1, 3).long()
@@ -101,7 +105,7 @@ class RoundObjective:
         rest, places = torch.zeros_like(self._pull), chosen.nonzero(as_tuple=True)
 
         def hue_loss(where: Tensor) -> Tensor:
-            return hue_consistency_loss(rest.index_put(places, where), self._colors, self._range)
+            return hue_consistency_loss(rest.index_put(places, where), self._colors, self._hued)
 
         hue = torch.autograd.functional.hessian(hue_loss, rest[chosen], vectorize=True)
         return prior + self._weights.hue * hue
@@ -163,7 +167,7 @@ class RoundObjective:
         """() the pull to the artist's values, and that of a color's components to each other."""
         where, home = ((x - self._lower) / self._span for x in (u, self._home))
         prior = prior_loss(where, home.clamp(0.0, 1.0), self._pull)
-        hue = hue_consistency_loss(where, self._colors, self._range)
+        hue = hue_consistency_loss(where, self._colors, self._hued)
         return self._weights.prior * prior + self._weights.hue * hue
 
 
