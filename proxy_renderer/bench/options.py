@@ -6,7 +6,8 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 
-from ..schema.options.table import BASELINES
+from ..schema.options import command_line
+from ..schema.options.table import BASELINES, named
 
 HALVES = ("development", "held-out", "all")
 """Of a corpus of scenes: where faults may be looked for, where not, and both."""
@@ -164,6 +165,14 @@ def _binding(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--kind", default="", metavar="NAME", help="only sentences of this kind: lamps")
     sub.add_argument(
         "--misses", action="store_true", help="show each mistaken sentence, with what was wanted"
+    )
+    command_line.add_option(sub, named("reader"))
+    sub.add_argument(
+        "--folds",
+        type=int,
+        default=0,
+        metavar="N",
+        help="read each of N parts of the scenes with weights fitted to the others (default: those in use)",
     )
 
 

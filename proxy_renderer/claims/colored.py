@@ -52,7 +52,9 @@ def of_color(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
         lower, upper = _around(shown, 100 * oklab_from_srgb(srgb)[0])
         yield Claim(attribute.word, thing, "color", part, lower, upper, attribute.owners, color=shown)
     elif attribute.kind in _LIGHTING:
-        if attribute.lamp or attribute.role or attribute.owners:  # one of several lights does not tint all
+        if (
+            attribute.told_apart or attribute.role or attribute.owners
+        ):  # one of several lights does not tint all
             tints = tinted(attribute.word, "picture", "picture", srgb)
             yield from (replace(claim, measure="accent", lower=(_ACCENT,)) for claim in tints)
             return

@@ -74,7 +74,8 @@ class EngineSession:
         heads = encoder if encoder.heads is not None else _embedded(device)
         clock.lap("load encoder")
         self._observer.stage("loading the scene")
-        scenes = with_additions([load_scene(Path(shot.job)) for shot in self.shots], self.prompt)
+        found = [load_scene(Path(shot.job)) for shot in self.shots]
+        scenes = with_additions(found, self.prompt, self.options.reader)
         clock.lap("load scene")
         advisor = self._advisor(scenes)
         ask, seed = self._observer.ask, self.options.seed

@@ -16,10 +16,11 @@ from ..color.constants import Lab
 from ..color.tensors import lab_from_srgb
 from ..guidance import regions
 from ..guidance.encoder import Encoder
-from ..planning.lights.glow import glows
-from ..prompt.types import PictureStats, PlanContext, SceneWords
+from ..planning.lights.glow import glowing, glows
+from ..prompt.types import LightWords, PictureStats, PlanContext, SceneWords
 from ..render.geometry.camera import view_of
 from ..scene import SceneData
+from ..scene.data import Light
 from ..scene.values import RenderValues
 from ..schema import Values
 from ..schema.messages import Options
@@ -40,7 +41,9 @@ def scene_words(*scenes: SceneData) -> SceneWords:
     objects: dict[str, Region] = {}
     materials: dict[str, Region] = {}
     worn: dict[str, list[str]] = {}
+    lights: dict[str, LightWords] = {}
     for scene in scenes:
+        lights |= {light.name: _light_words(scene, light) for light in scene.lights}
         objects |= {o.name: "subject" if o.subject else "surroundings" for o in scene.objects}
         materials |= {m.name: "subject" if m.role == "subject" else "surroundings" for m in scene.materials}
         pairs = np.unique(np.stack([scene.mesh.object, scene.mesh.material], 1), axis=0)
@@ -53,7 +56,16 @@ def scene_words(*scenes: SceneData) -> SceneWords:
         objects=objects,
         materials=materials,
         object_materials={name: tuple(worn.get(name, ())) for name in objects},
+        lights=lights,
+        glows=tuple(dict.fromkeys(name for scene in scenes for name in glowing(scene))),
     )
+
+
+def _light_words(scene: SceneData, light: Light) -> LightWords:
+    orbit, camera = f"light/{light.name}/azimuth", "camera/azimuth"
+    known = orbit in scene.instances and camera in scene.instances
+    turn = scene.value(orbit)[0] - scene.value(camera)[0] if known else None
+    return LightWords(light.type, light.role, turn)
 
 
 def plan_context(proxy: Proxy, values: dict[str, Values], picture: Render) -> PlanContext:

@@ -13,6 +13,8 @@ from .lights.meant import KnownLight, assigned, named
 _PART = 0.12  # materials on less of their region are parts: tyres, eyes, screws
 _LIKE = 0.25  # where all are parts, share of the largest that those have which make it up: a shelf of a hundred books
 _SHARE = 0.15  # of the light on the subject from which a glow counts as a light of the scene
+GLOW = "material/"
+"""How the names of glows that count as lights start."""
 _OF_GLOWS = {"power": "emission", "color": "emission_color", "temperature": "emission_color"}
 """What the parameters of lights are of glowing materials; they have neither place nor size to change."""
 _PLACES = ("azimuth", "elevation", "distance", "size", "angle")
@@ -128,9 +130,9 @@ class Owners:
         """The instances of a light's parameter; of a glow, those that stand for it."""
         glowing = _OF_GLOWS.get(name)
         keys = [
-            f"{light}/{glowing}" if light in self.glows else f"light/{light}/{name}"
+            f"{light}/{glowing}" if light.startswith(GLOW) else f"light/{light}/{name}"
             for light in lights
-            if glowing or light not in self.glows
+            if glowing or not light.startswith(GLOW)
         ]
         return [self.instances[key] for key in keys if key in self.instances]
 
@@ -171,6 +173,8 @@ class Owners:
 
     def _meant(self, attribute: Attribute) -> list[str] | None:
         """The lights that a word is said of, where the prompt tells several apart or calls one by its name."""
+        if attribute.lights:
+            return list(attribute.lights)
         if attribute.lamp:
             return self.lamps[attribute.lamp]
         if attribute.role or attribute.cause or attribute.kind not in ("light", "subject", "surroundings"):

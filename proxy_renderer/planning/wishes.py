@@ -115,7 +115,7 @@ class Wishes:
 
 def _is_one_light(attribute: Attribute) -> bool:
     """Whether a word is about one of several lights: what another one is like does not concern it."""
-    return bool(attribute.lamp or attribute.role or attribute.owners)
+    return bool(attribute.told_apart or attribute.role or attribute.owners)
 
 
 def _opposes(effect: Effect, gel: Values) -> bool:

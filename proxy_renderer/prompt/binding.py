@@ -158,6 +158,7 @@ class Binder:
             cause=self.cause,
             guess=bool(word.token.guess),
             shades=word.token.shades if known else (),
+            lights=thing.lights,
         )
         self.attributes.append(attribute)
         means = self.vocabulary.entries[entry].means if known else ""

@@ -25,10 +25,10 @@ _COLORED = {
 _BLACK = 12.0  # L* of a black thing whose form can be seen
 _DARKEST, _LIGHTEST = 14.0, 78.0  # L* of lit things of a strong color, navy and yellow
 _MAIN = 0.5  # share of its region above which a thing's color is the region's
-_NamedThing = tuple[str, Region, tuple[str, ...]]
+NamedThing = tuple[str, Region, tuple[str, ...]]
 
 
-def complete(parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[_NamedThing]) -> None:
+def complete(parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[NamedThing]) -> None:
     """Fills in objects, targets, colors and conflicts of a prompt whose attributes are bound."""
     parsed.attributes = numbered(_qualified(parsed.attributes, vocabulary), vocabulary)
     parsed.objects = _objects(parsed.attributes, subject, things)
@@ -65,7 +65,7 @@ def _settle_targets(parsed: Parsed, vocabulary: Vocabulary) -> None:
             usual = attribute.slot == "setting"
             usual |= attribute.slot == "material" and head == "subject_finish"  # matte ceramic
             apart = attribute.owners and first.owners and not {*attribute.owners} & {*first.owners}
-            apart = apart or attribute.lamp != first.lamp
+            apart = apart or (attribute.lamp, attribute.lights) != (first.lamp, first.lights)
             if settled != value and not (attribute.cause or usual or apart or head.endswith("_color")):
                 lost += 1
                 parsed.conflicts.append(
@@ -135,7 +135,7 @@ def heads_of(attribute: Attribute, vocabulary: Vocabulary) -> dict[str, str]:
         return entry.never_heads or (opposite.heads if opposite else {})
     heads = dict(entry.heads)
     fill_or_rim = attribute.role in ("rim", "fill") or attribute.kind in ("rim", "fill")
-    if fill_or_rim or attribute.lamp:  # the heads speak of the key light
+    if fill_or_rim or attribute.told_apart:  # the heads speak of the key light
         heads = {head: value for head, value in heads.items() if not head.startswith("light_")}
     if attribute.region == "surroundings" or attribute.kind in ("light", "fog", "tone", "shadow"):
         heads = {head: value for head, value in heads.items() if not head.startswith("subject_")}
@@ -211,7 +211,7 @@ def _region_colors(parsed: Parsed, attributes: list[Attribute]) -> None:
     assert all(head in ATTRIBUTES for head in parsed.targets)
 
 
-def _objects(attributes: list[Attribute], subject: str, things: list[_NamedThing]) -> list[PromptObject]:
+def _objects(attributes: list[Attribute], subject: str, things: list[NamedThing]) -> list[PromptObject]:
     """The prompt's objects with their attributes, the subject first."""
     main = next((name for name, region, _ in things if region == "subject"), subject) or "subject"
     objects: dict[tuple[str, Region], PromptObject] = {(main, "subject"): PromptObject(main, "subject")}

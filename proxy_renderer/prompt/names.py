@@ -15,20 +15,20 @@ def _words(text: str) -> frozenset[str]:
     return frozenset(text.split())
 
 
-_PIPELINE = _words(
+PIPELINE = _words(
     "low high hi lo lod lp hp sm sk geo geom mesh obj object grp group mat mtl material shader mid final copy new test "
     "tmp proxy collision col export inst instance part prim poly lowpoly highpoly master base body main"
 )
 """What names say about how a thing was made, not what it is."""
 _ORDER = _words("one two three four five six seven eight nine ten left right front back rear fl fr rl rr")
 """What names say at their end about which one of several a thing is."""
-_LIMBS = _words(
+LIMBS = _words(
     "body bodywork hull torso head neck shoulder arm forearm leg thigh foot hand paw wing tail fin ear horn limb "
     "cabin hood bonnet trunk door fender bumper roof chassis panel shell cover case casing frame lid cap top bottom side "
     "upper lower inner outer handle spout knob rim lip stem base seat backrest armrest cushion slat"
 )
 """Parts that have the color of the whole, unless words say otherwise."""
-_DETAILS = _words(
+DETAILS = _words(
     "tyre tire wheel hub hubcap eye eyes eyeball iris pupil beak bill teeth tooth tongue nose claw nail hoof window windows "
     "windshield windscreen glass headlight taillight light lights lamp bulb lens mirror screw bolt rivet button buckle "
     "lace sole label logo text decal sticker wick flame screen display keys grill grille exhaust plate"
@@ -52,7 +52,7 @@ def plain_name(name: str) -> str:
     """A name as somebody would say it: "WoodTable.001" -> "wood table", "SM_Cup.001_low" -> "cup", "Tyre Two" -> "tyre"."""
     spaced = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|_", " ", re.sub(r"\.\d+", " ", name))
     words = normalize(re.sub(r"[^\w\s]|\d+", " ", spaced)).split()
-    words = [w for w in words if w not in _PIPELINE and len(w) > 1] or words
+    words = [w for w in words if w not in PIPELINE and len(w) > 1] or words
     while len(words) > 1 and words[-1] in _ORDER:
         words.pop()
     return " ".join(words)
@@ -61,13 +61,13 @@ def plain_name(name: str) -> str:
 def kind_of(material: str) -> str:
     """Materials of one kind are painted alike: "Tyre", "Tyre Two". A name that says nothing is a kind of its own."""
     plain = plain_name(material)
-    return plain if set(plain.split()) - _PIPELINE else material
+    return plain if set(plain.split()) - PIPELINE else material
 
 
 def is_detail(material: str) -> bool:
     """Whether a name is that of a part with a color of its own: tyres, eyes, windows."""
     last = plain_name(material).rpartition(" ")[2]
-    return last in _DETAILS or last.removesuffix("s") in _DETAILS
+    return last in DETAILS or last.removesuffix("s") in DETAILS
 
 
 def in_parts(words: SceneWords) -> bool:
@@ -99,7 +99,7 @@ def scene_names(words: SceneWords) -> dict[str, SceneName]:
 def _whole(name: str) -> str:
     """What a limb is a part of: of "CarShellNew", a car, where nothing else is called so; "" of what is no limb."""
     whole, _, last = plain_name(name).rpartition(" ")
-    return whole if last in _LIMBS else ""
+    return whole if last in LIMBS else ""
 
 
 def _merged(first: SceneName, other: SceneName) -> SceneName:
@@ -118,11 +118,11 @@ def _with_limbs(
 ) -> SceneName:
     """A thing with its parts that are objects of their own: the duck's head, the only teapot's lid."""
     near = [o for o in objects if o.region == thing.region]
-    heads = {plain_name(o.name) for o in near if plain_name(o.name).split()[-1] not in _LIMBS | _DETAILS}
+    heads = {plain_name(o.name) for o in near if plain_name(o.name).split()[-1] not in LIMBS | DETAILS}
     mine = [
         o.materials
         for o in (*near, *(m for m in materials if m.region == thing.region))
-        if (whole := plain_name(o.name).rpartition(" "))[2] in _LIMBS
+        if (whole := plain_name(o.name).rpartition(" "))[2] in LIMBS
         and (whole[0] == spoken or (not whole[0] and heads == {spoken}))
     ]
     return replace(thing, materials=_united(thing.materials, *mine)) if thing.materials else thing

@@ -4,15 +4,19 @@
 from __future__ import annotations
 
 import re
+from typing import Protocol
 
 from ..schema import VibeError
 from ..schema.limits import LONGEST_PROMPT
 from .english import ONLY_ENGLISH, other_language
+from .fitted.model import Weights
+from .fitted.reader import FittedReader
 from .keyed import spoken, without_spared
 from .lexicon import hours, kelvins
 from .lexicon.user_words import default_vocabulary
 from .lexicon.vocabulary import Vocabulary
-from .meaning import complete
+from .meaning import NamedThing, complete
+from .names import scene_names
 from .reader import PromptReader
 from .types import Parsed, SceneWords
 
@@ -20,8 +24,58 @@ _TAG = re.compile(r"</?[a-zA-Z][^<>]{0,200}>|\x1b\[[0-9;]*[A-Za-z]|[\x00-\x08\x0
 _THINGS_STAY = "things are not added, moved or removed, only their look changes."
 
 
-def parse(prompt: str, scene: SceneWords, vocabulary: Vocabulary | None = None) -> Parsed:
+class Reader(Protocol):
+    """What binds the look words of a prompt.
+
+    Attributes:
+        beyond: Words of a picture that no value could give.
+        undone: Wishes that values cannot fulfill.
+    """
+
+    beyond: list[str]
+    undone: list[str]
+
+    @property
+    def subject(self) -> str:
+        """What the prompt, or the scene, calls the subject."""
+
+    @property
+    def mentioned(self) -> list[NamedThing]:
+        """The nouns met: name, region and materials."""
+
+
+def prepared(text: str, scene: SceneWords, vocabulary: Vocabulary) -> str:
+    """A prompt as readers take it.
+
+    Args:
+        text: The prompt.
+        scene: The names in the scene.
+        vocabulary: What words mean.
+    """
+    return _prepared(text, scene, vocabulary)[0]
+
+
+def _prepared(text: str, scene: SceneWords, vocabulary: Vocabulary) -> tuple[str, list[str]]:
+    """A prompt with hours, temperatures and lists as sentences say them, and apart from it what is to stay as it is."""
+    told = kelvins.told(hours.told(text, vocabulary))
+    return without_spared(spoken(told, vocabulary, scene_names(scene)))
+
+
+def parse(
+    prompt: str,
+    scene: SceneWords,
+    vocabulary: Vocabulary | None = None,
+    reader: str = "rules",
+    weights: Weights | None = None,
+) -> Parsed:
     """Finds the look words of a prompt and binds them to subject, surroundings, lights or the film.
+
+    Args:
+        prompt: What the artist typed.
+        scene: The names in the scene.
+        vocabulary: What words mean; the artist's own if None.
+        reader: "rules" or "fitted".
+        weights: Of the fitted reader; those that are shipped if None.
 
     Raises:
         VibeError: The prompt is empty, too long, or holds no look word at all.
@@ -37,30 +91,40 @@ def parse(prompt: str, scene: SceneWords, vocabulary: Vocabulary | None = None) 
     if foreign == "all":
         raise VibeError(f"The prompt '{text[:60]}' is not in English.", ONLY_ENGLISH)
     vocabulary = vocabulary or default_vocabulary()
-    reader = PromptReader(vocabulary, scene)
-    told = kelvins.told(hours.told(text, vocabulary))
-    said, spared = without_spared(spoken(told, vocabulary, reader.lexer.names))
-    parsed = reader.read(said)
-    if not parsed.attributes and reader.named:  # "castle": if it is nothing else, it is a mood
-        reader = PromptReader(vocabulary, scene, things=False)
-        parsed = reader.read(said)
+    said, spared = _prepared(text, scene, vocabulary)
+    found, parsed = _read(
+        said, scene, vocabulary, FittedReader(vocabulary, scene, weights) if reader == "fitted" else None
+    )
     parsed.prompt = text
     parsed.conflicts += [f"'{words}': what no word names stays as it is." for words in spared]
-    if reader.beyond:
-        said = ", ".join(f"'{text}'" for text in dict.fromkeys(reader.beyond))
+    if found.beyond:
+        said = ", ".join(f"'{text}'" for text in dict.fromkeys(found.beyond))
         parsed.conflicts.append(f"{said}: no value of a material, light, world, fog or film gives that.")
-    if reader.undone:
-        said = ", ".join(f"'{text}'" for text in dict.fromkeys(reader.undone))
+    if found.undone:
+        said = ", ".join(f"'{text}'" for text in dict.fromkeys(found.undone))
         parsed.conflicts.append(f"{said}: {_THINGS_STAY}")
     if foreign:
         parsed.conflicts.append(f"Some of the prompt does not look like English. {ONLY_ENGLISH}")
     if not parsed.attributes or (foreign and all(a.guess or a.cause for a in parsed.attributes)):
         raise VibeError(
             f"Nothing in the prompt '{text[:60]}' names a look{' in English' if foreign else ''}"
-            + (f": {_THINGS_STAY}" if reader.undone else "."),
+            + (f": {_THINGS_STAY}" if found.undone else "."),
             "Name colors (teal), materials (glossy, gold), light (warm soft light), fog, grading (noir, vignette) "
             "or a mood (cosy, ominous).",
         )
-    things = [(t.name, t.region, t.owners) for t in reader.binding.things]
-    complete(parsed, reader.vocabulary, reader.act.subject, things)
+    complete(parsed, vocabulary, found.subject, found.mentioned)
     return parsed
+
+
+def _read(
+    said: str, scene: SceneWords, vocabulary: Vocabulary, fitted: FittedReader | None
+) -> tuple[Reader, Parsed]:
+    """What the fitted reader makes of a prompt, or without one the rules."""
+    if fitted:
+        return fitted, fitted.read(said)
+    rules = PromptReader(vocabulary, scene)
+    parsed = rules.read(said)
+    if not parsed.attributes and rules.named:  # "castle": if it is nothing else, it is a mood
+        rules = PromptReader(vocabulary, scene, things=False)
+        parsed = rules.read(said)
+    return rules, parsed

@@ -9,6 +9,7 @@ from .actions import Actions
 from .binding import Binder
 from .clause import ClauseState
 from .lexicon.vocabulary import Vocabulary
+from .meaning import NamedThing
 from .roles import (
     Roles,
     is_adjective,
@@ -70,6 +71,16 @@ class PromptReader:
             guesses=self.guesses,
             confidence=self.confidence,
         )
+
+    @property
+    def subject(self) -> str:
+        """What the prompt, or the scene, calls the subject."""
+        return self.act.subject
+
+    @property
+    def mentioned(self) -> list[NamedThing]:
+        """The nouns met."""
+        return [(t.name, t.region, t.owners) for t in self.binding.things]
 
     def _means(self, text: str, cause: str) -> Parsed:
         return PromptReader(self.vocabulary, SceneWords(), cause).read(text)

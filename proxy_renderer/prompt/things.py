@@ -18,6 +18,7 @@ class Thing:
     region: Region = "subject"
     owners: tuple[str, ...] = ()
     role: str = ""
+    lights: tuple[str, ...] = ()
 
     @property
     def matter(self) -> bool:

@@ -11,6 +11,23 @@ from ..schema.spec import Region
 
 
 @dataclass(frozen=True)
+class LightWords:
+    """What a prompt may say of a light in the scene.
+
+    Attributes:
+        type: "POINT", "SPOT", "AREA" or "SUN".
+        role: "key", "fill", "rim" or "other".
+        turn: Azimuth relative to the camera, degrees: 0 behind it, 90 on its right; None if unknown.
+        objects: Names of those that it mainly lights; none where that is unknown.
+    """
+
+    type: str = ""
+    role: str = "other"
+    turn: float | None = None
+    objects: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class SceneWords:
     """The names in a scene that a prompt may mean; all empty when there is no scene.
 
@@ -19,12 +36,20 @@ class SceneWords:
         objects: Object name -> "subject" or "surroundings".
         materials: Material name -> "subject" or "surroundings".
         object_materials: Object name -> names of the materials on it.
+        lights: Light name -> what may be said of it.
+        glows: Names of materials that emit light.
+        groups: Collection or parent -> names of the objects in it.
+        places: Object name -> x (-1 left, 1 right), y (0 near, 1 far), and size as a share of the picture's width.
     """
 
     subject: str = ""
     objects: dict[str, Region] = field(default_factory=dict)
     materials: dict[str, Region] = field(default_factory=dict)
     object_materials: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    lights: dict[str, LightWords] = field(default_factory=dict)
+    glows: tuple[str, ...] = ()
+    groups: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    places: dict[str, tuple[float, float, float]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -47,6 +72,7 @@ class Attribute:
         cause: The mood or style word that stands for this one; "" when the prompt says it itself.
         guess: Not a known word, but this is the nearest one.
         shades: How a material's own color is changed ("dark oak"): arguments of `color.shade`, one after the other.
+        lights: Names of the lights that are meant, where the words single them out; of a glow "material/NAME".
     """
 
     word: str
@@ -64,6 +90,12 @@ class Attribute:
     guess: bool = False
     shades: tuple[tuple[float, float, float, float], ...] = ()
     lamp: int = 0
+    lights: tuple[str, ...] = ()
+
+    @property
+    def told_apart(self) -> bool:
+        """Whether it is said of some lights, and not of light as a whole."""
+        return bool(self.lamp or self.lights)
 
 
 @dataclass

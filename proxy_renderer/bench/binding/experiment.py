@@ -8,19 +8,29 @@ stay unread.
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ...prompt.lexicon.vocabulary import shipped_vocabulary
+from ...prompt.fitted.model import Weights
+from ...prompt.lexicon.vocabulary import Vocabulary, shipped_vocabulary
 from ...schema import VibeError, atomic
+from ...train import binding
 from ...train.sentences import read_folder
-from ...train.sentences.labels import SENTENCE_KINDS
+from ...train.sentences.labels import SENTENCE_KINDS, LabeledSentence
 from . import table
 from .judge import judge
-from .reading import read
+from .reading import SentenceReading, read
 
 
-def run(out: Path, sentences: str, kind: str = "", misses: bool = False) -> dict[str, Any]:
+def run(
+    out: Path,
+    sentences: str,
+    kind: str = "",
+    misses: bool = False,
+    reader: str = "rules",
+    folds: int = 0,
+) -> dict[str, Any]:
     """Measures, prints the tables, and writes OUT/results.json.
 
     Args:
@@ -28,6 +38,9 @@ def run(out: Path, sentences: str, kind: str = "", misses: bool = False) -> dict
         sentences: Folder of scenes.toml and sentences_NN.toml.
         kind: Only sentences of this kind; "" for all.
         misses: Print each mistaken sentence, and write it into results.json.
+        reader: "rules" or "fitted".
+        folds: Parts into which the scenes are divided; the sentences of each are read with weights that are fitted to
+            those of the others. 0 for the weights that are shipped.
 
     Returns:
         The content of results.json, see `table.summary`.
@@ -35,13 +48,26 @@ def run(out: Path, sentences: str, kind: str = "", misses: bool = False) -> dict
     Raises:
         VibeError: The folder is not of the format, or has no such sentence.
     """
-    labeled = [s for s in read_folder(Path(sentences)) if kind in ("", s.kind)]
+    every = read_folder(Path(sentences))
+    labeled = [s for s in every if kind in ("", s.kind)]
     if not labeled:
         raise VibeError(f"No sentence is of the kind '{kind}'.", f"Use one of: {', '.join(SENTENCE_KINDS)}.")
     vocabulary = shipped_vocabulary()
-    read(labeled[0].text, labeled[0].scene, vocabulary)  # word vectors are loaded once
-    verdicts = [judge(s, read(s.text, s.scene, vocabulary), vocabulary) for s in labeled]
+    weights = _crossed(every, folds, vocabulary) if folds else {}
+
+    def reading(s: LabeledSentence) -> SentenceReading:
+        return read(s.text, s.scene, vocabulary, reader, weights.get(s.scene.name))
+
+    reading(labeled[0])  # word vectors are loaded once
+    verdicts = [judge(s, reading(s), vocabulary) for s in labeled]
     results = table.summary(verdicts) | ({"misses": table.missed(verdicts)} if misses else {})
     atomic.write_text(out / "results.json", json.dumps(results, indent=1, ensure_ascii=False))
     table.show(results)
     return results
+
+
+def _crossed(sentences: Sequence[LabeledSentence], folds: int, vocabulary: Vocabulary) -> dict[str, Weights]:
+    """Scene -> weights that are fitted without its fold."""
+    fold = binding.folds(sentences, folds)
+    each = binding.crossed(binding.examples(sentences, vocabulary), fold)
+    return {scene: each[number] for scene, number in fold.items()}

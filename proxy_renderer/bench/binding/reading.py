@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from ...planning.lights.lacking import lacking
 from ...planning.owners import Owners
 from ...planning.wishes import Wishes
+from ...prompt.fitted.model import Weights
 from ...prompt.lexicon.vocabulary import OWNERS, Effect, Vocabulary
 from ...prompt.parser import parse
 from ...prompt.types import Attribute, Parsed
@@ -44,7 +45,7 @@ class Reach:
     @property
     def particular(self) -> bool:
         """Whether it singles out materials or lights, instead of a whole region or all light."""
-        return bool(self.attribute.owners or self.attribute.lamp or self.attribute.role)
+        return bool(self.attribute.owners or self.attribute.told_apart or self.attribute.role)
 
     def __str__(self) -> str:
         """For people: "CarPaint", "light:Key + light:Sun", "world + film"; the kind of thing where it changes nothing."""
@@ -69,18 +70,26 @@ class SentenceReading:
     error: str = ""
 
 
-def read(text: str, scene: LabeledScene, vocabulary: Vocabulary) -> SentenceReading:
+def read(
+    text: str,
+    scene: LabeledScene,
+    vocabulary: Vocabulary,
+    reader: str = "rules",
+    weights: Weights | None = None,
+) -> SentenceReading:
     """Reads a sentence about a scene, and finds out what its attributes reach.
 
     Args:
         text: The sentence.
         scene: What it is about.
         vocabulary: What words mean.
+        reader: "rules" or "fitted".
+        weights: Of the fitted reader; those that are shipped if None.
     """
     whole = stand_in(scene)
     start = time.perf_counter()
     try:
-        parsed = parse(text, whole.words, vocabulary)
+        parsed = parse(text, whole.words, vocabulary, reader, weights)
     except VibeError as error:
         return SentenceReading((), {}, time.perf_counter() - start, error.message)
     own = {light.name: light.role for light in scene.lights}

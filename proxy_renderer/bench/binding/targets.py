@@ -133,7 +133,7 @@ def painted(reach: Reach) -> frozenset[str]:
 def _is_picture(reach: Reach) -> bool:
     """Whether it is about all of the picture: a mood, a grade, a setting, or several kinds of things at once."""
     attribute = reach.attribute
-    if attribute.owners or attribute.lamp:
+    if attribute.owners or attribute.told_apart:
         return False
     if attribute.slot in _WHOLE or attribute.kind in ("whole", "tone", "ambience"):
         return True

@@ -117,7 +117,7 @@ class Search:
         self.vector.taken = added_powers(views[0].scene)
         self.shots = enter(views, names, self.vector, proxy)
         words = context.scene_words(*(view.scene for view in views))
-        self.advisor = advisor or OfflineAdvisor(prompt, words)
+        self.advisor = advisor or OfflineAdvisor(prompt, words, options.reader)
         self.several = options.variants > 1 and not options.baseline
         # Variants share what would be one vibe's time, as far as that goes.
         self.rounds = -(-options.rounds // 2) if self.several else options.rounds

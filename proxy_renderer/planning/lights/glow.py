@@ -13,6 +13,12 @@ from ...scene import SceneData
 _MOST = 1.0  # a surface that glows all around gives white surfaces its own radiance
 
 
+def glowing(scene: SceneData) -> list[str]:
+    """Names of the materials that emit light."""
+    lit = (i for i in scene.instances.values() if i.parameter.name == "emission" and i.value[0] > 0)
+    return list(dict.fromkeys(i.owner for i in lit))
+
+
 def glows(scene: SceneData) -> dict[str, Glow]:
     """Of every material that may glow: what its surfaces would give to a white surface at the subject.
 
@@ -20,7 +26,7 @@ def glows(scene: SceneData) -> dict[str, Glow]:
     stand in the way.
     """
     mesh, pivot = scene.mesh, np.array(scene.pivot)
-    names = {i.owner for i in scene.instances.values() if i.parameter.name == "emission" and i.value[0] > 0}
+    names = glowing(scene)
     near = (0.5 * float(scene.references.get("subject_height", 0.0))) ** 2
     found: dict[str, Glow] = {}
     for number, material in enumerate(scene.materials):

@@ -57,7 +57,7 @@ def _described(owners: Owners, number: int) -> str:
 
 def _asked(effect: Effect, attribute: Attribute, owners: Owners) -> str:
     """The role of the light that an effect needs and that nothing in the scene has; else ""."""
-    if effect.weak or effect.mode == "times" or OWNERS[effect.owner] != "light" or attribute.lamp:
+    if effect.weak or effect.mode == "times" or OWNERS[effect.owner] != "light" or attribute.told_apart:
         return ""
     owner = attribute.role if effect.owner in ("light", "lights") and attribute.role else effect.owner
     if owner in ("rim", "fill"):

@@ -79,7 +79,7 @@ def _mentions(attributes: list[Attribute], vocabulary: Vocabulary) -> list[Menti
     for place, attribute in enumerate(attributes):
         if attribute.kind not in _KINDS or attribute.cause or attribute.slot not in ("lighting", "color"):
             continue
-        if attribute.thing in vocabulary.lists["hour"]:
+        if attribute.lights or attribute.thing in vocabulary.lists["hour"]:
             continue  # the light of an evening is no lamp of its own
         role = attribute.role or (attribute.kind if attribute.kind != "light" else "")
         words = fixture(attribute.thing, vocabulary)

@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from ...prompt.types import Glow, PlanContext, SceneWords
+from ...prompt.types import Glow, LightWords, PlanContext, SceneWords
 from ...scene.plain import plain_instances
 from ...schema import Instance, radiometry
 from .labels import LabeledScene
@@ -62,6 +62,10 @@ def stand_in(scene: LabeledScene) -> SceneStandIn:
         objects={name: "subject" if name in scene.subject else "surroundings" for name in scene.objects},
         materials={name: "subject" if name in mine else "surroundings" for name in scene.materials},
         object_materials=scene.objects,
+        lights={x.name: LightWords(x.type, x.role, x.turn, x.lights) for x in scene.lights},
+        glows=scene.glows,
+        groups=_groups(scene),
+        places=scene.places,
     )
     context = PlanContext(
         light_types={light.name: light.type for light in scene.lights},
@@ -69,6 +73,15 @@ def stand_in(scene: LabeledScene) -> SceneStandIn:
         world_share=_SKY if scene.sky else 0.0 if scene.materials_of("surroundings") else None,
     )
     return SceneStandIn(words, _instances(scene, words), context)
+
+
+def _groups(scene: LabeledScene) -> dict[str, tuple[str, ...]]:
+    """The objects of each collection, and the children of each parent."""
+    children: dict[str, tuple[str, ...]] = {}
+    for child, parent in scene.parents.items():
+        itself = (parent,) if parent in scene.objects else ()
+        children[parent] = (*children.get(parent, itself), child)
+    return children | scene.collections
 
 
 def _instances(scene: LabeledScene, words: SceneWords) -> dict[str, Instance]:

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a look word becomes where it describes a kind of thing: "gold" is a metal on a bowl and a color on light."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..lexicon.vocabulary import OWNERS, Vocabulary
+from ..tokens import Token
+from .targets import LAMPS, MATTER
+
+_SURFACE = ("finish", "material")
+_KINDS = {
+    "things": ("subject", "surroundings"), "subject": ("subject",), "surroundings": ("surroundings", "subject"),
+    "others": ("subject", "surroundings"), "lights": ("lamp", "light"), "key": ("lamp", "light"),
+    "fill": ("lamp", "fill", "light"), "rim": ("lamp", "rim", "light"), "light": ("light",), "shadow": ("shadow",),
+    "sky": ("sky",), "air": ("fog",), "picture": ("tone",),
+}  # fmt: skip
+"""Kind of target -> kinds of things that the vocabulary's adjectives know, the first one first."""
+_PAINTED = {
+    "things": "subject", "others": "subject", "lights": "light", "key": "light", "air": "fog", "picture": "ambience",
+}  # fmt: skip
+_SLOTS = {
+    "surroundings": ("setting",), "sky": ("setting", "lighting", "atmosphere"), "air": ("atmosphere",),
+    "light": ("lighting",), "shadow": ("lighting",), "picture": ("lighting", "atmosphere", "grade", "mood", "setting"),
+}  # fmt: skip
+"""Kind of target -> slots of words that describe it, beside surfaces and particular lights."""
+
+
+@dataclass(frozen=True)
+class Becoming:
+    """What a look word is at a target.
+
+    Attributes:
+        entry: Of the vocabulary; "" for the color that the word names.
+        slot: Of the entry.
+        way: "row" of the vocabulary's adjectives, "own" entry, "color", or "otherwise".
+    """
+
+    entry: str
+    slot: str
+    way: str
+
+
+def becoming(token: Token, kind: str, vocabulary: Vocabulary) -> Becoming | None:
+    """What a word becomes at a kind of target; None if it cannot describe it.
+
+    Args:
+        token: Of the look word.
+        kind: Of the target.
+        vocabulary: What words mean.
+    """
+    if kind == "none":
+        return Becoming("", "", "own")
+    rows = vocabulary.adjectives.get(token.adjective, {})
+    painted = _PAINTED.get(kind, kind) in vocabulary.painted
+    said = [("row", rows.get(k, "")) for k in _KINDS[kind]] + [("own", token.entry)]
+    if token.color and painted:
+        said.append(("color", ""))
+    for way, entry in [*said, ("otherwise", rows.get("otherwise", ""))]:
+        if way == "color":
+            return Becoming("", "color", way)
+        if entry and _describes(entry, kind, vocabulary):
+            return Becoming(entry, vocabulary.entries[entry].slot, way)
+    return None
+
+
+def _describes(entry: str, kind: str, vocabulary: Vocabulary) -> bool:
+    """Whether an entry says something of a kind of target."""
+    slot = vocabulary.entries[entry].slot
+    if kind in LAMPS:
+        effects = vocabulary.entries[entry].effects
+        return any(OWNERS[e.owner] == "light" and not e.weak for e in effects) and slot == "lighting"
+    if kind in MATTER and slot in _SURFACE:
+        return True
+    return slot in _SLOTS.get(kind, ())

@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What can be said of a pair of look word and target: a small set of named facts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..lexicon.vocabulary import Vocabulary
+from .becoming import Becoming
+from .mentions import Mention
+from .passage import Look, Passage
+from .targets import LAMPS, MATTER, Target
+
+_TIES = ("link", "around", "joiner", "comparison", "exception")
+_FAR = 4  # items from which distance says no more
+
+
+class PairFeatures:
+    """The facts about the pairs of one prompt.
+
+    Args:
+        passage: Its tokens and look words.
+        mentions: Its nouns.
+        vocabulary: What words mean.
+    """
+
+    def __init__(self, passage: Passage, mentions: list[Mention], vocabulary: Vocabulary) -> None:
+        self.passage, self.mentions, self.vocabulary = passage, mentions, vocabulary
+        self._look_at = {look.index for look in passage.looks}
+        self._noun_at = {i for m in mentions for i in range(m.start, m.end + 1) if m.members == 1}
+        self._style = self._order()
+
+    def of(self, look: Look, target: Target, becoming: Becoming) -> Iterator[str]:
+        """The facts about one pair.
+
+        Args:
+            look: The look word.
+            target: What it may describe.
+            becoming: What it would be there.
+        """
+        kind, sort = _group(target.kind), self._sort(look)
+        yield f"a {sort} word of {target.kind}"
+        yield f"{becoming.way} at {kind}"
+        if becoming.slot:
+            yield f"{becoming.slot} at {kind}"
+        if look.word.negated:
+            yield f"negated at {kind}"
+        if look.guessed:
+            yield f"guessed at {kind}"
+        if target.mention < 0:
+            yield from self._unnamed(look, target)
+        else:
+            yield from self._named(look, target)
+
+    def _sort(self, look: Look) -> str:
+        token = look.word.token
+        if look.guessed:
+            return "guessed"
+        if token.entry:
+            return self.vocabulary.entries[token.entry].slot
+        return "color" if token.color else "adjective"
+
+    def _order(self) -> str:
+        """Whether clauses begin with what they are about ("hull red, wall white") or with how it looks ("red hull")."""
+        firsts = []
+        for number in range(self.passage.items[-1].clause + 1 if self.passage.items else 0):
+            places = [i for i, item in enumerate(self.passage.items) if item.clause == number]
+            both = [i for i in places if (i in self._look_at) != (i in self._noun_at)]
+            if both and both[-1] > both[0]:
+                firsts.append("noun" if both[0] in self._noun_at else "look")
+        if not firsts or len({*firsts}) > 1:
+            return "mixed"
+        return firsts[0]
+
+    def _unnamed(self, look: Look, target: Target) -> Iterator[str]:
+        """Of what no noun names: what the clause and the prompt name instead."""
+        clause = self.passage.items[look.index].clause
+        own = [m for m in self.mentions if self.passage.items[m.start].clause == clause and not _is(m, look)]
+        rest = [m for m in self.mentions if m not in own and not _is(m, look)]
+        yield f"{target.kind} unnamed: clause names {_kinds(own)}"
+        yield f"{target.kind} unnamed: prompt names {_kinds(rest)}"
+        alone = len([i for i in self.passage.items if i.clause == clause and not i.filler]) == 1
+        if alone:
+            yield f"{target.kind} unnamed: alone"
+        if self._is_noun_too(look):
+            yield f"{target.kind} unnamed: noun too"
+        after = next(iter(self.passage.content(look.index + 1, len(self.passage.items))), None)
+        if after and after.clause == clause:
+            yield f"{target.kind} unnamed: before {self._role_of(after.token)}"
+
+    def _is_noun_too(self, look: Look) -> bool:
+        return any(_is(m, look) for m in self.mentions)
+
+    def _role_of(self, token: object) -> str:
+        place = next(i for i, item in enumerate(self.passage.items) if item.token is token)
+        if place in self._noun_at:
+            return "noun"
+        if place in self._look_at:
+            return "look"
+        lists = self.passage.items[place].token.lists
+        return next((tie for tie in _TIES if tie in lists), "other")
+
+    def _named(self, look: Look, target: Target) -> Iterator[str]:
+        """Of what a noun names: how the noun and the look word stand to each other, and how the noun fits."""
+        mention = self.mentions[target.mention]
+        kind = _group(target.kind)
+        if mention.start <= look.index <= mention.end:
+            yield f"itself at {kind}"
+            return
+        yield from (f"{kind} by {sign}" for sign in target.signs)
+        yield from self._placed(look, mention, kind)
+        if mention.noun:
+            yield f"{target.kind} by noun {mention.noun}"
+        if mention.text.endswith("s") and len(target.names) > 1:
+            yield f"plural at {kind}"
+        if target.kind == "things" and target.names <= self._glows():
+            yield f"{self._sort(look)} of a glow"
+
+    def _glows(self) -> frozenset[str]:
+        named = (n for m in self.mentions for n in m.named if n.kind == "lights")
+        return frozenset(name.removeprefix("material/") for n in named for name in n.names if "/" in name)
+
+    def _placed(self, look: Look, mention: Mention, kind: str) -> Iterator[str]:
+        """Side, distance, clause, and what stands between and before."""
+        items, after = self.passage.items, mention.start > look.index
+        side = "after" if after else "before"
+        low, high = (look.index, mention.start) if after else (mention.end, look.index)
+        between = self.passage.content(low + 1, high)
+        apart = abs(items[mention.start].clause - items[look.index].clause)
+        near = "same clause" if not apart else "next clause" if apart == 1 else "far clause"
+        where = f"{side}, {near}"
+        nouns = sum(1 for m in self.mentions if m.members == 1 and low < m.start and m.end < high)
+        looks = sum(1 for i in self._look_at if low < i < high)
+        yield where
+        yield f"{where}: {kind}"
+        yield f"{where}: {min(len(between), _FAR)} between"
+        yield f"{where}: {min(nouns, 2)} nouns between"
+        yield f"{where}: {min(looks, 2)} looks between"
+        yield f"{where}: {self._style} first"
+        if not between and not apart:
+            yield f"{side}: {kind} adjoins a {self._sort(look)} word"
+        for item in between:
+            if item.ties:
+                yield f"{where} over {item.token.text}"
+        yield from self._led(mention, where)
+        if mention.members > 1:
+            yield f"{where}: joined"
+        elif any(m.members > 1 and m.start <= mention.start and mention.end <= m.end for m in self.mentions):
+            yield f"{where}: of a list"
+        if mention.end + 1 in self._noun_at and items[mention.end + 1].clause == items[mention.end].clause:
+            yield f"{where}: before a noun"
+        if {*range(mention.start, mention.end + 1)} & self._look_at:
+            yield f"{where}: a look too"
+
+    def _led(self, mention: Mention, where: str) -> Iterator[str]:
+        """What ties the noun to what stands before it: "than the leather"."""
+        items = self.passage.items
+        for place in range(mention.start - 1, -1, -1):
+            item = items[place]
+            if item.clause != items[mention.start].clause:
+                break
+            if item.ties:
+                yield f"{where} led by {item.token.text}"
+                lists = item.token.lists & {*_TIES}
+                yield from (f"{where} led by a {tie}" for tie in sorted(lists))
+            if not item.filler:
+                break
+        first = [
+            i
+            for i, item in enumerate(items)
+            if item.clause == items[mention.start].clause and not item.filler
+        ]
+        if first and first[0] == mention.start:
+            yield f"{where}: first of its clause"
+
+
+def _group(kind: str) -> str:
+    """Kinds of targets that behave alike."""
+    return "matter" if kind in MATTER else "lamp" if kind in LAMPS else kind
+
+
+def _is(mention: Mention, look: Look) -> bool:
+    return mention.start <= look.index <= mention.end
+
+
+def _kinds(mentions: list[Mention]) -> str:
+    """What nouns name, in short."""
+    kinds = {n.kind for m in mentions for n in m.named} | {m.noun for m in mentions if m.noun and not m.named}
+    return " and ".join(sorted(kinds)) if len(kinds) <= 2 else "many"

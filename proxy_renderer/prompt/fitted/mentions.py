@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The places of a prompt where things, lights and parts of the picture are named."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ..roles import light_role
+from .names import FITS, parts
+from .passage import Passage
+from .scene import Named, SceneIndex
+
+_LONGEST = 3  # tokens of a name
+_SURE = (*(f"{s} {way}" for s in ("material", "object", "group", "light") for way in FITS[:2]),)
+
+
+@dataclass(frozen=True)
+class Mention:
+    """A noun, or several that belong together ("box and cup").
+
+    Attributes:
+        start: Place of its first item.
+        end: Place of its last item.
+        text: As the prompt says it.
+        noun: Kind of thing by the vocabulary's nouns; "others" for what was not named, "unknown" for a word that nobody knows.
+        role: "key", "fill" or "rim", where it names one.
+        named: What it may name in the scene.
+        members: Of several nouns, how many.
+    """
+
+    start: int
+    end: int
+    text: str
+    noun: str = ""
+    role: str = ""
+    named: tuple[Named, ...] = ()
+    members: int = 1
+
+
+def mentions(passage: Passage, index: SceneIndex) -> list[Mention]:
+    """All of a prompt, those of several nouns last.
+
+    Args:
+        passage: The prompt.
+        index: The scene.
+    """
+    single: list[Mention] = []
+    start = 0
+    while start < len(passage.items):
+        found = _mention(passage, start, index)
+        if found:
+            single.append(found)
+        start = found.end + 1 if found else start + 1
+    return [*single, *_joined(passage, single)]
+
+
+def _mention(passage: Passage, start: int, index: SceneIndex) -> Mention | None:
+    """The one that begins at an item, the longest name first."""
+    item = passage.items[start]
+    if item.wished or item.ties:
+        return None
+    for count in range(_LONGEST, 1, -1):
+        row = passage.items[start : start + count]
+        whole = len(row) == count and all(i.clause == item.clause and not i.ties for i in row)
+        text = " ".join(i.token.text for i in row)
+        if whole and not (row[0].filler or row[-1].filler):
+            named = [n for n in index.named(parts(text)) if not n.signs.isdisjoint(_SURE)]
+            if named:
+                last = row[-1].token
+                return Mention(start, start + count - 1, text, last.noun, light_role(last), tuple(named))
+    return _word(passage, start, index)
+
+
+def _word(passage: Passage, start: int, index: SceneIndex) -> Mention | None:
+    """A token that names something by itself, by its last word if by nothing else."""
+    token = passage.items[start].token
+    said = parts(token.text)
+    if "others" in token.lists:
+        return Mention(start, start, token.text, "others")
+    if not said or token.lists & {"negation", "comparison", "exception", "action", "undo", "beyond"}:
+        return None
+    named = index.named(said) or (index.named(said[-1:]) if len(said) > 1 else [])
+    if token.lists and not token.noun:
+        named = [n for n in named if not n.signs.isdisjoint(_SURE)]
+    plain = not (token.known or token.strength)
+    if not named and plain and not token.color:
+        named = index.named(said[-1:], guess=True)
+    noun = token.noun or ("unknown" if plain and not token.near else "")
+    if not (named or noun):
+        return None
+    return Mention(start, start, token.text, noun, light_role(token), tuple(named))
+
+
+def _joined(passage: Passage, single: list[Mention]) -> Iterator[Mention]:
+    """Those that are listed with nothing between them: "box and cup", "bezel, strap and dial"."""
+    run: list[Mention] = []
+    for mention in [m for m in single if m.named]:
+        if run and not _are_joined(passage, run[-1], mention):
+            yield from _union(run)
+            run = []
+        run.append(mention)
+    yield from _union(run)
+
+
+def _are_joined(passage: Passage, one: Mention, other: Mention) -> bool:
+    between = passage.content(one.end + 1, other.start)
+    apart = passage.items[other.start].clause - passage.items[one.end].clause
+    tied = all("joiner" in i.token.lists and not i.token.entry for i in between)
+    return tied and apart <= 1 and (apart == 1 or bool(between))
+
+
+def _union(run: list[Mention]) -> Iterator[Mention]:
+    """One mention of several: what each of them names in the surest way, once of all sources and once of materials."""
+    if len(run) < 2:
+        return
+    named = []
+    for kind in ("things", "lights"):
+        for first in ("material", "object", "whole"):
+            each = [surest(m, kind, first) for m in run]
+            if all(each):
+                names = frozenset().union(*(n.names for n in each if n))
+                named.append(Named(kind, names, frozenset({"joined", f"joined {first}"})))
+    unique = {(n.kind, n.names): n for n in reversed(named)}
+    text = " and ".join(mention.text for mention in run)
+    yield Mention(run[0].start, run[-1].end, text, named=tuple(unique.values()), members=len(run))
+
+
+def surest(mention: Mention, kind: str, first: str) -> Named | None:
+    """The surest of what a mention names; None if it names nothing of a kind.
+
+    Args:
+        mention: The mention.
+        kind: "things" or "lights".
+        first: The source that is preferred: "material", "object", or "whole" for whole things.
+    """
+
+    def rank(named: Named) -> tuple[int, bool, bool]:
+        ways = [FITS.index(way) for sign in named.signs for way in FITS if sign.endswith(f" {way}")]
+        return (
+            min(ways, default=len(FITS)),
+            not any(s.startswith(first) for s in named.signs),
+            "widened" in named.signs,
+        )
+
+    return min((n for n in mention.named if n.kind == kind), key=rank, default=None)

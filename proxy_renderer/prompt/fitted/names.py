@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How well words of a prompt fit the names in a scene."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from difflib import SequenceMatcher
+from functools import cache
+
+from ..lexicon.nearest import table
+from ..lexicon.things import folded, senses, singular, thing_words
+from ..lexicon.vocabulary import normalize
+from ..names import DETAILS, LIMBS, PIPELINE
+
+FITS = (
+    "exact", "all", "last", "whole", "synonym", "part", "part's synonym", "detail's whole", "alike", "misspelled",
+)  # fmt: skip
+"""How words may fit a name, the surest way first."""
+_ALIKE = 0.5  # cosine of things that may stand for each other
+_MISSPELLED = 0.8  # share of letters that are right
+_SHORTEST = 4  # letters of a word that may be misspelled
+
+
+@cache
+def parts(name: str) -> tuple[str, ...]:
+    """What a name is made of: "SM_WoodTable.001" -> ("wood", "table"); a side comes first, as in ("l", "lamp")."""
+    spaced = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|[\W_]|\d+", " ", name)
+    words = [singular(folded(w)) for w in normalize(spaced).split()]
+    sides = [w for w in words if w.isascii() and len(w) == 1 and w in thing_words().rows]
+    words = [w for w in words if len(w) > 1 or not w.isascii()]
+    return (*sides, *([w for w in words if w not in PIPELINE] or words))
+
+
+@cache
+def fit(words: tuple[str, ...], name: tuple[str, ...]) -> str:
+    """How words fit a name.
+
+    Args:
+        words: Of the prompt, as `parts` gives them.
+        name: Parts of the name.
+
+    Returns:
+        One of `FITS`; "" if they do not.
+    """
+    if not (words and name):
+        return ""
+    joined = "".join(words)
+    if words == name or joined == "".join(name):
+        return "exact"
+    if len(words) > 1:
+        meant = all(w in name or any(senses(w) & senses(n) for n in name) for w in words)
+        return "all" if meant or joined in name else ""
+    (word,) = words
+    if word in (name[-1], "".join(name[-2:])):
+        return "last"
+    if word in name:
+        return _as_part(name, "part")
+    mine = senses(word)
+    if mine & (senses(name[-1]) | senses(" ".join(name))):
+        return "synonym"
+    return _as_part(name, "part's synonym") if any(mine & senses(n) for n in name[:-1]) else ""
+
+
+def _as_part(name: tuple[str, ...], otherwise: str) -> str:
+    """Of "car" in "car shell" and in "car wheel": a limb stands for the whole, a detail does not."""
+    if name[-1] in DETAILS:
+        return "detail's whole"
+    return "whole" if name[-1] in LIMBS and otherwise == "part" else otherwise
+
+
+@cache
+def guessed_fit(word: str, name: tuple[str, ...]) -> str:
+    """How a word that fits no name may still mean one: as a thing of the same sort, or misspelled."""
+    if not name:
+        return ""
+    if not table().is_english(word) and len(word) >= _SHORTEST:
+        near = max(SequenceMatcher(None, word, part).ratio() for part in name)
+        if near >= _MISSPELLED:
+            return "misspelled"
+    return "alike" if likeness(word, name[-1]) > _ALIKE else ""
+
+
+def likeness(one: str, other: str) -> float:
+    """Cosine of two things in the table of words; 0 for what is not in it."""
+    words = table()
+    rows = [words.things.get(w, words.things.get(f"{w}s")) for w in (one, other)]
+    return float(words.sorts[rows[0]] @ words.sorts[rows[1]]) if None not in rows else 0.0
+
+
+def best(found: Iterable[str]) -> str:
+    """The surest of several ways to fit; "" for none."""
+    return min((f for f in found if f), key=FITS.index, default="")

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""All pairs of look words and targets of a prompt, with their features: what is scored, and what is fitted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..lexicon.vocabulary import Vocabulary
+from ..tokens import Lexer
+from ..types import SceneWords
+from .becoming import Becoming, becoming
+from .features import PairFeatures
+from .mentions import Mention, mentions
+from .passage import Look, Passage, passage
+from .scene import SceneIndex
+from .targets import Target, targets
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A look word with something that it may describe.
+
+    Attributes:
+        look: The look word.
+        target: What it may describe.
+        becoming: What it would be there.
+        features: What can be said of the two.
+    """
+
+    look: Look
+    target: Target
+    becoming: Becoming
+    features: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A prompt with its open questions.
+
+    Attributes:
+        passage: Its tokens and look words.
+        mentions: Its nouns.
+        pairs: Of each look word, in the order of the passage's.
+    """
+
+    passage: Passage
+    mentions: list[Mention]
+    pairs: list[list[Pair]]
+
+
+def reading(text: str, words: SceneWords, vocabulary: Vocabulary, lexer: Lexer | None = None) -> Reading:
+    """The pairs of a prompt.
+
+    Args:
+        text: The prompt.
+        words: The names in the scene.
+        vocabulary: What is known.
+        lexer: Of vocabulary and scene, if there is one already.
+    """
+    found = passage((lexer or Lexer(vocabulary, words)).clauses(text), vocabulary)
+    nouns = mentions(found, SceneIndex(words))
+    every = targets(nouns, words)
+    facts = PairFeatures(found, nouns, vocabulary)
+    pairs = []
+    for look in found.looks:
+        may_be = {t: b for t in every if (b := becoming(look.word.token, t.kind, vocabulary))}
+        pairs.append([Pair(look, t, b, tuple(facts.of(look, t, b))) for t, b in may_be.items()])
+    return Reading(found, nouns, pairs)

@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A prompt as a row of tokens, with the look words that are in it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+
+from ..lexicon.vocabulary import Vocabulary
+from ..things import Word
+from ..tokens import Token
+
+_WISHES = {"action", "undo"}
+_TIES = {"link", "around", "joiner", "comparison", "exception"}
+
+
+@dataclass(frozen=True)
+class Item:
+    """A token with its clause.
+
+    Attributes:
+        token: The token.
+        clause: Number of its clause.
+        wished: It is part of a wish that values cannot fulfill: "remove the chair".
+    """
+
+    token: Token
+    clause: int
+    wished: bool = False
+
+    @property
+    def ties(self) -> bool:
+        """Whether it only says how its neighbors belong together: "of", "with", "than"."""
+        return bool(self.token.lists & _TIES) and not self.token.entry
+
+    @property
+    def filler(self) -> bool:
+        """Whether it says nothing: articles and the like."""
+        t = self.token
+        return "stop" in t.lists and not (t.entry or t.color or t.adjective or t.noun)
+
+    @property
+    def names_a_look(self) -> bool:
+        """Whether it can be a look word."""
+        t = self.token
+        return bool(t.entry or t.color or t.adjective or t.near)
+
+
+@dataclass(frozen=True)
+class Look:
+    """A look word.
+
+    Attributes:
+        index: Its place among the items.
+        word: The token with its intensity and negation.
+        guessed: It is unknown, and its entry is the nearest one.
+    """
+
+    index: int
+    word: Word
+    guessed: bool = False
+
+
+@dataclass
+class Passage:
+    """A prompt's tokens and look words.
+
+    Attributes:
+        items: All tokens.
+        looks: The look words, in order.
+        wishes: What only a modeler can do, as the prompt says it.
+        beyond: Words that no value can give.
+    """
+
+    items: list[Item]
+    looks: list[Look] = field(default_factory=list)
+    wishes: list[list[str]] = field(default_factory=list)
+    beyond: list[str] = field(default_factory=list)
+
+    def content(self, start: int, end: int) -> list[Item]:
+        """The items from start to end that say something, without `end`."""
+        return [item for item in self.items[max(start, 0) : end] if not item.filler]
+
+
+def passage(clauses: list[list[Token]], vocabulary: Vocabulary) -> Passage:
+    """Finds the look words.
+
+    Args:
+        clauses: Tokens of each clause, as the lexer gives them.
+        vocabulary: What words mean.
+    """
+    found = Passage([])
+    for number, tokens in enumerate(clauses):
+        found.items += _without_wishes(number, tokens, found)
+    for number in range(len(clauses)):
+        found.looks += _looks(found, number, vocabulary)
+    found.beyond = [i.token.text for i in found.items if "beyond" in i.token.lists and not i.wished]
+    return found
+
+
+def _without_wishes(number: int, tokens: list[Token], found: Passage) -> Iterator[Item]:
+    """The tokens of a clause; what asks for things to be added or removed is marked."""
+    until = 0
+    for index, token in enumerate(tokens):
+        if token.lists & _WISHES and index >= until:
+            rest = tokens[index + 1 :]
+            ends = (i for i, t in enumerate(rest) if t.lists & (_WISHES | {"again"}))
+            asked = rest[: next(ends, len(rest))]
+            if not _speaks_of_looks(asked):
+                until = index + 1 + len(asked)
+                said = [t.text for t in tokens[index:until] if not t.lists & {"stop", "joiner"}]
+                found.wishes.append(said)
+        yield Item(token, number, index < until)
+
+
+def _speaks_of_looks(tokens: list[Token]) -> bool:
+    """Whether an action is about light, fog or the like, rather than about things."""
+    if not all(t.known and "count" not in t.lists for t in tokens):
+        return False
+    return any(t.entry or t.noun in ("light", "fill", "rim", "fog") for t in tokens)
+
+
+def _looks(found: Passage, clause: int, vocabulary: Vocabulary) -> Iterator[Look]:
+    """The look words of a clause, with the intensities and negations before them."""
+    prefix: list[str] = []
+    strength, negated = 1.0, False
+    for index, item in enumerate(found.items):
+        token = item.token
+        if item.clause != clause or item.wished or "beyond" in token.lists:
+            continue
+        following = next(iter(found.content(index + 1, len(found.items))), None)
+        look = _look_token(item, negated, vocabulary)
+        if token.strength is not None and _is_intensity(item, following):
+            strength *= token.strength
+            prefix.append(token.text)
+        elif token.lists & {"negation", "undo"}:
+            negated = True
+            prefix.append(token.text)
+        elif look is not None:
+            absent = look.entry != token.entry and not token.near
+            said = prefix if prefix or not negated else ["no"]
+            word = Word(look, " ".join([*said, token.text]), strength, negated and not absent)
+            yield Look(index, word, token.near is not None)
+            prefix, strength = [], 1.0
+        elif item.ties or token.lists & {"action"}:
+            negated = negated and token.text == "or"
+        elif not item.filler:
+            prefix, strength = [], 1.0
+
+
+def _look_token(item: Item, negated: bool, vocabulary: Vocabulary) -> Token | None:
+    """The token of a look word; what there is none of is one too: "no shadows". None for other tokens."""
+    token = item.token
+    if token.near:
+        return replace(token, entry=token.near.entry, guess=token.near.entry, name=token.near.near)
+    if negated and token.noun in vocabulary.absent and not token.entry:
+        return replace(token, entry=vocabulary.absent[token.noun], noun="")
+    return token if item.names_a_look and not item.ties else None
+
+
+def _is_intensity(item: Item, following: Item | None) -> bool:
+    """Whether "strong" strengthens the next look word, or is itself one ("strong light")."""
+    if not (item.token.adjective or item.token.entry or item.token.color):
+        return True
+    if following is None or following.clause != item.clause:
+        return False
+    return following.names_a_look and not following.token.noun

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What words may name in a scene: sets of materials and of lights, each with how it was found."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+
+from ..names import is_detail
+from ..types import SceneWords
+from .names import FITS, best, fit, guessed_fit, parts
+
+GLOW = "material/"
+"""How the names of glows among lights start."""
+_SURE = FITS.index("part")
+_TYPES = {"SUN": "sun", "SPOT": "spot"}
+"""Types of lights that people call by name."""
+
+
+@dataclass(frozen=True)
+class Named:
+    """Materials or lights that words may name.
+
+    Attributes:
+        kind: "things" or "lights".
+        names: Of materials, or of lights; glows among lights start with `GLOW`.
+        signs: How it was found: "object exact", "material part", "first", "several".
+    """
+
+    kind: str
+    names: frozenset[str]
+    signs: frozenset[str]
+
+
+class SceneIndex:
+    """Finds what words may name.
+
+    Args:
+        words: The names in the scene.
+    """
+
+    def __init__(self, words: SceneWords) -> None:
+        self.words = words
+        self._materials = {name: parts(name) for name in words.materials}
+        self._objects = {name: parts(name) for name in words.objects}
+        self._groups = {name: parts(name) for name in words.groups}
+        self._lights = {name: parts(name) for name in words.lights}
+
+    def named(self, said: tuple[str, ...], guess: bool = False) -> list[Named]:
+        """All that words may name.
+
+        Args:
+            said: Words of the prompt, as `parts` gives them.
+            guess: Whether things of the same sort, or of nearly the same spelling, count.
+        """
+        found: dict[tuple[str, frozenset[str]], set[str]] = defaultdict(set)
+
+        def add(kind: str, names: Iterable[str], *signs: str) -> None:
+            if every := frozenset(names):
+                found[kind, every] |= {*signs, *(("several",) if len(every) > 1 else ())}
+
+        def fits(names: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
+            each = ((name, (guessed_fit(said[0], p) if guess else fit(said, p))) for name, p in names.items())
+            return {name: way for name, way in each if way}
+
+        self._add_things(fits, add)
+        self._add_lights(fits, add)
+        return [Named(kind, names, frozenset(signs)) for (kind, names), signs in found.items()]
+
+    def _add_things(self, fits: Callable[..., dict[str, str]], add: Callable[..., None]) -> None:
+        for source, names in (
+            ("material", self._materials),
+            ("object", self._objects),
+            ("group", self._groups),
+        ):
+            ways = fits(names)
+            surest = best(ways.values())
+            if not surest:
+                continue
+            chosen = [name for name, way in ways.items() if way == surest]
+            self._add_worn(source, surest, chosen, add)
+            sure = [name for name, way in ways.items() if FITS.index(way) <= _SURE]
+            if len(sure) > len(chosen):
+                add("things", self._worn(source, sure), f"{source} {surest}", "widened")
+
+    def _add_worn(self, source: str, way: str, chosen: list[str], add: Callable[..., None]) -> None:
+        """The materials of what was chosen: all of them, without details, and the first one of each."""
+        sign = f"{source} {way}"
+        worn = self._worn(source, chosen)
+        add("things", worn, sign, "whole")
+        if source != "material":
+            add("things", [m for m in worn if not is_detail(m)], sign, "without details")
+            objects = self._objects_of(source, chosen)
+            add("things", [self.words.object_materials[o][0] for o in objects], sign, "first")
+
+    def _objects_of(self, source: str, names: Iterable[str]) -> list[str]:
+        every = names if source == "object" else (o for g in names for o in self.words.groups[g])
+        return [name for name in every if self.words.object_materials.get(name)]
+
+    def _worn(self, source: str, names: Iterable[str]) -> list[str]:
+        if source == "material":
+            return list(names)
+        return [m for o in self._objects_of(source, names) for m in self.words.object_materials[o]]
+
+    def _add_lights(self, fits: Callable[..., dict[str, str]], add: Callable[..., None]) -> None:
+        words = self.words
+        lamps = fits(self._lights)
+        if surest := best(lamps.values()):
+            add("lights", [n for n, way in lamps.items() if way == surest], f"light {surest}")
+            add("lights", lamps, f"light {surest}", "widened")
+        types = {n: (_TYPES[x.type],) for n, x in words.lights.items() if x.type in _TYPES}
+        if by_type := fits(types):
+            add("lights", by_type, "light type")
+        glows = fits({n: self._materials[n] for n in words.glows})
+        shown = fits(self._objects)
+        add("lights", [GLOW + n for n in glows], f"glow {best(glows.values())}")
+        lit = [n for n in words.glows if any(n in words.object_materials[o] for o in shown)]
+        add("lights", [GLOW + n for n in lit], f"glow on object {best(shown.values())}")
+        add("lights", [n for n, x in words.lights.items() if {*x.objects} & {*shown}], "lights it")

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which targets of a reader's look words are what the labels of a sentence say."""
+
+from __future__ import annotations
+
+import re
+from difflib import SequenceMatcher
+
+from ...prompt.fitted.pairs import Pair, Reading
+from ...prompt.fitted.scene import GLOW
+from ...prompt.fitted.targets import MATTER
+from ...prompt.lexicon.vocabulary import normalize
+from ...prompt.names import is_detail
+from .labels import LabeledScene, LabeledSentence, LabelTarget, LookWord
+
+_WORD = re.compile(r"[^\W_]+(?:['’][a-z]+)?")
+_ROLES = ("key", "fill", "rim")
+_GENERAL = ("lighting", "atmosphere")
+
+
+def right_pairs(sentence: LabeledSentence, read: Reading) -> list[list[bool]]:
+    """Of each pair of a reading, whether it is right.
+
+    A look word that no label covers is right where it is left out.
+
+    Args:
+        sentence: With its labels.
+        read: The reader's look words with all their targets.
+    """
+    places = _places(sentence.text, read)
+    found = []
+    for look, pairs in zip(read.passage.looks, read.pairs, strict=True):
+        label = next((w for w in sentence.words if _covers(w, places.get(look.index))), None)
+        wanted = label.targets if label else (LabelTarget("none"),)
+        found.append([any(is_right(pair, target, sentence.scene) for target in wanted) for pair in pairs])
+    return found
+
+
+def _covers(word: LookWord, place: tuple[int, int] | None) -> bool:
+    return place is not None and place[0] < word.end and word.start < place[1]
+
+
+def _places(text: str, read: Reading) -> dict[int, tuple[int, int]]:
+    """Item -> where its last word stands in the artist's text, as far as the reader has left the words alone."""
+    theirs = [(normalize(m.group()), m.span()) for m in _WORD.finditer(text)]
+    mine = [(word, i) for i, item in enumerate(read.passage.items) for word in item.token.text.split()]
+    matcher = SequenceMatcher(None, [w for w, _ in mine], [w for w, _ in theirs], autojunk=False)
+    blocks = matcher.get_matching_blocks()
+    return {mine[b.a + n][1]: theirs[b.b + n][1] for b in blocks for n in range(b.size)}
+
+
+def is_right(pair: Pair, wanted: LabelTarget, scene: LabeledScene) -> bool:
+    """Whether a pair is what a label says.
+
+    Args:
+        pair: A look word with a target.
+        wanted: What the label says.
+        scene: What the sentence is about.
+    """
+    kind, names = pair.target.kind, pair.target.names
+    if wanted.kind in ("materials", "subject", "surroundings"):
+        meant = wanted.names if wanted.kind == "materials" else scene.materials_of(wanted.kind)
+        return (
+            kind == wanted.kind
+            or (kind in MATTER and _painted(pair, scene) == meant)
+            or _plain(names) == meant
+        )
+    if wanted.kind == "lights":
+        return _plain(names) == wanted.names
+    if wanted.kind in _ROLES:
+        return kind == wanted.kind or names == _of_role(wanted.kind, scene)
+    if wanted.kind == "light":
+        return kind in ("light", "shadow") or (kind == "lights" and names == _of_role("key", scene))
+    if wanted.kind == "picture" and kind in ("light", "air"):
+        return pair.becoming.slot in _GENERAL and pair.becoming.way == "own"
+    return kind == wanted.kind
+
+
+def _painted(pair: Pair, scene: LabeledScene) -> frozenset[str]:
+    """The materials that a target changes: details of a thing are spared."""
+    kind = pair.target.kind
+    names = scene.materials_of(kind) if kind in ("subject", "surroundings") else pair.target.names
+    return frozenset(name for name in names if not is_detail(name)) or names
+
+
+def _plain(names: frozenset[str]) -> frozenset[str]:
+    return frozenset(name.removeprefix(GLOW) for name in names)
+
+
+def _of_role(role: str, scene: LabeledScene) -> frozenset[str]:
+    return frozenset(light.name for light in scene.lights if light.role == role)
