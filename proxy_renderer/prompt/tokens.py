@@ -146,7 +146,8 @@ class Lexer:
             stems = (base, base + "e", base[:-1], base[:-1] + "y") if base != text and len(base) > 2 else ()
             for stem in stems:
                 entry = self._entry(stem)
-                if stem in v.adjectives or (entry and entry.slot in ("finish", "grade")):
+                compares = entry is not None and entry.slot in ("finish", "grade")
+                if stem in v.adjectives or stem in v.colors or compares:
                     return replace(self._phrase(stem), text=text)
         return None
 

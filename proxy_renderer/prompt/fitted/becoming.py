@@ -9,10 +9,10 @@ from ..lexicon.vocabulary import OWNERS, Vocabulary
 from ..tokens import Token
 from .targets import LAMPS, MATTER
 
-_SURFACE = ("finish", "material")
+_SURFACE = ("finish", "material", "color")
 _KINDS = {
-    "things": ("subject", "surroundings"), "subject": ("subject",), "surroundings": ("surroundings", "subject"),
-    "others": ("subject", "surroundings"), "lights": ("lamp", "light"), "key": ("lamp", "light"),
+    "things": ("thing", "subject", "surroundings"), "subject": ("thing", "subject"), "surroundings": ("surroundings", "subject"),
+    "others": ("thing", "subject", "surroundings"), "lights": ("lamp", "light"), "key": ("lamp", "light"),
     "fill": ("lamp", "fill", "light"), "rim": ("lamp", "rim", "light"), "light": ("light",), "shadow": ("shadow",),
     "sky": ("sky",), "air": ("fog",), "picture": ("tone",),
 }  # fmt: skip

@@ -4,8 +4,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from ..lexicon.vocabulary import Vocabulary
 from ..roles import light_role
 from .names import FITS, parts
 from .passage import Passage
@@ -38,19 +39,20 @@ class Mention:
     members: int = 1
 
 
-def mentions(passage: Passage, index: SceneIndex) -> list[Mention]:
+def mentions(passage: Passage, index: SceneIndex, vocabulary: Vocabulary) -> list[Mention]:
     """All of a prompt, those of several nouns last.
 
     Args:
         passage: The prompt.
         index: The scene.
+        vocabulary: What words mean.
     """
     single: list[Mention] = []
     start = 0
     while start < len(passage.items):
         found = _mention(passage, start, index)
         if found:
-            single.append(found)
+            single.append(_with_side(passage, found, index, vocabulary))
         start = found.end + 1 if found else start + 1
     return [*single, *_joined(passage, single)]
 
@@ -81,7 +83,7 @@ def _word(passage: Passage, start: int, index: SceneIndex) -> Mention | None:
     if not said or token.lists & {"negation", "comparison", "exception", "action", "undo", "beyond"}:
         return None
     named = index.named(said) or (index.named(said[-1:]) if len(said) > 1 else [])
-    if token.lists and not token.noun:
+    if "stop" in token.lists and not token.noun:
         named = [n for n in named if not n.signs.isdisjoint(_SURE)]
     plain = not (token.known or token.strength)
     if not named and plain and not token.color:
@@ -90,6 +92,26 @@ def _word(passage: Passage, start: int, index: SceneIndex) -> Mention | None:
     if not (named or noun):
         return None
     return Mention(start, start, token.text, noun, light_role(token), tuple(named))
+
+
+def _with_side(passage: Passage, mention: Mention, index: SceneIndex, vocabulary: Vocabulary) -> Mention:
+    """A light with those that stand where a word beside it says: "light from the left", "left light"."""
+    if mention.noun != "light":
+        return mention
+    clause = passage.items[mention.start].clause
+    beside = [
+        *passage.content(mention.start - 2, mention.start)[-1:],
+        *passage.content(mention.end + 1, mention.end + 4)[:1],
+    ]
+    for item in beside:
+        rows = vocabulary.adjectives.get(item.token.adjective, {})
+        entry = vocabulary.entries.get(item.token.entry or rows.get("otherwise", ""))
+        turns = [e for e in entry.effects if e.mode == "camera" and e.name == "azimuth"] if entry else []
+        if item.clause == clause and turns:
+            return replace(
+                mention, named=(*mention.named, *index.sided(turns[0].lower[0], turns[0].upper[0]))
+            )
+    return mention
 
 
 def _joined(passage: Passage, single: list[Mention]) -> Iterator[Mention]:

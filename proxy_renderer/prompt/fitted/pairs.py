@@ -58,7 +58,7 @@ def reading(text: str, words: SceneWords, vocabulary: Vocabulary, lexer: Lexer |
         lexer: Of vocabulary and scene, if there is one already.
     """
     found = passage((lexer or Lexer(vocabulary, words)).clauses(text), vocabulary)
-    nouns = mentions(found, SceneIndex(words))
+    nouns = mentions(found, SceneIndex(words), vocabulary)
     every = targets(nouns, words)
     facts = PairFeatures(found, nouns, vocabulary)
     pairs = []

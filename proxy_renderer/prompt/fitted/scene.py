@@ -14,6 +14,7 @@ from .names import FITS, best, fit, guessed_fit, parts
 GLOW = "material/"
 """How the names of glows among lights start."""
 _SURE = FITS.index("part")
+_SIDE = 75.0  # degrees from where words say that a light is
 _TYPES = {"SUN": "sun", "SPOT": "spot"}
 """Types of lights that people call by name."""
 
@@ -67,6 +68,22 @@ class SceneIndex:
         self._add_things(fits, add)
         self._add_lights(fits, add)
         return [Named(kind, names, frozenset(signs)) for (kind, names), signs in found.items()]
+
+    def sided(self, low: float, high: float) -> list[Named]:
+        """The lights on a side, the nearest one alone.
+
+        Args:
+            low: Least azimuth relative to the camera, degrees.
+            high: Greatest one.
+        """
+        turns = {name: x.turn for name, x in self.words.lights.items() if x.turn is not None}
+        middle = (low + high) / 2.0
+        near = sorted((abs((turn - middle + 180.0) % 360.0 - 180.0), name) for name, turn in turns.items())
+        return (
+            [Named("lights", frozenset({near[0][1]}), frozenset({"side"}))]
+            if near and near[0][0] < _SIDE
+            else []
+        )
 
     def _add_things(self, fits: Callable[..., dict[str, str]], add: Callable[..., None]) -> None:
         for source, names in (
