@@ -50,6 +50,20 @@ def assigned(pairs: Sequence[Sequence[Pair]], weights: Mapping[str, float]) -> l
     return [choices[row][seat][1] for row, seat in zip(*linear_sum_assignment(costs), strict=True)]
 
 
+def anything(pairs: Sequence[Sequence[Pair]], weights: Mapping[str, float]) -> list[Pair]:
+    """The pair of each look word where at least one has to describe something.
+
+    Args:
+        pairs: Of each look word.
+        weights: By feature.
+    """
+    chosen = assigned(pairs, weights)
+    if any(pair.target.kind != "none" for pair in chosen):
+        return chosen
+    kept = [[p for p in each if p.target.kind != "none"] or list(each) for each in pairs]
+    return assigned(kept, weights)
+
+
 def _place(pair: Pair) -> tuple[object, ...]:
     """What a word takes of its target; the last part tells whether two of them contradict each other."""
     target, word = pair.target, pair.look.word

@@ -9,6 +9,7 @@ from ..lexicon.vocabulary import Vocabulary
 from .becoming import Becoming
 from .mentions import Mention
 from .passage import Look, Passage
+from .scene import fit_rank
 from .targets import LAMPS, MATTER, Target
 
 _TIES = ("link", "around", "joiner", "comparison", "exception")
@@ -29,6 +30,7 @@ class PairFeatures:
         self._look_at = {look.index for look in passage.looks}
         self._noun_at = {i for m in mentions for i in range(m.start, m.end + 1) if m.members == 1}
         self._style = self._order()
+        self._ends = [self._ends_of(number) for number in range(self._clauses())]
 
     def of(self, look: Look, target: Target, becoming: Becoming) -> Iterator[str]:
         """The facts about one pair.
@@ -63,7 +65,7 @@ class PairFeatures:
     def _order(self) -> str:
         """Whether clauses begin with what they are about ("hull red, wall white") or with how it looks ("red hull")."""
         firsts = []
-        for number in range(self.passage.items[-1].clause + 1 if self.passage.items else 0):
+        for number in range(self._clauses()):
             places = [i for i, item in enumerate(self.passage.items) if item.clause == number]
             both = [i for i in places if (i in self._look_at) != (i in self._noun_at)]
             if both and both[-1] > both[0]:
@@ -71,6 +73,42 @@ class PairFeatures:
         if not firsts or len({*firsts}) > 1:
             return "mixed"
         return firsts[0]
+
+    def _clauses(self) -> int:
+        return self.passage.items[-1].clause + 1 if self.passage.items else 0
+
+    def _ends_of(self, clause: int) -> str:
+        """What a clause begins and ends with: "noun to look" in "hull red"."""
+        places = [i for i, item in enumerate(self.passage.items) if item.clause == clause]
+        roles = [
+            "noun" if i in self._noun_at else "look" for i in places if i in self._noun_at | self._look_at
+        ]
+        return f"{roles[0]} to {roles[-1]}" if roles else "of neither"
+
+    def _rival(self, look: Look, mention: Mention, distance: int) -> str:
+        """Whether a noun on the other side of a look word is nearer."""
+        items, after = self.passage.items, mention.start > look.index
+        clause = items[look.index].clause
+        others = [
+            len(
+                self.passage.content(m.end + 1, look.index)
+                if after
+                else self.passage.content(look.index + 1, m.start)
+            )
+            for m in self.mentions
+            if m.members == 1
+            and items[m.start].clause == clause
+            and (m.end < look.index if after else m.start > look.index)
+        ]
+        if not others:
+            return "no rival"
+        return (
+            "rival nearer"
+            if min(others) < distance
+            else "rival farther"
+            if min(others) > distance
+            else "rival"
+        )
 
     def _unnamed(self, look: Look, target: Target) -> Iterator[str]:
         """Of what no noun names: what the clause and the prompt name instead."""
@@ -109,12 +147,19 @@ class PairFeatures:
             return
         yield from (f"{kind} by {sign}" for sign in target.signs)
         yield from self._placed(look, mention, kind)
-        if mention.noun:
-            yield f"{target.kind} by noun {mention.noun}"
+        yield f"{target.kind} by noun {mention.noun or 'of the scene'}"
+        yield f"{kind} {'surest' if self._is_surest(mention, target) else 'less sure'}"
+        if len(target.names) > 1 and not mention.text.endswith("s") and mention.members == 1:
+            yield f"several at {kind} by a singular"
         if mention.text.endswith("s") and len(target.names) > 1:
             yield f"plural at {kind}"
         if target.kind == "things" and target.names <= self._glows():
             yield f"{self._sort(look)} of a glow"
+
+    def _is_surest(self, mention: Mention, target: Target) -> bool:
+        """Whether nothing fits the noun better than a target."""
+        ranks = {n.names: fit_rank(n) for n in mention.named}
+        return ranks.get(target.names, 0) <= min(ranks.values(), default=0)
 
     def _glows(self) -> frozenset[str]:
         named = (n for m in self.mentions for n in m.named if n.kind == "lights")
@@ -137,6 +182,8 @@ class PairFeatures:
         yield f"{where}: {min(nouns, 2)} nouns between"
         yield f"{where}: {min(looks, 2)} looks between"
         yield f"{where}: {self._style} first"
+        yield f"{where}: clause {self._ends[items[look.index].clause]}"
+        yield f"{where}: {self._rival(look, mention, len(between))}"
         if not between and not apart:
             yield f"{side}: {kind} adjoins a {self._sort(look)} word"
         for item in between:

@@ -10,7 +10,7 @@ from ..lexicon.vocabulary import Vocabulary
 from ..roles import light_role
 from .names import FITS, parts
 from .passage import Passage
-from .scene import Named, SceneIndex
+from .scene import Named, SceneIndex, fit_rank
 
 _LONGEST = 3  # tokens of a name
 _SURE = (*(f"{s} {way}" for s in ("material", "object", "group", "light") for way in FITS[:2]),)
@@ -158,11 +158,7 @@ def surest(mention: Mention, kind: str, first: str) -> Named | None:
     """
 
     def rank(named: Named) -> tuple[int, bool, bool]:
-        ways = [FITS.index(way) for sign in named.signs for way in FITS if sign.endswith(f" {way}")]
-        return (
-            min(ways, default=len(FITS)),
-            not any(s.startswith(first) for s in named.signs),
-            "widened" in named.signs,
-        )
+        by_first = any(sign.startswith(first) for sign in named.signs)
+        return fit_rank(named), not by_first, "widened" in named.signs
 
     return min((n for n in mention.named if n.kind == kind), key=rank, default=None)

@@ -11,7 +11,7 @@ from ..meaning import NamedThing
 from ..reader import PromptReader
 from ..tokens import Lexer
 from ..types import Parsed, SceneWords
-from .assignment import assigned
+from .assignment import anything
 from .bound import Things
 from .model import shipped_weights
 from .pairs import Pair, Reading, reading
@@ -50,7 +50,7 @@ class FittedReader:
         """
         lexer = Lexer(self.vocabulary, self.scene)
         self.found: Reading = reading(text, self.scene, self.vocabulary, lexer)
-        self.chosen: list[Pair] = assigned(self.found.pairs, self.weights)
+        self.chosen: list[Pair] = anything(self.found.pairs, self.weights)
         binder = Binder(self.vocabulary, "", self._means)
         things = Things(self.found, self.chosen, self.scene)
         parsed = Parsed(text)

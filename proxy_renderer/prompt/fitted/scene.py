@@ -34,6 +34,12 @@ class Named:
     signs: frozenset[str]
 
 
+def fit_rank(named: Named) -> int:
+    """How sure what is named is meant, 0 for the surest."""
+    ways = [FITS.index(way) for sign in named.signs for way in FITS if sign.endswith(f" {way}")]
+    return min(ways, default=len(FITS))
+
+
 class SceneIndex:
     """Finds what words may name.
 

@@ -32,8 +32,15 @@ def right_pairs(sentence: LabeledSentence, read: Reading) -> list[list[bool]]:
     for look, pairs in zip(read.passage.looks, read.pairs, strict=True):
         label = next((w for w in sentence.words if _covers(w, places.get(look.index))), None)
         wanted = label.targets if label else (LabelTarget("none"),)
-        found.append([any(is_right(pair, target, sentence.scene) for target in wanted) for pair in pairs])
+        right = [any(is_right(pair, target, sentence.scene) for target in wanted) for pair in pairs]
+        if not label and look.word.token.noun:  # "sunlight" may say something of light, or only name it
+            right = [r or _names_itself(pair) for r, pair in zip(right, pairs, strict=True)]
+        found.append(right)
     return found
+
+
+def _names_itself(pair: Pair) -> bool:
+    return pair.target.kind in ("light", "air") and pair.becoming.way == "own"
 
 
 def _covers(word: LookWord, place: tuple[int, int] | None) -> bool:
