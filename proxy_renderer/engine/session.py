@@ -174,7 +174,8 @@ class EngineSession:
         """The model as parser and confiner; None for the offline planner."""
         if self._model is None:
             return None
-        return ModelAdvisor(self.prompt, context.scene_words(*scenes), self._model, self._observer.stage)
+        words = context.scene_words(*scenes)
+        return ModelAdvisor(self.prompt, words, self._model, self._observer.stage, self.options.reader)
 
     def _judge(self, before: Image.Image, after: Image.Image) -> dict[str, Any]:
         """The model's verdict on Cycles' two pictures, or why there is none."""

@@ -72,6 +72,8 @@ def fit(every: Sequence[Example], l2: float = L2) -> Weights:
         every: Look words.
         l2: Weight of the penalty.
     """
+    if not every:
+        return {}
     counts: dict[str, set[int]] = {}
     for number, example in enumerate(every):
         for pair in example.pairs:

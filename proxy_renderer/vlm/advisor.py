@@ -31,11 +31,19 @@ class ModelAdvisor:
         words: Names in the scene.
         client: The model.
         tell: Called with what goes on, for a status line.
+        reader: What binds the look words offline: "rules" or "fitted".
     """
 
-    def __init__(self, prompt: str, words: SceneWords, client: Client, tell: Callable[[str], None]) -> None:
+    def __init__(
+        self,
+        prompt: str,
+        words: SceneWords,
+        client: Client,
+        tell: Callable[[str], None],
+        reader: str = "rules",
+    ) -> None:
         self._prompt, self._words, self._client, self._tell = prompt, words, client, tell
-        self._offline = OfflineAdvisor(prompt, words)
+        self._offline = OfflineAdvisor(prompt, words, reader)
         self._caption = ""  # the model's own words for the look: the vocabulary may know these at least
         self._failures: list[str] = []
         self._in_a_row = 0

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -32,17 +31,19 @@ def assigned(pairs: Sequence[Sequence[Pair]], weights: Mapping[str, float]) -> l
         return []
     seats: dict[tuple[object, ...], int] = {}
     choices: list[dict[int, tuple[float, Pair]]] = []
-    for each in pairs:
-        likely = scores(each, weights)
-        taken: Counter[object] = Counter()
+    for row, each in enumerate(pairs):
         choices.append({})
-        for pair, score in zip(each, likely, strict=True):
-            place = _place(pair)
-            taken[place] += 1
-            for copy in range(len(pairs)):
-                seat = seats.setdefault((place, taken[place], copy), len(seats))
-                cost = -score + (_AGAIN if copy and place[-1] else 0.0)
-                choices[-1][seat] = (cost, pair)
+        for number, (pair, score) in enumerate(zip(each, scores(each, weights), strict=True)):
+            alone = (
+                pair.becoming.slot == "color" and pair.target.kind in _ALONE and not pair.look.word.negated
+            )
+            own = seats.setdefault((row, number), len(seats))
+            choices[row][own] = (-score + (_AGAIN if alone else 0.0), pair)
+            if alone:
+                place = seats.setdefault((pair.target.kind, pair.target.names), len(seats))
+                known = choices[row].get(place)
+                if known is None or -score < known[0]:
+                    choices[row][place] = (-score, pair)
     costs = np.full((len(pairs), len(seats)), _NEVER)
     for row, seated in enumerate(choices):
         for seat, (cost, _) in seated.items():
@@ -62,10 +63,3 @@ def anything(pairs: Sequence[Sequence[Pair]], weights: Mapping[str, float]) -> l
         return chosen
     kept = [[p for p in each if p.target.kind != "none"] or list(each) for each in pairs]
     return assigned(kept, weights)
-
-
-def _place(pair: Pair) -> tuple[object, ...]:
-    """What a word takes of its target; the last part tells whether two of them contradict each other."""
-    target, word = pair.target, pair.look.word
-    contradicts = pair.becoming.slot == "color" and target.kind in _ALONE and not word.negated
-    return target.kind, target.names, pair.becoming.slot, contradicts

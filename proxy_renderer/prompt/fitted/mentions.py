@@ -50,14 +50,14 @@ def mentions(passage: Passage, index: SceneIndex, vocabulary: Vocabulary) -> lis
     single: list[Mention] = []
     start = 0
     while start < len(passage.items):
-        found = _mention(passage, start, index)
+        found = _mention(passage, start, index, vocabulary)
         if found:
             single.append(_with_side(passage, found, index, vocabulary))
         start = found.end + 1 if found else start + 1
     return [*single, *_joined(passage, single)]
 
 
-def _mention(passage: Passage, start: int, index: SceneIndex) -> Mention | None:
+def _mention(passage: Passage, start: int, index: SceneIndex, vocabulary: Vocabulary) -> Mention | None:
     """The one that begins at an item, the longest name first."""
     item = passage.items[start]
     if item.wished or item.ties:
@@ -68,13 +68,21 @@ def _mention(passage: Passage, start: int, index: SceneIndex) -> Mention | None:
         text = " ".join(i.token.text for i in row)
         if whole and not (row[0].filler or row[-1].filler):
             named = [n for n in index.named(parts(text)) if not n.signs.isdisjoint(_SURE)]
+            named = named or _lamps(parts(text), index, vocabulary)
             if named:
                 last = row[-1].token
                 return Mention(start, start + count - 1, text, last.noun, light_role(last), tuple(named))
-    return _word(passage, start, index)
+    return _word(passage, start, index, vocabulary)
 
 
-def _word(passage: Passage, start: int, index: SceneIndex) -> Mention | None:
+def _lamps(said: tuple[str, ...], index: SceneIndex, vocabulary: Vocabulary) -> list[Named]:
+    """Of "window light" the lights that a window names: what stands before a word for light tells which one."""
+    if len(said) < 2 or said[-1] not in vocabulary.lists["anylight"]:
+        return []
+    return [n for n in index.named(said[:-1]) if n.kind == "lights"]
+
+
+def _word(passage: Passage, start: int, index: SceneIndex, vocabulary: Vocabulary) -> Mention | None:
     """A token that names something by itself, by its last word if by nothing else."""
     token = passage.items[start].token
     said = parts(token.text)
@@ -82,7 +90,8 @@ def _word(passage: Passage, start: int, index: SceneIndex) -> Mention | None:
         return Mention(start, start, token.text, "others")
     if not said or token.lists & {"negation", "comparison", "exception", "action", "undo", "beyond"}:
         return None
-    named = index.named(said) or (index.named(said[-1:]) if len(said) > 1 else [])
+    named = index.named(said) or _lamps(said, index, vocabulary)
+    named = named or (index.named(said[-1:]) if len(said) > 1 else [])
     if "stop" in token.lists and not token.noun:
         named = [n for n in named if not n.signs.isdisjoint(_SURE)]
     plain = not (token.known or token.strength)

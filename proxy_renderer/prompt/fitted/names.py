@@ -9,7 +9,7 @@ from difflib import SequenceMatcher
 from functools import cache
 
 from ..lexicon.nearest import table
-from ..lexicon.things import folded, senses, singular, thing_words
+from ..lexicon.things import folded, senses, singular
 from ..lexicon.vocabulary import normalize
 from ..names import DETAILS, LIMBS, PIPELINE
 
@@ -24,12 +24,12 @@ _SHORTEST = 4  # letters of a word that may be misspelled
 
 @cache
 def parts(name: str) -> tuple[str, ...]:
-    """What a name is made of: "SM_WoodTable.001" -> ("wood", "table"); a side comes first, as in ("l", "lamp")."""
+    """What a name is made of: "SM_WoodTable.001" -> ("wood", "table"); a letter comes first, as in ("l", "lamp")."""
     spaced = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|[\W_]|\d+", " ", name)
     words = [singular(folded(w)) for w in normalize(spaced).split()]
-    sides = [w for w in words if w.isascii() and len(w) == 1 and w in thing_words().rows]
+    letters = [w for w in words if w.isascii() and len(w) == 1]
     words = [w for w in words if len(w) > 1 or not w.isascii()]
-    return (*sides, *([w for w in words if w not in PIPELINE] or words))
+    return (*letters, *([w for w in words if w not in PIPELINE] or words))
 
 
 @cache
@@ -46,7 +46,7 @@ def fit(words: tuple[str, ...], name: tuple[str, ...]) -> str:
     if not (words and name):
         return ""
     joined = "".join(words)
-    if words == name or joined == "".join(name):
+    if words in (name, tuple(n for n in name if len(n) > 1)) or joined == "".join(name):
         return "exact"
     if len(words) > 1:
         meant = all(w in name or any(senses(w) & senses(n) for n in name) for w in words)

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Why each look word of a prompt is bound as it is: its likeliest targets, and the facts that decided."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+
+from .model import scores
+from .pairs import Pair
+from .reader import FittedReader
+
+_TARGETS, _FACTS = 4, 4  # lines for each look word, and facts in each line
+
+
+def why(reader: FittedReader) -> str:
+    """An account of a prompt, for people.
+
+    Args:
+        reader: That has read the prompt.
+    """
+    lines = ["Why (each look word with its likeliest targets, and the facts that weigh most)"]
+    for pairs, chosen in zip(reader.found.pairs, reader.chosen, strict=True):
+        lines.append(f"  {chosen.look.word.text}")
+        lines += _targets(pairs, chosen, reader.weights)
+    return "\n".join(lines)
+
+
+def _targets(pairs: list[Pair], chosen: Pair, weights: Mapping[str, float]) -> Iterator[str]:
+    """The likeliest targets of a look word, what is chosen marked by an arrow."""
+    ranked = sorted(zip(scores(pairs, weights), pairs, strict=True), key=lambda both: -both[0])
+    shown = ranked[:_TARGETS] + [each for each in ranked[_TARGETS:] if each[1] is chosen]
+    for score, pair in shown:
+        arrow = "→" if pair is chosen else " "
+        facts = sorted({*pair.features} & weights.keys(), key=lambda name: -abs(weights[name]))[:_FACTS]
+        said = ", ".join(f"{name} {weights[name]:+.1f}" for name in facts)
+        yield f"   {arrow} {math.exp(score):4.0%}  {pair.target}  ({said})"

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The fitted reader: what it binds in a small scene, and that its features, targets and assignment are what they say."""
+
+import pytest
+
+from proxy_renderer.prompt.fitted.assignment import assigned
+from proxy_renderer.prompt.fitted.names import fit, parts
+from proxy_renderer.prompt.fitted.pairs import reading
+from proxy_renderer.prompt.fitted.reader import FittedReader
+from proxy_renderer.prompt.fitted.why import why
+from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.prompt.parser import parse
+from proxy_renderer.prompt.types import LightWords, SceneWords
+
+GARAGE = SceneWords(
+    objects={"carShell": "subject", "Brake_FL": "subject", "Boden": "surroundings", "Crate": "surroundings"},
+    materials={
+        "CarShellNew": "subject",
+        "BrakeDisc": "subject",
+        "Beton": "surroundings",
+        "CrateWood": "surroundings",
+    },
+    object_materials={
+        "carShell": ("CarShellNew",),
+        "Brake_FL": ("BrakeDisc",),
+        "Boden": ("Beton",),
+        "Crate": ("CrateWood",),
+    },
+    lights={
+        "Desk Lamp": LightWords("POINT", "fill", 60.0),
+        "Window Area": LightWords("AREA", "key", -60.0),
+    },
+)
+
+
+def bound(prompt):
+    """Look word -> the attribute that it became."""
+    return {a.word: a for a in parse(prompt, GARAGE, shipped_vocabulary(), "fitted").attributes}
+
+
+@pytest.mark.parametrize(
+    ("prompt", "word", "owners"),
+    [
+        ("red car", "red", ("CarShellNew",)),
+        ("glossy crate, matte floor", "matte", ("Beton",)),
+        ("brakes yellow, crate blue", "yellow", ("BrakeDisc",)),
+        ("crate whiter than the floor", "whiter", ("CrateWood",)),
+        ("car and crate in teal", "teal", ("CarShellNew", "CrateWood")),
+    ],
+)
+def test_words_are_bound_to_things(prompt, word, owners):
+    assert bound(prompt)[word].owners == owners
+
+
+def test_two_lamps_get_two_lights():
+    found = bound("warm desk lamp, cold blue window light")
+    assert found["warm"].lights == ("Desk Lamp",)
+    assert found["cold blue"].lights == ("Window Area",)
+
+
+def test_the_rest_is_all_that_was_not_named():
+    assert bound("red car, everything else grey")["grey"].owners == ("BrakeDisc", "Beton", "CrateWood")
+
+
+def test_without_the_weights_it_would_be_otherwise():
+    vocabulary = shipped_vocabulary()
+    reader = FittedReader(
+        vocabulary, GARAGE, {"a color word of things": -9.0, "a color word of picture": 9.0}
+    )
+    (red,) = reader.read("red car").attributes
+    assert red.kind == "ambience"
+
+
+@pytest.mark.parametrize(
+    ("said", "name", "way"),
+    [
+        ("car", "carShell", "whole"),
+        ("brakes", "Brake_L", "exact"),
+        ("floor", "Boden", "synonym"),
+        ("wood table", "WoodTable.001", "exact"),
+        ("laces", "Schnürsenkel", "synonym"),
+        ("left lamp", "Lamp_L", "all"),
+        ("cup", "Crate", ""),
+    ],
+)
+def test_names_fit(said, name, way):
+    assert fit(parts(said), parts(name)) == way
+
+
+def test_one_thing_gets_one_color_where_another_wants_one():
+    pairs = reading("red blue car crate", GARAGE, shipped_vocabulary()).pairs
+    weights = {"a color word of things": 5.0, "matter by object exact": 0.5}
+    chosen = [pair.target.names for pair in assigned(pairs, weights)]
+    assert len({*chosen}) == 2
+
+
+def test_why_names_targets_scores_and_facts():
+    reader = FittedReader(shipped_vocabulary(), GARAGE)
+    reader.read("red car, warm desk lamp")
+    told = why(reader)
+    assert "→" in told
+    assert "things: CarShellNew" in told
+    assert "lights: Desk Lamp" in told
+    assert "%" in told
+
+
+@pytest.mark.parametrize("prompt", ["red " * 500, "red 🚗 car", "<b>red</b> car", "red car\u202e"])
+def test_odd_prompts_are_read(prompt):
+    assert any(a.color for a in parse(prompt, GARAGE, shipped_vocabulary(), "fitted").attributes)

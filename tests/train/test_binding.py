@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Fitting the reader: weights that are fitted make what is right likely, and scenes left out are left out."""
+
+import json
+
+import pytest
+from labeled_scene import sentence, write_folder
+
+from proxy_renderer.prompt.fitted.model import FILE, write
+from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.train.binding import accuracy, crossed, examples, fit
+from proxy_renderer.train.sentences import read_folder
+
+SENTENCES = "".join(
+    sentence(text, *words)
+    for text, *words in [
+        ("red hull, warm light", ("red", "HullPaint"), ("warm", "light")),
+        ("blue seat", ("blue", "SeatCloth")),
+        ("glossy crate", ("glossy", "CrateWood")),
+        ("hull green", ("green", "HullPaint")),
+        ("the crate is yellow", ("yellow", "CrateWood")),
+        ("cold desk lamp", ("cold", "light:Desk Lamp")),
+        ("grey floor and black seat", ("grey", "Concrete"), ("black", "SeatCloth")),
+    ]
+)
+
+
+@pytest.fixture
+def every(tmp_path):
+    return examples(read_folder(write_folder(tmp_path, sentences=SENTENCES)), shipped_vocabulary())
+
+
+def test_fitted_weights_find_what_is_right(every):
+    assert len(every) == 9
+    assert accuracy(every, fit(every, 0.1)) > accuracy(every, {}) + 0.3
+
+
+def test_each_fold_is_fitted_without_its_scenes(every):
+    one, other = crossed(every, {"garage": 0, "elsewhere": 1}, 0.1)
+    assert not one
+    assert other
+
+
+def test_the_file_says_what_made_it(tmp_path):
+    write(tmp_path / "w.json", {"a": 1.234, "b": 0.001}, "command", {"right": 0.5})
+    assert json.loads((tmp_path / "w.json").read_text()) == {
+        "made by": "command",
+        "figures": {"right": 0.5},
+        "weights": {"a": 1.23},
+    }
+    assert json.loads(FILE.read_text())["made by"].startswith("python -m proxy_renderer.train.binding")
