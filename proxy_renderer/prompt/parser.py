@@ -9,7 +9,7 @@ from typing import Protocol
 from ..schema import VibeError
 from ..schema.limits import LONGEST_PROMPT
 from .english import ONLY_ENGLISH, other_language
-from .fitted.model import Weights
+from .fitted.model import FactWeights
 from .fitted.reader import FittedReader
 from .keyed import spoken, without_spared
 from .lexicon import hours, kelvins
@@ -66,7 +66,7 @@ def parse(
     scene: SceneWords,
     vocabulary: Vocabulary | None = None,
     reader: str = "rules",
-    weights: Weights | None = None,
+    weights: FactWeights | None = None,
 ) -> Parsed:
     """Finds the look words of a prompt and binds them to subject, surroundings, lights or the film.
 

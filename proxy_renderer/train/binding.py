@@ -17,8 +17,8 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.sparse import csr_matrix
 
-from ..prompt.fitted.model import FILE, Weights, write
-from ..prompt.fitted.pairs import Pair, reading
+from ..prompt.fitted.model import FILE, FactWeights, write
+from ..prompt.fitted.pairs import TargetPair, reading
 from ..prompt.lexicon.vocabulary import Vocabulary, shipped_vocabulary
 from ..prompt.parser import prepared
 from .sentences import read_folder
@@ -43,7 +43,7 @@ class Example:
     """
 
     scene: str
-    pairs: tuple[Pair, ...]
+    pairs: tuple[TargetPair, ...]
     right: tuple[bool, ...]
 
 
@@ -65,7 +65,7 @@ def examples(sentences: Sequence[LabeledSentence], vocabulary: Vocabulary) -> li
     return found
 
 
-def fit(every: Sequence[Example], l2: float = L2) -> Weights:
+def fit(every: Sequence[Example], l2: float = L2) -> FactWeights:
     """The weights that make what is right likely.
 
     Args:
@@ -123,7 +123,7 @@ def folds(sentences: Sequence[LabeledSentence], count: int = FOLDS) -> dict[str,
     return {name: i % count for i, name in enumerate(names)}
 
 
-def crossed(every: Sequence[Example], fold: dict[str, int], l2: float = L2) -> list[Weights]:
+def crossed(every: Sequence[Example], fold: dict[str, int], l2: float = L2) -> list[FactWeights]:
     """The weights of each fold, fitted to the scenes of the others.
 
     Args:
@@ -134,7 +134,7 @@ def crossed(every: Sequence[Example], fold: dict[str, int], l2: float = L2) -> l
     return [fit([e for e in every if fold[e.scene] != n], l2) for n in range(max(fold.values()) + 1)]
 
 
-def accuracy(every: Sequence[Example], weights: Weights) -> float:
+def accuracy(every: Sequence[Example], weights: FactWeights) -> float:
     """The share of words whose likeliest target is right.
 
     Args:

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ...prompt.fitted.model import Weights
+from ...prompt.fitted.model import FactWeights
 from ...prompt.lexicon.vocabulary import Vocabulary, shipped_vocabulary
 from ...schema import VibeError, atomic
 from ...train import binding
@@ -66,7 +66,9 @@ def run(
     return results
 
 
-def _crossed(sentences: Sequence[LabeledSentence], folds: int, vocabulary: Vocabulary) -> dict[str, Weights]:
+def _crossed(
+    sentences: Sequence[LabeledSentence], folds: int, vocabulary: Vocabulary
+) -> dict[str, FactWeights]:
     """Scene -> weights that are fitted without its fold."""
     fold = binding.folds(sentences, folds)
     each = binding.crossed(binding.examples(sentences, vocabulary), fold)

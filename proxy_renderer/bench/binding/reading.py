@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from ...planning.lights.lacking import lacking
 from ...planning.owners import Owners
 from ...planning.wishes import Wishes
-from ...prompt.fitted.model import Weights
+from ...prompt.fitted.model import FactWeights
 from ...prompt.lexicon.vocabulary import OWNERS, Effect, Vocabulary
 from ...prompt.parser import parse
 from ...prompt.types import Attribute, Parsed
@@ -75,7 +75,7 @@ def read(
     scene: LabeledScene,
     vocabulary: Vocabulary,
     reader: str = "rules",
-    weights: Weights | None = None,
+    weights: FactWeights | None = None,
 ) -> SentenceReading:
     """Reads a sentence about a scene, and finds out what its attributes reach.
 

@@ -5,11 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-from scipy.optimize import linear_sum_assignment
-
 from .model import scores
-from .pairs import Pair
+from .pairs import TargetPair
 from .targets import LAMPS
 
 _AGAIN = 1.0  # cost of a second color for one thing
@@ -18,7 +15,7 @@ _ALONE = ("things", "subject", "surroundings", "sky", "air", "light", *LAMPS)
 _NEVER = 1e6
 
 
-def assigned(pairs: Sequence[Sequence[Pair]], weights: Mapping[str, float]) -> list[Pair]:
+def assigned(pairs: Sequence[Sequence[TargetPair]], weights: Mapping[str, float]) -> list[TargetPair]:
     """The pair of each look word.
 
     Every word gets one target. A thing that has a color gets a second one only if nothing else is about as likely.
@@ -27,10 +24,13 @@ def assigned(pairs: Sequence[Sequence[Pair]], weights: Mapping[str, float]) -> l
         pairs: Of each look word.
         weights: By feature.
     """
+    import numpy as np
+    from scipy.optimize import linear_sum_assignment
+
     if not pairs:
         return []
     seats: dict[tuple[object, ...], int] = {}
-    choices: list[dict[int, tuple[float, Pair]]] = []
+    choices: list[dict[int, tuple[float, TargetPair]]] = []
     for row, each in enumerate(pairs):
         choices.append({})
         for number, (pair, score) in enumerate(zip(each, scores(each, weights), strict=True)):
@@ -51,7 +51,7 @@ def assigned(pairs: Sequence[Sequence[Pair]], weights: Mapping[str, float]) -> l
     return [choices[row][seat][1] for row, seat in zip(*linear_sum_assignment(costs), strict=True)]
 
 
-def anything(pairs: Sequence[Sequence[Pair]], weights: Mapping[str, float]) -> list[Pair]:
+def anything(pairs: Sequence[Sequence[TargetPair]], weights: Mapping[str, float]) -> list[TargetPair]:
     """The pair of each look word where at least one has to describe something.
 
     Args:

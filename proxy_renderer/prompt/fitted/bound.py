@@ -9,7 +9,7 @@ from ..names import is_detail
 from ..things import Thing
 from ..types import SceneWords
 from .mentions import surest
-from .pairs import Pair, Reading
+from .pairs import TargetPair, PromptPairs
 from .targets import MATTER
 
 _KIND_OF_SLOT = {"lighting": "light", "atmosphere": "fog", "setting": "surroundings"}
@@ -28,11 +28,11 @@ class Things:
         mentioned: The nouns with a surface: name, region and materials.
     """
 
-    def __init__(self, found: Reading, chosen: list[Pair], scene: SceneWords) -> None:
+    def __init__(self, found: PromptPairs, chosen: list[TargetPair], scene: SceneWords) -> None:
         self.found, self.chosen, self.scene = found, chosen, scene
         self.mentioned: list[NamedThing] = []
 
-    def of(self, pair: Pair) -> Thing:
+    def of(self, pair: TargetPair) -> Thing:
         """The thing that a pair binds its look word to.
 
         Args:
@@ -53,13 +53,13 @@ class Things:
             return self._picture(pair)
         return Thing({"air": "fog"}.get(kind, kind), name, "whole")
 
-    def _name(self, pair: Pair) -> str:
+    def _name(self, pair: TargetPair) -> str:
         """What the prompt calls the thing; the look word itself where no noun names it."""
         if pair.target.mention >= 0:
             return self.found.mentions[pair.target.mention].text
         return pair.target.kind if pair.target.kind in MATTER else pair.look.word.token.text
 
-    def _matter(self, pair: Pair, name: str) -> Thing:
+    def _matter(self, pair: TargetPair, name: str) -> Thing:
         """Materials, or a whole region."""
         kind, slot = pair.target.kind, pair.becoming.slot
         names = self._rest(pair) if kind == "others" else pair.target.names
@@ -73,7 +73,7 @@ class Things:
         self.mentioned.append((name, region, owners))
         return Thing(region, name, region, owners)
 
-    def _rest(self, pair: Pair) -> frozenset[str]:
+    def _rest(self, pair: TargetPair) -> frozenset[str]:
         """All materials that no word names otherwise, nor the prompt excepts; details only if nothing else is left."""
         named: set[str] = set()
         for other in self.chosen:
@@ -88,7 +88,7 @@ class Things:
         left = frozenset(self.scene.materials) - named
         return frozenset(n for n in left if not is_detail(n)) or left
 
-    def _picture(self, pair: Pair) -> Thing:
+    def _picture(self, pair: TargetPair) -> Thing:
         """The picture as a whole, or what a word about many things is about in the first place."""
         if pair.becoming.slot == "color":
             return Thing("ambience", "tint", "whole")

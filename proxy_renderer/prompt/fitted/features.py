@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 from ..lexicon.vocabulary import Vocabulary
 from .becoming import Becoming
-from .mentions import Mention
-from .passage import Look, Passage
+from .mentions import NounMention
+from .passage import PromptLook, Passage
 from .scene import fit_rank
 from .targets import LAMPS, MATTER, Target
 
@@ -25,14 +25,14 @@ class PairFeatures:
         vocabulary: What words mean.
     """
 
-    def __init__(self, passage: Passage, mentions: list[Mention], vocabulary: Vocabulary) -> None:
+    def __init__(self, passage: Passage, mentions: list[NounMention], vocabulary: Vocabulary) -> None:
         self.passage, self.mentions, self.vocabulary = passage, mentions, vocabulary
         self._look_at = {look.index for look in passage.looks}
         self._noun_at = {i for m in mentions for i in range(m.start, m.end + 1) if m.members == 1}
         self._style = self._order()
         self._ends = [self._ends_of(number) for number in range(self._clauses())]
 
-    def of(self, look: Look, target: Target, becoming: Becoming) -> Iterator[str]:
+    def of(self, look: PromptLook, target: Target, becoming: Becoming) -> Iterator[str]:
         """The facts about one pair.
 
         Args:
@@ -54,7 +54,7 @@ class PairFeatures:
         else:
             yield from self._named(look, target)
 
-    def _sort(self, look: Look) -> str:
+    def _sort(self, look: PromptLook) -> str:
         token = look.word.token
         if look.guessed:
             return "guessed"
@@ -85,7 +85,7 @@ class PairFeatures:
         ]
         return f"{roles[0]} to {roles[-1]}" if roles else "of neither"
 
-    def _rival(self, look: Look, mention: Mention, distance: int) -> str:
+    def _rival(self, look: PromptLook, mention: NounMention, distance: int) -> str:
         """Whether a noun on the other side of a look word is nearer."""
         items, after = self.passage.items, mention.start > look.index
         clause = items[look.index].clause
@@ -110,7 +110,7 @@ class PairFeatures:
             else "rival"
         )
 
-    def _unnamed(self, look: Look, target: Target) -> Iterator[str]:
+    def _unnamed(self, look: PromptLook, target: Target) -> Iterator[str]:
         """Of what no noun names: what the clause and the prompt name instead."""
         clause = self.passage.items[look.index].clause
         own = [m for m in self.mentions if self.passage.items[m.start].clause == clause and not _is(m, look)]
@@ -126,7 +126,7 @@ class PairFeatures:
         if after and after.clause == clause:
             yield f"{target.kind} unnamed: before {self._role_of(after.token)}"
 
-    def _is_noun_too(self, look: Look) -> bool:
+    def _is_noun_too(self, look: PromptLook) -> bool:
         return any(_is(m, look) for m in self.mentions)
 
     def _role_of(self, token: object) -> str:
@@ -138,7 +138,7 @@ class PairFeatures:
         lists = self.passage.items[place].token.lists
         return next((tie for tie in _TIES if tie in lists), "other")
 
-    def _named(self, look: Look, target: Target) -> Iterator[str]:
+    def _named(self, look: PromptLook, target: Target) -> Iterator[str]:
         """Of what a noun names: how the noun and the look word stand to each other, and how the noun fits."""
         mention = self.mentions[target.mention]
         kind = _group(target.kind)
@@ -156,7 +156,7 @@ class PairFeatures:
         if target.kind == "things" and target.names <= self._glows():
             yield f"{self._sort(look)} of a glow"
 
-    def _is_surest(self, mention: Mention, target: Target) -> bool:
+    def _is_surest(self, mention: NounMention, target: Target) -> bool:
         """Whether nothing fits the noun better than a target."""
         ranks = {n.names: fit_rank(n) for n in mention.named}
         return ranks.get(target.names, 0) <= min(ranks.values(), default=0)
@@ -165,7 +165,7 @@ class PairFeatures:
         named = (n for m in self.mentions for n in m.named if n.kind == "lights")
         return frozenset(name.removeprefix("material/") for n in named for name in n.names if "/" in name)
 
-    def _placed(self, look: Look, mention: Mention, kind: str) -> Iterator[str]:
+    def _placed(self, look: PromptLook, mention: NounMention, kind: str) -> Iterator[str]:
         """Side, distance, clause, and what stands between and before."""
         items, after = self.passage.items, mention.start > look.index
         side = "after" if after else "before"
@@ -199,7 +199,7 @@ class PairFeatures:
         if {*range(mention.start, mention.end + 1)} & self._look_at:
             yield f"{where}: a look too"
 
-    def _led(self, mention: Mention, where: str) -> Iterator[str]:
+    def _led(self, mention: NounMention, where: str) -> Iterator[str]:
         """What ties the noun to what stands before it: "than the leather"."""
         items = self.passage.items
         for place in range(mention.start - 1, -1, -1):
@@ -226,11 +226,11 @@ def _group(kind: str) -> str:
     return "matter" if kind in MATTER else "lamp" if kind in LAMPS else kind
 
 
-def _is(mention: Mention, look: Look) -> bool:
+def _is(mention: NounMention, look: PromptLook) -> bool:
     return mention.start <= look.index <= mention.end
 
 
-def _kinds(mentions: list[Mention]) -> str:
+def _kinds(mentions: list[NounMention]) -> str:
     """What nouns name, in short."""
     kinds = {n.kind for m in mentions for n in m.named} | {m.noun for m in mentions if m.noun and not m.named}
     return " and ".join(sorted(kinds)) if len(kinds) <= 2 else "many"

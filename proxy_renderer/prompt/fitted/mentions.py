@@ -17,7 +17,7 @@ _SURE = (*(f"{s} {way}" for s in ("material", "object", "group", "light") for wa
 
 
 @dataclass(frozen=True)
-class Mention:
+class NounMention:
     """A noun, or several that belong together ("box and cup").
 
     Attributes:
@@ -39,7 +39,7 @@ class Mention:
     members: int = 1
 
 
-def mentions(passage: Passage, index: SceneIndex, vocabulary: Vocabulary) -> list[Mention]:
+def mentions(passage: Passage, index: SceneIndex, vocabulary: Vocabulary) -> list[NounMention]:
     """All of a prompt, those of several nouns last.
 
     Args:
@@ -47,7 +47,7 @@ def mentions(passage: Passage, index: SceneIndex, vocabulary: Vocabulary) -> lis
         index: The scene.
         vocabulary: What words mean.
     """
-    single: list[Mention] = []
+    single: list[NounMention] = []
     start = 0
     while start < len(passage.items):
         found = _mention(passage, start, index, vocabulary)
@@ -57,7 +57,7 @@ def mentions(passage: Passage, index: SceneIndex, vocabulary: Vocabulary) -> lis
     return [*single, *_joined(passage, single)]
 
 
-def _mention(passage: Passage, start: int, index: SceneIndex, vocabulary: Vocabulary) -> Mention | None:
+def _mention(passage: Passage, start: int, index: SceneIndex, vocabulary: Vocabulary) -> NounMention | None:
     """The one that begins at an item, the longest name first."""
     item = passage.items[start]
     if item.wished or item.ties:
@@ -71,7 +71,7 @@ def _mention(passage: Passage, start: int, index: SceneIndex, vocabulary: Vocabu
             named = named or _lamps(parts(text), index, vocabulary)
             if named:
                 last = row[-1].token
-                return Mention(start, start + count - 1, text, last.noun, light_role(last), tuple(named))
+                return NounMention(start, start + count - 1, text, last.noun, light_role(last), tuple(named))
     return _word(passage, start, index, vocabulary)
 
 
@@ -82,12 +82,12 @@ def _lamps(said: tuple[str, ...], index: SceneIndex, vocabulary: Vocabulary) -> 
     return [n for n in index.named(said[:-1]) if n.kind == "lights"]
 
 
-def _word(passage: Passage, start: int, index: SceneIndex, vocabulary: Vocabulary) -> Mention | None:
+def _word(passage: Passage, start: int, index: SceneIndex, vocabulary: Vocabulary) -> NounMention | None:
     """A token that names something by itself, by its last word if by nothing else."""
     token = passage.items[start].token
     said = parts(token.text)
     if "others" in token.lists:
-        return Mention(start, start, token.text, "others")
+        return NounMention(start, start, token.text, "others")
     if not said or token.lists & {"negation", "comparison", "exception", "action", "undo", "beyond"}:
         return None
     named = index.named(said) or _lamps(said, index, vocabulary)
@@ -100,10 +100,12 @@ def _word(passage: Passage, start: int, index: SceneIndex, vocabulary: Vocabular
     noun = token.noun or ("unknown" if plain and not token.near else "")
     if not (named or noun):
         return None
-    return Mention(start, start, token.text, noun, light_role(token), tuple(named))
+    return NounMention(start, start, token.text, noun, light_role(token), tuple(named))
 
 
-def _with_side(passage: Passage, mention: Mention, index: SceneIndex, vocabulary: Vocabulary) -> Mention:
+def _with_side(
+    passage: Passage, mention: NounMention, index: SceneIndex, vocabulary: Vocabulary
+) -> NounMention:
     """A light with those that stand where a word beside it says: "light from the left", "left light"."""
     if mention.noun != "light":
         return mention
@@ -123,9 +125,9 @@ def _with_side(passage: Passage, mention: Mention, index: SceneIndex, vocabulary
     return mention
 
 
-def _joined(passage: Passage, single: list[Mention]) -> Iterator[Mention]:
+def _joined(passage: Passage, single: list[NounMention]) -> Iterator[NounMention]:
     """Those that are listed with nothing between them: "box and cup", "bezel, strap and dial"."""
-    run: list[Mention] = []
+    run: list[NounMention] = []
     for mention in [m for m in single if m.named]:
         if run and not _are_joined(passage, run[-1], mention):
             yield from _union(run)
@@ -134,14 +136,14 @@ def _joined(passage: Passage, single: list[Mention]) -> Iterator[Mention]:
     yield from _union(run)
 
 
-def _are_joined(passage: Passage, one: Mention, other: Mention) -> bool:
+def _are_joined(passage: Passage, one: NounMention, other: NounMention) -> bool:
     between = passage.content(one.end + 1, other.start)
     apart = passage.items[other.start].clause - passage.items[one.end].clause
     tied = all("joiner" in i.token.lists and not i.token.entry for i in between)
     return tied and apart <= 1 and (apart == 1 or bool(between))
 
 
-def _union(run: list[Mention]) -> Iterator[Mention]:
+def _union(run: list[NounMention]) -> Iterator[NounMention]:
     """One mention of several: what each of them names in the surest way, once of all sources and once of materials."""
     if len(run) < 2:
         return
@@ -154,10 +156,10 @@ def _union(run: list[Mention]) -> Iterator[Mention]:
                 named.append(Named(kind, names, frozenset({"joined", f"joined {first}"})))
     unique = {(n.kind, n.names): n for n in reversed(named)}
     text = " and ".join(mention.text for mention in run)
-    yield Mention(run[0].start, run[-1].end, text, named=tuple(unique.values()), members=len(run))
+    yield NounMention(run[0].start, run[-1].end, text, named=tuple(unique.values()), members=len(run))
 
 
-def surest(mention: Mention, kind: str, first: str) -> Named | None:
+def surest(mention: NounMention, kind: str, first: str) -> Named | None:
     """The surest of what a mention names; None if it names nothing of a kind.
 
     Args:

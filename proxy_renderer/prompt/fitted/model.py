@@ -10,14 +10,14 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from .pairs import Pair
+from .pairs import TargetPair
 
 FILE = Path(__file__).parents[1] / "lexicon" / "binding.json"
 _SMALL = 0.02  # weights nearer to 0 are left out
-Weights = dict[str, float]
+FactWeights = dict[str, float]
 
 
-def scores(pairs: Sequence[Pair], weights: Mapping[str, float]) -> list[float]:
+def scores(pairs: Sequence[TargetPair], weights: Mapping[str, float]) -> list[float]:
     """Logarithms of the probabilities of a look word's targets.
 
     Args:
@@ -31,9 +31,9 @@ def scores(pairs: Sequence[Pair], weights: Mapping[str, float]) -> list[float]:
 
 
 @cache
-def shipped_weights() -> Weights:
+def shipped_weights() -> FactWeights:
     """The weights that are shipped."""
-    weights: Weights = json.loads(FILE.read_text("utf-8"))["weights"]
+    weights: FactWeights = json.loads(FILE.read_text("utf-8"))["weights"]
     return weights
 
 

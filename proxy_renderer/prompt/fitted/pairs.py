@@ -10,14 +10,14 @@ from ..tokens import Lexer
 from ..types import SceneWords
 from .becoming import Becoming, becoming
 from .features import PairFeatures
-from .mentions import Mention, mentions
-from .passage import Look, Passage, passage
+from .mentions import NounMention, mentions
+from .passage import PromptLook, Passage, passage
 from .scene import SceneIndex
 from .targets import Target, targets
 
 
 @dataclass(frozen=True)
-class Pair:
+class TargetPair:
     """A look word with something that it may describe.
 
     Attributes:
@@ -27,14 +27,14 @@ class Pair:
         features: What can be said of the two.
     """
 
-    look: Look
+    look: PromptLook
     target: Target
     becoming: Becoming
     features: tuple[str, ...]
 
 
 @dataclass(frozen=True)
-class Reading:
+class PromptPairs:
     """A prompt with its open questions.
 
     Attributes:
@@ -44,11 +44,11 @@ class Reading:
     """
 
     passage: Passage
-    mentions: list[Mention]
-    pairs: list[list[Pair]]
+    mentions: list[NounMention]
+    pairs: list[list[TargetPair]]
 
 
-def reading(text: str, words: SceneWords, vocabulary: Vocabulary, lexer: Lexer | None = None) -> Reading:
+def reading(text: str, words: SceneWords, vocabulary: Vocabulary, lexer: Lexer | None = None) -> PromptPairs:
     """The pairs of a prompt.
 
     Args:
@@ -64,5 +64,5 @@ def reading(text: str, words: SceneWords, vocabulary: Vocabulary, lexer: Lexer |
     pairs = []
     for look in found.looks:
         may_be = {t: b for t in every if (b := becoming(look.word.token, t.kind, vocabulary))}
-        pairs.append([Pair(look, t, b, tuple(facts.of(look, t, b))) for t, b in may_be.items()])
-    return Reading(found, nouns, pairs)
+        pairs.append([TargetPair(look, t, b, tuple(facts.of(look, t, b))) for t, b in may_be.items()])
+    return PromptPairs(found, nouns, pairs)

@@ -47,7 +47,7 @@ class Item:
 
 
 @dataclass(frozen=True)
-class Look:
+class PromptLook:
     """A look word.
 
     Attributes:
@@ -73,7 +73,7 @@ class Passage:
     """
 
     items: list[Item]
-    looks: list[Look] = field(default_factory=list)
+    looks: list[PromptLook] = field(default_factory=list)
     wishes: list[list[str]] = field(default_factory=list)
     beyond: list[str] = field(default_factory=list)
 
@@ -120,7 +120,7 @@ def _speaks_of_looks(tokens: list[Token]) -> bool:
     return any(t.entry or t.noun in ("light", "fill", "rim", "fog") for t in tokens)
 
 
-def _looks(found: Passage, clause: int, vocabulary: Vocabulary) -> Iterator[Look]:
+def _looks(found: Passage, clause: int, vocabulary: Vocabulary) -> Iterator[PromptLook]:
     """The look words of a clause, with the intensities and negations before them."""
     prefix: list[str] = []
     strength, negated = 1.0, False
@@ -140,7 +140,7 @@ def _looks(found: Passage, clause: int, vocabulary: Vocabulary) -> Iterator[Look
             absent = look.entry != token.entry and not token.near
             said = prefix if prefix or not negated else ["no"]
             word = Word(look, " ".join([*said, token.text]), strength, negated and not absent)
-            yield Look(index, word, token.near is not None)
+            yield PromptLook(index, word, token.near is not None)
             prefix, strength = [], 1.0
         elif item.ties or token.lists & {"action"}:
             negated = negated and token.text == "or"

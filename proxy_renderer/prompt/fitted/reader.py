@@ -14,7 +14,7 @@ from ..types import Parsed, SceneWords
 from .assignment import anything
 from .bound import Things
 from .model import shipped_weights
-from .pairs import Pair, Reading, reading
+from .pairs import TargetPair, PromptPairs, reading
 
 
 class FittedReader:
@@ -49,8 +49,8 @@ class FittedReader:
             text: The prompt, prepared.
         """
         lexer = Lexer(self.vocabulary, self.scene)
-        self.found: Reading = reading(text, self.scene, self.vocabulary, lexer)
-        self.chosen: list[Pair] = anything(self.found.pairs, self.weights)
+        self.found: PromptPairs = reading(text, self.scene, self.vocabulary, lexer)
+        self.chosen: list[TargetPair] = anything(self.found.pairs, self.weights)
         binder = Binder(self.vocabulary, "", self._means)
         things = Things(self.found, self.chosen, self.scene)
         parsed = Parsed(text)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from ..types import SceneWords
-from .mentions import Mention
+from .mentions import NounMention
 
 MATTER = ("things", "subject", "surroundings", "others")
 """Kinds of targets that have a surface."""
@@ -41,7 +41,7 @@ class Target:
         return f"{self.kind}: {' + '.join(sorted(self.names))}" if self.names else self.kind
 
 
-def targets(mentions: list[Mention], words: SceneWords) -> list[Target]:
+def targets(mentions: list[NounMention], words: SceneWords) -> list[Target]:
     """All of a prompt.
 
     Args:
@@ -54,7 +54,7 @@ def targets(mentions: list[Mention], words: SceneWords) -> list[Target]:
     return found
 
 
-def _of_mention(number: int, mention: Mention, words: SceneWords) -> Iterator[Target]:
+def _of_mention(number: int, mention: NounMention, words: SceneWords) -> Iterator[Target]:
     for named in mention.named:
         yield Target(named.kind, named.names, number, named.signs)
     kind = mention.role or _OF_NOUNS.get(mention.noun, "")

@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator, Mapping
 
 from .model import scores
-from .pairs import Pair
+from .pairs import TargetPair
 from .reader import FittedReader
 
 _TARGETS, _FACTS = 4, 4  # lines for each look word, and facts in each line
@@ -26,7 +26,7 @@ def why(reader: FittedReader) -> str:
     return "\n".join(lines)
 
 
-def _targets(pairs: list[Pair], chosen: Pair, weights: Mapping[str, float]) -> Iterator[str]:
+def _targets(pairs: list[TargetPair], chosen: TargetPair, weights: Mapping[str, float]) -> Iterator[str]:
     """The likeliest targets of a look word, what is chosen marked by an arrow."""
     ranked = sorted(zip(scores(pairs, weights), pairs, strict=True), key=lambda both: -both[0])
     shown = ranked[:_TARGETS] + [each for each in ranked[_TARGETS:] if each[1] is chosen]

@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 from difflib import SequenceMatcher
 
-from ...prompt.fitted.pairs import Pair, Reading
+from ...prompt.fitted.pairs import TargetPair, PromptPairs
 from ...prompt.fitted.scene import GLOW
 from ...prompt.fitted.targets import MATTER
 from ...prompt.lexicon.vocabulary import normalize
@@ -18,7 +18,7 @@ _ROLES = ("key", "fill", "rim")
 _GENERAL = ("lighting", "atmosphere")
 
 
-def right_pairs(sentence: LabeledSentence, read: Reading) -> list[list[bool]]:
+def right_pairs(sentence: LabeledSentence, read: PromptPairs) -> list[list[bool]]:
     """Of each pair of a reading, whether it is right.
 
     A look word that no label covers is right where it is left out.
@@ -39,7 +39,7 @@ def right_pairs(sentence: LabeledSentence, read: Reading) -> list[list[bool]]:
     return found
 
 
-def _names_itself(pair: Pair) -> bool:
+def _names_itself(pair: TargetPair) -> bool:
     return pair.target.kind in ("light", "air") and pair.becoming.way == "own"
 
 
@@ -47,7 +47,7 @@ def _covers(word: LookWord, place: tuple[int, int] | None) -> bool:
     return place is not None and place[0] < word.end and word.start < place[1]
 
 
-def _places(text: str, read: Reading) -> dict[int, tuple[int, int]]:
+def _places(text: str, read: PromptPairs) -> dict[int, tuple[int, int]]:
     """Item -> where its last word stands in the artist's text, as far as the reader has left the words alone."""
     theirs = [(normalize(m.group()), m.span()) for m in _WORD.finditer(text)]
     mine = [(word, i) for i, item in enumerate(read.passage.items) for word in item.token.text.split()]
@@ -56,7 +56,7 @@ def _places(text: str, read: Reading) -> dict[int, tuple[int, int]]:
     return {mine[b.a + n][1]: theirs[b.b + n][1] for b in blocks for n in range(b.size)}
 
 
-def is_right(pair: Pair, wanted: LabelTarget, scene: LabeledScene) -> bool:
+def is_right(pair: TargetPair, wanted: LabelTarget, scene: LabeledScene) -> bool:
     """Whether a pair is what a label says.
 
     Args:
@@ -83,7 +83,7 @@ def is_right(pair: Pair, wanted: LabelTarget, scene: LabeledScene) -> bool:
     return kind == wanted.kind
 
 
-def _painted(pair: Pair, scene: LabeledScene) -> frozenset[str]:
+def _painted(pair: TargetPair, scene: LabeledScene) -> frozenset[str]:
     """The materials that a target changes: details of a thing are spared."""
     kind = pair.target.kind
     names = scene.materials_of(kind) if kind in ("subject", "surroundings") else pair.target.names
