@@ -9,7 +9,7 @@ from ..names import is_detail
 from ..things import Thing
 from ..types import SceneWords
 from .mentions import surest
-from .pairs import TargetPair, PromptPairs
+from .pairs import PromptPairs, TargetPair
 from .targets import MATTER
 
 _KIND_OF_SLOT = {"lighting": "light", "atmosphere": "fog", "setting": "surroundings"}

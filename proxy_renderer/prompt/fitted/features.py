@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from ..lexicon.vocabulary import Vocabulary
 from .becoming import Becoming
 from .mentions import NounMention
-from .passage import PromptLook, Passage
+from .passage import Passage, PromptLook
 from .scene import fit_rank
 from .targets import LAMPS, MATTER, Target
 

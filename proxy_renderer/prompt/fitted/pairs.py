@@ -11,7 +11,7 @@ from ..types import SceneWords
 from .becoming import Becoming, becoming
 from .features import PairFeatures
 from .mentions import NounMention, mentions
-from .passage import PromptLook, Passage, passage
+from .passage import Passage, PromptLook, passage
 from .scene import SceneIndex
 from .targets import Target, targets
 

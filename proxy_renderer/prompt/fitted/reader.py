@@ -14,7 +14,7 @@ from ..types import Parsed, SceneWords
 from .assignment import anything
 from .bound import Things
 from .model import shipped_weights
-from .pairs import TargetPair, PromptPairs, reading
+from .pairs import PromptPairs, TargetPair, reading
 
 
 class FittedReader:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 from difflib import SequenceMatcher
 
-from ...prompt.fitted.pairs import TargetPair, PromptPairs
+from ...prompt.fitted.pairs import PromptPairs, TargetPair
 from ...prompt.fitted.scene import GLOW
 from ...prompt.fitted.targets import MATTER
 from ...prompt.lexicon.vocabulary import normalize
