@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 from ..lexicon.vocabulary import Vocabulary
+from ..roles import speaks_of_looks
 from ..things import Word
 from ..tokens import Token
 
@@ -106,18 +107,11 @@ def _without_wishes(number: int, tokens: list[Token], found: Passage) -> Iterato
             rest = tokens[index + 1 :]
             ends = (i for i, t in enumerate(rest) if t.lists & (_WISHES | {"again"}))
             asked = rest[: next(ends, len(rest))]
-            if not _speaks_of_looks(asked):
+            if not speaks_of_looks(asked):
                 until = index + 1 + len(asked)
                 said = [t.text for t in tokens[index:until] if not t.lists & {"stop", "joiner"}]
                 found.wishes.append(said)
         yield Item(token, number, index < until)
-
-
-def _speaks_of_looks(tokens: list[Token]) -> bool:
-    """Whether an action is about light, fog or the like, rather than about things."""
-    if not all(t.known and "count" not in t.lists for t in tokens):
-        return False
-    return any(t.entry or t.noun in ("light", "fill", "rim", "fog") for t in tokens)
 
 
 def _looks(found: Passage, clause: int, vocabulary: Vocabulary) -> Iterator[PromptLook]:
