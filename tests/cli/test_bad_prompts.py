@@ -51,8 +51,8 @@ def test_what_a_look_cannot_do_is_said_and_the_rest_is_done():
 
 
 def test_numbers_are_no_names():
-    parsed = parse("rough 0.3, 5500K", NOTHING)
-    assert {"0", "3", "5500k"} <= set(parsed.ignored)
+    parsed = parse("rough 0.3, 8K", NOTHING)
+    assert {"0", "3", "8k"} <= set(parsed.ignored)
     assert parsed.objects[0].name == "subject"
 
 
