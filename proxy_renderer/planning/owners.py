@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from ..prompt.lexicon.vocabulary import OWNERS, Effect, Vocabulary
 from ..prompt.names import is_detail, kind_of
-from ..prompt.types import Attribute, Parsed, PlanContext
+from ..prompt.types import GLOW, Attribute, Parsed, PlanContext
 from ..schema import Instance
 from .illumination import facing_radiance
 from .lights.meant import KnownLight, assigned, named
@@ -13,8 +13,6 @@ from .lights.meant import KnownLight, assigned, named
 _PART = 0.12  # materials on less of their region are parts: tyres, eyes, screws
 _LIKE = 0.25  # where all are parts, share of the largest that those have which make it up: a shelf of a hundred books
 _SHARE = 0.15  # of the light on the subject from which a glow counts as a light of the scene
-GLOW = "material/"
-"""How the names of glows that count as lights start."""
 _OF_GLOWS = {"power": "emission", "color": "emission_color", "temperature": "emission_color"}
 """What the parameters of lights are of glowing materials; they have neither place nor size to change."""
 _PLACES = ("azimuth", "elevation", "distance", "size", "angle")
@@ -200,7 +198,7 @@ class Owners:
         ]
 
     def _known_glow(self, name: str) -> KnownLight:
-        material = name.removeprefix("material/")
+        material = name.removeprefix(GLOW)
         glow = self.context.glows[material]
         role = "key" if name in self.key else "fill"
         return KnownLight(name, role, (material, *glow.objects), glow.azimuth - self.context.camera_azimuth)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import cache
 
 from .lexicon.vocabulary import normalize
 from .types import SceneWords
@@ -48,6 +49,7 @@ class SceneName:
     several: bool = False  # objects that differ in a number only: wheels, chairs
 
 
+@cache
 def plain_name(name: str) -> str:
     """A name as somebody would say it: "WoodTable.001" -> "wood table", "SM_Cup.001_low" -> "cup", "Tyre Two" -> "tyre"."""
     spaced = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|_", " ", re.sub(r"\.\d+", " ", name))
@@ -93,7 +95,8 @@ def scene_names(words: SceneWords) -> dict[str, SceneName]:
                 if len(spoken) > 2:
                     found[spoken] = _merged(found[spoken], thing) if spoken in found else thing
             names = found | names
-    return {spoken: _with_limbs(spoken, thing, objects, materials) for spoken, thing in names.items()}
+    limbs = {region: _limbs(region, objects, materials) for region in {t.region for t in names.values()}}
+    return {spoken: _with_limbs(spoken, thing, limbs[thing.region]) for spoken, thing in names.items()}
 
 
 def _whole(name: str) -> str:
@@ -113,16 +116,29 @@ def _united(*parts: Iterable[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for part in parts for name in part))
 
 
-def _with_limbs(
-    spoken: str, thing: SceneName, objects: list[SceneName], materials: list[SceneName]
-) -> SceneName:
+@dataclass(frozen=True)
+class _Limbs:
+    """The parts in a region that are objects or materials of their own.
+
+    Attributes:
+        heads: Names of the objects that are no parts.
+        rows: Of each part the name of the whole, "" where it says none, and its materials.
+    """
+
+    heads: frozenset[str]
+    rows: tuple[tuple[str, tuple[str, ...]], ...]
+
+
+def _limbs(region: str, objects: list[SceneName], materials: list[SceneName]) -> _Limbs:
+    near = [(plain_name(o.name).rpartition(" "), o) for o in objects if o.region == region]
+    heads = {"".join(name) for name, _ in near if name[2] not in LIMBS | DETAILS}
+    every = [*near, *((plain_name(m.name).rpartition(" "), m) for m in materials if m.region == region)]
+    rows = tuple((name[0], thing.materials) for name, thing in every if name[2] in LIMBS)
+    return _Limbs(frozenset(heads), rows)
+
+
+def _with_limbs(spoken: str, thing: SceneName, limbs: _Limbs) -> SceneName:
     """A thing with its parts that are objects of their own: the duck's head, the only teapot's lid."""
-    near = [o for o in objects if o.region == thing.region]
-    heads = {plain_name(o.name) for o in near if plain_name(o.name).split()[-1] not in LIMBS | DETAILS}
-    mine = [
-        o.materials
-        for o in (*near, *(m for m in materials if m.region == thing.region))
-        if (whole := plain_name(o.name).rpartition(" "))[2] in LIMBS
-        and (whole[0] == spoken or (not whole[0] and heads == {spoken}))
-    ]
+    wholes = {spoken, ""} if limbs.heads == {spoken} else {spoken}
+    mine = [materials for whole, materials in limbs.rows if whole in wholes]
     return replace(thing, materials=_united(thing.materials, *mine)) if thing.materials else thing

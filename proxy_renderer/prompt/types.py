@@ -27,6 +27,10 @@ class LightWords:
     objects: tuple[str, ...] = ()
 
 
+GLOW = "material/"
+"""How a material whose glow counts as a light is called among lights: this and its name."""
+
+
 @dataclass(frozen=True)
 class SceneWords:
     """The names in a scene that a prompt may mean; all empty when there is no scene.

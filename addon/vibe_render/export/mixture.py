@@ -145,7 +145,7 @@ class Mixture:
         values: dict[str, schema.Values] = {}
         if shares.get("glass", 0.0) > 0.0 and base.matter != "light":
             values["transmission"] = (shares["glass"] / whole,)
-        gloss = self._gloss(base)
+        gloss = lacquer.gloss(self.layers, base)
         if base.matter == "metal":
             values["metallic"] = (shares["metal"] / whole,)
             coat = lacquer.layer(self.layers, base)
@@ -154,13 +154,9 @@ class Mixture:
             values |= _plastic(gloss, float(self.share(gloss, measured).mean()))
         return values
 
-    def _gloss(self, base: Layer) -> Layer | None:
-        """The glossy shader that is mixed with the one that has the base color."""
-        return next((x for x in self.layers if x.matter == "metal" and x != base and x.sides), None)
-
     def coat_ior(self, base: Layer) -> float | None:
         """The IOR of a lacquer: of a glossy shader that a Fresnel node lays over another one."""
-        coat = lacquer.layer(self.layers, base) if base.matter == "metal" else None
+        coat = lacquer.layer(self.layers, base)
         node = coat.sides[-1].grazing if coat else None
         return _ior(node) if node else None
 

@@ -13,12 +13,11 @@ from ...planning.wishes import Wishes
 from ...prompt.fitted.model import FactWeights
 from ...prompt.lexicon.vocabulary import OWNERS, Effect, Vocabulary
 from ...prompt.parser import parse
-from ...prompt.types import Attribute, Parsed
+from ...prompt.types import GLOW, Attribute, Parsed
 from ...schema import VibeError
 from ...train.sentences.labels import LabeledScene
 from ...train.sentences.stand_in import STANDBY, SceneStandIn, stand_in
 
-_GLOW = "material/"  # how owners call a glow that counts as a light
 _MATTER = ("finish", "material", "color")
 
 
@@ -137,4 +136,4 @@ class _Binding:
 
 
 def _plain(names: Iterable[str]) -> frozenset[str]:
-    return frozenset(name.removeprefix(_GLOW) for name in names)
+    return frozenset(name.removeprefix(GLOW) for name in names)

@@ -173,8 +173,7 @@ class Search:
         ranges = feasible_ranges(plan, self.vector.instances, self.vector.values(u))
         lower, upper = self.vector.bounds(ranges)
         if opening:
-            meant = ((k, e) for k, e in plan.items() if e.priority is not None and not e.usual)
-            named = [key for key, entry in meant if not entry.prior]
+            named = [k for k, e in plan.items() if e.priority is not None and not (e.prior or e.usual)]
             lower, upper = opened(lower, upper, self.vector.mark(named), opening)
             low, high = self.vector.plain(lower), self.vector.plain(upper)
             ranges |= {key: (low[key], high[key]) for key in named}

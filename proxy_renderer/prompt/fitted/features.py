@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..lexicon.vocabulary import Vocabulary
+from ..types import GLOW
 from .becoming import Becoming
 from .mentions import NounMention
 from .passage import Passage, PromptLook
@@ -163,7 +164,7 @@ class PairFeatures:
 
     def _glows(self) -> frozenset[str]:
         named = (n for m in self.mentions for n in m.named if n.kind == "lights")
-        return frozenset(name.removeprefix("material/") for n in named for name in n.names if "/" in name)
+        return frozenset(name.removeprefix(GLOW) for n in named for name in n.names if name.startswith(GLOW))
 
     def _placed(self, look: PromptLook, mention: NounMention, kind: str) -> Iterator[str]:
         """Side, distance, clause, and what stands between and before."""

@@ -8,11 +8,9 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 from ..names import is_detail
-from ..types import SceneWords
+from ..types import GLOW, SceneWords
 from .names import FITS, best, fit, guessed_fit, parts
 
-GLOW = "material/"
-"""How the names of glows among lights start."""
 _SURE = FITS.index("part")
 _SIDE = 75.0  # degrees from where words say that a light is
 _TYPES = {"SUN": "sun", "SPOT": "spot"}

@@ -35,7 +35,8 @@ def entries() -> dict[str, dict[str, Any]]:
 
 def adjectives() -> dict[str, dict[str, str]]:
     """Name -> kind of light -> the entry that it is there."""
-    return {name: dict.fromkeys((*_KINDS, "otherwise"), name) for name in entries()}
+    names = map(_name, range(_LEAST, _MOST + 1, _STEP))
+    return {name: dict.fromkeys((*_KINDS, "otherwise"), name) for name in names}
 
 
 def _name(kelvins: int) -> str:

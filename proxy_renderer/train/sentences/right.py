@@ -7,14 +7,13 @@ import re
 from difflib import SequenceMatcher
 
 from ...prompt.fitted.pairs import PromptPairs, TargetPair
-from ...prompt.fitted.scene import GLOW
 from ...prompt.fitted.targets import MATTER
 from ...prompt.lexicon.vocabulary import normalize
 from ...prompt.names import is_detail
-from .labels import LabeledScene, LabeledSentence, LabelTarget, LookWord
+from ...prompt.types import GLOW
+from .labels import ROLES, LabeledScene, LabeledSentence, LabelTarget, LookWord
 
 _WORD = re.compile(r"[^\W_]+(?:['’][a-z]+)?")
-_ROLES = ("key", "fill", "rim")
 _GENERAL = ("lighting", "atmosphere")
 
 
@@ -74,7 +73,7 @@ def is_right(pair: TargetPair, wanted: LabelTarget, scene: LabeledScene) -> bool
         )
     if wanted.kind == "lights":
         return _plain(names) == wanted.names
-    if wanted.kind in _ROLES:
+    if wanted.kind in ROLES:
         return kind == wanted.kind or names == _of_role(wanted.kind, scene)
     if wanted.kind == "light":
         return kind in ("light", "shadow") or (kind == "lights" and names == _of_role("key", scene))

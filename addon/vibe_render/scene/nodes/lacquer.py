@@ -9,7 +9,7 @@ from functools import partial
 from bpy.types import Material
 
 from ...core.journal import Journal
-from ...core.value_slots import ValueSlot
+from ...core.value_slots import ValueSlot, same
 from . import inputs, layers
 from .layers import Layer
 from .trails import NodeEntry
@@ -37,20 +37,30 @@ class StrengthSlot:
     def set(self, journal: Journal, raw: float) -> None:
         """Makes the color as strong as that."""
         color, strongest = self.color.get(), max(self.color.get()[:3])
-        if raw == self.get():
+        if same(raw, self.get()):
             return
         self.color.set(journal, tuple(raw * c / strongest if strongest else raw for c in color[:3]))
 
 
-def layer(shown: list[Layer], base: Layer) -> Layer | None:
-    """The lacquer over a shader.
+def gloss(every: list[Layer], base: Layer) -> Layer | None:
+    """The glossy shader that is mixed with another one.
 
     Args:
-        shown: The shaders of a material.
+        every: The shaders of a material, in the order of the mixes.
         base: The one that has the color.
     """
-    gloss = next((x for x in shown if x.matter == "metal" and x != base and x.sides), None)
-    return gloss if gloss and gloss.sides[-1].grazing else None
+    return next((x for x in every if x.matter == "metal" and x != base and x.sides), None)
+
+
+def layer(every: list[Layer], base: Layer) -> Layer | None:
+    """The lacquer over a metal; None over anything else.
+
+    Args:
+        every: The shaders of a material, in the order of the mixes.
+        base: The one that has the color.
+    """
+    over = gloss(every, base) if base.matter == "metal" else None
+    return over if over and over.sides[-1].grazing else None
 
 
 def weight(material: Material) -> ValueSlot | None:
@@ -65,7 +75,6 @@ def roughness(material: Material) -> ValueSlot | None:
 
 
 def _entry(material: Material, name: str) -> NodeEntry | None:
-    shown = layers.by_prominence(material)
-    base = next((x for x in shown if x.shader.input("Base Color")), None)
-    coat = layer(shown, base) if base and base.matter == "metal" else None
+    body = layers.body(material)
+    coat = layer(layers.layers(material), body[0]) if body else None
     return coat.shader.entry(name) if coat else None
