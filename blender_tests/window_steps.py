@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What several ways through the panel begin with. See window_driver.py."""
 
+import time
+
 import bpy
 from window_scene import effort
 
@@ -27,9 +29,24 @@ def running(screen):
     effort(20, 60, 256)
     yield from screen.click_on("vibe.run", 236)
     yield from screen.wait(lambda: addon_state.running, 60, "Vibe It starts")
+    yield from first_look(screen)
     yield from screen.wait(lambda: addon_state.session.progress, 900, "progress is seen")
     yield 1.0
     screen.shoot("running")
+
+
+def first_look(screen):
+    """The first look is awaited; how long after the click its values and its picture came is noted."""
+    from bl_ext.user_default.vibe_render.session import preview
+    from bl_ext.user_default.vibe_render.session.state import addon_state
+
+    session, began = addon_state.session, time.monotonic()
+    yield from screen.wait(lambda: preview.exists(bpy.context.scene), 300, "the first look is in the scene")
+    seen = time.monotonic()
+    yield from screen.wait(lambda: session.words, 60, "its picture is in the panel")
+    drawn = time.monotonic()
+    screen.observed.setdefault("first_looks", []).append([round(seen - began, 2), round(drawn - began, 2)])
+    screen.shoot("first_look")
 
 
 def a_result(screen, variants=1):

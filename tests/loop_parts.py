@@ -7,6 +7,8 @@ PROMPT = "glossy teal ball, white studio background"
 class Silent:
     """Follows the loop without a word; ends it after some steps."""
 
+    wants_looks = False
+
     def __init__(self, end=10**9):
         self.end, self.seen = end, []
 

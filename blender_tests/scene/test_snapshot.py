@@ -6,7 +6,7 @@ import pytest
 import small_scenes as scenes
 from dump import changes, dump
 from results import PIVOT, vibe
-from vibe_render.core import compat
+from vibe_render.core import compat, stored_journal
 from vibe_render.scene import bindings, fog, prepare, scene_context, snapshot
 from vibe_render.scene.nodes import owned
 
@@ -147,7 +147,7 @@ def test_shared_compositing_is_changed_for_one_scene_only(scene):
 
 def test_a_snapshot_of_a_newer_version_is_refused(scene):
     vibe(scene, scenes.studio(scene))
-    scene[snapshot.KEY]["version"] = snapshot.VERSION + 1
+    scene[snapshot.KEY]["version"] = stored_journal.VERSION + 1
     with pytest.raises(schema.VibeError, match="newer"):
         snapshot.revert(scene)
     assert snapshot.exists(scene)

@@ -106,6 +106,13 @@ def test_stop_cancel_and_esc(walk):
         assert observed[f"{name}_restores"], name
 
 
+def test_a_first_look_comes_before_the_search(walk):
+    """It is in the scene and in the panel; how quickly is printed, for machines differ."""
+    looks = walk("ways_out")["first_looks"]
+    print("seconds to the values and to the picture, the first time with a cold engine:", looks)
+    assert len(looks) == 4
+
+
 def test_preferences_find_and_try_the_engine(walk):
     """The engine is found by itself, and answers."""
     assert "answers" in walk("ways_out")["engine"]

@@ -14,7 +14,7 @@ import sys
 import threading
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING, BinaryIO, TypeVar
 
 from .. import __version__
 from ..folders import cache_folder
@@ -24,11 +24,14 @@ from ..schema.wire import check_schema, encode, read
 if TYPE_CHECKING:
     from torch import Tensor
 
+    from ..optimize.looks import Look
+    from .glances import Glances
     from .session import EngineSession
 
 BEFORE = "before.png"
 _PREVIEW_SECONDS = 1.0
 _PROGRESS_SECONDS = 0.1
+_Look = TypeVar("_Look", bound=messages.Look)
 _ANSWER_SECONDS = 600.0
 """Most that Blender may take to answer: it may be rendering something else first."""
 
@@ -64,7 +67,7 @@ class Wire:
     def _listen(self) -> None:
         try:
             for message in read(self._source):
-                if isinstance(message, messages.Vibe):
+                if isinstance(message, messages.Vibe | messages.Glance):
                     self.stop.clear()
                     self.anchored = queue.Queue()  # what comes in it belongs to an earlier vibe
                 elif isinstance(message, messages.Stop | messages.Quit):
@@ -82,10 +85,16 @@ class Wire:
 
 
 class RemoteObserver:
-    """Tells the other side how the loop goes, and the loop when to end."""
+    """Tells the other side how the loop goes, and the loop when to end.
 
-    def __init__(self, wire: Wire, job: Path) -> None:
-        self._wire, self._job = wire, job
+    Args:
+        wire: To the other side.
+        job: Gets the pictures.
+        wants_looks: Whether the other side shows looks before the end.
+    """
+
+    def __init__(self, wire: Wire, job: Path, wants_looks: bool = False) -> None:
+        self._wire, self._job, self.wants_looks = wire, job, wants_looks
         self._previewed = self._told = 0.0
 
     def stage(self, name: str) -> None:
@@ -102,6 +111,14 @@ class RemoteObserver:
 
         save_picture(display, self._job / BEFORE)
         self._wire.send(messages.Stage("looking for the look", BEFORE))
+
+    def look(self, look: Look) -> None:
+        """Hands a look over.
+
+        Args:
+            look: The look; one whose picture is not drawn yet leaves the last picture as it is.
+        """
+        self._wire.send(_message(messages.Look, look, self._job))
 
     def step(self, progress: messages.Progress, display: Tensor) -> bool:
         """Reports a step, with a new preview about once a second.
@@ -160,6 +177,7 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
     wire.send(messages.Ready(schema_hash(), __version__))
     _warm_up()
     session: EngineSession | None = None
+    glances: Glances | None = None
     while True:
         request = wire.inbox.get()
         if request is None or isinstance(request, messages.Quit):
@@ -170,6 +188,9 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
             if isinstance(request, messages.Vibe):
                 session = None
                 session = _vibe(wire, request)
+            elif isinstance(request, messages.Glance):
+                glances = glances or _no_glances()
+                wire.send(_glance(wire, request, glances))
             elif isinstance(request, messages.Finish):
                 if session is None:
                     raise VibeError("There is nothing to finish.", "Send a vibe first.")
@@ -197,7 +218,7 @@ def _file_trouble(request: object, error: OSError) -> messages.Error:
     if error.errno not in (errno.ENOSPC, errno.EDQUOT):
         return _fault(error)
     folder = Path(request.compare_out).parent if isinstance(request, messages.Finish) else None
-    folder = Path(request.job) if isinstance(request, messages.Vibe) else folder
+    folder = Path(request.job) if isinstance(request, messages.Vibe | messages.Glance) else folder
     return messages.Error(
         f"There is no room left on the disk, in {folder or 'its folder'}.", "Make room there."
     )
@@ -208,7 +229,7 @@ def _vibe(wire: Wire, request: messages.Vibe) -> EngineSession:
     check_schema(request.schema, "add-on")
     options = messages.Options.from_dict(request.options)
     job = Path(request.job)
-    observer = RemoteObserver(wire, job)
+    observer = RemoteObserver(wire, job, request.looks)
     observer.stage("loading the engine")
     from .session import EngineSession
 
@@ -216,6 +237,30 @@ def _vibe(wire: Wire, request: messages.Vibe) -> EngineSession:
     session = EngineSession(shots, request.prompt, options, observer, request.vlm_key)
     wire.send(session.run())
     return session
+
+
+def _no_glances() -> Glances:
+    from .glances import Glances
+
+    return Glances()
+
+
+def _glance(wire: Wire, request: messages.Glance, glances: Glances) -> messages.Glanced:
+    """Carries out one glance; empty where no word is known yet, or it was stopped."""
+    check_schema(request.schema, "add-on")
+    look = glances.look(request, wire.stop.is_set)
+    return _message(messages.Glanced, look, Path(request.job)) if look else messages.Glanced({})
+
+
+def _message(kind: type[_Look], look: Look, job: Path) -> _Look:
+    """The message of a look, whose picture is written into the job folder."""
+    from ..optimize.progress import PREVIEW
+    from .report import save_picture
+
+    if look.display is not None:
+        save_picture(look.display, job / PREVIEW)
+    values = {key: list(value) for key, value in look.values.items()}
+    return kind(values, "" if look.display is None else PREVIEW, dict(look.words))
 
 
 def _warm_up() -> None:

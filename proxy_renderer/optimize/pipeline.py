@@ -43,6 +43,7 @@ def run(
         VibeError: If no word of the prompt is known, or nothing that the words touch may change.
     """
     search = Search(views, prompt, options, encoder, heads, observer, advisor)
+    search.show_plan()
     outcomes = []
     for start in find_starts(search):
         outcomes.append(Refinement(search, start).run())

@@ -13,13 +13,20 @@ if TYPE_CHECKING:
     from torch import Tensor
 
     from ..render.proxy import Render
+    from .looks import Look
 
 PREVIEW = "preview.png"
 """The preview's name in the job folder."""
 
 
 class Observer(Protocol):
-    """Who follows the loop."""
+    """Who follows the loop.
+
+    Attributes:
+        wants_looks: Whether looks are shown before the end, see `looks`.
+    """
+
+    wants_looks: bool
 
     def stage(self, name: str) -> None:
         """Something other than a step begins."""
@@ -29,6 +36,13 @@ class Observer(Protocol):
 
         Args:
             display: (H, W, 3) what the artist's own values look like to it, in [0, 1].
+        """
+
+    def look(self, look: Look) -> None:
+        """There is a look, or a better one.
+
+        Args:
+            look: Its values; with a picture a moment later.
         """
 
     def step(self, progress: Progress, display: Tensor) -> bool:

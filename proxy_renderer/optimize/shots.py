@@ -15,8 +15,10 @@ from ..claims.measures.picture import MeasuredPicture
 from ..prompt.types import Plan
 from ..scene import SceneData
 from ..schema import Instance
+from ..schema.messages import Options
 from .anchoring import Anchoring, PictureSource
 from .drawing import chosen_values, draw
+from .plan import lock
 from .vector import ParameterVector
 
 if TYPE_CHECKING:
@@ -166,6 +168,25 @@ def enter(
             ShotState(view.scene, mine, own_vector, renderer, Anchoring(renderer, own_vector, view.source))
         )
     return shots
+
+
+def gathered(
+    views: Sequence[ShotInput], options: Options, proxy: Callable[[SceneData], Proxy]
+) -> tuple[ParameterVector, list[ShotState]]:
+    """The shots of a vibe, and the vector of what they share.
+
+    Args:
+        views: The shots.
+        options: What may change.
+        proxy: Makes the proxy of a scene.
+
+    Raises:
+        VibeError: A group or a lock names nothing.
+    """
+    instances, names = share(views, ("camera", "film") if options.grade_each else ("camera",))
+    vector = ParameterVector(lock(instances, options.groups, options.lock, options.camera))
+    vector.taken = added_powers(views[0].scene)
+    return vector, enter(views, names, vector, proxy)
 
 
 def added_powers(scene: SceneData) -> set[str]:

@@ -49,6 +49,7 @@ class Vibe:
         options: The fields of `Options`.
         vlm_key: The model's key from the add-on's preferences; it goes through the pipe and nowhere else.
         shots: All of several shots; empty for a single one.
+        looks: Whether looks are wanted before the result, see `Look`.
     """
 
     type: ClassVar[str] = "vibe"
@@ -58,6 +59,7 @@ class Vibe:
     options: dict[str, Any] = field(default_factory=dict)
     vlm_key: str = field(default="", repr=False)
     shots: list[Shot] = field(default_factory=list)
+    looks: bool = False
 
     def __post_init__(self) -> None:
         """Shots that come over the wire are plain objects."""
@@ -66,11 +68,53 @@ class Vibe:
 
 
 @dataclass(frozen=True)
+class Glance:
+    """Blender → engine: only what the plan gives for these words, quickly; a `Glanced` answers, after a `Stop` an empty one.
+
+    Attributes:
+        schema: Blender's schema hash.
+        job: The job folder; the engine keeps its scene for the next glance.
+        prompt: What the artist has typed so far.
+        options: The fields of `Options`.
+    """
+
+    type: ClassVar[str] = "glance"
+    schema: str
+    job: str
+    prompt: str
+    options: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Look:
+    """Engine → Blender: values on the way to the result, to be seen in the scene until there are better ones.
+
+    Attributes:
+        values: As those of `Result`.
+        picture: The proxy's picture of them, a file name in the job folder; "" before it is drawn.
+        words: Word to whether the picture shows it.
+    """
+
+    type: ClassVar[str] = "look"
+    values: dict[str, list[float]]
+    picture: str = ""
+    words: dict[str, bool] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Glanced(Look):
+    """Engine → Blender: the answer to a `Glance`."""
+
+    type: ClassVar[str] = "glanced"
+
+
+@dataclass(frozen=True)
 class Stage:
     """Engine → Blender: what is going on outside the loop, for a status line.
 
     Attributes:
-        picture: When the loop begins: the artist's own values, a file name in the job folder; else "".
+        picture: When the loop begins: the artist's own values, a file name in the job folder; else "". With looks it comes
+            twice: the second is corrected by an anchor.
     """
 
     type: ClassVar[str] = "stage"
@@ -254,5 +298,19 @@ class Quit:
 
 
 Message = (
-    Ready | Vibe | Stage | Progress | Anchor | Anchored | Result | Stop | Finish | Finished | Error | Quit
+    Ready
+    | Vibe
+    | Glance
+    | Stage
+    | Look
+    | Glanced
+    | Progress
+    | Anchor
+    | Anchored
+    | Result
+    | Stop
+    | Finish
+    | Finished
+    | Error
+    | Quit
 )

@@ -306,6 +306,8 @@ class TestReply:
 
 
 class Silent:
+    wants_looks = False
+
     def __init__(self):
         self.seen = []
 

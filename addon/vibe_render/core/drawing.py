@@ -45,6 +45,14 @@ def paragraph(
         column.label(text=line, icon="BLANK1" if number and icon != "NONE" else icon)
 
 
+def see_rendered(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """A button that shows the viewport rendered, where it is not yet."""
+    if context.space_data and context.space_data.type == "VIEW_3D":
+        shading = context.space_data.shading
+        if shading.type != "RENDERED":
+            layout.prop_enum(shading, "type", "RENDERED", text="See It Rendered")
+
+
 def columns(context: bpy.types.Context) -> int:
     """About how many letters go into a line of the region."""
     return max(16, int(context.region.width / (7.0 * context.preferences.system.ui_scale)) - 5)

@@ -130,6 +130,23 @@ class Journal:
         for image in set(bpy.data.images) - images:  # of the Viewer node that Blender puts there
             bpy.data.images.remove(image)
 
+    def remember(self) -> None:
+        """Notes what has been set: `undo` then leaves alone what has another value by that time."""
+        for entry in self.entries:
+            if entry["op"] == "set":
+                owner = _resolve(self.ids[entry["id"]], entry["path"])
+                entry["new"] = self._plain(getattr(owner, entry["name"]))
+
+    def _changed_since(self, entry: JournalEntry) -> bool:
+        """Whether a value is another one than `remember` has noted."""
+        block = self.ids[entry["id"]]
+        if "new" not in entry or block is None:
+            return False
+        try:
+            return self._plain(getattr(_resolve(block, entry["path"]), entry["name"])) != entry["new"]
+        except (LookupError, ValueError, AttributeError, ReferenceError):  # gone: undo says so
+            return False
+
     def _plain(self, value: Any) -> Any:
         if isinstance(value, ID):
             return {"id": self.refer(value)}
@@ -146,7 +163,9 @@ class Journal:
         """
         lost: list[str] = []
         added: list[tuple[str, ID]] = []
-        for entry in reversed(self.entries[first:]):
+        # Before anything is undone: one value may follow from another, as a location from a matrix.
+        left = [entry for entry in self.entries[first:] if not self._changed_since(entry)]
+        for entry in reversed(left):
             block = self.ids[entry["id"]]
             try:
                 if block is None:

@@ -21,7 +21,8 @@ from .find import engine_environment, find_python, own_group
 
 _ABANDON_TIMEOUT = 10.0  # seconds that an engine may take to end a vibe that was given up
 
-_ANSWERS = (message_types.Result, message_types.Finished, message_types.Error)
+_REQUESTS = message_types.Vibe | message_types.Glance | message_types.Finish
+_ANSWERS = (message_types.Result, message_types.Glanced, message_types.Finished, message_types.Error)
 
 _Item: TypeAlias = message_types.Message | schema.VibeError | None  # None: the engine's output has ended
 
@@ -95,7 +96,7 @@ class Engine:
         try:
             process.stdin.write(wire.encode(message))
             process.stdin.flush()
-            self._busy = self._busy or isinstance(message, message_types.Vibe | message_types.Finish)
+            self._busy = self._busy or isinstance(message, _REQUESTS)
         except (OSError, ValueError) as error:
             raise self._report_exit() from error
 

@@ -175,7 +175,7 @@ def write(
         VibeError: A value has the wrong number of components, or is NaN or infinite.
     """
     with snapshot.transaction(scene) as journal:
-        rest = _put(journal, scene, values, subject, pivot)
+        rest = put(journal, scene, values, subject, pivot)
     scene_context.layer(scene).update()
     return rest
 
@@ -190,7 +190,7 @@ def trial(
     """
     journal = Journal()
     try:
-        rest = _put(journal, scene, values, subject, pivot)
+        rest = put(journal, scene, values, subject, pivot)
         scene_context.layer(scene).update()
         yield rest
     finally:
@@ -198,13 +198,22 @@ def trial(
         scene_context.layer(scene).update()
 
 
-def _put(
+def put(
     journal: Journal,
     scene: Scene,
     values: Mapping[str, Sequence[float]],
     subject: Sequence[Object],
     pivot: Sequence[float],
 ) -> dict[str, str]:
+    """Writes values and leaves it to the caller to take them back or to keep the journal.
+
+    Args:
+        journal: Records them, also those before a failure.
+        scene: As for `write`.
+        values: As for `write`.
+        subject: As for `write`.
+        pivot: As for `write`.
+    """
     for key, value in values.items():
         _check(key, value)
     if any(key in own_backdrop.OF_WORLD for key in values):

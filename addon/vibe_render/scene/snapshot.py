@@ -6,20 +6,17 @@ Only what was touched is kept: a journal (see `core/journal.py`) in a custom pro
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from bpy.types import ID, Scene
+from bpy.types import Scene
 
-from ..core import journal_check
+from ..core import stored_journal
 from ..core.journal import Journal
 from ..core.schema_import import schema
 from . import scene_context, stored_subject
 
 KEY = "vibe_snapshot"
-VERSION = 1
-_MOST = 100_000  # data-blocks that a stored snapshot may speak of
 
 
 def take(scene: Scene) -> None:
@@ -90,31 +87,18 @@ def _load(scene: Scene) -> Journal:
         raise schema.VibeError(
             "This scene has no snapshot to revert to.", "Only a vibed scene can be reverted."
         )
-    stored = scene[KEY]
     try:
-        if stored["version"] > VERSION:
-            raise schema.VibeError(
-                "This scene was vibed by a newer version of Vibe Render.", "Update Vibe Render, then revert."
-            )
-        count = min(int(stored["count"]), _MOST)
-        ids = [scene if i == stored["self"] else stored["ids"].get(str(i)) for i in range(count)]
-        entries = journal_check.entries(json.loads(stored["entries"]), count)
-    except (TypeError, ValueError, KeyError, AttributeError, RecursionError) as error:
+        return stored_journal.load(scene, KEY)
+    except stored_journal.Newer as error:
+        raise schema.VibeError(
+            "This scene was vibed by a newer version of Vibe Render.", "Update Vibe Render, then revert."
+        ) from error
+    except stored_journal.Damaged as error:
         raise schema.VibeError(
             "What this scene was like before its vibe is damaged in this file.",
             "Press Keep: the values stay as they are now, and the next vibe starts from them.",
         ) from error
-    return Journal(entries, [i if i is None or isinstance(i, ID) else None for i in ids])
 
 
 def _store(scene: Scene, journal: Journal) -> None:
-    # Pointers instead of names: they survive renaming, saving and reopening.
-    # The scene itself is left out: it must not count as its own user.
-    ids = {str(i): block for i, block in enumerate(journal.ids) if block not in (None, scene)}
-    scene[KEY] = {
-        "version": VERSION,
-        "entries": json.dumps(journal.entries),
-        "count": len(journal.ids),
-        "self": journal.ids.index(scene) if scene in journal.ids else -1,
-        "ids": ids,
-    }
+    stored_journal.store(scene, KEY, journal)

@@ -19,7 +19,7 @@ from ..engine.process import Engine
 from ..export import reading
 from ..render import anchors, black
 from ..scene import shared_materials, snapshot, stored_subject
-from . import before_image, preferences, result
+from . import before_image, preferences, preview, result
 from .status import LOOKING, SessionStatus
 
 READING = "Reading the scene"
@@ -63,6 +63,7 @@ class Session(SessionStatus):
         self._pivot = (0.0, 0.0, 0.0)
         self._before_path = Path()  # of the before image
         self._vibed = False  # whether an earlier vibe is in the scene
+        self._shown: dict[str, list[float]] | None = None  # values of the look that is in the scene
         self._options = settings.engine_options(context)
         saved = preferences.get(context)
         self._key = saved.vlm_key if saved else ""
@@ -111,10 +112,10 @@ class Session(SessionStatus):
     def _run(self) -> Generator[str]:
         """The vibe's steps. It yields before every wait, so that the panel can show the next stage."""
         yield self.stage
-        yield from self._in_background(self._engine.start)
+        yield from self._start_engine()
         while not self._engine.settle():
             yield self.stage
-        yield from self._in_background(self._engine.start)  # it may have died of the last one
+        yield from self._start_engine()  # it may have died of the last one
         self.stage = READING
         yield self.stage
         scene = self._find_scene()
@@ -126,12 +127,17 @@ class Session(SessionStatus):
             # In other modes one undo would not take the vibe back.
             yield from self._object_mode("Found. Go back to Object Mode to see it")
             scene, engine_result = self._find_scene(), cast(messages.Result, self._result)
+            preview.hide(scene)
             result.apply(scene, self.prompt, engine_result, self.subject(scene), self._pivot)
             if self._choice.explicit:
                 stored_subject.remember(scene, self.subject(scene))
         except BaseException:  # Esc closes this generator, which raises here
             self._restore(start)
             raise
+
+    def _start_engine(self) -> Generator[str]:
+        if not self._engine.alive:
+            yield from self._in_background(self._engine.start)
 
     def _in_background(self, act: Callable[[], T]) -> Generator[str, None, T]:
         """Runs a function that needs no Blender in a thread; returns its result."""
@@ -185,7 +191,7 @@ class Session(SessionStatus):
 
     def _wait_for_result(self) -> Generator[str]:
         request = messages.Vibe(
-            schema.schema_hash(), str(self._job), self.prompt, asdict(self._options), self._key
+            schema.schema_hash(), str(self._job), self.prompt, asdict(self._options), self._key, looks=True
         )
         self._engine.send(request)
         self._last_word_at = time.monotonic()
@@ -198,12 +204,26 @@ class Session(SessionStatus):
                 self.receive(message)
                 if isinstance(message, messages.Stage) and message.picture:
                     picture = self._job / message.picture
-                    if note := black.note(scene, picture):
+                    if (note := black.note(scene, picture)) and note not in self.view_notes:
                         self.view_notes = [*self.view_notes, note]
                         self.warnings = [note, *self.warnings]
                     self.before = before_image.store(self._before_path, picture, not self._vibed)
+                if isinstance(message, messages.Look):
+                    self._show(message)
                 if isinstance(message, messages.Anchor):
                     yield from self._anchor(message)
+
+    def _show(self, look: messages.Look) -> None:
+        """Shows a look in the scene, unless its values are shown already."""
+        if look.values != self._shown:
+            scene, self._shown = self._find_scene(), look.values
+            preview.show(scene, look.values, self.subject(scene), self._pivot)
+
+    def show_again(self) -> None:
+        """Shows the newest look again, which a file that was saved, or an undo, has left out."""
+        self._shown = None
+        if self.look and self._result is None and self._scene_if_there():
+            self._show(self.look)
 
     def _anchor(self, request: messages.Anchor) -> Generator[str]:
         """Renders an anchor, which blocks Blender for about a second; the panel says so before."""
@@ -212,7 +232,10 @@ class Session(SessionStatus):
         self.stage = ANCHORING
         yield self.stage
         scene = self._find_scene()
-        self._engine.send(anchors.answer(scene, self._job, request, self.subject(scene), self._pivot))
+        preview.hide(scene)
+        answer = anchors.answer(scene, self._job, request, self.subject(scene), self._pivot)
+        self.show_again()
+        self._engine.send(answer)
         self._last_word_at = time.monotonic()
         if not self._stopping:
             self.stage = LOOKING
@@ -230,8 +253,10 @@ class Session(SessionStatus):
         return [scene.objects[name] for name in self._subject if name in scene.objects]
 
     def _restore(self, start: int) -> None:
-        """Takes back what the export has added, unless an undo or another file has done so already."""
+        """Takes back the preview, and what the export has added, unless an undo or another file has done so already."""
         scene = self._scene_if_there()
+        if scene is not None:
+            preview.hide(scene)
         if scene is None or not snapshot.exists(scene) or snapshot.mark(scene) < start:
             return
         snapshot.rollback(scene, start)

@@ -24,6 +24,8 @@ class SessionStatus:
         stage: The present stage, in words.
         progress: The newest progress message.
         before: The engine's picture of the scene as it was.
+        look: The newest look that is shown in the scene before the result.
+        words: Word to whether that look's picture shows it.
         preview: The newest picture of the look.
         variants: The variants, the best first, each with its picture; empty unless several were asked for.
     """
@@ -32,6 +34,8 @@ class SessionStatus:
         self.stage = "Starting the engine"
         self.progress: messages.Progress | None = None
         self.before: Path | None = None
+        self.look: messages.Look | None = None
+        self.words: dict[str, bool] = {}
         self.preview: Path | None = None
         self.variants: list[tuple[messages.Variant, Path]] = []
         self._job = job
@@ -92,6 +96,10 @@ class SessionStatus:
             self.stage = message.name.capitalize()
             if message.picture:
                 self.before = self._job / message.picture
+        elif isinstance(message, messages.Look):
+            self.look, self.words = message, message.words or self.words
+            if message.picture:
+                self.preview = self._job / message.picture
         elif isinstance(message, messages.Progress):
             self.progress = message
             self.stage = LOOKING

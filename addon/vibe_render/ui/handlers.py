@@ -6,6 +6,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.handlers import persistent
 
+from ..session import preview
 from ..session.state import addon_state
 
 
@@ -15,11 +16,38 @@ def _before_load(*_: object) -> None:
     addon_state.cancel()
 
 
+@persistent
+def _before_save(*_: object) -> None:
+    """A file holds the artist's values, not a preview."""
+    preview.hide_all()
+
+
+@persistent
+def _show_again(*_: object) -> None:
+    """After a save or an undo the scene shows what the vibe that runs has found, and nothing of one that does not run."""
+    preview.hide_all()
+    if addon_state.running and addon_state.session:
+        addon_state.session.show_again()
+
+
+_HANDLERS = {
+    "load_pre": _before_load,
+    "load_post": _show_again,
+    "save_pre": _before_save,
+    "save_post": _show_again,
+    "save_post_fail": _show_again,
+    "undo_post": _show_again,
+    "redo_post": _show_again,
+}
+
+
 def register() -> None:
-    """Adds our handler to Blender's."""
-    bpy.app.handlers.load_pre.append(_before_load)
+    """Adds our handlers to Blender's."""
+    for name, handler in _HANDLERS.items():
+        getattr(bpy.app.handlers, name).append(handler)
 
 
 def unregister() -> None:
     """Inverse of `register`."""
-    bpy.app.handlers.load_pre.remove(_before_load)
+    for name, handler in _HANDLERS.items():
+        getattr(bpy.app.handlers, name).remove(handler)

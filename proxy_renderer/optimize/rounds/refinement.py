@@ -167,6 +167,8 @@ class Refinement:
         self._rounds[-1]["missed"] = missed._asdict()
         anchors = [shot.anchoring.newest for shot in self._search.shots]
         self._ends.append(RoundEnd(self._u, self._loss, self._last, missed, anchors))
+        if self._start.drawn is None and _nearest(self._ends) is self._ends[-1]:
+            self._search.show(self._u, self._last.advice.parsed)
 
     def _round(self) -> bool:
         """Lines 2 to 16; returns whether another round may be worth it."""

@@ -17,20 +17,21 @@ from ...guidance.encoder import Encoder
 from ...guidance.losses import claims_loss
 from ...planning.advice import Advice, Advisor, OfflineAdvisor
 from ...prompt.lexicon.user_words import default_vocabulary
-from ...prompt.types import Plan, PlanEntry
+from ...prompt.types import Parsed, Plan, PlanEntry
 from ...render.proxy import Proxy, Render
 from ...scene import SceneData
-from ...schema import Values
+from ...schema import Values, VibeError
 from ...schema.messages import Options
 from .. import context
 from ..baseline import plan_everything, step_settings
 from ..inner.adam import descend
 from ..inner.descent import Descent
 from ..inner.least_squares import solve
-from ..plan import carry, feasible_ranges, lock
+from ..looks import Looks
+from ..plan import carry, feasible_ranges
 from ..progress import Clock, Observer
-from ..shots import ShotInput, ShotState, added_powers, enter, share
-from ..vector import ParameterVector, around, opened, project
+from ..shots import ShotInput, ShotState, gathered
+from ..vector import around, opened, project
 from . import starts
 from .judges import make_guidance, weights_of
 from .selection import Selection, select
@@ -94,6 +95,7 @@ class Search:
         weights: Of the terms of the loss.
         clock: Reports progress to the observer.
         number: Of the current round, counted over all starts.
+        looks: Shown before the end; None where nobody wants them, and for several shots.
     """
 
     def __init__(
@@ -107,17 +109,15 @@ class Search:
         advisor: Advisor | None,
     ) -> None:
         self.options, self.observer = options, observer
-        instances, names = share(views, ("camera", "film") if options.grade_each else ("camera",))
-        self.vector = ParameterVector(lock(instances, options.groups, options.lock, options.camera))
 
         def proxy(scene: SceneData) -> Proxy:
             size = context.inner_size(scene, options, encoder)
             return Proxy(scene, size, device=str(encoder.device), seed=options.seed)
 
-        self.vector.taken = added_powers(views[0].scene)
-        self.shots = enter(views, names, self.vector, proxy)
+        self.vector, self.shots = gathered(views, options, proxy)
         words = context.scene_words(*(view.scene for view in views))
-        self.advisor = advisor or OfflineAdvisor(prompt, words, options.reader)
+        self.offline = OfflineAdvisor(prompt, words, options.reader)
+        self.advisor = advisor or self.offline
         self.several = options.variants > 1 and not options.baseline
         # Variants share what would be one vibe's time, as far as that goes.
         self.rounds = -(-options.rounds // 2) if self.several else options.rounds
@@ -127,6 +127,30 @@ class Search:
         self._artists: list[Render] = []
         self._asked: object = None
         self.number = 0
+        alone = len(self.shots) == 1 and not options.baseline
+        self.looks = Looks(self.shots[0]) if alone and observer.wants_looks else None
+
+    def show_plan(self) -> None:
+        """Shows what the words alone give, before the first anchor; the words' own plan, also where a model is asked later."""
+        if self.looks is None:
+            return
+        try:
+            u, advice = self.looks.planned(self.offline)
+        except VibeError:  # if nobody else understands the words either, the first round says so
+            return
+        self.observer.begin(self.looks.before.display)
+        self.observer.look(self.looks.values(u))
+        self.observer.look(self.looks.drawn(u, advice.parsed))
+
+    def show(self, u: Tensor, parsed: Parsed) -> None:
+        """Shows the best look so far.
+
+        Args:
+            u: (N,) where a round has ended.
+            parsed: The prompt, as that round understood it.
+        """
+        if self.looks:
+            self.observer.look(self.looks.drawn(u, parsed))
 
     def renew(self, u: Tensor, number: int, **options: float) -> None:
         """Corrects the proxies of all shots at u.

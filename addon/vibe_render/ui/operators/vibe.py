@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import contextlib
+import time
 from typing import ClassVar
 
 import bpy
@@ -17,7 +18,8 @@ from ...session.session import Session
 from ...session.state import addon_state
 from ..obstacles import obstacle
 
-_TICK = 0.1  # seconds between two steps of the session
+_TICK = 0.02  # seconds between two steps of the session
+_REDRAW = 0.1  # seconds after which the panels are drawn again though the stage is the same
 
 
 class VIBE_OT_run(bpy.types.Operator):
@@ -49,6 +51,7 @@ class VIBE_OT_run(bpy.types.Operator):
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Starts the vibe in the background."""
         self._session = self._begin(context, ask=True)
+        self._drawn = "", 0.0
         manager = context.window_manager
         self._timer = manager.event_timer_add(_TICK, window=context.window)
         manager.modal_handler_add(self)
@@ -77,11 +80,18 @@ class VIBE_OT_run(bpy.types.Operator):
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
         failure = _advance(session)
-        drawing.redraw()
+        self._redraw(session)
         if addon_state.running and failure is None:
             return {"PASS_THROUGH"}
         self._clean_up(context)
         return self._done(failure, "WARNING")  # the panel explains; no need for a pop-up
+
+    def _redraw(self, session: Session) -> None:
+        """Draws the panels again: at once when a stage begins, which may block Blender in the next step."""
+        now = time.monotonic()
+        if session.stage != self._drawn[0] or now - self._drawn[1] > _REDRAW:
+            self._drawn = session.stage, now
+            drawing.redraw()
 
     def cancel(self, context: bpy.types.Context) -> None:
         """Blender calls this when the window closes; nothing has been written yet."""

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import bpy
 
 from ...core import drawing
@@ -23,11 +25,20 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context, session: Sessio
         if icon := picture_icons.icon(session.before, session.preview):
             box.template_icon(icon_value=icon, scale=11.5)
         box.progress(factor=session.fraction, text=_stage(session))
+        if session.words:
+            paragraph(
+                box,
+                context,
+                _open_words(session.words),
+                "CHECKMARK" if all(session.words.values()) else "TIME",
+            )
         for note in session.view_notes:
             paragraph(box, context, note, "ERROR")
         if session.silence > SILENT:
             note = f"No word from the engine for {drawing.duration(session.silence)}. Wait, or cancel: "
             paragraph(box, context, f"{note}the next vibe starts a new one.", "ERROR")
+    if session.look:
+        drawing.see_rendered(box, context)
     buttons = box.column(align=True)
     buttons.scale_y = 1.3
     if not session.question:
@@ -37,6 +48,15 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context, session: Sessio
     hint.active, hint.alignment = False, "CENTER"
     esc = "Esc stops and uses the best" if session.can_stop else "Esc cancels"
     hint.label(text="Blender pauses for a moment" if session.stage in PAUSING else esc)
+
+
+def _open_words(words: Mapping[str, bool]) -> str:
+    """Which words the look so far does not show."""
+    missing = [word for word, shown in words.items() if not shown]
+    if not missing:
+        return "The look so far shows all words" if len(words) > 1 else "The look so far shows the word"
+    verb = "does" if len(missing) == 1 else "do"
+    return f"{len(missing)} of {len(words)} words {verb} not show yet: {', '.join(missing)}"
 
 
 def _stage(session: Session) -> str:

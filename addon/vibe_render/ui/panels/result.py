@@ -10,7 +10,7 @@ from typing import Any
 
 import bpy
 
-from ...core.drawing import GROUP_ICONS, columns, paragraph
+from ...core.drawing import GROUP_ICONS, columns, paragraph, see_rendered
 from ...core.schema_import import labels, schema
 from ...export.notes import shortened
 from ...scene import snapshot
@@ -72,10 +72,7 @@ def _draw_compare(layout: bpy.types.UILayout, context: bpy.types.Context) -> Non
     row.prop(settings, "show_original", text="Before", toggle=True)
     row.prop(settings, "show_original", text="After", toggle=True, invert_checkbox=True)
     column.prop(settings, "strength", slider=True)
-    if context.space_data and context.space_data.type == "VIEW_3D":
-        shading = context.space_data.shading
-        if shading.type != "RENDERED":
-            column.prop_enum(shading, "type", "RENDERED", text="See It Rendered")
+    see_rendered(column, context)
 
 
 def _draw_session(layout: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
