@@ -43,12 +43,12 @@ class Glances:
             VibeError: The job cannot be read.
         """
         options = messages.Options.from_dict(request.options)
-        views = [ShotInput(*with_additions([self._scene(request.job)], request.prompt, options.reader))]
-        _, (shot,) = gathered(views, options, lambda scene: self._proxy(scene, options))
+        (scene,) = with_additions([self._scene(request.job)], request.prompt, options.reader)
+        _, (shot,) = gathered([ShotInput(scene)], options, lambda _: self._proxy(scene, options))
         if stopped():
             return None
         looks = Looks(shot)
-        advisor = OfflineAdvisor(request.prompt, context.scene_words(views[0].scene), options.reader)
+        advisor = OfflineAdvisor(request.prompt, context.scene_words(scene), options.reader)
         try:
             u, advice = looks.planned(advisor)
         except VibeError:  # half a word, perhaps
