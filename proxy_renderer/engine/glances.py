@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..guidance.encoder import load_encoder
 from ..optimize import context
-from ..optimize.looks import Look, Looks
+from ..optimize.looks import EarlyLook, Looks
 from ..optimize.shots import ShotInput, gathered
 from ..planning.advice import OfflineAdvisor
 from ..render.proxy import Proxy
@@ -29,7 +29,7 @@ class Glances:
         self._found: SceneData | None = None
         self._proxies: dict[tuple[str, ...], Proxy] = {}
 
-    def look(self, request: messages.Glance, stopped: Callable[[], bool]) -> Look | None:
+    def look(self, request: messages.Glance, stopped: Callable[[], bool]) -> EarlyLook | None:
         """The look of a glance.
 
         Args:

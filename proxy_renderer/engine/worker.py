@@ -24,14 +24,14 @@ from ..schema.wire import check_schema, encode, read
 if TYPE_CHECKING:
     from torch import Tensor
 
-    from ..optimize.looks import Look
+    from ..optimize.looks import EarlyLook
     from .glances import Glances
     from .session import EngineSession
 
 BEFORE = "before.png"
 _PREVIEW_SECONDS = 1.0
 _PROGRESS_SECONDS = 0.1
-_Look = TypeVar("_Look", bound=messages.Look)
+_Look = TypeVar("_Look", bound=messages.LookSoFar)
 _ANSWER_SECONDS = 600.0
 """Most that Blender may take to answer: it may be rendering something else first."""
 
@@ -112,13 +112,13 @@ class RemoteObserver:
         save_picture(display, self._job / BEFORE)
         self._wire.send(messages.Stage("looking for the look", BEFORE))
 
-    def look(self, look: Look) -> None:
+    def look(self, look: EarlyLook) -> None:
         """Hands a look over.
 
         Args:
             look: The look; one whose picture is not drawn yet leaves the last picture as it is.
         """
-        self._wire.send(_message(messages.Look, look, self._job))
+        self._wire.send(_message(messages.LookSoFar, look, self._job))
 
     def step(self, progress: messages.Progress, display: Tensor) -> bool:
         """Reports a step, with a new preview about once a second.
@@ -252,7 +252,7 @@ def _glance(wire: Wire, request: messages.Glance, glances: Glances) -> messages.
     return _message(messages.Glanced, look, Path(request.job)) if look else messages.Glanced({})
 
 
-def _message(kind: type[_Look], look: Look, job: Path) -> _Look:
+def _message(kind: type[_Look], look: EarlyLook, job: Path) -> _Look:
     """The message of a look, whose picture is written into the job folder."""
     from ..optimize.progress import PREVIEW
     from .report import save_picture

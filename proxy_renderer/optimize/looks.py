@@ -24,7 +24,7 @@ from .vector import project
 
 
 @dataclass(frozen=True)
-class Look:
+class EarlyLook:
     """Values on the way to the result.
 
     Attributes:
@@ -70,11 +70,11 @@ class Looks:
         ranges = feasible_ranges(advice.plan, vector.instances, values)
         return project(self._home, *vector.bounds(ranges)), advice
 
-    def values(self, u: Tensor) -> Look:
+    def values(self, u: Tensor) -> EarlyLook:
         """The values of u (N,), without a picture."""
-        return Look(self._shot.vector.changes(u), None, {})
+        return EarlyLook(self._shot.vector.changes(u), None, {})
 
-    def drawn(self, u: Tensor, parsed: Parsed) -> Look:
+    def drawn(self, u: Tensor, parsed: Parsed) -> EarlyLook:
         """The values of u with their picture.
 
         Args:
@@ -87,7 +87,7 @@ class Looks:
         judged = ShotClaims(claims, self._before_seen, self._seen(u))
         rows = judged.verdicts(self.before.display, display, display)
         words = {word: not missing for word, missing in verdicts.missing_by_word(rows).items()}
-        return Look(self._shot.vector.changes(u), display, words)
+        return EarlyLook(self._shot.vector.changes(u), display, words)
 
     def _seen(self, u: Tensor) -> GBuffer:
         with torch.no_grad():

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from torch import Tensor
 
     from ..render.proxy import Render
-    from .looks import Look
+    from .looks import EarlyLook
 
 PREVIEW = "preview.png"
 """The preview's name in the job folder."""
@@ -38,7 +38,7 @@ class Observer(Protocol):
             display: (H, W, 3) what the artist's own values look like to it, in [0, 1].
         """
 
-    def look(self, look: Look) -> None:
+    def look(self, look: EarlyLook) -> None:
         """There is a look, or a better one.
 
         Args:

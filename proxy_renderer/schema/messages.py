@@ -49,7 +49,7 @@ class Vibe:
         options: The fields of `Options`.
         vlm_key: The model's key from the add-on's preferences; it goes through the pipe and nowhere else.
         shots: All of several shots; empty for a single one.
-        looks: Whether looks are wanted before the result, see `Look`.
+        looks: Whether looks are wanted before the result, see `LookSoFar`.
     """
 
     type: ClassVar[str] = "vibe"
@@ -86,7 +86,7 @@ class Glance:
 
 
 @dataclass(frozen=True)
-class Look:
+class LookSoFar:
     """Engine → Blender: values on the way to the result, to be seen in the scene until there are better ones.
 
     Attributes:
@@ -102,7 +102,7 @@ class Look:
 
 
 @dataclass(frozen=True)
-class Glanced(Look):
+class Glanced(LookSoFar):
     """Engine → Blender: the answer to a `Glance`."""
 
     type: ClassVar[str] = "glanced"
@@ -302,7 +302,7 @@ Message = (
     | Vibe
     | Glance
     | Stage
-    | Look
+    | LookSoFar
     | Glanced
     | Progress
     | Anchor

@@ -208,12 +208,12 @@ class Session(SessionStatus):
                         self.view_notes = [*self.view_notes, note]
                         self.warnings = [note, *self.warnings]
                     self.before = before_image.store(self._before_path, picture, not self._vibed)
-                if isinstance(message, messages.Look):
+                if isinstance(message, messages.LookSoFar):
                     self._show(message)
                 if isinstance(message, messages.Anchor):
                     yield from self._anchor(message)
 
-    def _show(self, look: messages.Look) -> None:
+    def _show(self, look: messages.LookSoFar) -> None:
         """Shows a look in the scene, unless its values are shown already."""
         if look.values != self._shown:
             scene, self._shown = self._find_scene(), look.values

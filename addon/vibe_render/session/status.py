@@ -34,7 +34,7 @@ class SessionStatus:
         self.stage = "Starting the engine"
         self.progress: messages.Progress | None = None
         self.before: Path | None = None
-        self.look: messages.Look | None = None
+        self.look: messages.LookSoFar | None = None
         self.words: dict[str, bool] = {}
         self.preview: Path | None = None
         self.variants: list[tuple[messages.Variant, Path]] = []
@@ -96,7 +96,7 @@ class SessionStatus:
             self.stage = message.name.capitalize()
             if message.picture:
                 self.before = self._job / message.picture
-        elif isinstance(message, messages.Look):
+        elif isinstance(message, messages.LookSoFar):
             self.look, self.words = message, message.words or self.words
             if message.picture:
                 self.preview = self._job / message.picture
