@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads a folder of labeled sentences: scenes.toml, and sentences_NN.toml."""
+"""Reads a folder of labeled sentences: sentences_NN.toml, and scenes.toml in it or in `development` beside it."""
 
 from __future__ import annotations
 
@@ -23,6 +23,10 @@ from .labels import (
 from .tables import CheckedTable
 
 SCENES, SENTENCES = "scenes.toml", "sentences_*.toml"
+_SHARED = "development"
+"""Folder whose scenes those beside it are about, where they have none of their own."""
+_LETTER = r"[^\W\u2e80-\uffff]"
+"""A letter of a script that puts spaces between words."""
 _SCENE = (
     "name", "kind", "subject", "objects", "collections", "parents", "places", "lights", "glows", "sky",
 )  # fmt: skip
@@ -38,9 +42,11 @@ def read_folder(folder: Path) -> list[LabeledSentence]:
     Raises:
         VibeError: A file is missing, or not of the format; names its line.
     """
-    if not (folder / SCENES).is_file():
+    places = (folder / SCENES, folder.parent / _SHARED / SCENES)
+    known = next((path for path in places if path.is_file()), None)
+    if known is None:
         raise VibeError(f"There is no {SCENES} in {folder}.", "Name a folder of labeled sentences.")
-    scenes = read_scenes(folder / SCENES)
+    scenes = read_scenes(known)
     found: dict[str, LabeledSentence] = {}
     for path in sorted(folder.glob(SENTENCES)):
         for row in CheckedTable.listed(TomlSource(path), "sentence", ("scene", "kind", "text", "words")):
@@ -143,8 +149,9 @@ def _sentence(row: CheckedTable, scenes: dict[str, LabeledScene]) -> LabeledSent
 
 def _place_of(said: str, text: str, start: int) -> int:
     """Where a word stands in a text, from a place on; -1 where it does not."""
-    edges = rf"(?<!\w){re.escape(said)}(?!\w)"
-    match = re.compile(edges).search(text, start)
+    before = f"(?<!{_LETTER})" if re.match(_LETTER, said) else ""
+    after = f"(?!{_LETTER})" if re.match(_LETTER, said[-1]) else ""
+    match = re.compile(before + re.escape(said) + after).search(text, start)
     return match.start() if match else -1
 
 
