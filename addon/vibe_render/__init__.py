@@ -36,8 +36,9 @@ def unregister() -> None:
 
     from .session.engine_state import engine_state
     from .session.state import addon_state
-    from .ui import handlers, look_icons, picture_icons
+    from .ui import handlers, look_icons, picture_icons, warm_up
 
+    warm_up.forget()
     handlers.unregister()
     addon_state.close()
     engine_state.close()

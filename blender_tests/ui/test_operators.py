@@ -15,7 +15,9 @@ from vibe_render.engine.process import Engine
 from vibe_render.render import anchors
 from vibe_render.scene import bindings, snapshot
 from vibe_render.session import changes, result, session
+from vibe_render.session.engine_state import engine_state
 from vibe_render.session.state import addon_state, engine_choice
+from vibe_render.ui import warm_up
 
 from proxy_renderer.schema import FAMILIES, GROUPS, VibeError, messages
 
@@ -335,3 +337,19 @@ def test_unregister_ends_the_engine(cold):
 def test_wrong_engine_is_refused(tmp_path):
     with pytest.raises(VibeError, match="no Vibe engine"):
         Engine(str(tmp_path)).start()
+
+
+def test_the_engine_starts_once_when_a_panel_is_drawn(addon):
+    engine_state.search("")
+    while engine_state.busy:
+        engine_state.tick()
+    warm_up.begin_soon()
+    warm_up.begin_soon()
+    assert bpy.app.timers.is_registered(warm_up._begin)
+    assert warm_up._begin() is None
+    until = time.monotonic() + 60.0
+    while not addon_state.engine(bpy.context).alive and time.monotonic() < until:
+        time.sleep(0.02)
+    warm = addon_state.engine(bpy.context)
+    assert warm.alive
+    assert addon_state.begin(bpy.context)._engine is warm

@@ -32,6 +32,7 @@ BEFORE = "before.png"
 _PREVIEW_SECONDS = 1.0
 _PROGRESS_SECONDS = 0.1
 _Look = TypeVar("_Look", bound=messages.LookSoFar)
+_LOW_PRIORITY = 10  # of 19, as `nice` counts
 _ANSWER_SECONDS = 600.0
 """Most that Blender may take to answer: it may be rendering something else first."""
 
@@ -175,7 +176,9 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
     """
     wire = Wire(source, sink)
     wire.send(messages.Ready(schema_hash(), __version__))
-    _warm_up()
+    warming = threading.Thread(target=_warm_up, daemon=True)
+    warming.start()
+    warming.join()
     session: EngineSession | None = None
     glances: Glances | None = None
     while True:
@@ -264,12 +267,19 @@ def _message(kind: type[_Look], look: EarlyLook, job: Path) -> _Look:
 
 
 def _warm_up() -> None:
-    """Imports torch and loads the embedded encoder; what fails here is reported by the vibe that needs it."""
+    """Imports torch, and loads the embedded encoder and the vocabulary; what fails here is reported by the vibe that needs it.
+
+    It runs in a thread of low priority, because nobody has asked for anything yet, where a thread can have one of its own.
+    """
+    if sys.platform == "linux":
+        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _LOW_PRIORITY)
     try:
         from ..guidance.encoder import load_encoder
-        from ..optimize import pipeline  # noqa: F401
+        from ..prompt.lexicon.user_words import default_vocabulary
+        from . import glances, session  # noqa: F401
 
         load_encoder(None, "cpu")
+        default_vocabulary()
     except VibeError:
         pass
 

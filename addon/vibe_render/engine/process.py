@@ -48,7 +48,7 @@ class Engine:
         self._exit_error: schema.VibeError | None = (
             None  # why the process has ended, the same for every thread
         )
-        self._exit_lock = threading.Lock()
+        self._exit_lock, self._start_lock = threading.Lock(), threading.Lock()
 
     @property
     def alive(self) -> bool:
@@ -56,13 +56,16 @@ class Engine:
         return self._process is not None and self._process.poll() is None
 
     def start(self) -> None:
-        """Starts the process, unless it runs; its first message is `Ready`.
+        """Starts the process, unless it runs; its first message is `Ready`. Any thread may call this.
 
         Raises:
             VibeError: No engine is found, or it cannot be started.
         """
-        if self.alive:
-            return
+        with self._start_lock:
+            if not self.alive:
+                self._start()
+
+    def _start(self) -> None:
         python = find_python(self._choice)
         self._inbox, self._abandoned, self._busy, self._exit_error = queue.Queue(), False, False, None
         try:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import bpy
 
+from ..core import background
 from ..core.schema_import import schema
 from ..engine.process import Engine
 from . import preferences
@@ -37,12 +38,20 @@ class AddonState:
             ask: Whether an artist is there to answer questions.
         """
         self.forget()
+        self.session, self.running = Session(context, self.engine(context), ask), True
+        return self.session
+
+    def engine(self, context: bpy.types.Context) -> Engine:
+        """The engine that the preferences choose: the last one, or one that is not started yet."""
         choice = engine_choice(context)
         if self._engine is None or choice != self._engine_choice:
             self.close_engine()
             self._engine, self._engine_choice = Engine(choice[0], cache=choice[1]), choice
-        self.session, self.running = Session(context, self._engine, ask), True
-        return self.session
+        return self._engine
+
+    def warm_up(self, context: bpy.types.Context) -> None:
+        """Starts the engine in the background; if that fails, the next vibe says why."""
+        background.begin(self.engine(context).start)
 
     def end(self, failure: schema.VibeError | None = None) -> None:
         """Ends the session; one that failed leaves the scene as it was."""

@@ -15,7 +15,7 @@ from ...core.schema_import import schema
 from ...session import preferences, prompt_history
 from ...session.engine_state import engine_state
 from ...session.state import addon_state
-from .. import obstacles, value_list
+from .. import obstacles, value_list, warm_up
 from . import presets, progress, result, trouble
 
 _PLACES = {
@@ -62,6 +62,7 @@ class _Main:
         field.prop(settings, "prompt", text="", placeholder="misty, cool blue fog, vignette")
         field.menu("VIBE_MT_history", text="", icon="RECOVER_LAST")
         engine_state.search(preferences.engine_choice(context))
+        warm_up.begin_soon()
         row = column.row(align=True)
         for name in schema.BUDGETS:
             row.prop_enum(settings, "budget", name.upper())
