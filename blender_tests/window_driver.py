@@ -9,6 +9,7 @@ Writes a screenshot of every step and OUT/steps.json: what was seen, or what wen
 import faulthandler
 import subprocess
 import sys
+import time
 import traceback
 from pathlib import Path
 from typing import Any
@@ -225,6 +226,44 @@ def ends(screen):
     screen.shoot("closed_while_it_runs")
 
 
+def live(screen):
+    """Live is switched on, words are typed; Enter searches, Esc gives that up, and Esc in the field takes a look away."""
+    from bl_ext.user_default.vibe_render.session import preview
+    from bl_ext.user_default.vibe_render.session.state import addon_state
+
+    before = values()
+    effort(20, 60, 256)
+    yield from screen.click_on("vibe_live", 118, (0.85, 0.8, 0.9))
+    observed["live_looks"] = []
+    yield from screen.click_on("vibe.prompt", 153)
+    for text in ("misty night", ", cool blue fog", ", glossy red monkey"):
+        screen.type(text)
+        typed, last = time.monotonic(), addon_state.live and addon_state.live.look
+        yield from screen.wait(
+            lambda old=last: addon_state.live and addon_state.live.look not in (None, old), 60, "a look"
+        )
+        observed["live_looks"].append(round(time.monotonic() - typed, 2))
+        yield 0.5
+        screen.shoot("live")
+    observed["live_shows"] = preview.exists(bpy.context.scene) and values() != before
+    screen.press("Return")
+    yield from screen.wait(lambda: addon_state.running, 60, "Enter begins the search")
+    observed["live_stays_on_enter"] = preview.exists(bpy.context.scene)
+    yield from screen.wait(lambda: addon_state.session.asked, 300, "the engine is asked")
+    screen.press("Escape", "Escape")
+    yield from screen.wait(lambda: not addon_state.running, 600, "Esc ends it")
+    observed["live_restores"] = values() == before and not preview.exists(bpy.context.scene)
+    yield from screen.click_on("vibe.prompt", 153)
+    screen.press("End")
+    screen.type(", vignette")
+    yield from screen.wait(lambda: preview.exists(bpy.context.scene), 300, "a look after the search")
+    screen.press("Escape")
+    yield from screen.wait(lambda: not preview.exists(bpy.context.scene), 60, "Esc takes the look away")
+    yield 1.0
+    observed["live_escape_restores"] = values() == before and not preview.exists(bpy.context.scene)
+    screen.shoot("live_escaped")
+
+
 def second_window(screen, addon_state):
     """Opens another window while a vibe runs, and closes it."""
     with screen.over(screen.view):
@@ -259,7 +298,9 @@ def preferences(screen):
     yield 0.5
 
 
-WAYS = {way.__name__: way for way in (ways_out, choosing, presets, questions, ends, without_engine, files)}
+WAYS = {
+    way.__name__: way for way in (ways_out, live, choosing, presets, questions, ends, without_engine, files)
+}
 
 
 def walk():

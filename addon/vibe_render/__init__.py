@@ -17,8 +17,9 @@ def register() -> None:
     """Registers everything with Blender."""
     import bpy
 
-    from .ui import handlers
+    from .ui import handlers, live
     from .ui.operators.base import VibePresets
+    from .ui.operators.live import register_keys
     from .ui.properties import VibeSettings
     from .ui.value_list import VibeValues
 
@@ -26,8 +27,15 @@ def register() -> None:
         bpy.utils.register_class(each)
     bpy.types.Scene.vibe = bpy.props.PointerProperty(type=VibeSettings)
     bpy.types.WindowManager.vibe_presets = bpy.props.PointerProperty(type=VibePresets)
+    bpy.types.WindowManager.vibe_live = bpy.props.BoolProperty(
+        name="Live",
+        description="Show the first look of the words so far, as a preview, whenever you pause in typing",
+        update=live.switched,
+        options={"SKIP_SAVE"},
+    )
     bpy.types.WindowManager.vibe_values = bpy.props.PointerProperty(type=VibeValues)
     handlers.register()
+    register_keys()
 
 
 def unregister() -> None:
@@ -36,9 +44,12 @@ def unregister() -> None:
 
     from .session.engine_state import engine_state
     from .session.state import addon_state
-    from .ui import handlers, look_icons, picture_icons, warm_up
+    from .ui import handlers, live, look_icons, picture_icons, warm_up
+    from .ui.operators.live import unregister_keys
 
+    unregister_keys()
     warm_up.forget()
+    live.stop()
     handlers.unregister()
     addon_state.close()
     engine_state.close()
@@ -46,6 +57,7 @@ def unregister() -> None:
     look_icons.free()
     del bpy.types.Scene.vibe
     del bpy.types.WindowManager.vibe_presets
+    del bpy.types.WindowManager.vibe_live
     del bpy.types.WindowManager.vibe_values
     for each in reversed(_classes()):
         bpy.utils.unregister_class(each)

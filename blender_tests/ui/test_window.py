@@ -113,6 +113,14 @@ def test_a_first_look_comes_before_the_search(walk):
     assert len(looks) == 4
 
 
+def test_live_looks_come_while_words_are_typed(walk):
+    """Enter searches from there; Esc takes all of it away. How quickly looks come is printed."""
+    observed = walk("live")
+    print("seconds from the last letter to its look:", observed["live_looks"])
+    for seen in ("live_shows", "live_stays_on_enter", "live_restores", "live_escape_restores"):
+        assert observed[seen], seen
+
+
 def test_preferences_find_and_try_the_engine(walk):
     """The engine is found by itself, and answers."""
     assert "answers" in walk("ways_out")["engine"]

@@ -9,11 +9,13 @@ from pathlib import Path
 from ..guidance.encoder import load_encoder
 from ..optimize import context
 from ..optimize.looks import EarlyLook, Looks
+from ..optimize.progress import BEFORE
 from ..optimize.shots import ShotInput, gathered
 from ..planning.advice import OfflineAdvisor
 from ..render.proxy import Proxy
 from ..scene import SceneData, load_scene
 from ..schema import VibeError, messages
+from . import report
 from .additions import with_additions
 from .device import pick_device
 
@@ -30,7 +32,7 @@ class Glances:
         self._proxies: dict[tuple[str, ...], Proxy] = {}
 
     def look(self, request: messages.Glance, stopped: Callable[[], bool]) -> EarlyLook | None:
-        """The look of a glance.
+        """The look of a glance; a picture of the artist's own values is left beside it.
 
         Args:
             request: The words, and the job folder.
@@ -49,6 +51,7 @@ class Glances:
             return None
         looks = Looks(shot)
         advisor = OfflineAdvisor(request.prompt, context.scene_words(scene), options.reader)
+        report.save_picture(looks.before.display, Path(request.job) / BEFORE)
         try:
             u, advice = looks.planned(advisor)
         except VibeError:  # half a word, perhaps

@@ -13,11 +13,13 @@ import queue
 import sys
 import threading
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, TypeVar
 
 from .. import __version__
 from ..folders import cache_folder
+from ..optimize.progress import BEFORE, PREVIEW
 from ..schema import VibeError, faults, messages, schema_hash
 from ..schema.wire import check_schema, encode, read
 
@@ -28,7 +30,6 @@ if TYPE_CHECKING:
     from .glances import Glances
     from .session import EngineSession
 
-BEFORE = "before.png"
 _PREVIEW_SECONDS = 1.0
 _PROGRESS_SECONDS = 0.1
 _Look = TypeVar("_Look", bound=messages.LookSoFar)
@@ -251,13 +252,12 @@ def _no_glances() -> Glances:
 def _glance(wire: Wire, request: messages.Glance, glances: Glances) -> messages.Glanced:
     """Carries out one glance; empty where no word is known yet, or it was stopped."""
     check_schema(request.schema, "add-on")
-    look = glances.look(request, wire.stop.is_set)
-    return _message(messages.Glanced, look, Path(request.job)) if look else messages.Glanced({})
+    look, job = glances.look(request, wire.stop.is_set), Path(request.job)
+    return replace(_message(messages.Glanced, look, job), before=BEFORE) if look else messages.Glanced({})
 
 
 def _message(kind: type[_Look], look: EarlyLook, job: Path) -> _Look:
     """The message of a look, whose picture is written into the job folder."""
-    from ..optimize.progress import PREVIEW
     from .report import save_picture
 
     if look.display is not None:

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from ..render.proxy import Render
     from .looks import EarlyLook
 
-PREVIEW = "preview.png"
-"""The preview's name in the job folder."""
+BEFORE, PREVIEW = "before.png", "preview.png"
+"""Names in the job folder: of the picture of the artist's own values, and of the newest look's."""
 
 
 class Observer(Protocol):

@@ -103,9 +103,14 @@ class LookSoFar:
 
 @dataclass(frozen=True)
 class Glanced(LookSoFar):
-    """Engine → Blender: the answer to a `Glance`."""
+    """Engine → Blender: the answer to a `Glance`.
+
+    Attributes:
+        before: The picture of the artist's own values, a file name in the job folder.
+    """
 
     type: ClassVar[str] = "glanced"
+    before: str = ""
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from ..core import background
 from ..core.schema_import import schema
 from ..engine.process import Engine
 from . import preferences
+from .live import Live
 from .session import Session
 
 
@@ -21,12 +22,14 @@ class AddonState:
         session: The newest session; its pictures stay until the next one, Keep or Revert.
         running: Whether it is under way.
         failure: Why it failed, until the artist dismisses that.
+        live: Looks of what is being typed; None while nothing is.
     """
 
     def __init__(self) -> None:
         self.session: Session | None = None
         self.running = False
         self.failure: schema.VibeError | None = None
+        self.live: Live | None = None
         self._engine: Engine | None = None
         self._engine_choice: tuple[str, Path] | None = None
 
@@ -39,7 +42,22 @@ class AddonState:
         """
         self.forget()
         self.session, self.running = Session(context, self.engine(context), ask), True
+        if self.live and self.live.scene == self.session.scene:
+            self.live.hand_over(self.session)
         return self.session
+
+    def live_for(self, context: bpy.types.Context) -> Live:
+        """The looks of what is typed in this scene."""
+        if self.live is None or self.live.scene != context.scene.name:
+            self.end_live()
+            self.live = Live(context, self.engine(context))
+        return self.live
+
+    def end_live(self) -> None:
+        """Ends the looks of what is typed; the scene is as it was."""
+        if self.live:
+            self.live.close()
+        self.live = None
 
     def engine(self, context: bpy.types.Context) -> Engine:
         """The engine that the preferences choose: the last one, or one that is not started yet."""
@@ -81,6 +99,7 @@ class AddonState:
     def close(self) -> None:
         """Ends session and engine, when the add-on is switched off or Blender ends."""
         self.cancel()
+        self.end_live()
         self.close_engine()
 
 

@@ -14,6 +14,7 @@ from ..session.state import addon_state
 def _before_load(*_: object) -> None:
     """A vibe belongs to its file: it ends before Blender opens another, and its pictures go."""
     addon_state.cancel()
+    addon_state.end_live()
 
 
 @persistent
@@ -24,10 +25,18 @@ def _before_save(*_: object) -> None:
 
 @persistent
 def _show_again(*_: object) -> None:
-    """After a save or an undo the scene shows what the vibe that runs has found, and nothing of one that does not run."""
+    """After a save or an undo the scene shows the look of the vibe that runs, or of what is typed, and no other."""
     preview.hide_all()
     if addon_state.running and addon_state.session:
         addon_state.session.show_again()
+    elif addon_state.live:
+        addon_state.live.show_again()
+
+
+@persistent
+def _after_change(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    if addon_state.live:
+        addon_state.live.scene_changed(update.id.original for update in depsgraph.updates)
 
 
 _HANDLERS = {
@@ -38,6 +47,7 @@ _HANDLERS = {
     "save_post_fail": _show_again,
     "undo_post": _show_again,
     "redo_post": _show_again,
+    "depsgraph_update_post": _after_change,
 }
 
 

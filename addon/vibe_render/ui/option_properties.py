@@ -3,29 +3,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
+from types import MappingProxyType
 from typing import Any
 
+import bpy
 from bpy.props import BoolProperty, IntProperty, StringProperty
 
 from ..core.schema_import import options
 
+_Update = Callable[[Any, bpy.types.Context], None]
 
-def declare(name: str, preferences: bool, table: Iterable[options.Option] = options.TABLE) -> type:
+
+def declare(
+    name: str,
+    preferences: bool,
+    table: Iterable[options.Option] = options.TABLE,
+    updates: Mapping[str, _Update] = MappingProxyType({}),
+) -> type:
     """A class whose annotations are properties, to be inherited by the one that Blender registers.
 
     Args:
         name: Of the class.
         preferences: For the add-on's preferences, else for the scene.
         table: The options; those with choices, whose titles are the panel's, are left out.
+        updates: Option to what is called when it changes.
     """
     rows = [row for row in table if row.panel and row.panel.preferences == preferences and not row.choices]
-    return type(
-        name, (), {"__annotations__": {row.name: _property(row) for row in rows}, "__module__": __name__}
-    )
+    properties = {row.name: _property(row, updates.get(row.name)) for row in rows}
+    return type(name, (), {"__annotations__": properties, "__module__": __name__})
 
 
-def _property(row: options.Option) -> Any:
+def _property(row: options.Option, update: _Update | None) -> Any:
     panel = row.panel
     assert panel is not None
     facts: dict[str, Any] = {"name": panel.title, "description": panel.description}
@@ -35,6 +44,8 @@ def _property(row: options.Option) -> Any:
         bounds = panel.bounds or row.bounds
         facts |= {"min": bounds[0], "max": bounds[1]} if bounds else {}
         return IntProperty(**facts, default=row.default)
+    if update:
+        facts["update"] = update
     if panel.suggestions:
         facts |= {
             "search": lambda _owner, _context, _text: panel.suggestions,

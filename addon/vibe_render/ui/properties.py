@@ -20,7 +20,7 @@ from ..core.schema_import import labels, messages, options, schema
 from ..scene import stored_subject
 from ..scene.subject import SubjectChoice
 from ..session import preferences, result
-from . import option_properties
+from . import live, option_properties
 
 _LEFT_ALONE = ("camera",)  # unless asked: the artist framed the shot
 
@@ -75,7 +75,7 @@ def _choose_anew(settings: "VibeSettings", context: bpy.types.Context) -> None:
     stored_subject.forget(settings.id_data)
 
 
-_Options = option_properties.declare("VibeOptions", preferences=False)
+_Options = option_properties.declare("VibeOptions", preferences=False, updates={"prompt": live.typed})
 _EFFORT = options.named("budget").panel
 
 

@@ -56,11 +56,17 @@ class _Main:
             progress.draw(layout, context, addon_state.session)
             return
         column = layout.column()
-        column.label(text="Describe the mood")
+        head = column.row()
+        head.label(text="Describe the mood")
+        live = head.row()
+        live.alignment = "RIGHT"
+        live.prop(context.window_manager, "vibe_live", icon="HIDE_OFF", toggle=True)
         field = column.row(align=True)
         field.scale_y = 1.3
         field.prop(settings, "prompt", text="", placeholder="misty, cool blue fog, vignette")
         field.menu("VIBE_MT_history", text="", icon="RECOVER_LAST")
+        if addon_state.live and addon_state.live.scene == context.scene.name:
+            progress.draw_live(column, context, addon_state.live)
         engine_state.search(preferences.engine_choice(context))
         warm_up.begin_soon()
         row = column.row(align=True)

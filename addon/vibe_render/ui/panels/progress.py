@@ -9,6 +9,7 @@ import bpy
 
 from ...core import drawing
 from ...core.drawing import paragraph
+from ...session.live import Live
 from ...session.session import PAUSING, SILENT, Session
 from ...session.status import LOOKING
 from .. import picture_icons
@@ -48,6 +49,22 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context, session: Sessio
     hint.active, hint.alignment = False, "CENTER"
     esc = "Esc stops and uses the best" if session.can_stop else "Esc cancels"
     hint.label(text="Blender pauses for a moment" if session.stage in PAUSING else esc)
+
+
+def draw_live(layout: bpy.types.UILayout, context: bpy.types.Context, live: Live) -> None:
+    """The look of the words so far, and which of them it does not show."""
+    if not live.look:
+        return
+    box = layout.box()
+    if icon := picture_icons.icon(live.before, live.preview):
+        box.template_icon(icon_value=icon, scale=8.5)
+    if live.words:
+        _draw_words(box, context, live.words)
+    drawing.see_rendered(box, context)
+
+
+def _draw_words(layout: bpy.types.UILayout, context: bpy.types.Context, words: Mapping[str, bool]) -> None:
+    paragraph(layout, context, _open_words(words), "CHECKMARK" if all(words.values()) else "TIME")
 
 
 def _open_words(words: Mapping[str, bool]) -> str:
