@@ -19,6 +19,11 @@ def _speed(sub: argparse.ArgumentParser) -> None:
     )
 
 
+def _time(sub: argparse.ArgumentParser) -> None:
+    _pictures_of(sub, size=512, samples=128)
+    sub.add_argument("--only", default="*", metavar="GLOB", help='only scenes with such names: "*fog*"')
+
+
 def _fidelity(sub: argparse.ArgumentParser) -> None:
     _pictures(sub, size=256, samples=512)
     sub.add_argument("--quick", action="store_true", help="128 pixels and 128 samples, for a first look")
@@ -40,12 +45,7 @@ def _gradients(sub: argparse.ArgumentParser) -> None:
 
 def _pictures(sub: argparse.ArgumentParser, size: int, samples: int) -> None:
     """The options of every measurement against Cycles."""
-    sub.add_argument(
-        "--size", type=int, default=size, metavar="N", help=f"side of the pictures (default: {size})"
-    )
-    sub.add_argument(
-        "--samples", type=int, default=samples, metavar="N", help=f"of Cycles' pictures (default: {samples})"
-    )
+    _pictures_of(sub, size, samples)
     sub.add_argument("--only", default="*", metavar="GLOB", help='only scenes with such names: "*fog*"')
     sub.add_argument(
         "--cache",
@@ -185,14 +185,26 @@ def _materials(sub: argparse.ArgumentParser) -> None:
 
 
 def _small_pictures(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("--size", type=int, default=160, metavar="N", help="side of the pictures (default: 160)")
-    sub.add_argument("--samples", type=int, default=32, metavar="N", help="of Cycles' pictures (default: 32)")
+    _pictures_of(sub, size=160, samples=32)
+
+
+def _pictures_of(sub: argparse.ArgumentParser, size: int, samples: int) -> None:
+    sub.add_argument(
+        "--size", type=int, default=size, metavar="N", help=f"side of the pictures (default: {size})"
+    )
+    sub.add_argument(
+        "--samples", type=int, default=samples, metavar="N", help=f"of Cycles' pictures (default: {samples})"
+    )
 
 
 AddOptions = Callable[[argparse.ArgumentParser], None]
 
 BENCHES: dict[str, tuple[str, AddOptions]] = {
     "speed": ("How long a step of the renderer takes, forward and backward.", _speed),
+    "time": (
+        "How long a vibe takes, phase by phase, and each phase's share of the processor's time.",
+        _time,
+    ),
     "fidelity": ("How near the proxy is to Cycles, scene by scene and feature by feature.", _fidelity),
     "paper": (
         "Whether words are followed better than by a similarity alone: the paper's experiments.",

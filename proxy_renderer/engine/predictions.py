@@ -31,7 +31,7 @@ def variant(number: int) -> str:
     return f"variant-{number}.png"
 
 
-def predict(proxy: Proxy, outcome: Outcome, number: int, job: Path) -> list[str]:
+def predict(proxy: Proxy, outcome: Outcome, number: int, job: Path, measured: bool = True) -> list[str]:
     """Draws a shot of the values found, and what would have been predicted without the last anchor.
 
     Args:
@@ -39,6 +39,7 @@ def predict(proxy: Proxy, outcome: Outcome, number: int, job: Path) -> list[str]
         outcome: What was found.
         number: Of the shot.
         job: Its folder, for the pictures.
+        measured: Whether a finished picture will be compared with them; otherwise only what is shown is drawn.
 
     Returns:
         Which of `PICTURES` there are; those without the last anchor where there is one.
@@ -46,7 +47,7 @@ def predict(proxy: Proxy, outcome: Outcome, number: int, job: Path) -> list[str]
     anchoring = outcome.shots[number].anchoring
     last = anchoring.proxy.correction
     corrections = {"shown": last}
-    if last is not None:
+    if last is not None and measured:
         corrections |= {"before_last_anchor": anchoring.earlier, "unanchored": None}
     for name, correction in corrections.items():
         proxy.correction = correction

@@ -92,7 +92,8 @@ class EngineSession:
             size = context.picture_size(shot.scene.resolution, self.options.size)
             proxy = Proxy(shot.scene, size, device, self.options.seed, fine=True)
             job = Path(self.shots[number].job)
-            self._predicted.append(predictions.predict(proxy, outcome, number, job))
+            measured = not self._observer.wants_looks  # the panel renders nothing at the end
+            self._predicted.append(predictions.predict(proxy, outcome, number, job, measured))
             pictures.append(predictions.variants(proxy, outcome, number, job))
         variants = self._variants(outcome, pictures)
         clock.lap("prediction")

@@ -4,7 +4,9 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from ..core.schema_import import messages
 from .claim_notes import words_shown
@@ -65,6 +67,11 @@ class SessionStatus:
         return self.progress is not None and not self._stopping
 
     @property
+    def report(self) -> Mapping[str, Any]:
+        """The fields of report.json that the engine knows; empty before the result."""
+        return self._result.report if self._result else {}
+
+    @property
     def model_note(self) -> str:
         """How the vision-language model failed in a vibe that has succeeded; "" if it did not."""
         return failure_note(self._result.report) if self._result else ""
@@ -72,17 +79,17 @@ class SessionStatus:
     @property
     def prediction_error(self) -> float | None:
         """Mean CIEDE2000 between the last prediction and the anchor after it; None without anchors."""
-        return self._result.report.get("anchored", {}).get("predicted") if self._result else None
+        return self.report.get("anchored", {}).get("predicted")
 
     @property
     def anchor_notes(self) -> list[str]:
         """What went wrong with anchors, in words for the artist."""
-        return self._result.report.get("anchored", {}).get("notes", []) if self._result else []
+        return self.report.get("anchored", {}).get("notes", [])
 
     @property
     def words_shown(self) -> dict[str, str]:
         """Word -> "" if the prediction shows it, else what is missing."""
-        return words_shown(self._result.report.get("claims", ())) if self._result else {}
+        return words_shown(self.report.get("claims", ()))
 
     @property
     def prompt_notes(self) -> list[str]:

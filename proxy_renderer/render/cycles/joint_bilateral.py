@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import torch
 from torch import Tensor
-from torch.nn.functional import max_pool2d
+from torch.nn.functional import embedding_bag, max_pool2d
 
 _REACH = 2.0  # pixels of the picture that is looked up in
 _ALIKE = 0.5  # stops
@@ -86,20 +86,21 @@ def look_up(
     """
     height, width = guide.names.shape
     flat, inner = guide.names.flatten(), guide.inner.flatten()
-    total = torch.zeros((len(fields), place.shape[1]), device=fields.device)
-    weights = torch.zeros_like(total[0])
+    rows = fields.T.contiguous()  # what a pixel has lies together
+    total = torch.zeros((place.shape[1], len(fields)), device=fields.device)
+    weights = torch.zeros_like(total[:, 0])
     place = torch.nan_to_num(place, nan=-1e6).clamp(-1e6, 1e6)
     start = (place - 0.5 - _REACH).ceil().long()
-    steps = range(int(2 * _REACH) + 1)
-    for dx, dy in ((dx, dy) for dy in steps for dx in steps):
-        x, y = start[0] + dx, start[1] + dy
+    steps = torch.arange(int(2 * _REACH) + 1, device=fields.device)
+    for dy in steps:
+        x, y = start[0] + steps[:, None], (start[1] + dy).expand(len(steps), -1)
         inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
         index = x.clamp(0, width - 1) + width * y.clamp(0, height - 1)
         near = ((_REACH - (p + 0.5 - at).abs()).clamp_min(0.0) for p, at in zip((x, y), place, strict=True))
         weight = next(near) * next(near) * inner[index] * (inside & (flat[index] == names))
         if stops is not None:
             weight = weight * torch.exp(-(((stops[0][index] - stops[1]) / _ALIKE) ** 2))
-        total += weight * fields[:, index]
-        weights += weight
+        total += embedding_bag(index.T, rows, per_sample_weights=weight.T, mode="sum")
+        weights += weight.sum(0)
     covered = weights > _LEAST
-    return torch.where(covered, total / torch.where(covered, weights, 1.0), neutral[:, None])
+    return torch.where(covered, total.T / torch.where(covered, weights, 1.0), neutral[:, None])
