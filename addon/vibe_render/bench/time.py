@@ -8,11 +8,13 @@ import os
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import bpy
 
+from ..core import ADDON
 from ..render import final_render
 from ..scene.stage.demo import build_demo
 from ..session import result, session
@@ -174,7 +176,5 @@ def _phase(vibe: Session) -> str:
 
 
 if __name__ == "__main__":
-    import vibe_render
-
-    vibe_render.register()
+    import_module(ADDON).register()
     side.main(SCENES, measure)
