@@ -8,10 +8,12 @@ from typing import Protocol
 
 from ..schema import VibeError
 from ..schema.limits import LONGEST_PROMPT
-from .english import ONLY_ENGLISH, other_language
 from .fitted.model import FactWeights
 from .fitted.reader import FittedReader
 from .keyed import spoken, without_spared
+from .languages.gloss import Gloss, gloss
+from .languages.retell import Retelling
+from .languages.unread import other_language, understood
 from .lexicon import hours, kelvins
 from .lexicon.user_words import default_vocabulary
 from .lexicon.vocabulary import Vocabulary
@@ -52,7 +54,7 @@ def prepared(text: str, scene: SceneWords, vocabulary: Vocabulary) -> str:
         scene: The names in the scene.
         vocabulary: What words mean.
     """
-    return _prepared(text, scene, vocabulary)[0]
+    return _prepared(gloss(text, scene, vocabulary).english, scene, vocabulary)[0]
 
 
 def _prepared(text: str, scene: SceneWords, vocabulary: Vocabulary) -> tuple[str, list[str]]:
@@ -87,11 +89,12 @@ def parse(
         )
     if len(text) > LONGEST_PROMPT:
         raise VibeError(f"The prompt has {len(text)} characters.", f"Say it in {LONGEST_PROMPT} or less.")
-    foreign = other_language(text)
-    if foreign == "all":
-        raise VibeError(f"The prompt '{text[:60]}' is not in English.", ONLY_ENGLISH)
     vocabulary = vocabulary or default_vocabulary()
-    said, spared = _prepared(text, scene, vocabulary)
+    glossed = gloss(text, scene, vocabulary)
+    foreign = "" if glossed.language else other_language(text)
+    if foreign == "all":
+        raise VibeError(f"The prompt '{text[:60]}' is in a language that is not understood.", understood())
+    said, spared = _prepared(glossed.english, scene, vocabulary)
     found, parsed = _read(
         said, scene, vocabulary, FittedReader(vocabulary, scene, weights) if reader == "fitted" else None
     )
@@ -104,16 +107,25 @@ def parse(
         said = ", ".join(f"'{text}'" for text in dict.fromkeys(found.undone))
         parsed.conflicts.append(f"{said}: {_THINGS_STAY}")
     if foreign:
-        parsed.conflicts.append(f"Some of the prompt does not look like English. {ONLY_ENGLISH}")
+        parsed.conflicts.append(f"Some of the prompt is in a language that is not understood. {understood()}")
     if not parsed.attributes or (foreign and all(a.guess or a.cause for a in parsed.attributes)):
         raise VibeError(
-            f"Nothing in the prompt '{text[:60]}' names a look{' in English' if foreign else ''}"
+            f"Nothing in the prompt '{text[:60]}' names a look{_in(glossed, foreign)}"
             + (f": {_THINGS_STAY}" if found.undone else "."),
             "Name colors (teal), materials (glossy, gold), light (warm soft light), fog, grading (noir, vignette) "
             "or a mood (cosy, ominous).",
         )
     complete(parsed, vocabulary, found.subject, found.mentioned)
+    if glossed.language:
+        Retelling(glossed).retell(parsed)
+        if unknown := ", ".join(f"'{word}'" for word in dict.fromkeys(glossed.unknown)):
+            parsed.conflicts.append(f"The prompt was read as {glossed.language}, which lacks: {unknown}.")
     return parsed
+
+
+def _in(glossed: Gloss, foreign: str) -> str:
+    """The language in which no look is named."""
+    return f" in {glossed.language}" if glossed.language else " in English" if foreign else ""
 
 
 def _read(

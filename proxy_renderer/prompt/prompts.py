@@ -73,7 +73,7 @@ def _words(attribute: Attribute, vocabulary: Vocabulary) -> str:
         )
         return attribute.entry + thing if thing else _shade(attribute)
     if attribute.shades:
-        return attribute.word
+        return attribute.english or attribute.word
     degree = "slightly " if attribute.strength < 0.8 else "very " if attribute.strength > 1.3 else ""
     return degree + entry.phrase
 
@@ -88,7 +88,9 @@ def _caption(attributes: list[Attribute], noun: str, vocabulary: Vocabulary) -> 
     """ "a glossy teal dolphin": what fits before the noun stands there, longer phrases follow it."""
     before: list[str] = []
     after: list[str] = []
-    own_noun = [a for a in attributes if a.slot == "setting" and a.word in noun]  # "a studio studio"
+    own_noun = [
+        a for a in attributes if a.slot == "setting" and (a.english or a.word) in noun
+    ]  # "a studio studio"
     said = [a for a in attributes if a not in own_noun]
     for attribute in sorted(said, key=lambda a: _ORDER.index(a.slot) if a.slot in _ORDER else 0):
         adjective, _, more = _words(attribute, vocabulary).partition(", ")

@@ -77,6 +77,8 @@ class Attribute:
         guess: Not a known word, but this is the nearest one.
         shades: How a material's own color is changed ("dark oak"): arguments of `color.shade`, one after the other.
         lights: Names of the lights that are meant, where the words single them out; of a glow "material/NAME".
+        english: The word in English, where the prompt says it in another language.
+        place: Where it begins and ends in the prompt, where that is in another language; None if unknown.
     """
 
     word: str
@@ -95,6 +97,8 @@ class Attribute:
     shades: tuple[tuple[float, float, float, float], ...] = ()
     lamp: int = 0
     lights: tuple[str, ...] = ()
+    english: str = ""
+    place: tuple[int, int] | None = None
 
     @property
     def told_apart(self) -> bool:

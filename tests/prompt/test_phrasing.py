@@ -146,4 +146,4 @@ def test_a_light_that_is_named_outshines_the_light_of_a_mood():
 
 def test_a_prompt_of_guesses_in_another_language_is_refused():
     with pytest.raises(VibeError):
-        parse("un tono cálido y dorado, muy suave", SceneWords())
+        parse("bardzo ciepły i złoty ton, bez cienia", SceneWords())

@@ -120,9 +120,7 @@ def test_a_thing_in_parts_is_meant_as_a_whole():
 @pytest.mark.parametrize(
     "prompt",
     [
-        "真っ赤な車、柔らかい光",
         "блестящий красный чайник",
-        "ein glänzendes Auto vor einem blauen Hintergrund",
         "إضاءة دافئة",
     ],
 )
@@ -133,7 +131,7 @@ def test_other_languages_are_one_clear_line(prompt):
 
 
 def test_a_few_foreign_words_are_said():
-    notes = parse("glossy teal teapot, 柔らかい光", SceneWords()).conflicts
+    notes = parse("glossy teal teapot, мягкий свет", SceneWords()).conflicts
     assert any("English" in note for note in notes)
     assert not parse("glossy teal teapot on a wooden desk", SceneWords()).conflicts
 

@@ -66,6 +66,9 @@ def _places(text: str, reaches: Sequence[Reach]) -> list[Span | None]:
     taken: set[int] = set()
     places: list[Span | None] = []
     for reach in reaches:
+        if reach.attribute.place:
+            places.append(reach.attribute.place)
+            continue
         things = [i for i, word in enumerate(words) if word in reach.attribute.thing.split()]
         said = _words(reach.attribute.word)
         place = None

@@ -1,19 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What things are called besides: synonyms, and the languages that scenes are named in; see the head of things.toml."""
+"""What things are called besides: synonyms (things.toml), and names in the languages that scenes are named in."""
 
 from __future__ import annotations
 
 import tomllib
-import unicodedata
 from collections import defaultdict
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from .vocabulary import normalize
+from ..languages.lexicon import lexicons
+from .nearest import table
+from .spelling import folded as folded
+from .spelling import singular as singular
+from .vocabulary import normalize, shipped_vocabulary
 
 _SHORTEST = 4  # letters of a word that may be a part of a compound ("Obermaterial")
-_SIBILANTS = ("ses", "xes", "ches", "shes")
 
 
 @dataclass(frozen=True)
@@ -39,25 +41,10 @@ class ThingWords:
         if not found and not word.isascii():
             parts = [part for part in self.joined if part in plain and not part.isascii()]
             found = frozenset().union(*(self.rows[part] for part in parts))
-        if not found:
+        if not found and not table().is_english(plain.rpartition(" ")[2]):  # "black" does not end in "Lack"
             ends = [w for w in self.joined if plain.endswith(w) and len(w) >= _SHORTEST]
             found = self.rows[ends[0]] if ends else found
         return found | {plain}
-
-
-def folded(word: str) -> str:
-    """A word in lower case and without accents."""
-    parts = unicodedata.normalize("NFKD", word.lower().replace("ß", "ss"))
-    return unicodedata.normalize("NFC", "".join(c for c in parts if not 0x300 <= ord(c) < 0x370))
-
-
-def singular(word: str) -> str:
-    """A word without the ending of an English plural."""
-    if word.endswith("ies") and len(word) > 4:
-        return word[:-3] + "y"
-    if word.endswith(_SIBILANTS):
-        return word[:-2]
-    return word[:-1] if word.endswith("s") and not word.endswith("ss") and len(word) > 3 else word
 
 
 @cache
@@ -69,10 +56,19 @@ def senses(word: str) -> frozenset[str]:
 @cache
 def thing_words() -> ThingWords:
     """The words that are shipped."""
-    table = tomllib.loads(Path(__file__).with_name("things.toml").read_text("utf-8"))["things"]
+    english = tomllib.loads(Path(__file__).with_name("things.toml").read_text("utf-8"))["things"]
     rows: dict[str, set[str]] = defaultdict(set)
-    for name, others in table.items():
+    for name, others in english.items():
         for word in (name, *others.split(",")):
             rows[singular(folded(normalize(word)))].add(name)
+    kinds = shipped_vocabulary().nouns  # "light" is any light, not the one that is called so
+    for lexicon in lexicons():
+        matter = [(name, words) for name, words in lexicon.looks.items() if name in english]  # "Leder"
+        things = [
+            (name, words) for name, words in lexicon.things.items() if name in english or name not in kinds
+        ]
+        for name, words in (*matter, *things):
+            for word in (name, *words):
+                rows[singular(folded(normalize(word)))].add(name)
     frozen = {word: frozenset(names) for word, names in rows.items()}
     return ThingWords(frozen, tuple(sorted(frozen, key=len, reverse=True)))

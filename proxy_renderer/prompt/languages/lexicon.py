@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Loads and checks the lexicon of a language; the head of german.toml explains the format."""
+
+from __future__ import annotations
+
+import tomllib
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from ...schema import VibeError
+from ..lexicon.spelling import folded
+
+TABLES = ("grammar", "behind", "looks", "things", "shades")
+"""Tables of words; of a wording in several, the first counts, but shades count beside colors and materials."""
+_SETTINGS = {"name": str, "spaces": bool, "adjectives": str, "endings": str, "links": str}
+_SIDES = ("before", "after")
+Wording = tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What a wording of another language says.
+
+    Attributes:
+        english: In English; "" for what English leaves out.
+        table: One of `TABLES`.
+    """
+
+    english: str
+    table: str
+
+
+@dataclass(frozen=True)
+class LanguageLexicon:
+    """The words of a language.
+
+    Attributes:
+        name: In English.
+        spaces: Whether words are written apart.
+        adjectives: Whether they stand "before" or "after" their noun.
+        links: What stands between the parts of a compound.
+        meanings: Wording, word by word -> what it says.
+        shades: Wording -> shade that it is beside a color or a material.
+        bases: Word as it may be inflected -> words of wordings that it may be.
+        looks: English look word -> its wordings in the language.
+        things: English name of a thing -> its names in the language.
+    """
+
+    name: str
+    spaces: bool
+    adjectives: str
+    links: tuple[str, ...]
+    meanings: dict[Wording, Meaning]
+    shades: dict[Wording, str]
+    bases: dict[str, tuple[str, ...]]
+    looks: dict[str, tuple[str, ...]]
+    things: dict[str, tuple[str, ...]]
+
+    def meaning(self, words: Wording) -> Meaning | None:
+        """What a wording says, shades included."""
+        shade = self.shades.get(words)
+        return self.meanings.get(words) or (Meaning(shade, "shades") if shade else None)
+
+
+@cache
+def lexicons() -> tuple[LanguageLexicon, ...]:
+    """Those that are shipped."""
+    return tuple(map(load, sorted(Path(__file__).parent.glob("*.toml"))))
+
+
+def load(path: Path) -> LanguageLexicon:
+    """The lexicon of a file.
+
+    Raises:
+        VibeError: Something in it is not what it should be; names file, line and remedy.
+    """
+    text = path.read_text("utf-8")
+    try:
+        content = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise VibeError(f"{path}: {error}.", "Mend that line.") from error
+    _check(path, text, content)
+    settings = content["language"]
+    meanings: dict[Wording, Meaning] = {}
+    shades: dict[Wording, str] = {}
+    things: dict[str, tuple[str, ...]] = {}
+    looks: dict[str, tuple[str, ...]] = {}
+    for table in TABLES:
+        for english, row in content.get(table, {}).items():
+            wordings = _listed(row)
+            if table == "things":
+                things[english] = wordings
+            elif table == "looks":
+                looks[english] = wordings
+            for wording in (tuple(folded(w).replace("'", "' ").replace("-", " ").split()) for w in wordings):
+                if table == "shades":
+                    shades.setdefault(wording, english)
+                else:
+                    meanings.setdefault(wording, Meaning(english, table))
+    words = {word for wording in (*meanings, *shades) for word in wording}
+    return LanguageLexicon(
+        settings["name"], settings["spaces"], settings.get("adjectives", "before"),
+        _listed(settings.get("links", "")), meanings, shades,
+        _bases(words, _listed(settings.get("endings", ""))), looks, things,
+    )  # fmt: skip
+
+
+def _listed(row: str) -> tuple[str, ...]:
+    return tuple(part.strip() for part in row.split(",") if part.strip())
+
+
+def _bases(words: set[str], endings: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
+    """Inflected word -> the words that it may be a form of, itself first."""
+    forms: dict[str, list[str]] = defaultdict(list)
+    for word in words:
+        forms[word].append(word)
+    for ending in endings:
+        typed, _, base = ending.partition("/")
+        for word in sorted(words):
+            if word.endswith(base) and len(word) > len(base):
+                form = word[: len(word) - len(base)] + typed
+                if word not in forms[form]:
+                    forms[form].append(word)
+    return {form: tuple(found) for form, found in forms.items()}
+
+
+def _check(path: Path, text: str, content: dict[str, Any]) -> None:
+    """Raises VibeError at the first mistake."""
+    for what, quoted, remedy in _mistakes(content):
+        lines = text.splitlines()
+        line = next((i for i, row in enumerate(lines, 1) if quoted and quoted in row), 1)
+        raise VibeError(f"{path}, line {line}: {what}.", remedy)
+
+
+def _mistakes(content: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
+    """What is wrong, a text of its line, and the remedy."""
+    settings = content.get("language", {})
+    for key in ("name", "spaces"):
+        if key not in settings:
+            yield f"[language] has no '{key}'", "[language]", 'Write name = "German" and spaces = true.'
+    for key, value in settings.items():
+        if key not in _SETTINGS or not isinstance(value, _SETTINGS[key]):
+            yield f"'{key}' is not known, or of the wrong type", key, f"Use: {', '.join(_SETTINGS)}."
+    if settings.get("adjectives", "before") not in _SIDES:
+        yield "adjectives stand before or after nouns", "adjectives", 'Write adjectives = "after".'
+    for ending in _listed(str(settings.get("endings", ""))):
+        if "/" not in ending:
+            yield f"the ending '{ending}' has no '/'", "endings", "Write the ending typed / that of the word."
+    for table, rows in content.items():
+        if table != "language" and table not in TABLES:
+            yield f"'{table}' is no table", f"[{table}]", f"Use: [language], [{'], ['.join(TABLES)}]."
+            continue
+        yield from _mistaken_rows(table, rows)
+
+
+def _mistaken_rows(table: str, rows: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
+    """Mistakes in one table: what is no text, and a wording that is there twice."""
+    if table == "language":
+        return
+    known: dict[str, str] = {}
+    for english, row in rows.items():
+        if not isinstance(row, str):
+            yield f"'{english}' is no text", english, 'Write words in quotes: "matt, stumpf".'
+            continue
+        for wording in _listed(row):
+            first = known.setdefault(wording, english)
+            if first != english and table != "things":
+                yield f"'{wording}' is in two rows, '{first}' and '{english}'", row, "Delete one of the two."

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Says in the artist's own words what a glossed prompt was understood as."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+from ..lexicon.vocabulary import normalize
+from ..types import Attribute, Parsed
+from .gloss import Gloss
+from .pieces import Piece
+
+_TOKEN = re.compile(r"[^\W_]+")
+_QUOTED = re.compile(r"(?<=')[^']+(?=')")
+_NEAR = 6  # words that may stand between a look word and its intensity
+
+
+class Retelling:
+    """Finds the artist's words for English ones.
+
+    Args:
+        gloss: The prompt.
+    """
+
+    def __init__(self, gloss: Gloss) -> None:
+        self.gloss = gloss
+        self._words: list[tuple[str, Piece]] = []
+        for piece in gloss.pieces:
+            self._words += [(word, piece) for word in _TOKEN.findall(normalize(piece.english))]
+        self._taken: set[int] = set()
+
+    def retell(self, parsed: Parsed) -> None:
+        """Puts the artist's words in place of the English ones, wherever people read them.
+
+        Args:
+            parsed: What was understood of the gloss; is changed.
+        """
+        parsed.attributes = [self._attribute(attribute) for attribute in parsed.attributes]
+        parsed.overruled = [self._attribute(attribute, again=True) for attribute in parsed.overruled]
+        for thing in parsed.objects:
+            thing.attributes = {
+                slot: ", ".join(map(self.said, words.split(", "))) for slot, words in thing.attributes.items()
+            }
+        parsed.ignored = [self.said(text) for text in parsed.ignored]
+        parsed.guesses = {self.said(word): entry for word, entry in parsed.guesses.items()}
+        parsed.confidence = {self.said(word): sure for word, sure in parsed.confidence.items()}
+        parsed.conflicts = [_QUOTED.sub(lambda m: self.said(m[0]), text) for text in parsed.conflicts]
+
+    def said(self, english: str) -> str:
+        """The artist's words for English ones; these themselves where they are not from the prompt."""
+        found = self._find(english, again=True)
+        return self._text(found) if found else english
+
+    def _attribute(self, attribute: Attribute, again: bool = False) -> Attribute:
+        if attribute.cause:
+            return replace(attribute, cause=self.said(attribute.cause))
+        found = self._find(attribute.word, again)
+        if not found:
+            return attribute
+        look = self._words[found[-1]][1]
+        near = [p for p in self._pieces(found) if p.end <= look.start + 1 or p is look]
+        start = min((p.start for p in near), default=look.start)
+        return replace(attribute, word=self._text(found), english=attribute.word, place=(start, look.end))
+
+    def _find(self, english: str, again: bool) -> list[int]:
+        """Where words stand: the last ones together, those before them near; none where the last is not there."""
+        words = _TOKEN.findall(normalize(english))
+        for length in range(len(words), 0, -1):
+            last, before = words[-length:], words[:-length]
+            for start in range(len(self._words) - length + 1):
+                span = [*range(start, start + length)]
+                fresh = again or start + length - 1 not in self._taken
+                if fresh and [self._words[i][0] for i in span] == last:
+                    self._taken.add(start + length - 1)
+                    return [*self._before(before, start), *span]
+        return []
+
+    def _before(self, words: list[str], start: int) -> list[int]:
+        near = range(max(start - _NEAR, 0), start)
+        return [i for word in words for i in near if self._words[i][0] == word]
+
+    def _pieces(self, found: list[int]) -> list[Piece]:
+        return sorted({self._words[i][1] for i in found}, key=lambda piece: (piece.start, piece.end))
+
+    def _text(self, found: list[int]) -> str:
+        """The prompt's words, in its order."""
+        spans = sorted({(piece.start, piece.end) for piece in self._pieces(found)})
+        prompt, text, last = self.gloss.prompt, "", None
+        for start, end in spans:
+            gap = prompt[last:start] if last is not None else ""
+            text += (gap if not gap.strip() else " ") + prompt[start:end]
+            last = end
+        return text

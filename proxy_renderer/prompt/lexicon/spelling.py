@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Words as they are compared: without accents, without the ending of a plural."""
+
+from __future__ import annotations
+
+import unicodedata
+
+_SIBILANTS = ("ses", "xes", "ches", "shes")
+
+
+def folded(word: str) -> str:
+    """A word in lower case and without accents."""
+    parts = unicodedata.normalize("NFKD", word.lower().replace("ß", "ss"))
+    return unicodedata.normalize("NFC", "".join(c for c in parts if not 0x300 <= ord(c) < 0x370))
+
+
+def singular(word: str) -> str:
+    """A word without the ending of an English plural."""
+    if word.endswith("ies") and len(word) > 4:
+        return word[:-3] + "y"
+    if word.endswith(_SIBILANTS):
+        return word[:-2]
+    return word[:-1] if word.endswith("s") and not word.endswith("ss") and len(word) > 3 else word
