@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from ..fitted.names import parts
+from ..lexicon.languages import TABLES, LanguageLexicon, lexicons
 from ..lexicon.nearest import table
 from ..lexicon.spelling import folded
 from ..lexicon.vocabulary import Vocabulary, shipped_vocabulary
 from ..types import SceneWords
-from .lexicon import TABLES, LanguageLexicon, lexicons
 from .order import ordered
 from .pieces import Piece, pieces
 

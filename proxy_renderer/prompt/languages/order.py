@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from ..lexicon.languages import LanguageLexicon
 from ..lexicon.vocabulary import Vocabulary
-from .lexicon import LanguageLexicon
 from .pieces import Piece
 
 _LOOKS = ("looks", "shades", "phrase")

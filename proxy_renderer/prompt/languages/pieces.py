@@ -9,8 +9,8 @@ from collections.abc import Container, Iterator
 from dataclasses import dataclass
 from itertools import product
 
+from ..lexicon.languages import LanguageLexicon, Meaning, Wording
 from ..lexicon.spelling import folded
-from .lexicon import LanguageLexicon, Meaning, Wording
 
 _LONGEST = 5  # words of a wording
 _SHORTEST = 3  # letters of a part of a compound

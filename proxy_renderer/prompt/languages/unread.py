@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Literal
 
-from .lexicon import lexicons
+from ..lexicon.languages import lexicons
 
 
 def understood() -> str:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from ..languages.lexicon import lexicons
+from .languages import lexicons
 from .nearest import table
 from .spelling import folded as folded
 from .spelling import singular as singular

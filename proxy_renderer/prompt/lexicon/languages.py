@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ...schema import VibeError
-from ..lexicon.spelling import folded
+from .spelling import folded
 
 TABLES = ("grammar", "behind", "looks", "things", "shades")
 """Tables of words; of a wording in several, the first counts, but shades count beside colors and materials."""
@@ -69,7 +69,7 @@ class LanguageLexicon:
 @cache
 def lexicons() -> tuple[LanguageLexicon, ...]:
     """Those that are shipped."""
-    return tuple(map(load, sorted(Path(__file__).parent.glob("*.toml"))))
+    return tuple(map(load, sorted(Path(__file__).parents[1].joinpath("languages").glob("*.toml"))))
 
 
 def load(path: Path) -> LanguageLexicon:
