@@ -10,7 +10,7 @@ from types import ModuleType
 
 from .. import __version__
 from ..schema import VibeError, faults
-from .commands import apply, batch, bench, demo, doctor, explain, extension, flamenco, revert, run
+from .commands import apply, batch, bench, demo, doctor, explain, extension, flamenco, revert, run, vocabulary
 from .parser import Help, Parser
 
 COMMANDS: dict[str, ModuleType] = {
@@ -21,6 +21,7 @@ COMMANDS: dict[str, ModuleType] = {
     "apply": apply,
     "revert": revert,
     "explain": explain,
+    "vocabulary": vocabulary,
     "doctor": doctor,
     "bench": bench,
     "extension": extension,
