@@ -42,14 +42,14 @@ def run(out: Path, size: int, samples: int, only: str) -> dict[str, Any]:
     failed: dict[str, str] = {}
     out.mkdir(parents=True, exist_ok=True)
     options = ["--size", str(size), "--samples", str(samples), "--work", str(out)]
+    results = {"cores": os.cpu_count(), "commands": commands, "scenes": scenes, "failed": failed}
     for event in blender.scenes(only, options, "time"):
         if event["type"] == "scene":
             scenes[event["name"]] = {key: event[key] for key in ("phases", "anchors", "rounds")}
         elif event["type"] == "failed":
             failed[event["name"]] = event["message"]
             print(f"{event['name']}: {event['message']}", flush=True)
-    results = {"cores": os.cpu_count(), "commands": commands, "scenes": scenes, "failed": failed}
-    atomic.write_text(out / "results.json", json.dumps(results, indent=1))
+        atomic.write_text(out / "results.json", json.dumps(results, indent=1))
     _show(commands, scenes)
     return results
 
