@@ -41,7 +41,7 @@ def account(
         as_json: For programs.
         scene: A .blend or a mesh, which Blender reads; None for a subject, its surroundings and three lights.
         subject: Arguments that say what in the scene is the subject: "--subject=Cup".
-        reader: What binds the look words: "rules" or "fitted".
+        reader: What binds the look words: one of `schema.options.READERS`.
         with_reasons: Say why the fitted reader binds each look word as it does, and nothing else.
     """
     words, instances, context = _read(prompt, scene, subject, reader) if scene else _plain()

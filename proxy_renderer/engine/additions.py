@@ -22,7 +22,7 @@ def with_additions(scenes: Sequence[SceneData], prompt: str, reader: str = "rule
     Args:
         scenes: One or several shots. The first decides on lights for all; a backdrop is for all of them or for none.
         prompt: What the artist typed; where nothing in it is understood offline, nothing is added.
-        reader: What binds the look words: "rules" or "fitted".
+        reader: What binds the look words: one of `schema.options.READERS`.
     """
     first, vocabulary = scenes[0], default_vocabulary()
     try:

@@ -53,7 +53,7 @@ class OfflineAdvisor:
     Args:
         prompt: What the artist typed.
         words: Names in the scene.
-        reader: What binds the look words: "rules" or "fitted".
+        reader: What binds the look words: one of `schema.options.READERS`.
     """
 
     def __init__(self, prompt: str, words: SceneWords, reader: str = "rules") -> None:

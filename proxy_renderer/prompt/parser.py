@@ -76,7 +76,7 @@ def parse(
         prompt: What the artist typed.
         scene: The names in the scene.
         vocabulary: What words mean; the artist's own if None.
-        reader: "rules" or "fitted".
+        reader: One of `schema.options.READERS`.
         weights: Of the fitted reader; those that are shipped if None.
 
     Raises:
@@ -95,9 +95,8 @@ def parse(
     if foreign == "all":
         raise VibeError(f"The prompt '{text[:60]}' is in a language that is not understood.", understood())
     said, spared = _prepared(glossed.english, scene, vocabulary)
-    found, parsed = _read(
-        said, scene, vocabulary, FittedReader(vocabulary, scene, weights) if reader == "fitted" else None
-    )
+    fitted = FittedReader(vocabulary, scene, weights)
+    found, parsed = (fitted, fitted.read(said)) if reader == "fitted" else _by_rules(said, scene, vocabulary)
     parsed.prompt = text
     parsed.conflicts += [f"'{words}': what no word names stays as it is." for words in spared]
     if found.beyond:
@@ -128,12 +127,8 @@ def _in(glossed: Gloss, foreign: str) -> str:
     return f" in {glossed.language}" if glossed.language else " in English" if foreign else ""
 
 
-def _read(
-    said: str, scene: SceneWords, vocabulary: Vocabulary, fitted: FittedReader | None
-) -> tuple[Reader, Parsed]:
-    """What the fitted reader makes of a prompt, or without one the rules."""
-    if fitted:
-        return fitted, fitted.read(said)
+def _by_rules(said: str, scene: SceneWords, vocabulary: Vocabulary) -> tuple[Reader, Parsed]:
+    """What the rules make of a prompt."""
     rules = PromptReader(vocabulary, scene)
     parsed = rules.read(said)
     if not parsed.attributes and rules.named:  # "castle": if it is nothing else, it is a mood

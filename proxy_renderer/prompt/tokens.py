@@ -76,7 +76,16 @@ class Lexer:
         text = unslashed(re.sub(r"\s*&\s*", " and ", prompt), self.vocabulary.colors)
         text = normalize(text)
         words = [re.findall(r"[^\W_]+(?:'[a-z]+)?", part) for part in _BREAK.split(text)]
-        return [self._tokens(self._gathered(self._parted(part))) for part in words if part]
+        return [self._tokens(self._gathered(self._parted(self._spelled(part)))) for part in words if part]
+
+    def _spelled(self, words: list[str]) -> list[str]:
+        """The words that are meant by those typed in a hurry."""
+        return [w if w in self._in_names else self.vocabulary.typed.get(w, w) for w in words]
+
+    @cached_property
+    def _in_names(self) -> frozenset[str]:
+        """All words of names in the scene."""
+        return frozenset(word for name in self.names for word in name.split())
 
     def _parted(self, words: list[str]) -> list[str]:
         """The words, with a space in "bluegreen" and "lightblue"."""

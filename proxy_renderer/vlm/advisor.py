@@ -31,7 +31,7 @@ class ModelAdvisor:
         words: Names in the scene.
         client: The model.
         tell: Called with what goes on, for a status line.
-        reader: What binds the look words offline: "rules" or "fitted".
+        reader: What binds the look words offline: one of `schema.options.READERS`.
     """
 
     def __init__(

@@ -87,11 +87,44 @@ def test_names_fit(said, name, way):
     assert fit(parts(said), parts(name)) == way
 
 
-def test_one_thing_gets_one_color_where_another_wants_one():
-    pairs = reading("red blue car crate", GARAGE, shipped_vocabulary()).pairs
-    weights = {"a color word of things": 5.0, "matter by object exact": 0.5}
-    chosen = [pair.target.names for pair in assigned(pairs, weights)]
-    assert len({*chosen}) == 2
+@pytest.mark.parametrize(("weight", "things"), [(-3.0, 2), (3.0, 1)])
+def test_what_links_two_words_decides_between_targets_that_are_alike(weight, things):
+    read = reading("red blue car crate", GARAGE, shipped_vocabulary())
+    weights = {"a color word of things": 5.0, "link side by side: same, two colors": weight}
+    assert len({pair.target.names for pair in assigned(read, weights)}) == things
+
+
+BALLS = SceneWords(
+    objects=dict.fromkeys(("Sphere", "Sphere.001", "Sphere.002"), "subject"),
+    materials=dict.fromkeys(("One", "Two", "Three"), "subject"),
+    object_materials={"Sphere": ("One",), "Sphere.001": ("Two",), "Sphere.002": ("Three",)},
+    places={"Sphere": (0.5, 0.4, 0.3), "Sphere.001": (-0.5, 0.4, 0.2), "Sphere.002": (0.0, 0.4, 0.1)},
+)
+
+
+@pytest.mark.parametrize(
+    ("prompt", "material"),
+    [
+        ("left sphere red", "Two"),
+        ("the sphere on the right is red", "One"),
+        ("second ball red", "Two"),
+        ("Sphere.002 red", "Three"),
+        ("the big one red", "One"),
+    ],
+)
+def test_one_of_several_alike_things_is_picked(prompt, material):
+    picked = {
+        n.names
+        for m in reading(prompt, BALLS, shipped_vocabulary()).mentions
+        for n in m.named
+        if "picked" in n.signs
+    }
+    assert picked == {frozenset({material})}
+
+
+def test_a_word_may_only_say_the_shade_of_the_color_after_it():
+    (pairs, _) = reading("fire red crate", GARAGE, shipped_vocabulary()).pairs
+    assert "tinge" in {pair.target.kind for pair in pairs}
 
 
 def test_why_names_targets_scores_and_facts():

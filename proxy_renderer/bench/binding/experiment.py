@@ -8,12 +8,10 @@ stay unread.
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ...prompt.fitted.model import FactWeights
-from ...prompt.lexicon.vocabulary import Vocabulary, shipped_vocabulary
+from ...prompt.lexicon.vocabulary import shipped_vocabulary
 from ...schema import VibeError, atomic
 from ...train import binding
 from ...train.sentences import read_folder
@@ -38,7 +36,7 @@ def run(
         sentences: Folder of scenes.toml and sentences_NN.toml.
         kind: Only sentences of this kind; "" for all.
         misses: Print each mistaken sentence, and write it into results.json.
-        reader: "rules" or "fitted".
+        reader: one of `schema.options.READERS`.
         folds: Parts into which the scenes are divided; the sentences of each are read with weights that are fitted to
             those of the others. 0 for the weights that are shipped.
 
@@ -53,7 +51,7 @@ def run(
     if not labeled:
         raise VibeError(f"No sentence is of the kind '{kind}'.", f"Use one of: {', '.join(SENTENCE_KINDS)}.")
     vocabulary = shipped_vocabulary()
-    weights = _crossed(every, folds, vocabulary) if folds else {}
+    weights = binding.crossed(binding.examples(every, vocabulary), folds) if folds else {}
 
     def reading(s: LabeledSentence) -> SentenceReading:
         return read(s.text, s.scene, vocabulary, reader, weights.get(s.scene.name))
@@ -64,12 +62,3 @@ def run(
     atomic.write_text(out / "results.json", json.dumps(results, indent=1, ensure_ascii=False))
     table.show(results)
     return results
-
-
-def _crossed(
-    sentences: Sequence[LabeledSentence], folds: int, vocabulary: Vocabulary
-) -> dict[str, FactWeights]:
-    """Scene -> weights that are fitted without its fold."""
-    fold = binding.folds(sentences, folds)
-    each = binding.crossed(binding.examples(sentences, vocabulary), fold)
-    return {scene: each[number] for scene, number in fold.items()}

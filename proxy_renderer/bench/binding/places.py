@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 
-from ...prompt.lexicon.vocabulary import normalize
+from ...prompt.lexicon.vocabulary import as_meant, normalize
 from ...train.sentences.labels import LabeledSentence, LookWord
 from .reading import Reach
 
@@ -61,7 +61,7 @@ def _places(text: str, reaches: Sequence[Reach]) -> list[Span | None]:
 
     A word that is there several times is meant where the attribute's thing is next to it, or else in order.
     """
-    tokens = [(normalize(m.group()), m.span()) for m in _TOKEN.finditer(text)]
+    tokens = [(as_meant(m.group()), m.span()) for m in _TOKEN.finditer(text)]
     words = [word for word, _ in tokens]
     taken: set[int] = set()
     places: list[Span | None] = []
@@ -85,7 +85,7 @@ def _places(text: str, reaches: Sequence[Reach]) -> list[Span | None]:
 
 
 def _words(text: str) -> list[str]:
-    return [normalize(m.group()) for m in _TOKEN.finditer(normalize(text))]
+    return [as_meant(m.group()) for m in _TOKEN.finditer(normalize(text))]
 
 
 def _overlap(span: Span, word: LookWord) -> bool:

@@ -82,7 +82,7 @@ def read(
         text: The sentence.
         scene: What it is about.
         vocabulary: What words mean.
-        reader: "rules" or "fitted".
+        reader: one of `schema.options.READERS`.
         weights: Of the fitted reader; those that are shipped if None.
     """
     whole = stand_in(scene)

@@ -4,62 +4,86 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 
-from .model import scores
-from .pairs import TargetPair
-from .targets import LAMPS
-
-_AGAIN = 1.0  # cost of a second color for one thing
-_ALONE = ("things", "subject", "surroundings", "sky", "air", "light", *LAMPS)
-"""Kinds of targets that have one color."""
-_NEVER = 1e6
+from .model import likeliest
+from .pairs import PromptPairs, TargetPair
+from .passage import Passage
+from .targets import NOWHERE
 
 
-def assigned(pairs: Sequence[Sequence[TargetPair]], weights: Mapping[str, float]) -> list[TargetPair]:
-    """The pair of each look word.
+def assigned(read: PromptPairs, weights: Mapping[str, float]) -> list[TargetPair]:
+    """The pair of each look word: the likeliest of all rows of pairs, each with what links it to the one before.
 
-    Every word gets one target. A thing that has a color gets a second one only if nothing else is about as likely.
+    Viterbi's algorithm (1967). If every word came to nothing, at least one has to describe something.
 
     Args:
-        pairs: Of each look word.
-        weights: By feature.
+        read: The prompt with all pairs.
+        weights: Of the facts about pairs and links.
     """
+    chosen = _likeliest(read.passage, read.pairs, weights)
+    if any(pair.target.kind not in NOWHERE for pair in chosen):
+        return chosen
+    somewhere = [[p for p in each if p.target.kind not in NOWHERE] or each for each in read.pairs]
+    return _likeliest(read.passage, somewhere, weights)
+
+
+def _likeliest(
+    passage: Passage, pairs: Sequence[Sequence[TargetPair]], weights: Mapping[str, float]
+) -> list[TargetPair]:
     import numpy as np
-    from scipy.optimize import linear_sum_assignment
 
     if not pairs:
         return []
-    seats: dict[tuple[object, ...], int] = {}
-    choices: list[dict[int, tuple[float, TargetPair]]] = []
-    for row, each in enumerate(pairs):
-        choices.append({})
-        for number, (pair, score) in enumerate(zip(each, scores(each, weights), strict=True)):
-            alone = (
-                pair.becoming.slot == "color" and pair.target.kind in _ALONE and not pair.look.word.negated
-            )
-            own = seats.setdefault((row, number), len(seats))
-            choices[row][own] = (-score + (_AGAIN if alone else 0.0), pair)
-            if alone:
-                place = seats.setdefault((pair.target.kind, pair.target.names), len(seats))
-                known = choices[row].get(place)
-                if known is None or -score < known[0]:
-                    choices[row][place] = (-score, pair)
-    costs = np.full((len(pairs), len(seats)), _NEVER)
-    for row, seated in enumerate(choices):
-        for seat, (cost, _) in seated.items():
-            costs[row, seat] = cost
-    return [choices[row][seat][1] for row, seat in zip(*linear_sum_assignment(costs), strict=True)]
+    rows = [likeliest(each, weights) for each in pairs]
+    total = np.array([score for _, score in rows[0]])
+    before: list[np.ndarray] = []
+    for one, other in pairwise(rows):
+        links = np.array([[weights.get(link(passage, a, b), 0.0) for b, _ in other] for a, _ in one])
+        both = total[:, None] + links
+        before.append(both.argmax(0))
+        total = both.max(0) + np.array([score for _, score in other])
+    places = [int(total.argmax())]
+    for came in reversed(before):
+        places.append(int(came[places[-1]]))
+    return [row[place][0] for row, place in zip(rows, reversed(places), strict=True)]
 
 
-def anything(pairs: Sequence[Sequence[TargetPair]], weights: Mapping[str, float]) -> list[TargetPair]:
-    """The pair of each look word where at least one has to describe something.
+def link(passage: Passage, one: TargetPair, other: TargetPair) -> str:
+    """The fact about two pairs in a row.
 
     Args:
-        pairs: Of each look word.
-        weights: By feature.
+        passage: The prompt.
+        one: Of a look word.
+        other: Of the next one.
     """
-    chosen = assigned(pairs, weights)
-    if any(pair.target.kind != "none" for pair in chosen):
-        return chosen
-    kept = [[p for p in each if p.target.kind != "none"] or list(each) for each in pairs]
-    return assigned(kept, weights)
+    return f"{_apart(passage, one, other)}: {_alike(one, other)}"
+
+
+def _apart(passage: Passage, one: TargetPair, other: TargetPair) -> str:
+    """How two look words stand to each other, whatever they describe."""
+    items, first, second = passage.items, one.look.index, other.look.index
+    between = passage.content(first + 1, second)
+    clauses = items[second].clause - items[first].clause
+    if clauses:
+        return "link to the next clause" if clauses == 1 else "link to a far clause"
+    if not between:
+        return "link side by side"
+    if all(item.ties for item in between):
+        return "link over a tie"
+    return "link over others"
+
+
+def _alike(one: TargetPair, other: TargetPair) -> str:
+    """How two targets stand to each other."""
+    a, b = one.target, other.target
+    nowhere = (a.kind in NOWHERE) + (b.kind in NOWHERE)
+    if nowhere:
+        return "both nowhere" if nowhere == 2 else "one nowhere"
+    if (a.kind, a.names) == (b.kind, b.names):
+        colors = one.becoming.slot == other.becoming.slot == "color"
+        negated = one.look.word.negated or other.look.word.negated
+        return "same, two colors" if colors and not negated else "same"
+    if a.mention >= 0 and a.mention == b.mention:
+        return "same noun"
+    return "same kind" if a.kind == b.kind else "others"

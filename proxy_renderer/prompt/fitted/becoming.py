@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ..lexicon.vocabulary import OWNERS, Vocabulary
 from ..tokens import Token
-from .targets import LAMPS, MATTER
+from .targets import LAMPS, MATTER, NOWHERE
 
 _SURFACE = ("finish", "material", "color")
 _KINDS = {
@@ -50,7 +50,7 @@ def becoming(token: Token, kind: str, vocabulary: Vocabulary) -> Becoming | None
         kind: Of the target.
         vocabulary: What words mean.
     """
-    if kind == "none":
+    if kind in NOWHERE:
         return Becoming("", "", "own")
     rows = vocabulary.adjectives.get(token.adjective, {})
     painted = _PAINTED.get(kind, kind) in vocabulary.painted

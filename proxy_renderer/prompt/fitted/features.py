@@ -8,9 +8,8 @@ from collections.abc import Iterator
 from ..lexicon.vocabulary import Vocabulary
 from ..types import GLOW
 from .becoming import Becoming
-from .mentions import NounMention
 from .passage import Passage, PromptLook
-from .scene import fit_rank
+from .scene import NounMention, fit_rank
 from .targets import LAMPS, MATTER, Target
 
 _TIES = ("link", "around", "joiner", "comparison", "exception")
@@ -43,6 +42,7 @@ class PairFeatures:
         """
         kind, sort = _group(target.kind), self._sort(look)
         yield f"a {sort} word of {target.kind}"
+        yield f"'{look.word.token.adjective or look.word.token.entry or 'a color'}' at {kind}"
         yield f"{becoming.way} at {kind}"
         if becoming.slot:
             yield f"{becoming.slot} at {kind}"

@@ -4,39 +4,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
+from ..lexicon.nearest import table
 from ..lexicon.vocabulary import Vocabulary
 from ..roles import light_role
+from ..tokens import Token
 from .names import FITS, parts
 from .passage import Passage
-from .scene import Named, SceneIndex, fit_rank
+from .picked_mentions import with_picks
+from .scene import Named, NounMention, SceneIndex, fit_rank
 
 _LONGEST = 3  # tokens of a name
 _SURE = (*(f"{s} {way}" for s in ("material", "object", "group", "light") for way in FITS[:2]),)
-
-
-@dataclass(frozen=True)
-class NounMention:
-    """A noun, or several that belong together ("box and cup").
-
-    Attributes:
-        start: Place of its first item.
-        end: Place of its last item.
-        text: As the prompt says it.
-        noun: Kind of thing by the vocabulary's nouns; "others" for what was not named, "unknown" for a word that nobody knows.
-        role: "key", "fill" or "rim", where it names one.
-        named: What it may name in the scene.
-        members: Of several nouns, how many.
-    """
-
-    start: int
-    end: int
-    text: str
-    noun: str = ""
-    role: str = ""
-    named: tuple[Named, ...] = ()
-    members: int = 1
 
 
 def mentions(passage: Passage, index: SceneIndex, vocabulary: Vocabulary) -> list[NounMention]:
@@ -54,6 +34,7 @@ def mentions(passage: Passage, index: SceneIndex, vocabulary: Vocabulary) -> lis
         if found:
             single.append(_with_side(passage, found, index, vocabulary))
         start = found.end + 1 if found else start + 1
+    single = with_picks(passage, single, index, vocabulary)
     return [*single, *_joined(passage, single)]
 
 
@@ -85,7 +66,7 @@ def _lamps(said: tuple[str, ...], index: SceneIndex, vocabulary: Vocabulary) -> 
 def _word(passage: Passage, start: int, index: SceneIndex, vocabulary: Vocabulary) -> NounMention | None:
     """A token that names something by itself, by its last word if by nothing else."""
     token = passage.items[start].token
-    said = parts(token.text)
+    said = parts(token.name if _is_misspelled(token) else token.text)
     if "others" in token.lists:
         return NounMention(start, start, token.text, "others")
     if not said or token.lists & {"negation", "comparison", "exception", "action", "undo", "beyond"}:
@@ -101,6 +82,11 @@ def _word(passage: Passage, start: int, index: SceneIndex, vocabulary: Vocabular
     if not (named or noun):
         return None
     return NounMention(start, start, token.text, noun, light_role(token), tuple(named))
+
+
+def _is_misspelled(token: Token) -> bool:
+    """Whether a token is a name of the scene with a mistake in it."""
+    return token.scene is not None and token.guess != "" and not table().is_english(token.text)
 
 
 def _with_side(
@@ -149,7 +135,7 @@ def _union(run: list[NounMention]) -> Iterator[NounMention]:
         return
     named = []
     for kind in ("things", "lights"):
-        for first in ("material", "object", "whole"):
+        for first in ("material", "object", "first", "whole"):
             each = [surest(m, kind, first) for m in run]
             if all(each):
                 names = frozenset().union(*(n.names for n in each if n))
@@ -165,7 +151,7 @@ def surest(mention: NounMention, kind: str, first: str) -> Named | None:
     Args:
         mention: The mention.
         kind: "things" or "lights".
-        first: The source that is preferred: "material", "object", or "whole" for whole things.
+        first: What is preferred: "material" or "object" for a source, "first" or "whole" for a part or all of a thing.
     """
 
     def rank(named: Named) -> tuple[int, bool, bool]:

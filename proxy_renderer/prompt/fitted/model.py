@@ -13,6 +13,7 @@ from typing import Any
 from .pairs import TargetPair
 
 FILE = Path(__file__).parents[1] / "lexicon" / "binding.json"
+_LIKELY = 8
 _SMALL = 0.02  # weights nearer to 0 are left out
 FactWeights = dict[str, float]
 
@@ -28,6 +29,17 @@ def scores(pairs: Sequence[TargetPair], weights: Mapping[str, float]) -> list[fl
     most = max(raw)
     whole = most + math.log(sum(math.exp(r - most) for r in raw))
     return [r - whole for r in raw]
+
+
+def likeliest(pairs: Sequence[TargetPair], weights: Mapping[str, float]) -> list[tuple[TargetPair, float]]:
+    """The few targets of a look word that its links to others may decide between, with their scores, best first.
+
+    Args:
+        pairs: All of one look word.
+        weights: By feature.
+    """
+    both = zip(pairs, scores(pairs, weights), strict=True)
+    return sorted(both, key=lambda each: -each[1])[:_LIKELY]
 
 
 @cache

@@ -5,12 +5,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from difflib import SequenceMatcher
+from difflib import SequenceMatcher, get_close_matches
 from functools import cache
 
 from ..lexicon.nearest import table
-from ..lexicon.things import folded, senses, singular
-from ..lexicon.vocabulary import normalize
+from ..lexicon.things import folded, senses, singular, thing_words
+from ..lexicon.vocabulary import normalize, shipped_vocabulary
 from ..names import DETAILS, LIMBS, PIPELINE
 
 FITS = (
@@ -19,6 +19,7 @@ FITS = (
 """How words may fit a name, the surest way first."""
 _ALIKE = 0.5  # cosine of things that may stand for each other
 _MISSPELLED = 0.8  # share of letters that are right
+_SURFACE = ("material", "finish")
 _SHORTEST = 4  # letters of a word that may be misspelled
 
 
@@ -52,14 +53,31 @@ def fit(words: tuple[str, ...], name: tuple[str, ...]) -> str:
         meant = all(w in name or any(senses(w) & senses(n) for n in name) for w in words)
         return "all" if meant or joined in name else ""
     (word,) = words
-    if word in (name[-1], "".join(name[-2:])):
+    head = _head(name)
+    if word in (name[-1], head[-1], "".join(name[-2:])):
         return "last"
     if word in name:
         return _as_part(name, "part")
     mine = senses(word)
-    if mine & (senses(name[-1]) | senses(" ".join(name))):
+    if mine & (senses(name[-1]) | senses(head[-1]) | senses(" ".join(name))):
         return "synonym"
     return _as_part(name, "part's synonym") if any(mine & senses(n) for n in name[:-1]) else ""
+
+
+def _head(name: tuple[str, ...]) -> tuple[str, ...]:
+    """A name without what it says of the look at its end: "armor" of "armor steel", "frame" of "frame black"."""
+    end = len(name)
+    while end > 1 and _is_of_surfaces(name[end - 1]):
+        end -= 1
+    return name if _is_of_surfaces(name[end - 1]) else name[:end]
+
+
+@cache
+def _is_of_surfaces(word: str) -> bool:
+    """Whether a word of a name says what a thing is made of, or its color or finish."""
+    vocabulary = shipped_vocabulary()
+    entry = vocabulary.synonyms.get(word, "")
+    return word in vocabulary.colors or (entry != "" and vocabulary.entries[entry].slot in _SURFACE)
 
 
 def _as_part(name: tuple[str, ...], otherwise: str) -> str:
@@ -76,9 +94,17 @@ def guessed_fit(word: str, name: tuple[str, ...]) -> str:
         return ""
     if not table().is_english(word) and len(word) >= _SHORTEST:
         near = max(SequenceMatcher(None, word, part).ratio() for part in name)
-        if near >= _MISSPELLED:
+        meant = _corrected(word)
+        if near >= _MISSPELLED or (meant and senses(meant) & (senses(name[-1]) | senses(_head(name)[-1]))):
             return "misspelled"
     return "alike" if likeness(word, name[-1]) > _ALIKE else ""
+
+
+@cache
+def _corrected(word: str) -> str:
+    """The known thing that a misspelled word is nearest to; "" if none is near."""
+    known = [w for w in thing_words().rows if w[0] == word[0]]
+    return next(iter(get_close_matches(word, known, 1, _MISSPELLED)), "")
 
 
 def likeness(one: str, other: str) -> float:

@@ -10,10 +10,10 @@ from ..tokens import Lexer
 from ..types import SceneWords
 from .becoming import Becoming, becoming
 from .features import PairFeatures
-from .mentions import NounMention, mentions
+from .mentions import mentions
 from .passage import Passage, PromptLook, passage
-from .scene import SceneIndex
-from .targets import Target, targets
+from .scene import NounMention, SceneIndex
+from .targets import TINGE, Target, targets
 
 
 @dataclass(frozen=True)
@@ -48,21 +48,21 @@ class PromptPairs:
     pairs: list[list[TargetPair]]
 
 
-def reading(text: str, words: SceneWords, vocabulary: Vocabulary, lexer: Lexer | None = None) -> PromptPairs:
+def reading(text: str, words: SceneWords, vocabulary: Vocabulary) -> PromptPairs:
     """The pairs of a prompt.
 
     Args:
         text: The prompt.
         words: The names in the scene.
         vocabulary: What is known.
-        lexer: Of vocabulary and scene, if there is one already.
     """
-    found = passage((lexer or Lexer(vocabulary, words)).clauses(text), vocabulary)
+    found = passage(Lexer(vocabulary, words).clauses(text), vocabulary)
     nouns = mentions(found, SceneIndex(words), vocabulary)
     every = targets(nouns, words)
     facts = PairFeatures(found, nouns, vocabulary)
     pairs = []
     for look in found.looks:
-        may_be = {t: b for t in every if (b := becoming(look.word.token, t.kind, vocabulary))}
+        may_describe = [*every, Target(TINGE)] if found.tinged(look) else every
+        may_be = {t: b for t in may_describe if (b := becoming(look.word.token, t.kind, vocabulary))}
         pairs.append([TargetPair(look, t, b, tuple(facts.of(look, t, b))) for t, b in may_be.items()])
     return PromptPairs(found, nouns, pairs)

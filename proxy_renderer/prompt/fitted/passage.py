@@ -78,6 +78,12 @@ class Passage:
     wishes: list[list[str]] = field(default_factory=list)
     beyond: list[str] = field(default_factory=list)
 
+    def tinged(self, look: PromptLook) -> PromptLook | None:
+        """The color right after a look word, whose shade the word may say."""
+        following = next((other for other in self.looks if other.index == look.index + 1), None)
+        same = following and self.items[following.index].clause == self.items[look.index].clause
+        return following if same and following and following.word.token.color else None
+
     def content(self, start: int, end: int) -> list[Item]:
         """The items from start to end that say something, without `end`."""
         return [item for item in self.items[max(start, 0) : end] if not item.filler]

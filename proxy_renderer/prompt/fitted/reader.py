@@ -9,12 +9,12 @@ from ..binding import Binder
 from ..lexicon.vocabulary import Vocabulary
 from ..meaning import NamedThing
 from ..reader import PromptReader
-from ..tokens import Lexer
 from ..types import Parsed, SceneWords
-from .assignment import anything
+from .assignment import assigned
 from .bound import Things
 from .model import shipped_weights
 from .pairs import PromptPairs, TargetPair, reading
+from .targets import TINGE
 
 
 class FittedReader:
@@ -48,14 +48,15 @@ class FittedReader:
         Args:
             text: The prompt, prepared.
         """
-        lexer = Lexer(self.vocabulary, self.scene)
-        self.found: PromptPairs = reading(text, self.scene, self.vocabulary, lexer)
-        self.chosen: list[TargetPair] = anything(self.found.pairs, self.weights)
+        self.found: PromptPairs = reading(text, self.scene, self.vocabulary)
+        self.chosen: list[TargetPair] = assigned(self.found, self.weights)
         binder = Binder(self.vocabulary, "", self._means)
         things = Things(self.found, self.chosen, self.scene)
         parsed = Parsed(text)
         for pair in self.chosen:
             word = pair.look.word
+            if pair.target.kind == TINGE:
+                continue
             if pair.target.kind == "none":
                 binder.ignored.append(word.text)
                 continue

@@ -12,6 +12,7 @@ from ..types import GLOW, SceneWords
 from .names import FITS, best, fit, guessed_fit, parts
 
 _SURE = FITS.index("part")
+_MOST_ALONE = 6  # materials of which each is looked at alone
 _SIDE = 75.0  # degrees from where words say that a light is
 _TYPES = {"SUN": "sun", "SPOT": "spot"}
 """Types of lights that people call by name."""
@@ -30,6 +31,29 @@ class Named:
     kind: str
     names: frozenset[str]
     signs: frozenset[str]
+
+
+@dataclass(frozen=True)
+class NounMention:
+    """A noun, or several that belong together ("box and cup").
+
+    Attributes:
+        start: Place of its first item.
+        end: Place of its last item.
+        text: As the prompt says it.
+        noun: Kind of thing by the vocabulary's nouns; "others" for what was not named, "unknown" for a word that nobody knows.
+        role: "key", "fill" or "rim", where it names one.
+        named: What it may name in the scene.
+        members: Of several nouns, how many.
+    """
+
+    start: int
+    end: int
+    text: str
+    noun: str = ""
+    role: str = ""
+    named: tuple[Named, ...] = ()
+    members: int = 1
 
 
 def fit_rank(named: Named) -> int:
@@ -73,6 +97,24 @@ class SceneIndex:
         self._add_lights(fits, add)
         return [Named(kind, names, frozenset(signs)) for (kind, names), signs in found.items()]
 
+    def objects(self, said: tuple[str, ...]) -> list[str]:
+        """The objects whose names words fit best.
+
+        Args:
+            said: Words of the prompt, as `parts` gives them.
+        """
+        ways = {name: fit(said, p) for name, p in self._objects.items()}
+        surest = best(ways.values())
+        return [name for name, way in ways.items() if surest and way == surest]
+
+    def worn(self, name: str) -> frozenset[str]:
+        """The materials of an object.
+
+        Args:
+            name: Of the object.
+        """
+        return frozenset(self.words.object_materials.get(name, ()))
+
     def sided(self, low: float, high: float) -> list[Named]:
         """The lights on a side, the nearest one alone.
 
@@ -90,30 +132,40 @@ class SceneIndex:
         )
 
     def _add_things(self, fits: Callable[..., dict[str, str]], add: Callable[..., None]) -> None:
-        for source, names in (
-            ("material", self._materials),
-            ("object", self._objects),
-            ("group", self._groups),
-        ):
+        sources = (("material", self._materials), ("object", self._objects), ("group", self._groups))
+        for source, names in sources:
             ways = fits(names)
             surest = best(ways.values())
-            if not surest:
-                continue
-            chosen = [name for name, way in ways.items() if way == surest]
-            self._add_worn(source, surest, chosen, add)
+            for way in {*ways.values()}:
+                chosen = [name for name, its in ways.items() if its == way]
+                self._add_worn(source, way, chosen, *(() if way == surest else ("less sure",)), add=add)
             sure = [name for name, way in ways.items() if FITS.index(way) <= _SURE]
-            if len(sure) > len(chosen):
-                add("things", self._worn(source, sure), f"{source} {surest}", "widened")
+            if len(sure) > len([way for way in ways.values() if way == surest]):
+                self._add_split(self._worn(source, sure), f"{source} {surest}", "widened", add=add)
 
-    def _add_worn(self, source: str, way: str, chosen: list[str], add: Callable[..., None]) -> None:
-        """The materials of what was chosen: all of them, without details, and the first one of each."""
+    def _add_worn(
+        self, source: str, way: str, chosen: list[str], *signs: str, add: Callable[..., None]
+    ) -> None:
+        """The materials of what was chosen: all of them, without details, the first one of each, and each alone."""
         sign = f"{source} {way}"
         worn = self._worn(source, chosen)
-        add("things", worn, sign, "whole")
+        self._add_split(worn, sign, "whole", *signs, add=add)
+        if len({*worn}) <= _MOST_ALONE:
+            for name in {*worn}:
+                add("things", [name], sign, "alone", *signs)
         if source != "material":
-            add("things", [m for m in worn if not is_detail(m)], sign, "without details")
+            add("things", [m for m in worn if not is_detail(m)], sign, "without details", *signs)
             objects = self._objects_of(source, chosen)
-            add("things", [self.words.object_materials[o][0] for o in objects], sign, "first")
+            first = [self.words.object_materials[o][0] for o in objects]
+            self._add_split(first, sign, "first", *signs, add=add)
+
+    def _add_split(self, names: list[str], *signs: str, add: Callable[..., None]) -> None:
+        """Materials, and apart from each other those of subject and surroundings."""
+        add("things", names, *signs)
+        for region in {self.words.materials.get(n) for n in names}:
+            mine = [n for n in names if self.words.materials.get(n) == region]
+            if len(mine) < len(names):
+                add("things", mine, *signs, f"only {region}")
 
     def _objects_of(self, source: str, names: Iterable[str]) -> list[str]:
         every = names if source == "object" else (o for g in names for o in self.words.groups[g])

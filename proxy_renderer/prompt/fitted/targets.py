@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from ..types import SceneWords
-from .mentions import NounMention
+from .scene import NounMention
 
 MATTER = ("things", "subject", "surroundings", "others")
 """Kinds of targets that have a surface."""
@@ -15,6 +15,10 @@ LAMPS = ("lights", "key", "fill", "rim")
 """Kinds of targets that are some of the lights."""
 UNNAMED = ("subject", "surroundings", "light", "sky", "air", "picture", "none")
 """Kinds of targets that a prompt need not name."""
+TINGE = "tinge"
+"""Kind of target of a word that only says which shade the color after it is: "fire red"."""
+NOWHERE = ("none", TINGE)
+"""Kinds of targets that change nothing."""
 _OF_NOUNS = {
     "surroundings": "surroundings", "sky": "sky", "light": "light", "fill": "fill", "rim": "rim", "fog": "air",
     "shadow": "shadow", "tone": "picture", "subject": "subject", "others": "others", "unknown": "subject",
@@ -26,7 +30,7 @@ class Target:
     """Something that a look word may describe.
 
     Attributes:
-        kind: "things", "lights", "shadow", one of the labels of `UNNAMED`, "others", "key", "fill" or "rim".
+        kind: "things", "lights", "shadow", one of the labels of `UNNAMED`, "others", "key", "fill", "rim" or `TINGE`.
         names: Of the materials or lights; empty where the kind says it all.
         mention: Number of the mention that names it; -1 if none does.
         signs: How its names were found.

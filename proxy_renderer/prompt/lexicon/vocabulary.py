@@ -108,6 +108,8 @@ class Vocabulary:
         painted: Kind of thing -> what a color word does to it.
         adjectives: Word -> kind of thing (or "otherwise") -> entry name.
         absent: Kind of thing -> entry that the lack of it means: "no shadows".
+        picks: Word -> which one of several it picks out, as in `fitted.picked_mentions`.
+        typed: What is typed in a hurry -> the word that is meant.
     """
 
     entries: dict[str, VocabularyEntry]
@@ -120,11 +122,20 @@ class Vocabulary:
     painted: dict[str, tuple[Effect, ...]]
     adjectives: dict[str, dict[str, str]]
     absent: dict[str, str]
+    picks: dict[str, str]
+    typed: dict[str, str]
+
+
+def as_meant(word: str) -> str:
+    """A word as the readers have it: normalized, and spelled out where it was typed in a hurry."""
+    plain = normalize(word)
+    return shipped_vocabulary().typed.get(plain, plain)
 
 
 def normalize(phrase: str) -> str:
-    """Lower case and American, with hyphens, underscores and apostrophes as the lexer has them."""
+    """Lower case and American, with hyphens and underscores as the lexer has them; "the lamp's" is "the lamp"."""
     lower = phrase.lower().replace("’", "'").replace("colour", "color")
+    lower = re.sub(r"'s\b", "", lower)
     return " ".join(re.sub(r"[-_–—]", " ", lower).split())
 
 
@@ -257,7 +268,14 @@ def load(text: str, colors: str) -> Vocabulary:
         {kind: tuple(map(parse_effect, effects)) for kind, effects in rows["painted"].items()},
         adjectives,
         grammar.get("absent", {}),
+        _by_word(grammar["picks"]),
+        _by_word(grammar["typed"]),
     )
+
+
+def _by_word(rows: dict[str, str]) -> dict[str, str]:
+    """Each of the words of rows -> the name of its row."""
+    return {normalize(word): name for name, words in rows.items() for word in words.split(",")}
 
 
 @cache

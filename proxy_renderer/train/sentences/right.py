@@ -7,8 +7,8 @@ import re
 from difflib import SequenceMatcher
 
 from ...prompt.fitted.pairs import PromptPairs, TargetPair
-from ...prompt.fitted.targets import MATTER
-from ...prompt.lexicon.vocabulary import normalize
+from ...prompt.fitted.targets import MATTER, TINGE
+from ...prompt.lexicon.vocabulary import as_meant
 from ...prompt.names import is_detail
 from ...prompt.types import GLOW
 from .labels import ROLES, LabeledScene, LabeledSentence, LabelTarget, LookWord
@@ -32,6 +32,11 @@ def right_pairs(sentence: LabeledSentence, read: PromptPairs) -> list[list[bool]
         label = next((w for w in sentence.words if _covers(w, places.get(look.index))), None)
         wanted = label.targets if label else (LabelTarget("none"),)
         right = [any(is_right(pair, target, sentence.scene) for target in wanted) for pair in pairs]
+        following = read.passage.tinged(look)
+        if (
+            label and following and _covers(label, places.get(following.index))
+        ):  # one word to the artist: "fire red"
+            right = [r or pair.target.kind == TINGE for r, pair in zip(right, pairs, strict=True)]
         if not label and look.word.token.noun:  # "sunlight" may say something of light, or only name it
             right = [r or _names_itself(pair) for r, pair in zip(right, pairs, strict=True)]
         found.append(right)
@@ -47,12 +52,16 @@ def _covers(word: LookWord, place: tuple[int, int] | None) -> bool:
 
 
 def _places(text: str, read: PromptPairs) -> dict[int, tuple[int, int]]:
-    """Item -> where its last word stands in the artist's text, as far as the reader has left the words alone."""
-    theirs = [(normalize(m.group()), m.span()) for m in _WORD.finditer(text)]
+    """Item -> where its words stand in the artist's text, as far as the reader has left the words alone."""
+    theirs = [(as_meant(m.group()), m.span()) for m in _WORD.finditer(text)]
     mine = [(word, i) for i, item in enumerate(read.passage.items) for word in item.token.text.split()]
     matcher = SequenceMatcher(None, [w for w, _ in mine], [w for w, _ in theirs], autojunk=False)
-    blocks = matcher.get_matching_blocks()
-    return {mine[b.a + n][1]: theirs[b.b + n][1] for b in blocks for n in range(b.size)}
+    places: dict[int, tuple[int, int]] = {}
+    for block in matcher.get_matching_blocks():
+        for n in range(block.size):
+            item, (start, end) = mine[block.a + n][1], theirs[block.b + n][1]
+            places[item] = (places.get(item, (start, end))[0], end)
+    return places
 
 
 def is_right(pair: TargetPair, wanted: LabelTarget, scene: LabeledScene) -> bool:

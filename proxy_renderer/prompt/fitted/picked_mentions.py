@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The places of a prompt that pick one of several alike things: "the left ball", "the one on the right", "ribbon B"."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+from ..lexicon.vocabulary import Vocabulary
+from ..names import plain_name
+from ..types import SceneWords
+from .names import parts
+from .passage import Passage
+from .scene import Named, NounMention, SceneIndex
+
+_NEAR = 3  # items from a word that picks to its noun
+_MIDDLE = 0.0  # of the picture, as places count
+Group = list[str]
+
+
+@dataclass(frozen=True)
+class Pick:
+    """A way to tell one of several.
+
+    Attributes:
+        key: What makes it the one, from the least to the greatest; None for the order of names.
+        index: Its place in that order.
+    """
+
+    key: Callable[[tuple[float, float, float]], float] | None
+    index: int
+
+
+_PICKS = {
+    "left": Pick(lambda place: place[0], 0),
+    "right": Pick(lambda place: place[0], -1),
+    "middle": Pick(lambda place: abs(place[0] - _MIDDLE), 0),
+    "near": Pick(lambda place: place[1], 0),
+    "far": Pick(lambda place: place[1], -1),
+    "big": Pick(lambda place: place[2], -1),
+    "small": Pick(lambda place: place[2], 0),
+    "last": Pick(None, -1),
+    **{name: Pick(None, n) for n, name in enumerate(("first", "second", "third", "fourth", "fifth"))},
+}
+
+
+def with_picks(
+    passage: Passage, single: list[NounMention], index: SceneIndex, vocabulary: Vocabulary
+) -> list[NounMention]:
+    """The mentions of a prompt, with what is picked; the noun of "the left one" is one that came before.
+
+    Args:
+        passage: The prompt.
+        single: Its mentions.
+        index: The scene.
+        vocabulary: What words mean.
+    """
+    found = {mention.start: _with_number(passage, mention, index) for mention in single}
+    for place, item in enumerate(passage.items):
+        way = vocabulary.picks.get(item.token.text)
+        if way is None or item.wished:
+            continue
+        noun = _noun_of(passage, place, single)
+        groups = [_group(noun, index)] if noun else []
+        groups += [g for m in single if m.end < place and not noun and len(g := _group(m, index)) > 1][-1:]
+        one = next((o for g in [*groups, *_alike(index.words)] if (o := _picked(way, g, index.words))), "")
+        if one:
+            target = noun or found.get(place) or NounMention(place, place, item.token.text)
+            named = Named("things", index.worn(one), frozenset({"picked", f"picked {way}"}))
+            known = found.get(target.start, target)
+            found[target.start] = replace(known, named=(*known.named, named))
+    return [found[start] for start in sorted(found)]
+
+
+def _with_number(passage: Passage, mention: NounMention, index: SceneIndex) -> NounMention:
+    """A noun with the number or letter after it."""
+    after = passage.items[mention.end + 1 : mention.end + 2]
+    group = _group(mention, index)
+    near = after and after[0].clause <= passage.items[mention.end].clause + 1
+    one = _numbered(after[0].token.text, group) if len(group) > 1 and near else ""
+    if not one:
+        return mention
+    named = Named("things", index.worn(one), frozenset({"picked", "picked by number"}))
+    return replace(mention, named=(*mention.named, named))
+
+
+def _group(mention: NounMention, index: SceneIndex) -> list[str]:
+    """The objects that a noun names."""
+    return index.objects(parts(mention.text)) if mention.noun != "light" else []
+
+
+def _noun_of(passage: Passage, place: int, single: list[NounMention]) -> NounMention | None:
+    """The noun that a word picks one of: right after it, or before it and "on the"."""
+    clause = passage.items[place].clause
+    for mention in single:
+        same = passage.items[mention.start].clause == clause and not mention.start <= place <= mention.end
+        between = passage.content(place + 1, mention.start)
+        if same and place < mention.start <= place + _NEAR and all(i.names_a_look for i in between):
+            return mention
+    for mention in reversed(single):
+        same = passage.items[mention.start].clause == clause
+        between = passage.items[mention.end + 1 : place]
+        tied = bool(between) and all(i.filler or i.ties for i in between) and any(i.ties for i in between)
+        if same and mention.end < place <= mention.end + _NEAR and tied:
+            return mention
+    return None
+
+
+def _picked(way: str, group: Group, words: SceneWords) -> str:
+    """The one of a group of objects that a word picks; "" where it cannot be told.
+
+    Args:
+        way: A key of the vocabulary's picks: "left", "second", "big".
+        group: Names of objects.
+        words: The names in the scene, and where the objects are.
+    """
+    pick = _PICKS[way]
+    if len(group) < 2:
+        return ""
+    if pick.key is None:
+        order = sorted(group, key=_number)
+        return order[pick.index] if pick.index < len(order) else ""
+    key = pick.key
+    order = sorted((n for n in group if n in words.places), key=lambda name: key(words.places[name]))
+    if len(order) < 2:
+        return ""
+    first, last = (key(words.places[name]) for name in (order[0], order[-1]))
+    return order[pick.index] if first != last else ""
+
+
+def _numbered(said: str, group: Group) -> str:
+    """The object whose name ends in a number or letter: "cube 2" is Cube.002, "ribbon B" Ribbon_B; "" for none.
+
+    Args:
+        said: What stands after the noun.
+        group: Names of objects.
+    """
+    ends = {name: re.split(r"[\W_]+", name)[-1].lower() for name in group}
+    same = [
+        n
+        for n, end in ends.items()
+        if end == said or (said.isdigit() and end.isdigit() and int(end) == int(said))
+    ]
+    return same[0] if len(same) == 1 else ""
+
+
+def _number(name: str) -> tuple[int, str]:
+    """Order of names: "Ball", "Ball.001", "Ball.002"; by letters where there are no numbers."""
+    numbers = re.findall(r"\d+", name)
+    return (int(numbers[-1]) if numbers else 0, name)
+
+
+def _alike(words: SceneWords) -> Iterator[Group]:
+    """The subject's objects of one name, most of them first; then all of the subject's, and all of the scene's."""
+    subject = [name for name, region in words.objects.items() if region == "subject"]
+    kinds: dict[str, Group] = {}
+    for name in subject:
+        kinds.setdefault(plain_name(name), []).append(name)
+    yield from sorted((kind for kind in kinds.values() if len(kind) > 1), key=len, reverse=True)
+    yield from (subject, list(words.objects))

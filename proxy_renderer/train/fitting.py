@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Fits the weights of the reader's facts: first those about pairs alone, then those about what links look words in a row.
+
+The first are a log-linear model: each look word chooses among its targets with a probability proportional to the
+exponential of the weights of the pair's facts. The second make a conditional random field of the row of look words
+(Lafferty, McCallum, Pereira 2001). What is maximized is the likelihood of the targets that are right, less an L2 penalty.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from scipy.optimize import minimize
+from scipy.sparse import csr_matrix
+from scipy.special import logsumexp
+
+from ..prompt.fitted.assignment import link
+from ..prompt.fitted.model import FactWeights, likeliest
+from ..prompt.fitted.pairs import PromptPairs, TargetPair
+
+_LEAST = 3  # sentences in which a fact has to be
+_WRONG = -1e9  # logarithm of a probability of nothing
+
+
+@dataclass(frozen=True)
+class Example:
+    """A labeled sentence as the reader takes it.
+
+    Attributes:
+        scene: Name of the sentence's scene.
+        read: Its look words with all their pairs.
+        right: Of each look word's pairs, whether they are what the label says; nowhere, where none can be.
+    """
+
+    scene: str
+    read: PromptPairs
+    right: tuple[tuple[bool, ...], ...]
+
+    @property
+    def decided(self) -> list[tuple[list[TargetPair], tuple[bool, ...]]]:
+        """The pairs of each look word for which something right can be chosen."""
+        return [(p, r) for p, r in zip(self.read.pairs, self.right, strict=True) if any(r)]
+
+
+def fit_pairs(every: Sequence[Example], l2: float) -> FactWeights:
+    """The weights of facts about pairs.
+
+    Args:
+        every: Sentences.
+        l2: Weight of the penalty: half of it times the sum of squares.
+    """
+    words = [word for example in every for word in example.decided]
+    if not words:
+        return {}
+    counts: dict[str, set[int]] = {}
+    for number, (pairs, _) in enumerate(words):
+        for pair in pairs:
+            for name in pair.features:
+                counts.setdefault(name, set()).add(number)
+    names = sorted(name for name, where in counts.items() if len(where) >= _LEAST)
+    column = {name: i for i, name in enumerate(names)}
+    matrix = _matrix([pairs for pairs, _ in words], column)
+    starts = np.cumsum([0, *(len(pairs) for pairs, _ in words)])[:-1]
+    right = np.concatenate([right for _, right in words])
+
+    def loss(weights: np.ndarray) -> tuple[float, np.ndarray]:
+        found = matrix @ weights
+        whole, wanted = _share(found, starts), _share(np.where(right, found, -np.inf), starts)
+        value = float((whole[0] - wanted[0]).sum())
+        return value, matrix.T @ (whole[1] - wanted[1])
+
+    return _least(loss, names, l2)
+
+
+def fit_links(every: Sequence[tuple[Example, Mapping[str, float]]], l2: float) -> FactWeights:
+    """The weights of facts about links.
+
+    Args:
+        every: Sentences, each with the weights of facts about pairs that were fitted without its scene.
+        l2: Weight of the penalty.
+    """
+    rows = [_row(example, weights) for example, weights in every if len(example.read.pairs) > 1]
+    if not rows:
+        return {}
+    names = sorted({name for row in rows for step in row.links for line in step for name in line})
+    column = {name: i for i, name in enumerate(names)}
+    steps = [[np.array([[column[n] for n in line] for line in step]) for step in row.links] for row in rows]
+
+    def loss(weights: np.ndarray) -> tuple[float, np.ndarray]:
+        value, slope = 0.0, np.zeros(len(names))
+        for row, places in zip(rows, steps, strict=True):
+            for sign, likely in ((1.0, row.likely), (-1.0, row.wanted)):
+                whole, shares = _chain(likely, [weights[place] for place in places])
+                value += sign * whole
+                for place, share in zip(places, shares, strict=True):
+                    np.add.at(slope, place, sign * share)
+        return value, slope
+
+    return _least(loss, names, l2)
+
+
+@dataclass(frozen=True)
+class _Row:
+    """A sentence's likeliest pairs: logarithms of their probabilities, the same of those that are right, and their links."""
+
+    likely: list[np.ndarray]
+    wanted: list[np.ndarray]
+    links: list[list[list[str]]]
+
+
+def _row(example: Example, weights: Mapping[str, float]) -> _Row:
+    kept, likely, wanted = [], [], []
+    for pairs, right in zip(example.read.pairs, example.right, strict=True):
+        rights = {id(pair) for pair, is_right in zip(pairs, right, strict=True) if is_right}
+        best = likeliest(pairs, weights)
+        found = np.array([score for _, score in best])
+        may = np.array([id(pair) in rights for pair, _ in best])
+        kept.append([pair for pair, _ in best])
+        likely.append(found)
+        wanted.append(np.where(may, found, _WRONG) if may.any() else found)
+    passage = example.read.passage
+    links = [[[link(passage, a, b) for b in other] for a in one] for one, other in pairwise(kept)]
+    return _Row(likely, wanted, links)
+
+
+def _chain(likely: list[np.ndarray], links: list[np.ndarray]) -> tuple[float, list[np.ndarray]]:
+    """Logarithm of the sum over all rows of choices, and the share of each two choices in a row: forward and backward."""
+    ahead = [likely[0]]
+    for step, here in zip(links, likely[1:], strict=True):
+        ahead.append(logsumexp(ahead[-1][:, None] + step, axis=0) + here)
+    whole = float(logsumexp(ahead[-1]))
+    behind = np.zeros(len(likely[-1]))
+    shares: list[np.ndarray] = []
+    for number in range(len(links) - 1, -1, -1):
+        after = behind + likely[number + 1]
+        shares.insert(0, np.exp(ahead[number][:, None] + links[number] + after - whole))
+        behind = logsumexp(links[number] + after, axis=1)
+    return whole, shares
+
+
+def _least(
+    loss: Callable[[np.ndarray], tuple[float, np.ndarray]], names: list[str], l2: float
+) -> FactWeights:
+    """The weights at which loss and penalty are least."""
+
+    def penalized(weights: np.ndarray) -> tuple[float, np.ndarray]:
+        value, slope = loss(weights)
+        return value + 0.5 * l2 * float(weights @ weights), slope + l2 * weights
+
+    found = minimize(penalized, np.zeros(len(names)), jac=True, method="L-BFGS-B", options={"maxiter": 300})
+    return {name: float(w) for name, w in zip(names, found.x, strict=True)}
+
+
+def _matrix(words: list[list[TargetPair]], column: dict[str, int]) -> csr_matrix:
+    """(pairs, facts): which pair has which fact."""
+    rows = [[column[n] for n in {*pair.features} if n in column] for pairs in words for pair in pairs]
+    ends = np.cumsum([0, *map(len, rows)])
+    columns = np.array([c for row in rows for c in row])
+    return csr_matrix((np.ones(len(columns)), columns, ends), shape=(len(rows), len(column)))
+
+
+def _share(found: np.ndarray, starts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Of each word the logarithm of the sum of exponentials of its scores, and of each pair its share of that sum."""
+    sizes = np.diff([*starts, len(found)])
+    most = np.maximum.reduceat(found, starts)
+    raised = np.exp(found - np.repeat(most, sizes))
+    sums = np.add.reduceat(raised, starts)
+    return most + np.log(sums), raised / np.repeat(sums, sizes)
