@@ -58,7 +58,7 @@ def with_picks(
     """
     found = {mention.start: _with_number(passage, mention, index) for mention in single}
     for place, item in enumerate(passage.items):
-        way = vocabulary.picks.get(item.token.text)
+        way = _way(item.token.text, vocabulary)
         if way is None or item.wished:
             continue
         noun = _noun_of(passage, place, single)
@@ -71,6 +71,13 @@ def with_picks(
             known = found.get(target.start, target)
             found[target.start] = replace(known, named=(*known.named, named))
     return [found[start] for start in sorted(found)]
+
+
+def _way(said: str, vocabulary: Vocabulary) -> str | None:
+    """How a word, or a place such as "on the right", picks one of several; None if it does not."""
+    *before, last = said.split()
+    placed = not before or before[0] in vocabulary.lists["around"]
+    return vocabulary.picks.get(last) if placed else None
 
 
 def _with_number(passage: Passage, mention: NounMention, index: SceneIndex) -> NounMention:
@@ -101,7 +108,8 @@ def _noun_of(passage: Passage, place: int, single: list[NounMention]) -> NounMen
     for mention in reversed(single):
         same = passage.items[mention.start].clause == clause
         between = passage.items[mention.end + 1 : place]
-        tied = bool(between) and all(i.filler or i.ties for i in between) and any(i.ties for i in between)
+        said = any(i.ties for i in between) or " " in passage.items[place].token.text
+        tied = said and all(i.filler or i.ties for i in between)
         if same and mention.end < place <= mention.end + _NEAR and tied:
             return mention
     return None
