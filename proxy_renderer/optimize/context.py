@@ -26,6 +26,7 @@ from ..schema import Values
 from ..schema.messages import Options
 from ..schema.spec import Region
 from . import headroom
+from .places import places
 
 if TYPE_CHECKING:
     from ..render.proxy import Proxy, Render
@@ -58,6 +59,7 @@ def scene_words(*scenes: SceneData) -> SceneWords:
         object_materials={name: tuple(worn.get(name, ())) for name in objects},
         lights=lights,
         glows=tuple(dict.fromkeys(name for scene in scenes for name in glowing(scene))),
+        places=places(scenes[0]) if scenes else {},
     )
 
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 
 from ..color.floats import lab_from_srgb, linear_from_srgb, luminance, srgb_from_lab, srgb_from_linear
-from ..color.shades import hue_apart
+from ..color.shades import hue_apart, shade
 from ..prompt.lexicon.vocabulary import Effect
 from ..prompt.types import Attribute
 from ..schema import Instance, Values
@@ -41,10 +41,7 @@ def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sourc
     elif effect.name == "azimuth" and effect.mode in ("camera", "sides"):
         low, high = _azimuth(effect, instance, sources.context.camera_azimuth)
     else:
-        mode = {"times": _times, "plus": _plus, "lightness": _lightness, "aim": _aim, "share": _share}.get(
-            effect.mode, _plain
-        )
-        low, high = mode(effect, attribute.strength, instance, sources)
+        low, high = _MODES.get(effect.mode, _plain)(effect, attribute.strength, instance, sources)
     if effect.name == "elevation":
         bottom, top = sources.context.light_elevations.get(instance.owner, (-90.0, 90.0))
         low, high = ((min(max(v[0], bottom), top),) for v in (low, high))
@@ -155,6 +152,19 @@ def _plus(effect: Effect, strength: float, instance: Instance, _: Sources) -> Ra
     )
 
 
+def _shade(effect: Effect, strength: float, instance: Instance, _: Sources) -> Range:
+    """The artist's color made lighter or darker, and more or less of a color."""
+    own = srgb_from_linear(instance.value)
+    corners = [
+        linear_from_srgb(
+            shade(own, 1 - min(abs(lighter * strength), 1.0), chroma**strength, 100.0 * (lighter > 0))
+        )
+        for lighter in (effect.lower[0], effect.upper[0])
+        for chroma in (effect.lower[1], effect.upper[1])
+    ]
+    return tuple(map(min, *corners)), tuple(map(max, *corners))
+
+
 def _lightness(effect: Effect, strength: float, instance: Instance, sources: Sources) -> Range:
     low, high = scaled(effect.lower[0], effect.upper[0], _MIDDLE, strength, (0.5, 97.0))
     if instance.parameter.kind == "color":
@@ -217,3 +227,8 @@ def _azimuth(effect: Effect, instance: Instance, camera: float) -> Range:
     value = instance.value[0]
     best = min(legal, key=lambda t: (max(t[0] - value, value - t[1], 0.0), abs(t[0] + t[1] - 2 * value)))
     return (best[0],), (best[1],)
+
+
+_MODES = {
+    "times": _times, "plus": _plus, "shade": _shade, "lightness": _lightness, "aim": _aim, "share": _share,
+}  # fmt: skip

@@ -17,6 +17,8 @@ from .names import SceneName, in_parts, scene_names
 from .types import SceneWords
 
 _LONGEST = 5  # words in a phrase
+_COMPARED = ("finish", "grade", "mood", "atmosphere")
+"""Slots of words of which there can be more: "glossier", "moodier", "drier"."""
 _BREAK = re.compile(r"[.,;:!?()\[\]{}<>|\n\"*#=+]|\s[-–—/]\s|/")
 
 
@@ -148,14 +150,14 @@ class Lexer:
         return self._compared(text) or Token(text, color=tending(text, v.colors))
 
     def _compared(self, text: str) -> Token | None:
-        """ "Cooler" and "glossiest" as what they compare: an adjective or a finish."""
+        """ "Cooler" and "glossiest" as what they compare: an adjective, a finish or a mood."""
         v = self.vocabulary
         for ending in ("er", "est"):
             base = text.removesuffix(ending)
             stems = (base, base + "e", base[:-1], base[:-1] + "y") if base != text and len(base) > 2 else ()
             for stem in stems:
                 entry = self._entry(stem)
-                compares = entry is not None and entry.slot in ("finish", "grade")
+                compares = entry is not None and entry.slot in _COMPARED
                 if stem in v.adjectives or stem in v.colors or compares:
                     return replace(self._phrase(stem), text=text)
         return None

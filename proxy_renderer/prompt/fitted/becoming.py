@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from ..lexicon.vocabulary import OWNERS, Vocabulary
@@ -11,7 +12,7 @@ from .targets import LAMPS, MATTER, NOWHERE
 
 _SURFACE = ("finish", "material", "color")
 _KINDS = {
-    "things": ("thing", "subject", "surroundings"), "subject": ("thing", "subject"), "surroundings": ("surroundings", "subject"),
+    "things": ("thing", "subject", "surroundings"), "subject": ("thing", "subject"), "surroundings": ("surroundings", "subject", "thing"),
     "others": ("thing", "subject", "surroundings"), "lights": ("lamp", "light"), "key": ("lamp", "light"),
     "fill": ("lamp", "fill", "light"), "rim": ("lamp", "rim", "light"), "light": ("light",), "shadow": ("shadow",),
     "sky": ("sky",), "air": ("fog",), "picture": ("tone",),
@@ -34,7 +35,7 @@ class Becoming:
     Attributes:
         entry: Of the vocabulary; "" for the color that the word names.
         slot: Of the entry.
-        way: "row" of the vocabulary's adjectives, "own" entry, "color", or "otherwise".
+        way: "row" of the vocabulary's adjectives, "own" entry, "color", "otherwise", or "elsewhere".
     """
 
     entry: str
@@ -57,12 +58,31 @@ def becoming(token: Token, kind: str, vocabulary: Vocabulary) -> Becoming | None
     said = [("row", rows.get(k, "")) for k in _KINDS[kind]] + [("own", token.entry)]
     if token.color and painted:
         said.append(("color", ""))
-    for way, entry in [*said, ("otherwise", rows.get("otherwise", ""))]:
+    said.append(("otherwise", rows.get("otherwise", "")))
+    for way, entry in [*said, *(("elsewhere", e) for e in _elsewhere(token, kind, vocabulary))]:
         if way == "color":
             return Becoming("", "color", way)
         if entry and _describes(entry, kind, vocabulary):
             return Becoming(entry, vocabulary.entries[entry].slot, way)
     return None
+
+
+def _elsewhere(token: Token, kind: str, vocabulary: Vocabulary) -> Iterator[str]:
+    """What a word is at a kind of target of which it says nothing itself; of a mood, what a part of its meaning is there."""
+    if token.near:  # what a guess would be elsewhere is a guess at a guess
+        return
+    rows = [vocabulary.elsewhere.get(k, {}) for k in _KINDS[kind]]
+    means = vocabulary.entries[token.entry].means if token.entry else ""
+    for said in (token.adjective, token.entry, *_parts(means, vocabulary)):
+        yield from (row[said] for row in rows if said in row)
+
+
+def _parts(means: str, vocabulary: Vocabulary) -> Iterator[str]:
+    """The entries that a mood stands for, without how strongly: "slightly dim light" as "dim light"."""
+    for part in means.split(", "):
+        words = part.split()
+        ends = (" ".join(words[start:]) for start in range(len(words)))
+        yield next((vocabulary.synonyms[end] for end in ends if end in vocabulary.synonyms), "")
 
 
 def _describes(entry: str, kind: str, vocabulary: Vocabulary) -> bool:

@@ -67,9 +67,8 @@ def with_picks(
         one = next((o for g in [*groups, *_alike(index.words)] if (o := _picked(way, g, index.words))), "")
         if one:
             target = noun or found.get(place) or NounMention(place, place, item.token.text)
-            named = Named("things", index.worn(one), frozenset({"picked", f"picked {way}"}))
             known = found.get(target.start, target)
-            found[target.start] = replace(known, named=(*known.named, named))
+            found[target.start] = _picking(known, index.worn(one), f"picked {way}")
     return [found[start] for start in sorted(found)]
 
 
@@ -86,10 +85,15 @@ def _with_number(passage: Passage, mention: NounMention, index: SceneIndex) -> N
     group = _group(mention, index)
     near = after and after[0].clause <= passage.items[mention.end].clause + 1
     one = _numbered(after[0].token.text, group) if len(group) > 1 and near else ""
-    if not one:
-        return mention
-    named = Named("things", index.worn(one), frozenset({"picked", "picked by number"}))
-    return replace(mention, named=(*mention.named, named))
+    return _picking(mention, index.worn(one), "picked by number") if one else mention
+
+
+def _picking(mention: NounMention, materials: frozenset[str], sign: str) -> NounMention:
+    """A noun that means some materials above all; what else is known of them stays known."""
+    known = [n for n in mention.named if n.kind == "things" and n.names == materials]
+    signs = frozenset().union(*(n.signs for n in known), {"picked", sign})
+    rest = [n for n in mention.named if n not in known]
+    return replace(mention, named=(*rest, Named("things", materials, signs)))
 
 
 def _group(mention: NounMention, index: SceneIndex) -> list[str]:

@@ -29,7 +29,7 @@ OWNERS = {
     "film": "film",
 }
 """Who an effect may name -> schema group."""
-RANGE_MODES = ("", "times", "plus", "camera", "sides", "lightness", "aim", "share")
+RANGE_MODES = ("", "times", "plus", "shade", "camera", "sides", "lightness", "aim", "share")
 SLOTS = ("finish", "material", "color", "lighting", "atmosphere", "grade", "mood", "setting")
 _TEXT: tuple[type, str] = (str, 'Write text in quotes: "...".')
 _LIST: tuple[type, str] = (list, 'Write a list of effects: ["film/contrast 1.1..1.3 !2"].')
@@ -110,6 +110,7 @@ class Vocabulary:
         absent: Kind of thing -> entry that the lack of it means: "no shadows".
         picks: Word -> which one of several it picks out, as in `fitted.picked_mentions`.
         typed: What is typed in a hurry -> the word that is meant.
+        elsewhere: Kind of thing -> entry or adjective -> entry, where words say nothing of it themselves: "a calm lamp".
     """
 
     entries: dict[str, VocabularyEntry]
@@ -124,6 +125,7 @@ class Vocabulary:
     absent: dict[str, str]
     picks: dict[str, str]
     typed: dict[str, str]
+    elsewhere: dict[str, dict[str, str]]
 
 
 def as_meant(word: str) -> str:
@@ -270,7 +272,29 @@ def load(text: str, colors: str) -> Vocabulary:
         grammar.get("absent", {}),
         _by_word(grammar["picks"]),
         _by_word(grammar["typed"]),
+        _read_elsewhere(rows["elsewhere"], entries, adjectives),
     )
+
+
+def _read_elsewhere(
+    rows: dict[str, dict[str, str]],
+    entries: dict[str, VocabularyEntry],
+    adjectives: dict[str, dict[str, str]],
+) -> dict[str, dict[str, str]]:
+    """The rows of [elsewhere], by the words that they list."""
+    found: dict[str, dict[str, str]] = {kind: {} for kind in rows}
+    for kind, entry, word in (
+        (k, e, normalize(w)) for k in rows for e in rows[k] for w in rows[k][e].split(",")
+    ):
+        if entry not in entries or (word not in entries and word not in adjectives):
+            unknown = word if entry in entries else entry
+            raise VibeError(
+                f"Vocabulary: '{unknown}' at a {kind} is neither entry nor adjective.", "Name one."
+            )
+        if word in found[kind]:
+            raise VibeError(f"Vocabulary: '{word}' at a {kind} is in two rows.", "Keep one.")
+        found[kind][word] = entry
+    return found
 
 
 def _by_word(rows: dict[str, str]) -> dict[str, str]:
