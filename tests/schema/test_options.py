@@ -77,6 +77,7 @@ def test_what_vibe_run_hands_over_means_the_same_on_the_other_side():
     argv += ["--device=cpu", "--vlm-model=m", "--vlm-url=u", "--no-anchor", "--baseline=clip-only"]
     argv += ["--reader=fitted"]
     argv += ["--inner=adam", "--leave-out=encoder", "--rate=20"]
+    argv += ["--like=still.jpg", "--like-only=light", "--like-same"]
     argv += ["--size=64", "--samples=2"]
     given = parser().parse_args(argv)
     checks.numbers(given)

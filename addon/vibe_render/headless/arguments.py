@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -57,9 +58,11 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
     args.cameras, args.frames = _listed(args.cameras), schema.frame_numbers(args.frames)
     checks.numbers(args)
     if args.command in ("run", "demo"):
-        checks.prompt(args.prompt)
+        checks.prompt(args.prompt, args.like)
         args.groups = checks.groups(args.groups)
         checks.locks(args.lock)
+        args.like_only = checks.traits(args.like_only, args.like)
+        args.like = os.path.abspath(args.like) if args.like else ""
     if args.command not in ("revert", "serve"):
         if args.out is None:
             raise schema.VibeError("There is no output folder.", "Say where with --out DIR.")

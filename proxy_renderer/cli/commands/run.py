@@ -14,8 +14,8 @@ from ...schema.options import checks, command_line
 from ...schema.options.table import named
 from ..parser import add_scene
 
-SUMMARY = "Give a scene the look that the words describe."
-_HOW = ("budget", "reach", "engine", "render")
+SUMMARY = "Give a scene the look that words describe, or a picture has."
+_HOW = ("picture", "budget", "reach", "engine", "render")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -24,7 +24,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "more", nargs="*", metavar="SCENE", help="more .blends that are to have the same look"
     )
-    command_line.add_option(parser, named("prompt"), required=True)
+    command_line.add_option(parser, named("prompt"))
     parser.add_argument(
         "--out", required=True, type=Path, metavar="DIR", help="folder for pictures, .blend and report"
     )
@@ -58,10 +58,12 @@ def carry_out(a: argparse.Namespace, what: str, scenes: Sequence[Path] = ()) -> 
         what: The command of Blender's side.
         scenes: Its scenes.
     """
-    checks.prompt(a.prompt)
+    checks.prompt(a.prompt, a.like)
     checks.numbers(a)
     a.groups = checks.groups(a.groups)
     checks.locks(a.lock)
+    a.like_only = checks.traits(a.like_only, a.like)
+    a.like = str(check.file(a.like, "picture")) if a.like else ""
     check.device(a.device)
     from ...blender.launch import launch
     from ...blender.meshes import prepared
@@ -69,7 +71,7 @@ def carry_out(a: argparse.Namespace, what: str, scenes: Sequence[Path] = ()) -> 
     with ExitStack() as stack:
         places = [str(stack.enter_context(prepared(scene))) for scene in scenes]
         check.vocabulary(a.vocabulary)  # after the meshes: it takes as long as they do
-        if not check.model(a):
+        if a.prompt.strip() and not check.model(a):
             check.words(a.prompt)
         out = checks.folder(a.out)  # last: a mistake leaves no folder
         return launch([what, *places, f"--out={out}", *command_line.to_arguments(a)], out)

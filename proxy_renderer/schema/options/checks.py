@@ -14,18 +14,23 @@ from ..errors import VibeError
 from ..limits import LONGEST_PROMPT
 from ..parameters import GROUPS
 from .option import Option
-from .table import TABLE
+from .table import TABLE, TRAITS
 
 
-def prompt(text: str) -> str:
+def prompt(text: str, like: str = "") -> str:
     """A prompt with something in it, of a length that a person types.
+
+    Args:
+        text: The prompt.
+        like: A picture whose look is wanted; with one, there need be no words.
 
     Raises:
         VibeError: It is empty, or too long.
     """
-    if not text.strip():
+    if not text.strip() and not like:
         raise VibeError(
-            "The prompt is empty.", 'Describe the look: --prompt "misty, cool blue fog, vignette".'
+            "The prompt is empty.",
+            'Describe the look: --prompt "misty, cool blue fog, vignette", or show it: --like still.jpg.',
         )
     if len(text) > LONGEST_PROMPT:
         raise VibeError(
@@ -62,6 +67,25 @@ def groups(given: Sequence[str]) -> list[str]:
     for name in names:
         if name not in GROUPS:
             raise VibeError(f"Unknown group {name!r}.", f"Use some of: {', '.join(GROUPS)}.")
+    return list(dict.fromkeys(names))
+
+
+def traits(given: Sequence[str], like: str) -> list[str]:
+    """What to take over from a picture, from "a,b" lists, each once.
+
+    Args:
+        given: As on a command line.
+        like: The picture; "" for none.
+
+    Raises:
+        VibeError: There is no trait of that name, or no picture.
+    """
+    names = [name for part in given for name in re.split(r"[,\s]+", part) if name]
+    for name in names:
+        if name not in TRAITS:
+            raise VibeError(f"--like-only cannot be {name!r}.", f"Use some of: {', '.join(TRAITS)}.")
+    if names and not like:
+        raise VibeError("--like-only speaks of a picture, and there is none.", "Name it: --like still.jpg.")
     return list(dict.fromkeys(names))
 
 

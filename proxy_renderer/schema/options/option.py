@@ -14,6 +14,7 @@ HEADINGS = {
     "task": "",
     "shots": "shots that share a look: each scene, through each camera, at each frame, and one set of values for all",
     "budget": "budget",
+    "picture": "a picture as the words",
     "reach": "reach",
     "engine": "engine",
     "render": "render",

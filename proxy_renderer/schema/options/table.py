@@ -34,6 +34,9 @@ READERS = ("rules", "fitted")
 BASELINES = ("clip-only", "clip-authors")
 """What the method can be compared with."""
 
+TRAITS = ("light", "grade", "palette", "air", "materials")
+"""What can be taken over from a picture; materials only where it shows the same scene, or they are named."""
+
 
 @dataclass(frozen=True)
 class Options:
@@ -198,6 +201,24 @@ class Options:
         "greatest step of Adam and of the baselines, in thousandths of a range; 0 for their own",
         "engine",
         bounds=(0, 1000),
+    )
+    like: str = option(
+        "",
+        "a picture whose look the scene is to have: a still, a photograph, a painting, an HDRI for its light; with a "
+        "prompt, words count more",
+        "picture",
+        unit="FILE",
+    )
+    like_only: tuple[str, ...] = option(
+        (),
+        f"what to take over from that picture: {', '.join(TRAITS)} (default: all; materials only of the same scene)",
+        "picture",
+        unit="A,B",
+    )
+    like_same: bool = option(
+        False,
+        "the picture shows this very scene through this camera: compare it pixel by pixel (default: found by itself)",
+        "picture",
     )
     size: int = option(
         STANDARD.size,
