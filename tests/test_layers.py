@@ -18,7 +18,7 @@ LAYERS = {
         schema=schema.options . blender color scene
         prompt.lexicon prompt=prompt.lights=prompt.fitted=prompt.languages planning=planning.lights vlm inputs batch.manifest batch
         render.film render.geometry render.material render.lights=render.lights.types render.transport render.edges render.surface
-        render.cycles render claims.measures claims reference
+        render.cycles render claims.measures claims reference.files reference
         train.sentences train.pictures train.text guidance train optimize=optimize.inner=optimize.rounds engine
         bench.mitsuba bench bench.encoder bench.paper bench.ladder bench.wild bench.sealed bench.materials bench.binding cli=cli.commands
     """,

@@ -14,6 +14,12 @@ def linear_from_srgb(encoded: np.ndarray) -> np.ndarray:
     return np.where(encoded <= c.SRGB_ENCODED_END, encoded / c.SRGB_SLOPE, curved)
 
 
+def srgb_from_linear(linear: np.ndarray) -> np.ndarray:
+    """Encodes linear light (any shape, ≥ 0) with the sRGB curve (IEC 61966-2-1); unbounded above."""
+    curved = c.SRGB_SCALE * np.maximum(linear, c.SRGB_LINEAR_END) ** (1 / c.SRGB_EXPONENT) - c.SRGB_OFFSET
+    return np.where(linear <= c.SRGB_LINEAR_END, linear * c.SRGB_SLOPE, curved)
+
+
 def luminance(linear: np.ndarray) -> np.ndarray:
     """Luminance (...) of linear Rec.709 (..., 3), in its own precision."""
     return linear @ np.asarray(c.LUMINANCE_WEIGHTS, linear.dtype)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reading the picture that a look is taken from."""
+"""The picture that an artist gives as the words, whatever file it is in."""
 
 from __future__ import annotations
 
@@ -7,39 +7,82 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from PIL import Image, UnidentifiedImageError
 
+from ..color.arrays import srgb_from_linear
+from ..inputs import check
 from ..schema import VibeError
+from .files import encoded, exr, radiance
+
+_SEAM = 2.5
+"""How many times as much as neighbors the first and the last column of a panorama may differ."""
+_POLE = 0.06
+"""Greatest deviation along the first and the last row of a panorama, each of which is one point."""
+_LEAST_PANORAMA = 64
 
 
 @dataclass(frozen=True)
 class ReferencePicture:
-    """A picture whose look is wanted.
+    """A picture as everything else takes it.
 
     Attributes:
-        display: (H, W, 3) float32 as shown, sRGB-encoded in [0, 1].
-        linear: (H, W, 3) float32 scene-linear Rec.709; None where the file has only what is shown.
-        alpha: (H, W) float32 coverage; None where all is opaque.
-        panorama: Whether it shows all directions, as an HDRI does.
+        display: (H, W, 3) float32, sRGB-encoded, in [0, 1]. Of linear light it is the plain sRGB curve, cut off at white:
+            who knows a scene's view transform shows `linear` by that.
+        linear: (H, W, 3) float32 linear Rec.709, at least 0; None if the file holds display colors.
+        alpha: (H, W) in [0, 1], how much each pixel counts; None if all count.
+        panorama: Whether it shows all directions, the longitude from left to right.
+        note: What was done to it, in sentences; "" if nothing.
     """
 
     display: np.ndarray
     linear: np.ndarray | None = None
     alpha: np.ndarray | None = None
     panorama: bool = False
+    note: str = ""
 
 
-def read_reference(path: Path) -> ReferencePicture:
-    """Reads a picture.
+def read_reference(path: Path | str) -> ReferencePicture:
+    """Reads a picture, at most 1024 pixels long.
 
     Args:
-        path: Of the file.
+        path: As the artist wrote it.
 
     Raises:
-        VibeError: It cannot be read as a picture.
+        VibeError: There is none, or it cannot be read; with what to do about it.
     """
-    try:
-        with Image.open(path) as image:
-            return ReferencePicture(np.asarray(image.convert("RGB"), np.float32) / 255.0)
-    except (OSError, UnidentifiedImageError) as error:
-        raise VibeError(f"{path.name} is not a picture that can be read.", "Use a PNG or a JPEG.") from error
+    found = check.file(str(path), "picture")
+    contents = _reader(found)(found)
+    if contents.alpha is not None and contents.alpha.max() < 1 / 255:
+        raise VibeError(
+            f"Nothing is to be seen in {found.name}: all of it is transparent.", "Use another picture."
+        )
+    linear = contents.color if contents.linear else None
+    display = contents.color if linear is None else srgb_from_linear(linear).clip(0.0, 1.0)
+    return ReferencePicture(
+        display=display.astype(np.float32),
+        linear=linear,
+        alpha=contents.alpha,
+        panorama=contents.panorama or _wraps(display),
+        note=" ".join(contents.notes),
+    )
+
+
+def _reader(path: Path):
+    """What reads a file, by its first bytes: names lie."""
+    with path.open("rb") as file:
+        head = file.read(10)
+    if head.startswith(b"\x76\x2f\x31\x01"):
+        return exr.read
+    if head.startswith((b"#?RADIANCE", b"#?RGBE")):
+        return radiance.read
+    return encoded.read
+
+
+def _wraps(display: np.ndarray) -> bool:
+    """Whether a picture is twice as wide as high, goes on beyond its sides, and ends in one point above and below."""
+    height, width = display.shape[:2]
+    if height < _LEAST_PANORAMA or abs(width - 2 * height) > 2:
+        return False
+    neighbors = np.abs(np.diff(display, axis=1)).mean()
+    seam = np.abs(display[:, 0] - display[:, -1]).mean()
+    poles = (display[0].std(0).max(), display[-1].std(0).max())
+    return bool(seam <= _SEAM * neighbors + 1 / 255 and max(poles) < _POLE and display.std() > _POLE)

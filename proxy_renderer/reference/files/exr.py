@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: Apache-2.0
+"""OpenEXR files, as linear Rec.709."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...color import constants as c
+from ...schema import VibeError
+from .contents import LONGEST, FileContents, counted, shrunk_linear
+
+_LARGEST = 3 * 10**9
+"""Bytes of all channels, above which a file is not opened."""
+_REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
+_BRADFORD = np.array(((0.8951, 0.2664, -0.1614), (-0.7502, 1.7135, 0.0367), (0.0389, -0.0685, 1.0296)))
+"""Cones from XYZ, for adaptation to another white (Lindbloom, "Chromatic Adaptation")."""
+
+
+def read(path: Path) -> FileContents:
+    """Reads the picture in an EXR: its only layer, or what Blender calls Combined.
+
+    Args:
+        path: An existing file.
+
+    Raises:
+        VibeError: It is damaged, too large, or holds no picture.
+    """
+    layer, pixels, header = _picture(path)
+    if pixels.ndim == 2:
+        pixels = np.repeat(pixels[..., None], 3, -1)
+    notes = [] if layer in ("RGB", "RGBA", "Y") else [f"Its layer {layer} was read."]
+    good = np.isfinite(pixels).all(-1)
+    if not good.all():
+        notes.append(f"{np.count_nonzero(~good)} of its pixels are no numbers, and do not count.")
+    pixels = np.where(good[..., None], pixels, 0.0).astype(np.float32)
+    color, alpha = pixels[..., :3], good.astype(np.float32)
+    if pixels.shape[2] == 4:  # EXR holds colors that are multiplied by alpha
+        alpha = alpha * pixels[..., 3].clip(0.0, 1.0)
+        color = color / np.maximum(alpha, 1e-4)[..., None]
+    if (primaries := _primaries(header)) is not None:
+        color = color @ rec709_from(primaries).T.astype(np.float32)
+        notes.append("Its colors were brought to Rec.709.")
+    if max(color.shape[:2]) > LONGEST:
+        notes.append(f"It was reduced from {color.shape[1]} × {color.shape[0]} pixels.")
+    small, alpha = shrunk_linear(color.clip(0.0), alpha)
+    return FileContents(small, counted(alpha), linear=True, panorama="envmap" in header, notes=tuple(notes))
+
+
+def rec709_from(chromaticities: Sequence[float]) -> np.ndarray:
+    """Matrix (3, 3) to linear Rec.709 from other primaries, white adapted.
+
+    Args:
+        chromaticities: CIE x and y of red, green, blue and white, as an EXR header has them.
+    """
+
+    def white(xy: Sequence[float]) -> np.ndarray:
+        return np.array((xy[0] / xy[1], 1.0, (1 - xy[0] - xy[1]) / xy[1]))
+
+    def xyz(numbers: Sequence[float]) -> np.ndarray:
+        columns = np.stack([white(numbers[i : i + 2]) for i in (0, 2, 4)], 1)
+        return columns * np.linalg.solve(columns, white(numbers[6:8]))
+
+    ratio = (_BRADFORD @ white(_REC709[6:8])) / (_BRADFORD @ white(chromaticities[6:8]))
+    adapted = np.linalg.solve(_BRADFORD, ratio[:, None] * _BRADFORD)
+    return np.array(c.REC709_FROM_XYZ) @ adapted @ xyz(chromaticities)
+
+
+def _primaries(header: Mapping[str, Any]) -> Sequence[float] | None:
+    """The file's own primaries; None if they are Rec.709's."""
+    found = header.get("chromaticities")
+    return None if found is None or np.allclose(found, _REC709, atol=2e-3) else found
+
+
+def _picture(path: Path) -> tuple[str, np.ndarray, Mapping[str, Any]]:
+    """The layer's name, its pixels (H, W) or (H, W, 3 or 4), and the header of its part."""
+    import OpenEXR
+
+    try:
+        with OpenEXR.File(str(path), header_only=True) as file:
+            _refuse_large(path, [part.header for part in file.parts])
+        with OpenEXR.File(str(path)) as file:
+            layers = {
+                name: (np.asarray(channel.pixels), dict(part.header))
+                for part in file.parts
+                for name, channel in part.channels.items()
+            }
+    except (OSError, RuntimeError, ValueError, TypeError, MemoryError) as error:
+        raise VibeError(
+            f"{path.name} is no EXR that can be read, or is damaged.", "Save it again."
+        ) from error
+    name = _best(layers)
+    if name is None:
+        raise VibeError(
+            f"{path.name} holds no layer with colors.", "Save the render itself, the layer Combined."
+        )
+    return name, *layers[name]
+
+
+def _refuse_large(path: Path, headers: Sequence[Mapping[str, Any]]) -> None:
+    size = 0
+    for header in headers:
+        low, high = header["dataWindow"]
+        size += 4 * len(header["channels"]) * int(high[0] - low[0] + 1) * int(high[1] - low[1] + 1)
+    if size > _LARGEST:
+        raise VibeError(
+            f"{path.name} would fill {size / 1e9:.0f} GB of memory.",
+            "Save only its layer Combined, or a smaller picture.",
+        )
+
+
+def _best(layers: Mapping[str, tuple[np.ndarray, Mapping[str, Any]]]) -> str | None:
+    """The layer that is the picture: plain RGB, Blender's Combined, or plain gray."""
+    colors = [name for name, (pixels, _) in layers.items() if pixels.ndim == 3 and pixels.shape[2] >= 3]
+    ranked = [name for name in colors if name in ("RGBA", "RGB")]
+    ranked += [name for name in colors if name.rpartition(".")[2] == "Combined"]
+    ranked += [name for name in colors if name.rpartition(".")[2] in ("RGBA", "RGB", "rgba", "rgb", "beauty")]
+    ranked += [name for name, (pixels, _) in layers.items() if name == "Y" and pixels.ndim == 2]
+    return next(iter(ranked), colors[0] if len(colors) == 1 else None)
