@@ -1,38 +1,56 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Set Up Engine: a real environment made by real pip, from a wheel on disk in place of the package index."""
+"""Set Up Engine: a real environment made by real pip, from wheels on disk in place of the package indices."""
 
+import shutil
+import subprocess
 import time
 import zipfile
+from collections import namedtuple
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from vibe_render.engine import find, setup
+from vibe_render.engine import find, setup, torch_builds
+from vibe_render.ui import setup_text
 
 from proxy_renderer.schema import VibeError
 
 
-@pytest.fixture
-def wheel(tmp_path):
-    """A package that has what the engine's environment is asked for."""
-    path = tmp_path / "stand_in-1.0-py3-none-any.whl"
-    record = "stand_in-1.0.dist-info"
+def write_wheel(folder, name, version, modules=(), needs=()):
+    """A package of empty modules."""
+    folder.mkdir(parents=True, exist_ok=True)
+    path, record = folder / f"{name}-{version}-py3-none-any.whl", f"{name}-{version}.dist-info"
     with zipfile.ZipFile(path, "w") as file:
-        for module in find._NEEDED:
+        for module in modules:
             file.writestr(f"{module}/__init__.py", "")
-        file.writestr(f"{record}/METADATA", "Metadata-Version: 2.1\nName: stand-in\nVersion: 1.0\n")
+        lines = [f"Name: {name}", f"Version: {version}", *(f"Requires-Dist: {need}" for need in needs)]
+        file.writestr(f"{record}/METADATA", "\n".join(["Metadata-Version: 2.1", *lines, ""]))
         file.writestr(f"{record}/WHEEL", "Wheel-Version: 1.0\nRoot-Is-Purelib: true\nTag: py3-none-any\n")
         file.writestr(f"{record}/RECORD", "")
     return path
 
 
+@pytest.fixture
+def wheel(tmp_path):
+    """A package that has what the engine's environment is asked for."""
+    return write_wheel(tmp_path, "stand_in", "1.0", find._NEEDED)
+
+
 @pytest.fixture(autouse=True)
 def offline(monkeypatch):
     monkeypatch.setenv("PIP_NO_INDEX", "1")
+    monkeypatch.delenv("PIP_FIND_LINKS", raising=False)
+
+
+def installed(environment):
+    return {
+        path.name.removesuffix(".dist-info") for path in environment.glob("lib/*/site-packages/*.dist-info")
+    }
 
 
 @pytest.mark.slow
 def test_makes_an_environment_that_is_found(wheel, tmp_path):
-    environment = setup.EngineSetup(tmp_path / "engine", [str(wheel)])
+    environment = setup.EngineSetup(tmp_path / "engine", [str(wheel)], torch_builds.CUDA)
     texts = set()
     while environment.running:
         texts.add(environment.text)
@@ -44,22 +62,122 @@ def test_makes_an_environment_that_is_found(wheel, tmp_path):
     assert Path(python).is_relative_to(tmp_path)
 
 
+@pytest.fixture
+def folders(tmp_path):
+    """Folders of wheels in place of torch's own index and of the Python Package Index, whose torch is newer."""
+    write_wheel(tmp_path / "own", "torch", "2.15.0+cpu", ["torch"])
+    write_wheel(tmp_path / "own", "torchvision", "0.30.0+cpu", needs=["torch==2.15.0"])
+    usual = tmp_path / "usual"
+    write_wheel(usual, "torch", "2.16.0", ["torch"], needs=["nvidia-cudnn"])
+    write_wheel(usual, "torchvision", "0.31.0", needs=["torch==2.16.0"])
+    write_wheel(usual, "nvidia_cudnn", "9.0")
+    others = [module for module in find._NEEDED if module != "torch"]
+    write_wheel(usual, "others", "1.0", others, needs=["torchvision"])
+    return tmp_path / "own", usual
+
+
+def as_index(folder):
+    """The address of an index, as pip reads it, with the folder's wheels in it."""
+    pages = folder.with_name(f"{folder.name}_index")
+    for path in folder.glob("*.whl"):
+        page = pages / path.name.partition("-")[0].replace("_", "-") / "index.html"
+        page.parent.mkdir(parents=True)
+        page.write_text(f'<a href="{path.as_uri()}">{path.name}</a>')
+    return pages.as_uri()
+
+
+def test_torch_for_the_processor_comes_from_its_own_index(folders, tmp_path, monkeypatch):
+    own, usual = map(as_index, folders)
+    monkeypatch.delenv("PIP_NO_INDEX")
+    monkeypatch.setenv("PIP_INDEX_URL", usual)
+    build = replace(torch_builds.CPU, index=own)
+    setup.EngineSetup(tmp_path / "engine", ["torch>=2.5", "others"], build).finish()
+    assert installed(tmp_path / "engine") >= {"torch-2.15.0+cpu", "torchvision-0.30.0+cpu", "others-1.0"}
+    assert not [name for name in installed(tmp_path / "engine") if name.startswith("nvidia")]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("build", [torch_builds.CPU, torch_builds.CUDA])
+def test_a_folder_of_wheels_serves_instead_of_every_index(folders, tmp_path, monkeypatch, build):
+    """A studio without a network: pip's own settings `no-index` and `find-links`."""
+    own, usual = folders
+    shutil.copy(next(usual.glob("others*")), own)
+    monkeypatch.setenv("PIP_FIND_LINKS", str(own if build is torch_builds.CPU else usual))
+    setup.EngineSetup(tmp_path / "engine", ["torch>=2.5", "others"], build).finish()
+    assert ("nvidia_cudnn-9.0" in installed(tmp_path / "engine")) == (build is torch_builds.CUDA)
+
+
 def test_a_failure_says_why_and_leaves_nothing(tmp_path):
     (tmp_path / "file").write_text("")
-    environment = setup.EngineSetup(tmp_path / "file" / "engine", ["no-such-package"])
+    environment = setup.EngineSetup(tmp_path / "file" / "engine", ["no-such-package"], torch_builds.CUDA)
     with pytest.raises(VibeError, match="Making a Python environment failed"):
         environment.finish()
     assert (tmp_path / "file").read_text() == ""
 
 
-def test_cancel_leaves_nothing(wheel, tmp_path):
-    environment = setup.EngineSetup(tmp_path / "engine", [str(wheel)])
-    while not (tmp_path / "engine").exists() and environment.running:
+def test_cancel_leaves_nothing_new_and_the_older_engine_whole(wheel, tmp_path):
+    (tmp_path / "engine").mkdir()
+    (tmp_path / "engine" / "kept").touch()
+    (tmp_path / "engine.part").mkdir()  # of a Blender that was killed
+    (tmp_path / "engine.part" / "half").touch()
+    environment = setup.EngineSetup(tmp_path / "engine", [str(wheel)], torch_builds.CUDA)
+    while not (tmp_path / "engine.part" / "bin").exists() and environment.running:
         time.sleep(0.02)
     environment.cancel()
     with pytest.raises(VibeError, match="Canceled"):
         environment.finish()
-    assert not (tmp_path / "engine").exists()
+    assert (tmp_path / "engine" / "kept").exists()
+    assert not (tmp_path / "engine.part").exists()
+
+
+def test_a_finished_environment_replaces_the_older_one_and_runs_there(tmp_path):
+    for name in ("engine", "engine.part"):
+        subprocess.run([setup._python(), "-m", "venv", "--without-pip", tmp_path / name], check=True)
+    (tmp_path / "engine" / "old").touch()
+    setup._replace(tmp_path / "engine", tmp_path / "engine.part")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["engine"]
+    assert not (tmp_path / "engine" / "old").exists()
+    code = "import sys; print(sys.prefix)"
+    said = subprocess.check_output([find.python_of(tmp_path / "engine"), "-c", code], text=True)
+    assert said.strip() == str(tmp_path / "engine")
+
+
+def test_a_full_disk_is_said_before_anything_is_downloaded(tmp_path, monkeypatch):
+    usage = namedtuple("usage", "total used free")
+    monkeypatch.setattr(setup.shutil, "disk_usage", lambda path: usage(9e9, 7e9, 2e9))
+    environment = setup.EngineSetup(tmp_path / "engine", [], torch_builds.CUDA)
+    with pytest.raises(VibeError, match=r"2\.0 GB are free, the engine takes 5\.8 GB"):
+        environment.finish()
+    assert not any(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("trace", ["proc/driver/nvidia/gpus/0000:01:00.0", "usr/lib/wsl/lib/libcuda.so.1"])
+def test_a_card_is_seen_by_the_traces_of_its_driver(tmp_path, trace):
+    assert not torch_builds.has_nvidia_card(tmp_path)
+    (tmp_path / trace).parent.mkdir(parents=True)
+    assert not torch_builds.has_nvidia_card(tmp_path)
+    (tmp_path / trace).touch()
+    assert torch_builds.has_nvidia_card(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("system", "card", "build"),
+    [("linux", True, "CUDA"), ("linux", False, "CPU"), ("darwin", False, "USUAL"), ("win32", False, "USUAL")],
+)
+def test_each_computer_gets_the_build_that_suits_it(monkeypatch, system, card, build):
+    monkeypatch.setattr(torch_builds.sys, "platform", system)
+    monkeypatch.setattr(torch_builds, "has_nvidia_card", lambda: card)
+    assert torch_builds.suggested() is torch_builds.by_key(build)
+
+
+def test_what_is_downloaded_is_said_with_its_source_and_size(tmp_path, monkeypatch):
+    monkeypatch.setattr(torch_builds.sys, "platform", "linux")
+    monkeypatch.setattr(torch_builds, "has_nvidia_card", lambda: False)
+    small, large = (" ".join(setup_text.lines(build, tmp_path)) for build in torch_builds.choices())
+    assert {"download.pytorch.org", "pypi.org"} <= set(small.replace(",", "").replace("(", "").split())
+    assert f"{torch_builds.CPU.download} GB to download" in small
+    assert f"{torch_builds.CUDA.disk} GB in {tmp_path}" in large
+    assert "No NVIDIA card was found" in large
 
 
 def test_downloads_are_followed():
@@ -81,7 +199,11 @@ def test_downloads_are_followed():
         ("ERROR: Could not install: [Errno 28] No space left on device", "room on the disk"),
         (
             "WARNING: Retrying after NewConnectionError: Temporary failure in name resolution",
-            "cannot be reached",
+            "The package index cannot be reached",
+        ),
+        (
+            "WARNING: Retrying after ProxyError(HTTPSConnectionPool(host='wheels.example', port=443))",
+            "wheels.example cannot be reached",
         ),
         ("ERROR: No matching distribution found for x", "No matching distribution"),
     ],

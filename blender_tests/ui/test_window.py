@@ -186,6 +186,8 @@ def test_without_an_engine_the_panel_says_so_and_the_rest_works(walk):
         assert observed[shown], shown
     assert "no Vibe engine" in observed["tested"]
     assert observed["offline_sets_up_nothing"]
+    assert observed["asks_before_it_downloads"]
+    assert observed["esc_sets_up_nothing"]
 
 
 def test_presets_and_looks_as_files(walk):

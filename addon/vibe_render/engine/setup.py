@@ -15,13 +15,17 @@ import sys
 from concurrent.futures import Future
 from pathlib import Path
 from typing import IO, cast
+from urllib.parse import urlsplit
 
 from ..core import background
 from ..core.schema_import import schema
 from .find import CARRIED, has_engine, own_group, python_of
+from .torch_builds import TorchBuild
 
 _VERSIONS = ((3, 11), (3, 12), (3, 13))  # of Python: every package has wheels for them
 _PROGRESS = re.compile(r"Progress (\d+) of (\d+)")
+_UNREACHABLE = r"NewConnectionError|Temporary failure|Network is unreachable|ConnectTimeout|ProxyError|SSLError|ReadTimeoutError"
+_OUT_OF_REACH = "Check that pip's index can be reached from here, then press Set Up Engine again."
 _AGAIN = "Press Set Up Engine again, or make the environment by hand as the README says."
 
 
@@ -42,11 +46,12 @@ def requirements() -> list[str]:
 
 
 class EngineSetup:
-    """Makes an environment in a thread; a failure or `cancel` leaves nothing behind.
+    """Makes an environment in a thread; a failure or `cancel` leaves nothing behind, and an older environment as it was.
 
     Args:
-        folder: The environment's; an older one there is replaced.
+        folder: The environment's; an older one there is replaced at the end.
         packages: Requirements for pip.
+        build: The build of torch.
 
     Attributes:
         folder: As given.
@@ -54,8 +59,9 @@ class EngineSetup:
         fraction: The part of the present download that has arrived, 0 to 1; None while nothing is downloaded.
     """
 
-    def __init__(self, folder: Path, packages: list[str]) -> None:
-        self.folder, self._packages = folder, packages
+    def __init__(self, folder: Path, packages: list[str], build: TorchBuild) -> None:
+        self.folder, self._packages, self._build = folder, packages, build
+        self._part = folder.with_name(f"{folder.name}.part")  # nobody looks for an engine there
         self.text, self.fraction = "Starting", None
         self._process: subprocess.Popen[str] | None = None
         self._canceled = False
@@ -87,20 +93,17 @@ class EngineSetup:
 
     def _make(self) -> None:
         try:
-            shutil.rmtree(self.folder, ignore_errors=True)
-            self._run("Making a Python environment", _python(), "-m", "venv", self.folder)
-            python = python_of(self.folder)
-            pip = (python, "-m", "pip", "--disable-pip-version-check", "--no-input", "install")
-            with contextlib.suppress(schema.VibeError):  # an old pip only reports downloads less well
-                self._run("Updating pip", *pip, "--upgrade", "pip")
-            progress = ("--progress-bar", "raw") if _pip_version(self.folder) >= (24, 1) else ()
-            # Compiling thousands of modules, of which an engine uses some, would take most of a minute.
-            self._run("Looking for packages", *pip, "--no-compile", *progress, *self._packages)
+            shutil.rmtree(self._part, ignore_errors=True)
+            _require_room(self.folder, self._build)
+            self._run("Making a Python environment", _python(), "-m", "venv", self._part)
+            self._install()
             self.text, self.fraction = "Checking", None
+            python = python_of(self._part)
             if python is None or not has_engine(python):
                 raise schema.VibeError("The new environment has no engine in it.", _AGAIN)
+            _replace(self.folder, self._part)
         except BaseException as error:
-            shutil.rmtree(self.folder, ignore_errors=True)
+            shutil.rmtree(self._part, ignore_errors=True)
             if self._canceled:
                 raise schema.VibeError("Canceled; nothing was installed.", _AGAIN) from None
             if isinstance(error, OSError):
@@ -108,6 +111,21 @@ class EngineSetup:
             raise
         finally:
             atexit.unregister(self.cancel)
+
+    def _install(self) -> None:
+        """Installs the packages, torch before the others where it comes from elsewhere."""
+        pip = (python_of(self._part), "-m", "pip", "--disable-pip-version-check", "--no-input", "install")
+        with contextlib.suppress(schema.VibeError):  # an old pip only reports downloads less well
+            self._run("Updating pip", *pip, "--upgrade", "pip")
+        progress = ("--progress-bar", "raw") if _pip_version(self._part) >= (24, 1) else ()
+        # Compiling thousands of modules, of which an engine uses some, would take most of a minute.
+        pip = (*pip, "--no-compile", *progress)
+        if (
+            self._build.index
+        ):  # pip keeps what is there: with both indices at once it would take the newer torch
+            text = f"Looking for torch at {urlsplit(self._build.index).netloc}"
+            self._run(text, *pip, "--index-url", self._build.index, "torch", "torchvision")
+        self._run("Looking for packages", *pip, *self._packages)
 
     def _run(self, text: str, *command: object) -> None:
         """Runs a command to its end and follows its output."""
@@ -138,6 +156,27 @@ class EngineSetup:
             self.text, self.fraction = f"Looking for {re.split(r'[<>=!;@ ]', line.split()[1])[0]}", None
         elif line.startswith("Installing collected packages"):
             self.text, self.fraction = f"Installing {line.count(',') + 1} packages, for some minutes", None
+
+
+def _require_room(folder: Path, build: TorchBuild) -> None:
+    """Refuses before anything is downloaded if the disk is too full."""
+    place = next(parent for parent in folder.absolute().parents if parent.is_dir())
+    free = shutil.disk_usage(place).free / 1e9
+    if free < build.disk:
+        raise schema.VibeError(
+            f"There is not enough room on the disk: {free:.1f} GB are free, the engine takes {build.disk:.1f} GB.",
+            f"Make room on the disk of {place}.",
+        )
+
+
+def _replace(folder: Path, part: Path) -> None:
+    """Puts a finished environment where the older one is."""
+    old = folder.with_name(f"{folder.name}.old")
+    shutil.rmtree(old, ignore_errors=True)
+    if folder.exists():
+        folder.rename(old)
+    part.rename(folder)
+    shutil.rmtree(old, ignore_errors=True)
 
 
 def _python() -> Path:
@@ -171,12 +210,17 @@ def _failure(text: str, lines: collections.deque[str]) -> schema.VibeError:
     """The error that a command's last lines mean."""
     output = "\n".join(lines)
     if "No space left" in output:
-        return schema.VibeError("There is not enough room on the disk.", "Make room for about 6 GB.")
-    if re.search(r"NewConnectionError|Temporary failure|Network is unreachable|ConnectTimeout", output):
-        return schema.VibeError("The package index cannot be reached.", "Check the network, then try again.")
+        return schema.VibeError("There is not enough room on the disk.", "Make room, then try again.")
+    if re.search(_UNREACHABLE, output):
+        host = re.search(r"host='([^']+)'", output)
+        return schema.VibeError(
+            f"{host[1] if host else 'The package index'} cannot be reached.",
+            "Check the network (a proxy or firewall may have to let it through), then try again.",
+        )
     errors = [line.removeprefix("ERROR: ") for line in lines if line.startswith("ERROR")]
     last = next(reversed(errors), next((line for line in reversed(lines) if line), "it said nothing"))
-    return schema.VibeError(f"{text} failed: {last[:200].rstrip('.')}.", _AGAIN)
+    remedy = _OUT_OF_REACH if "No matching distribution" in output else _AGAIN
+    return schema.VibeError(f"{text} failed: {last[:200].rstrip('.')}.", remedy)
 
 
 def _end(process: subprocess.Popen[str]) -> None:

@@ -15,6 +15,7 @@ from ..core.user_folder import own_folder
 from ..engine.find import find_python
 from ..engine.process import Engine
 from ..engine.setup import EngineSetup, requirements
+from ..engine.torch_builds import TorchBuild
 from . import preferences
 
 _TICK = 0.25  # seconds between two looks at what goes on
@@ -84,14 +85,17 @@ class EngineState:
             self._test_work = background.begin(lambda: version(choice))
             self._follow()
 
-    def set_up(self) -> None:
+    def set_up(self, build: TorchBuild) -> None:
         """Makes an environment for the engine, in the background.
+
+        Args:
+            build: The build of torch that it gets.
 
         Raises:
             VibeError: This copy of the add-on does not carry the engine's code.
         """
         if not self.setting_up:
-            self.setup = EngineSetup(own_folder("engine"), requirements())
+            self.setup = EngineSetup(setup_folder(), requirements(), build)
             self._follow()
 
     def close(self) -> None:
@@ -135,6 +139,11 @@ class EngineState:
         if chosen := preferences.get(bpy.context):
             chosen.engine = str(setup.folder)
             self.search(chosen.engine, again=True)
+
+
+def setup_folder() -> Path:
+    """Where an environment is made for the engine."""
+    return own_folder("engine")
 
 
 def version(choice: str) -> str:

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# mypy: disable-error-code="valid-type"
 """The buttons that find, make and try the engine, and clear its cache, in the panel and in the preferences."""
 
 from __future__ import annotations
@@ -6,19 +7,31 @@ from __future__ import annotations
 import shutil
 
 import bpy
+from bpy.props import EnumProperty
 
+from ...core import drawing
 from ...core.schema_import import schema
-from ...session.engine_state import engine_state, version
+from ...engine import torch_builds
+from ...session.engine_state import engine_state, setup_folder, version
 from ...session.preferences import cache_folder, engine_choice, online
 from ...session.state import addon_state
-from .. import cache_size
+from .. import cache_size, setup_text
+
+_DIALOG_WIDTH, _DIALOG_LETTERS = 420, 62
 
 
 class VIBE_OT_setup_engine(bpy.types.Operator):
-    """Download the engine once, into the extension's own folder: Python packages from the Python Package Index, several GB"""
+    """Download the engine once, into the extension's own folder: Python packages. What they are and how large is said first"""
 
     bl_idname = "vibe.setup_engine"
     bl_label = "Set Up Engine"
+
+    build: EnumProperty(
+        name="Runs On",
+        description="What the engine computes on",
+        items=[(b.key, b.name, f"{b.download} GB to download") for b in torch_builds.choices()],
+        options={"SKIP_SAVE"},
+    )
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -29,10 +42,27 @@ class VIBE_OT_setup_engine(bpy.types.Operator):
             cls.poll_message_set("It is being set up already")
         return online() and not engine_state.setting_up
 
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Says what will be downloaded, and lets the artist choose; nothing is before that."""
+        self.build = torch_builds.suggested().key
+        return context.window_manager.invoke_props_dialog(
+            self, width=_DIALOG_WIDTH, title="Set Up Engine", confirm_text="Download"
+        )
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """What is downloaded, from where, and how large it is."""
+        column = self.layout.column()
+        if len(torch_builds.choices()) > 1:
+            column.row().prop(self, "build", expand=True)
+        for line in setup_text.lines(torch_builds.by_key(self.build), setup_folder()):
+            drawing.paragraph(column, context, line, letters=_DIALOG_LETTERS)
+
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Begins; panels and preferences show how it goes."""
+        chosen = self.properties.is_property_set("build")
+        build = torch_builds.by_key(self.build) if chosen else torch_builds.suggested()
         try:
-            engine_state.set_up()
+            engine_state.set_up(build)
         except schema.VibeError as error:
             engine_state.outcome, engine_state.succeeded = str(error), False
             self.report({"ERROR"}, str(error))

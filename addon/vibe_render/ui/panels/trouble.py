@@ -39,8 +39,8 @@ def draw_no_engine(layout: bpy.types.UILayout, context: bpy.types.Context) -> No
     paragraph(
         box,
         context,
-        "It turns words into looks. Set Up Engine downloads it once: several GB. Presets, strength, compare "
-        "and revert work without it.",
+        "It turns words into looks. Set Up Engine downloads it once, and says how much first. Presets, strength, "
+        "compare and revert work without it.",
     )
     if (
         engine_state.outcome

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The builds of torch that an engine can have: from where, how large, and which one suits this computer. No bpy here."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class TorchBuild:
+    """One build of torch, and what the engine's whole environment is like with it.
+
+    Attributes:
+        key: Its identifier.
+        name: For buttons.
+        index: Address of the package index that has it; "" for the one that pip uses anyway.
+        download: Of all packages, GB.
+        disk: What they take on the disk, GB.
+    """
+
+    key: str
+    name: str
+    index: str
+    download: float
+    disk: float
+
+
+CPU = TorchBuild("CPU", "Processor", "https://download.pytorch.org/whl/cpu", 0.3, 1.1)
+CUDA = TorchBuild("CUDA", "NVIDIA Card", "", 2.5, 5.8)
+USUAL = TorchBuild("USUAL", "Usual", "", 0.3, 1.1)
+"""Of Windows and macOS: the Python Package Index has no CUDA libraries for them."""
+
+
+def choices() -> tuple[TorchBuild, ...]:
+    """The builds that there are for this system."""
+    return (CPU, CUDA) if sys.platform == "linux" else (USUAL,)
+
+
+def suggested() -> TorchBuild:
+    """The one that suits this computer."""
+    return choices()[-1] if has_nvidia_card() else choices()[0]
+
+
+def by_key(key: str) -> TorchBuild:
+    """The build of a key."""
+    return next(build for build in choices() if build.key == key)
+
+
+def has_nvidia_card(root: Path = Path("/")) -> bool:
+    """Whether NVIDIA's driver runs a card on this Linux; the open driver runs no CUDA.
+
+    Args:
+        root: Of the file system.
+    """
+    cards = (root / "proc/driver/nvidia/gpus").glob("*")
+    return any(cards) or (root / "usr/lib/wsl/lib/libcuda.so.1").is_file()  # under Windows, its driver's
