@@ -20,12 +20,12 @@ LAYERS = {
         render.film render.geometry render.material render.lights=render.lights.types render.transport render.edges render.surface
         render.cycles render claims.measures claims reference.files reference
         train.sentences train.pictures train.text guidance train optimize=optimize.inner=optimize.rounds engine
-        bench.mitsuba bench bench.encoder bench.paper bench.ladder bench.wild bench.sealed bench.materials bench.binding cli=cli.commands
+        bench.mitsuba bench bench.encoder bench.paper bench.ladder bench.wild bench.sealed bench.materials bench.binding bench.like cli=cli.commands
     """,
     "vibe_render": """
         core engine scene.geometry scene.lights scene.nodes scene scene.stage render export session looks
         headless ui ui.operators ui.panels
-        bench.scenes bench .
+        bench.scenes bench bench.like .
     """,
 }
 # Modules of a folder without its __init__: what one still reads as a list. A sixteenth one asks for a folder.

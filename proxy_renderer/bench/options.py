@@ -158,6 +158,22 @@ def _sealed(sub: argparse.ArgumentParser) -> None:
     _small_pictures(sub)
 
 
+def _like(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument(
+        "--tasks", dest="count", type=int, default=4, metavar="N", help="how many of each part (default: 4)"
+    )
+    sub.add_argument(
+        "--parts",
+        default="recovery,materials,transfer,filters",
+        metavar="A,B",
+        help="recovery, materials, transfer, filters (default: all)",
+    )
+    sub.add_argument(
+        "--seed", dest="drawn_from", default="like", metavar="TEXT", help="draw from this (default: like)"
+    )
+    _small_pictures(sub)
+
+
 def _binding(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--sentences", required=True, metavar="DIR", help="folder of scenes.toml and sentences_NN.toml"
@@ -220,6 +236,10 @@ BENCHES: dict[str, tuple[str, AddOptions]] = {
     "sealed": (
         "Whether pictures show what was asked for, by prompts and scenes that nobody could tune to.",
         _sealed,
+    ),
+    "like": (
+        "How well a picture serves as the words: hidden looks, other scenes, photo filters.",
+        _like,
     ),
     "materials": ("Whether names of measured materials and lamps give what was measured.", _materials),
     "binding": ("Whether look words of labeled sentences are bound to what they describe.", _binding),

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A picture as the words: tasks from a seed, carried out where they have not been, compared, and shown."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from PIL import Image
+
+from ...schema import VibeError, atomic
+from ..sheet import Strip, save_sheets
+from . import table
+from .tasks import PARTS, tasks
+from .trial import LikeTrial
+
+_MOST = 1000
+
+
+def run(
+    out: Path,
+    count: int = 4,
+    parts: str = ",".join(PARTS),
+    drawn_from: str = "like",
+    size: int = 160,
+    samples: int = 32,
+) -> dict[str, Any]:
+    """Carries out what is missing, compares, and writes OUT/results.json and contact sheets.
+
+    Args:
+        out: The folder; it keeps scenes and runs, and one that is there is not done again.
+        count: Tasks of each part; fewer are the first of more.
+        parts: Of `PARTS`, separated by commas.
+        drawn_from: The seed, any text.
+        size: Longer side of the pictures, pixels.
+        samples: Of Cycles.
+
+    Returns:
+        The content of results.json; see `table.summary`.
+
+    Raises:
+        VibeError: There is no such part, or pilgram is missing for the filters.
+    """
+    if not 1 <= count <= _MOST:
+        raise VibeError(f"--tasks {count} is out of range.", f"Use 1 to {_MOST}.")
+    chosen = [name for name in parts.split(",") if name]
+    if strange := [name for name in chosen if name not in PARTS] or not chosen:
+        raise VibeError(f"There is no part {strange}.", f"Use some of: {', '.join(PARTS)}.")
+    trials = [LikeTrial(t, out, size, samples) for part in chosen for t in tasks(part, count, drawn_from)]
+    rows, strips = [], []
+    for number, trial in enumerate(trials, 1):
+        row = trial.row()
+        print(f"[{number}/{len(trials)}] {row['task']}: {table.line(row)}", flush=True)
+        rows.append(row)
+        strips.append(_strip(trial, row))
+    results = table.summary(rows) | {"seed": drawn_from, "size": size, "samples": samples}
+    save_sheets(strips, out)
+    atomic.write_text(out / "results.json", json.dumps(results, indent=1))
+    table.show(results)
+    return results
+
+
+def _strip(trial: LikeTrial, row: table.LikeRow) -> Strip:
+    panels = []
+    for name, path in trial.pictures().items():
+        with Image.open(path) as picture:
+            panels.append((name, picture.convert("RGB")))
+    return Strip(row["task"], table.line(row), panels)

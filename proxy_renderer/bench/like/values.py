@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How far values that were found are from the hidden ones: those of the key light that a picture can tell."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import torch
+
+from ...color.blackbody import blackbody
+from ...schema import orbit
+
+_KELVIN = torch.arange(1500.0, 12001.0, 50.0)
+Found = Mapping[str, Sequence[float]]
+
+
+def key_light_errors(made: Mapping[str, Any], found: Found) -> dict[str, float]:
+    """Errors of the key light, where the look has moved it.
+
+    Args:
+        made: What Blender's side has told of the look: `before`, `hidden`, `roles`.
+        found: Values of the finished scene by key; for what is not there, the value before counts.
+
+    Returns:
+        `direction`, degrees; `temperature`, kelvin, of the light's color and temperature together; `level`, stops of its power
+        and the picture's exposure together, because one picture tells no more. Empty without a key light.
+    """
+    hidden, before = made["hidden"], made["before"]
+    owner = next((key.split("/")[1] for key, role in made["roles"].items() if role == "key"), "")
+    if not owner:
+        return {}
+
+    def value(name: str, values: Found, default: Sequence[float] = ()) -> Sequence[float]:
+        key = f"light/{owner}/{name}" if not name.startswith("film/") else name
+        return values.get(key, before.get(key, default))
+
+    def aim(values: Found) -> orbit.Vector:
+        return orbit.direction(value("azimuth", values)[0], value("elevation", values)[0])
+
+    power = "power" if f"light/{owner}/power" in hidden else "strength"
+
+    def level(values: Found) -> float:
+        exposure = value("film/exposure", values)[0] + value("film/grade_exposure", values, (0.0,))[0]
+        return math.log2(max(value(power, values)[0], 1e-9)) + exposure
+
+    def kelvin(values: Found) -> float:
+        return seen_temperature(value("color", values, (1.0,) * 3), value("temperature", values)[0])
+
+    errors = {}
+    if f"light/{owner}/azimuth" in hidden:
+        cosine = sum(a * b for a, b in zip(aim(hidden), aim(found), strict=True))
+        errors["direction"] = math.degrees(math.acos(min(max(cosine, -1.0), 1.0)))
+    if f"light/{owner}/temperature" in hidden:
+        errors["temperature"] = abs(kelvin(hidden) - kelvin(found))
+    if f"light/{owner}/{power}" in hidden and "film/exposure" in hidden:
+        errors["level"] = abs(level(hidden) - level(found))
+    return {name: round(error, 3) for name, error in errors.items()}
+
+
+def seen_temperature(color: Sequence[float], kelvin: float) -> float:
+    """The temperature of the blackbody light that is most like a light of this color and temperature.
+
+    Args:
+        color: Linear Rec.709, what the light's own is multiplied by.
+        kelvin: Of the light.
+    """
+    light = (torch.tensor(color) * blackbody(torch.tensor(kelvin))).clamp_min(1e-4).log()
+    candidates = blackbody(_KELVIN).clamp_min(1e-4).log()
+    apart = (candidates - candidates.mean(1, keepdim=True)) - (light - light.mean())
+    return float(_KELVIN[apart.square().sum(1).argmin()])

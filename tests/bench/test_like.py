@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`vibe bench like`: what is drawn, how far values and pictures are from the truth, and the 2D methods beside it."""
+
+import importlib.util
+
+import numpy as np
+import pytest
+
+from proxy_renderer.bench.like import experiment, flat, table, values
+from proxy_renderer.bench.like.tasks import FILTERS, PARTS, SETS, tasks
+from proxy_renderer.schema import VibeError
+
+MADE = {
+    "before": {
+        "light/Lamp/azimuth": [0.0],
+        "light/Lamp/elevation": [0.0],
+        "light/Lamp/temperature": [6500.0],
+        "light/Lamp/power": [100.0],
+        "film/exposure": [0.0],
+    },
+    "hidden": {
+        "light/Lamp/azimuth": [90.0],
+        "light/Lamp/elevation": [0.0],
+        "light/Lamp/temperature": [3000.0],
+        "light/Lamp/power": [200.0],
+        "film/exposure": [0.5],
+    },
+    "roles": {"light/Lamp/azimuth": "key", "light/Lamp/power": "key", "film/exposure": ""},
+}
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_a_seed_draws_the_same_again_and_fewer_are_the_first_of_more(part):
+    first = list(tasks(part, 6, "a"))
+    assert list(tasks(part, 12, "a"))[:6] == first
+    assert [t.truth.set for t in tasks(part, 6, "b")] != [t.truth.set for t in first]
+    assert {t.truth.set for t in tasks(part, 200, "a")} <= set(SETS)
+    assert len({t.name for t in tasks(part, 12, "a")}) == 12
+
+
+def test_another_scene_has_the_same_look():
+    for task in tasks("transfer", 10, "a"):
+        assert task.truth.set != task.shown.set
+        assert task.truth.seed == task.shown.seed
+        assert task.truth.groups == task.shown.groups
+
+
+def test_every_filter_once():
+    assert [t.photo_filter for t in tasks("filters", 99, "a")] == list(FILTERS)
+
+
+def test_errors_of_what_stayed_and_of_what_was_found():
+    start = values.key_light_errors(MADE, {})
+    assert start["direction"] == pytest.approx(90.0)
+    assert start["temperature"] == pytest.approx(3500.0, abs=100.0)
+    assert start["level"] == pytest.approx(1.5)
+    assert values.key_light_errors(MADE, MADE["hidden"]) == {
+        "direction": 0.0,
+        "temperature": 0.0,
+        "level": 0.0,
+    }
+
+
+def test_power_and_exposure_count_together():
+    found = {**MADE["hidden"], "light/Lamp/power": [400.0], "film/exposure": [-0.5]}
+    assert values.key_light_errors(MADE, found)["level"] == pytest.approx(0.0)
+
+
+def test_a_lamps_color_is_part_of_its_temperature():
+    warm = np.array((1.0, 0.42, 0.13))  # about what 3000 K has in Rec.709, relative to 6500 K
+    assert values.seen_temperature((1.0, 1.0, 1.0), 4000.0) == pytest.approx(4000.0, abs=50.0)
+    assert values.seen_temperature(tuple(warm), 6500.0) == pytest.approx(3000.0, abs=400.0)
+
+
+def test_no_key_light_no_errors():
+    assert values.key_light_errors({"before": {}, "hidden": {}, "roles": {}}, {}) == {}
+
+
+def test_reinhard_gives_mean_and_spread():
+    luck = np.random.default_rng(0)
+    picture = (0.4 + 0.2 * luck.random((24, 24, 3))).astype(np.float32)
+    like = (0.5 + 0.1 * luck.random((24, 24, 3)) * (1.0, 0.7, 0.4)).astype(np.float32)
+    made = flat.reinhard(picture, like)
+    assert np.allclose(made.mean((0, 1)), like.mean((0, 1)), atol=0.01)
+    assert np.allclose(flat.reinhard(picture, picture), picture, atol=1e-3)
+
+
+def test_2d_methods_that_are_not_installed_are_left_out():
+    picture = np.random.default_rng(0).random((16, 16, 3), np.float32)
+    made = flat.matched(picture, picture)
+    assert ("histograms" in made) == bool(importlib.util.find_spec("skimage"))
+    assert "Reinhard" in made
+
+
+def test_medians_and_failures():
+    def row(delta_e, code=0):
+        apart = {"before": {"delta_e": 9.0, "mse": 1.0}, "after": {"delta_e": delta_e, "mse": 0.1}}
+        done = {
+            "differences": apart,
+            "errors": {"level": delta_e},
+            "errors_before": {"level": 5.0},
+            "words_seconds": 10.0,
+        }
+        row = {"task": f"t{delta_e}", "part": "recovery", "code": code, "error": "it broke", "seconds": 12.0}
+        return row | (done if code == 0 else {})
+
+    results = table.summary([row(1.0), row(2.0), row(6.0), row(0.0, code=2)])
+    part = results["parts"]["recovery"]
+    assert (part["tasks"], part["done"]) == (4, 3)
+    assert part["entries"]["after"]["delta_e"]["median"] == 2.0
+    assert part["entries"]["after"]["delta_e"]["interval"] == [1.0, 6.0]
+    assert part["errors"]["level"]["before"]["median"] == 5.0
+    assert results["extra_seconds"]["median"] == 2.0
+    assert results["failed"] == {"t0.0": "it broke"}
+    table.show(results)
+    assert "FAILED" in table.line(row(0.0, code=2))
+    assert table.median([])["median"] is None
+
+
+@pytest.mark.parametrize(
+    ("options", "word"), [({"count": 0}, "--tasks 0"), ({"parts": "lamps"}, "lamps"), ({"parts": ""}, "part")]
+)
+def test_bad_input(tmp_path, options, word):
+    with pytest.raises(VibeError, match=word):
+        experiment.run(tmp_path, **options)
