@@ -23,7 +23,7 @@ LAYERS = {
         bench.mitsuba bench bench.encoder bench.paper bench.ladder bench.wild bench.sealed bench.materials bench.binding bench.like cli=cli.commands
     """,
     "vibe_render": """
-        core engine scene.geometry scene.lights scene.nodes scene scene.stage render export session looks
+        core engine scene.geometry scene.lights scene.nodes scene scene.stage render export session.notes session looks
         headless ui ui.operators ui.panels
         bench.scenes bench bench.like .
     """,

@@ -44,12 +44,13 @@ def unregister() -> None:
 
     from .session.engine_state import engine_state
     from .session.state import addon_state
-    from .ui import handlers, live, look_icons, picture_icons, warm_up
+    from .ui import handlers, live, look_icons, picture_icons, warm_up, word_readings
     from .ui.operators.live import unregister_keys
 
     unregister_keys()
     warm_up.forget()
     live.stop()
+    word_readings.stop()
     handlers.unregister()
     addon_state.close()
     engine_state.close()

@@ -11,7 +11,7 @@ import vibe_render
 from headless_runs import run_with_model
 from model_server import KEY, MODEL, has_picture, plan_for, refuses, says, sensible, serving
 from small_scenes import studio
-from vibe_render.session.model_notes import failure_note, model_lines
+from vibe_render.session.notes.model import failure_note, model_lines
 from vibe_render.session.session import preferences
 
 

@@ -46,6 +46,7 @@ class Wire:
     Attributes:
         inbox: Requests in order; None when the other side has gone.
         anchored: Blender's answers to the engine's own requests.
+        asked: Words whose reading is asked for, which nothing else holds up.
         stop: Set when the loop should end now.
     """
 
@@ -54,6 +55,7 @@ class Wire:
         self._lock = threading.Lock()
         self.inbox: queue.Queue[messages.Message | VibeError | None] = queue.Queue()
         self.anchored: queue.Queue[messages.Anchored] = queue.Queue()
+        self.asked: queue.Queue[messages.AskReadings] = queue.Queue()
         self.stop = threading.Event()
         threading.Thread(target=self._listen, daemon=True).start()
 
@@ -76,6 +78,8 @@ class Wire:
                     self.stop.set()
                 if isinstance(message, messages.Anchored):
                     self.anchored.put(message)
+                elif isinstance(message, messages.AskReadings):
+                    self.asked.put(message)
                 elif not isinstance(message, messages.Stop):
                     self.inbox.put(message)
                 if isinstance(message, messages.Quit):
@@ -180,6 +184,7 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
     warming = threading.Thread(target=_warm_up, daemon=True)
     warming.start()
     warming.join()
+    threading.Thread(target=_read_words, args=(wire,), daemon=True).start()
     session: EngineSession | None = None
     glances: Glances | None = None
     while True:
@@ -254,6 +259,22 @@ def _glance(wire: Wire, request: messages.Glance, glances: Glances) -> messages.
     check_schema(request.schema, "add-on")
     look, job = glances.look(request, wire.stop.is_set), Path(request.job)
     return replace(_message(messages.Glanced, look, job), before=BEFORE) if look else messages.Glanced({})
+
+
+def _read_words(wire: Wire) -> None:
+    """Says how words are understood, without end; of several that wait, only the newest."""
+    from .readings import readings
+
+    while True:
+        request = wire.asked.get()
+        while not wire.asked.empty():
+            request = wire.asked.get()
+        try:
+            check_schema(request.schema, "add-on")
+            answer = readings(request)
+        except Exception as error:  # the panel says so, and the next letter is another try
+            answer = messages.Readings(request.prompt, note=_fault(error).message)
+        wire.send(answer)
 
 
 def _message(kind: type[_Look], look: EarlyLook, job: Path) -> _Look:

@@ -86,6 +86,62 @@ class Glance:
 
 
 @dataclass(frozen=True)
+class AskReadings:
+    """Blender → engine: how are these words understood? `Readings` answer in a blink, whatever else the engine does.
+
+    Attributes:
+        schema: Blender's schema hash.
+        prompt: What the artist has typed so far.
+        objects: Object that a render shows -> names of its materials.
+        lights: Light -> its type, "AREA" and so on.
+    """
+
+    type: ClassVar[str] = "ask_readings"
+    schema: str
+    prompt: str
+    objects: dict[str, list[str]] = field(default_factory=dict)
+    lights: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class WordReading:
+    """How a word of a prompt is understood.
+
+    Attributes:
+        text: As the prompt says it.
+        state: "understood", "guessed" or "left out".
+        meaning: What is made of it, in words for the artist: "describes vase".
+        others: Known words that it could be taken for instead, the likeliest first.
+    """
+
+    text: str
+    state: str
+    meaning: str = ""
+    others: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Readings:
+    """Engine → Blender: the answer to an `AskReadings`; of several, only the newest is answered.
+
+    Attributes:
+        prompt: The words that it is about.
+        words: Its look words, and those that are left out, in the order of the prompt.
+        note: Why nothing is understood, in a sentence for the artist; "" where something is.
+    """
+
+    type: ClassVar[str] = "readings"
+    prompt: str
+    words: list[WordReading] = field(default_factory=list)
+    note: str = ""
+
+    def __post_init__(self) -> None:
+        """Words that come over the wire are plain objects."""
+        plain = [w if isinstance(w, WordReading) else WordReading(**w) for w in self.words]
+        object.__setattr__(self, "words", plain)
+
+
+@dataclass(frozen=True)
 class LookSoFar:
     """Engine → Blender: values on the way to the result, to be seen in the scene until there are better ones.
 
@@ -306,6 +362,8 @@ Message = (
     Ready
     | Vibe
     | Glance
+    | AskReadings
+    | Readings
     | Stage
     | LookSoFar
     | Glanced

@@ -42,6 +42,7 @@ class Engine:
         self.log = log or faults.log_folder() / f"vibe-engine-{os.getpid()}.log"
         self._process: subprocess.Popen[bytes] | None = None
         self._inbox: queue.Queue[_Item] = queue.Queue()
+        self._readings: queue.Queue[message_types.Readings] = queue.Queue()
         self._abandoned = False  # an answer is on its way that nobody waits for any more
         self._abandoned_at = 0.0
         self._busy = False  # an answer is on its way
@@ -88,7 +89,7 @@ class Engine:
                 f"The engine could not be started: {error}.", f"Try {python} by hand."
             ) from error
         output = cast(BinaryIO, self._process.stdout)
-        threading.Thread(target=_receive, args=(output, self._inbox), daemon=True).start()
+        threading.Thread(target=_receive, args=(output, self._inbox, self._readings), daemon=True).start()
         atexit.register(self.stop)
 
     def send(self, message: message_types.Message) -> None:
@@ -120,6 +121,14 @@ class Engine:
                 arrived.append(self._checked(self._inbox.get_nowait()))
             except queue.Empty:
                 return arrived
+
+    def poll_readings(self) -> message_types.Readings | None:
+        """The newest readings of words that have arrived since the last call; they come between the answers to other requests."""
+        newest = None
+        with contextlib.suppress(queue.Empty):
+            while True:
+                newest = self._readings.get_nowait()
+        return newest
 
     def messages(self) -> Iterator[message_types.Message]:
         """Waits for messages without end; raises as `poll` does."""
@@ -220,12 +229,17 @@ class Engine:
         )
 
 
-def _receive(stream: BinaryIO, inbox: queue.Queue[_Item]) -> None:
-    """Puts what arrives into the inbox, until the output ends."""
+def _receive(
+    stream: BinaryIO, inbox: queue.Queue[_Item], readings: queue.Queue[message_types.Readings]
+) -> None:
+    """Puts what arrives into the inbox, or among the readings, until the output ends."""
     try:
         with stream:
             for message in wire.read(stream):
-                inbox.put(message)
+                if isinstance(message, message_types.Readings):
+                    readings.put(message)
+                else:
+                    inbox.put(message)
     except schema.VibeError as error:
         inbox.put(error)
     inbox.put(None)

@@ -14,9 +14,9 @@ import bpy
 
 from ..core.schema_import import labels, messages, schema
 from ..export.notes import shortened
-from ..session.claim_notes import claim_lines
-from ..session.model_notes import model_lines
-from ..session.word_notes import word_notes
+from ..session.notes.claims import claim_lines
+from ..session.notes.model import model_lines
+from ..session.notes.words import word_notes
 from .shots import ShotList
 
 _SHOWN = 8

@@ -21,7 +21,7 @@ from ..looks import take
 from ..render import anchors, black, final_render
 from ..scene import bindings, stored_subject
 from ..session import preferences
-from ..session.claim_notes import words_shown
+from ..session.notes.claims import words_shown
 from . import summary
 from .reporter import Reporter
 from .scenes import save_blend

@@ -72,8 +72,12 @@ def layer(scene: Scene) -> bpy.types.ViewLayer:
 
 def visible(scene: Scene, obj: Object) -> bool:
     """Whether a render shows the object (its own flags, its collections', its view layer's)."""
-    hidden = obj.hide_render or all(c.hide_render for c in obj.users_collection)
-    return not hidden and obj.name in layer(scene).objects
+    return not hidden(obj) and obj.name in layer(scene).objects
+
+
+def hidden(obj: Object) -> bool:
+    """Whether an object of a view layer is left out of renders, by its own flags or its collections'."""
+    return obj.hide_render or all(c.hide_render for c in obj.users_collection)
 
 
 def depsgraph(scene: Scene) -> bpy.types.Depsgraph:

@@ -13,6 +13,7 @@ from ..engine.process import Engine
 from . import preferences
 from .live import Live
 from .session import Session
+from .word_readings import WordReadings
 
 
 class AddonState:
@@ -23,6 +24,7 @@ class AddonState:
         running: Whether it is under way.
         failure: Why it failed, until the artist dismisses that.
         live: Looks of what is being typed; None while nothing is.
+        readings: How the words of what is typed are understood.
     """
 
     def __init__(self) -> None:
@@ -30,6 +32,7 @@ class AddonState:
         self.running = False
         self.failure: schema.VibeError | None = None
         self.live: Live | None = None
+        self.readings = WordReadings()
         self._engine: Engine | None = None
         self._engine_choice: tuple[str, Path] | None = None
 
@@ -58,6 +61,11 @@ class AddonState:
         if self.live:
             self.live.close()
         self.live = None
+
+    @property
+    def engine_runs(self) -> bool:
+        """Whether there is an engine that can be asked something."""
+        return self._engine is not None and self._engine.alive
 
     def engine(self, context: bpy.types.Context) -> Engine:
         """The engine that the preferences choose: the last one, or one that is not started yet."""
@@ -95,6 +103,7 @@ class AddonState:
         if self._engine:
             self._engine.stop(patience=0.5)
         self._engine = None
+        self.readings.forget()
 
     def close(self) -> None:
         """Ends session and engine, when the add-on is switched off or Blender ends."""

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from ..core.schema_import import messages
-from .claim_notes import words_shown
-from .model_notes import failure_note
-from .word_notes import word_notes
+from .notes.claims import words_shown
+from .notes.model import failure_note
+from .notes.words import word_notes
 
 LOOKING = "Looking for the look"
 

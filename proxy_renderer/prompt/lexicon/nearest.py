@@ -204,12 +204,9 @@ class Nearest:
         """Entry, nearest known word and confidence of a word; None where it has no vector."""
         import numpy as np
 
-        vector = self._table.vector(word)
-        if vector is None:
+        likeness = self._likeness(word)
+        if likeness is None:
             return None
-        likeness = self._places @ vector
-        if denied := _denied(word):  # "moonless" is no moonlight
-            likeness[[i for i, (known, _) in enumerate(self._known) if known.startswith(denied)]] = -1.0
         best = np.argsort(-likeness)[:_NEAREST]
         votes: dict[str, float] = {}
         for i in best:
@@ -219,6 +216,29 @@ class Nearest:
         first = next(i for i in best if self._known[i][1] == entry)
         agreement = votes[entry] / sum(votes.values())
         return entry, self._known[first][0], float(likeness[first]) * (0.5 + 0.5 * agreement)
+
+    def choices(self, word: str, count: int) -> list[str]:
+        """Known words that a word may be taken for, each of another entry, the nearest first; none where it has no vector."""
+        likeness = self._likeness(word)
+        if likeness is None:
+            return []
+        chosen: dict[str, str] = {}
+        for i in (-likeness).argsort():
+            known, entry = self._known[i]
+            chosen.setdefault(entry, known)
+            if len(chosen) == count:
+                break
+        return list(chosen.values())
+
+    def _likeness(self, word: str) -> np.ndarray | None:
+        """Cosines of a word with the known words; None where it has no vector."""
+        vector = self._table.vector(word)
+        if vector is None:
+            return None
+        likeness = self._places @ vector
+        if denied := _denied(word):  # "moonless" is no moonlight
+            likeness[[i for i, (known, _) in enumerate(self._known) if known.startswith(denied)]] = -1.0
+        return likeness
 
 
 @cache

@@ -15,8 +15,8 @@ from ...core.schema_import import schema
 from ...session import preferences, prompt_history
 from ...session.engine_state import engine_state
 from ...session.state import addon_state
-from .. import obstacles, value_list, warm_up
-from . import presets, progress, result, trouble
+from .. import obstacles, value_list, warm_up, word_readings
+from . import presets, progress, result, trouble, words
 
 _PLACES = {
     "VIBE_PT": {"bl_space_type": "VIEW_3D", "bl_region_type": "UI", "bl_category": "Vibe"},
@@ -65,6 +65,8 @@ class _Main:
         field.scale_y = 1.3
         field.prop(settings, "prompt", text="", placeholder="misty, cool blue fog, vignette")
         field.menu("VIBE_MT_history", text="", icon="RECOVER_LAST")
+        word_readings.keep_up(context)
+        words.draw(column, context, addon_state.readings.newest)
         if addon_state.live and addon_state.live.scene == context.scene.name:
             progress.draw_live(column, context, addon_state.live)
         engine_state.search(preferences.engine_choice(context))

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..core.schema_import import verdicts
+from ...core.schema_import import verdicts
 
 
 def words_shown(claims: Sequence[Mapping[str, Any]]) -> dict[str, str]:

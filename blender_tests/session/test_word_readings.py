@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Each word of the prompt is marked while it is typed, by the real engine, also while that is at work."""
+
+import time
+
+import bpy
+import pytest
+from vibe_render.session.state import addon_state
+from vibe_render.ui import live as live_ui
+from vibe_render.ui import word_readings
+
+
+@pytest.fixture
+def typing(addon):
+    """An engine runs, and nothing is typed yet."""
+    addon.vibe.prompt = ""
+    addon_state.engine(bpy.context).start()
+    return addon
+
+
+def read(scene, prompt):
+    """The readings of a prompt that is typed now."""
+    scene.vibe.prompt = prompt
+    end = time.monotonic() + 240.0
+    while addon_state.readings.newest.prompt != prompt:
+        assert time.monotonic() < end
+        word_readings._tick()
+        time.sleep(0.005)
+    return {word.text: word for word in addon_state.readings.newest.words}
+
+
+def test_words_are_marked_as_understood_guessed_or_left_out(typing):
+    words = read(typing, "glossy red cube, sumptuous, blorfy")
+    assert [word.state for word in words.values()] == ["understood", "understood", "guessed", "left out"]
+    assert "cube" in words["red"].meaning.lower()
+    assert not word_readings.addon_state.readings.due(typing.vibe.prompt)
+
+
+def test_another_reading_goes_into_the_prompt(typing):
+    other = read(typing, "glossy red cube, very Sumptuous")["very sumptuous"].others[0]
+    assert bpy.ops.vibe.reword(word="very sumptuous", other=other) == {"FINISHED"}
+    assert typing.vibe.prompt == f"glossy red cube, very {other}"
+    assert bpy.ops.vibe.reword(word="very sumptuous", other=other) == {"CANCELLED"}
+
+
+def test_they_come_while_a_look_is_drawn_and_hold_it_up_by_nothing(typing):
+    bpy.context.window_manager.vibe_live = True
+    typing.vibe.prompt = "glossy red cube"
+    end = time.monotonic() + 240.0
+    while addon_state.live.look is None:
+        assert time.monotonic() < end
+        live_ui._tick()
+        read(typing, typing.vibe.prompt)
+        time.sleep(0.005)
+    assert addon_state.live.words.keys() == {"glossy", "red"}
+    bpy.context.window_manager.vibe_live = False
+
+
+def test_an_engine_that_ends_is_waited_for_by_nobody(typing):
+    typing.vibe.prompt = "glossy"
+    word_readings._tick()
+    addon_state.close_engine()
+    assert word_readings._tick() is None
+    addon_state.engine(bpy.context).start()
+    assert "glossy" in read(typing, "glossy")

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How each word of a prompt is understood while it is typed."""
+
+import pytest
+
+from proxy_renderer.engine.readings import readings
+from proxy_renderer.schema import messages, schema_hash
+
+OBJECTS = {"vase_01": ["Glaze"], "Lemons": ["Peel"], "Table": ["Wood"]}
+
+
+def read(prompt):
+    return readings(messages.AskReadings(schema_hash(), prompt, OBJECTS, {"Desk Lamp": "POINT"}))
+
+
+def test_words_come_in_order_with_what_they_describe():
+    found = read("glossy teal vase, yellow lemons, slight vignette")
+    assert [word.text for word in found.words] == ["glossy", "teal", "yellow", "slight vignette"]
+    assert {word.state for word in found.words} == {"understood"}
+    assert "vase" in found.words[1].meaning
+    assert "lemons" in found.words[2].meaning.lower()
+
+
+def test_a_guess_offers_two_other_known_words():
+    (guess,) = (word for word in read("a sumptuous mood, red vase").words if word.state == "guessed")
+    assert guess.text == "sumptuous"
+    assert "taken for" in guess.meaning
+    assert len(guess.others) == 2
+    again = read(f"a {guess.others[0]} mood, red vase")
+    assert all(word.state == "understood" for word in again.words)
+
+
+def test_what_is_left_out_is_said_where_it_stands():
+    words = read("red vase, blorfy, warm light").words
+    assert [word.text for word in words if word.state == "left out"] == ["blorfy"]
+    assert [word.text.split()[0] for word in words] == ["red", "blorfy", "warm"]
+
+
+def test_a_mood_is_one_word_whatever_it_stands_for():
+    assert [word.text for word in read("noir").words] == ["noir"]
+
+
+@pytest.mark.parametrize("prompt", ["", "   ", "qwxz", "\x00", "x" * 5000, "<b>", "🦊"])
+def test_nothing_and_nonsense(prompt):
+    found = read(prompt)
+    assert not [word for word in found.words if word.state == "understood"]
+    assert found.prompt == prompt
+    assert bool(found.note) == bool(prompt.strip()) or found.words
+
+
+def test_messages_survive_the_wire():
+    from proxy_renderer.schema import wire
+
+    found = read("a sumptuous red vase")
+    assert wire.decode(wire.encode(found)) == found
