@@ -83,10 +83,12 @@ class BatchPlan:
     def __iter__(self) -> Iterator[Job]:
         version = f"{__version__} {schema_hash()}"
         for group in self.groups:
-            base = hashlib.sha256(json.dumps([group.name, group.digest, group.arguments, version]).encode())
+            # Where the picture lies does not matter: the group's digest knows what is in it.
+            options = [each for each in group.arguments if not each.startswith("--like=")]
+            base = hashlib.sha256(json.dumps([group.name, group.digest, options, version]).encode())
             stem = _slug(Path(group.name).stem)
             for prompt in group.prompts:
-                words = _slug(prompt)[:_WORDS].strip("-")
+                words = _slug(prompt or "like")[:_WORDS].strip("-")
                 for seed in group.seeds:
                     digest = base.copy()
                     digest.update(f" {seed} {prompt}".encode())

@@ -128,6 +128,37 @@ def test_shots_that_share_a_look_are_one_job(place):
     assert again[1].name != hall.name
 
 
+def test_what_to_take_over_needs_a_picture(place):
+    with pytest.raises(VibeError, match="there is none"):
+        read(place, GOOD.replace("size = 256", 'like-only = "light"'))
+
+
+LIKE = """
+scenes = ["shots/*.blend"]
+
+[options]
+like = "stills/dusk.jpg"
+like-only = ["light", "air"]
+"""
+
+
+def test_a_picture_beside_the_manifest_is_enough_and_counts_by_its_content(place, tmp_path):
+    (place / "stills").mkdir()
+    (place / "stills" / "dusk.jpg").write_text("one")
+    jobs = read(place, LIKE)
+    assert [j.prompt for j in jobs] == ["", ""]
+    assert f"--like={(place / 'stills' / 'dusk.jpg').resolve()}" in jobs[0].arguments
+    assert "--like-only=air" in jobs[0].arguments
+    names = [j.name for j in jobs]
+    moved = tmp_path / "elsewhere"
+    shutil.copytree(place, moved, ignore=shutil.ignore_patterns("elsewhere"))
+    assert [j.name for j in read(moved, LIKE)] == names
+    (place / "stills" / "dusk.jpg").write_text("two")
+    assert not {j.name for j in read(place, LIKE)} & set(names)
+    with_words = read(place, 'prompts = ["but colder"]' + LIKE)
+    assert [j.prompt for j in with_words] == ["but colder"] * 2
+
+
 @pytest.mark.parametrize(
     ("old", "new", "line", "words"),
     [
@@ -166,6 +197,9 @@ def test_mistakes_in_shots_are_found_with_their_line(place, old, new, line, word
         ("size = 256", 'baseline = "clip"', 10, ["clip-only"]),
         ("size = 256", 'groups = ["lights"]', 10, ["'lights'", "material"]),
         ("size = 256", 'vocabulary = "mine.toml"', 10, ["mine.toml", "Check the path"]),
+        ("size = 256", 'like = "still.jpg"', 10, ["no picture", "still.jpg", "Check the path"]),
+        ("size = 256", "like = 3", 10, ["like cannot be 3"]),
+        ("size = 256", 'like-only = "mood"', 10, ["'mood'", "light, grade"]),
         ("shots/b*", "shots/c*", 12, ["'shots/c*'", "shots/a.blend"]),
         ('lock = "material/*"', 'lock = "stuff/*"', 14, ["'stuff/*'"]),
         ('lock = "material/*"', "lock = 3", 14, ["lock cannot be 3"]),

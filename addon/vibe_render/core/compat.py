@@ -15,8 +15,39 @@ COMPOSITOR_IS_GROUP = "compositing_node_group" in Scene.bl_rna.properties  # 5.0
 HAS_TEMPERATURE = "use_temperature" in bpy.types.Light.bl_rna.properties  # 4.5 and later
 HAS_IMAGE_COORDINATES = hasattr(bpy.types, "CompositorNodeImageCoordinates")  # 4.5 and later
 
+HAS_CLIPBOARD_PICTURES = hasattr(bpy.types, "IMAGE_OT_clipboard_paste")  # 4.0 and later
+RELATIVE_PATHS = (  # 5.0 and later want to be told that a path may begin with "//"
+    {"PATH_SUPPORTS_BLEND_RELATIVE"}
+    if "is_path_supports_blend_relative" in bpy.types.Property.bl_rna.properties
+    else set()
+)
+
 IS_MODULE = not bpy.app.binary_path  # Python runs Blender, not Blender Python: `app.module` since 4.5
 EEVEE = "BLENDER_EEVEE" if COMPOSITOR_IS_GROUP else "BLENDER_EEVEE_NEXT"  # the identifier of the engine
+
+
+def pasted_picture(context: bpy.types.Context) -> bpy.types.Image | None:
+    """The picture in the clipboard as a new image; None if there is none.
+
+    Blender pastes only into an image editor: where none is open, the area becomes one for this moment.
+
+    Args:
+        context: Of a window.
+    """
+    areas = [area for area in context.screen.areas if area.type == "IMAGE_EDITOR"]
+    area = areas[0] if areas else context.area
+    before, kind = set(bpy.data.images), area.ui_type
+    try:
+        area.type = "IMAGE_EDITOR"
+        shown = area.spaces.active.image
+        with context.temp_override(area=area):
+            if not bpy.ops.image.clipboard_paste.poll():
+                return None
+            bpy.ops.image.clipboard_paste()
+        area.spaces.active.image = shown
+    finally:
+        area.ui_type = kind
+    return next((image for image in bpy.data.images if image not in before), None)
 
 
 def enable_nodes(block: bpy.types.Material | bpy.types.World) -> NodeTree:

@@ -138,7 +138,7 @@ def forget(scene: bpy.types.Scene) -> None:
     settings = scene.vibe
     settings.changes.clear()  # first: without changes, resetting the sliders writes nothing
     settings.strength, settings.show_original = 1.0, False
-    settings.vibed_prompt = settings.vibed_preset = ""
+    settings.vibed_prompt = settings.vibed_like = settings.vibed_preset = ""
     settings.variant = 0
 
 

@@ -7,6 +7,7 @@ import shutil
 import uuid
 from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
 
@@ -16,6 +17,7 @@ from ..core import background
 from ..core.schema_import import messages, schema
 from ..engine.process import Engine
 from ..export import reading
+from ..render import reference
 from ..scene import snapshot
 from . import before_image, preview
 from .status import SessionStatus
@@ -134,6 +136,7 @@ class SceneSession(SessionStatus):
             scene = self._find_scene()
             with self._without_look(scene):
                 job = reading.export_captured(scene, self._job, self._choice, visible_scene)
+        self._options = replace(self._options, like=reference.file(self._find_scene(), self._job))
         self._subject = [obj.name_full for obj in job.analysis.objects]
         self._pivot = job.analysis.pivot
         self.warnings, self.view_notes = job.warnings, job.view_notes

@@ -12,7 +12,7 @@ import bpy
 
 from ..core.schema_import import atomic, messages, schema
 from ..engine.process import Engine
-from ..render import anchors, black
+from ..render import anchors, black, reference
 from ..scene import shared_materials, snapshot, stored_subject
 from . import before_image, preferences, result
 from .scene_session import READING, SceneSession
@@ -34,6 +34,8 @@ class Session(SceneSession):
         ask: Whether an artist is there to answer questions.
 
     Attributes:
+        prompt: The words; "" for none.
+        like: Name of the picture; "" for none.
         shared: What to do about materials that other things use too: "ASK", "ALL" or "SINGLE".
         question: Such materials with their other users, by name, while we wait for the artist's answer.
     """
@@ -41,13 +43,18 @@ class Session(SceneSession):
     def __init__(self, context: bpy.types.Context, engine: Engine, ask: bool = False) -> None:
         super().__init__(context, engine)
         settings = context.scene.vibe
-        self.prompt = settings.prompt.strip()
+        self.prompt, self.like = settings.prompt.strip(), reference.name(settings)
         self.shared = settings.shared if ask or settings.shared != "ASK" else "ALL"
         self.question: dict[str, list[str]] = {}
         self._vibed = False  # whether an earlier vibe is in the scene
         saved = preferences.get(context)
         self._key = saved.vlm_key if saved else ""
         self._steps = self._run()
+
+    @property
+    def wanted(self) -> str:
+        """What was asked for, as panels show it."""
+        return reference.wanted(self.prompt, self.like)
 
     def advance(self) -> bool:
         """Does the next step.
@@ -101,6 +108,7 @@ class Session(SceneSession):
             scene, engine_result = self._find_scene(), cast(messages.Result, self._result)
             self._take_look_away()
             result.apply(scene, self.prompt, engine_result, self.subject(scene), self._pivot)
+            scene.vibe.vibed_like = self.like
             if self._choice.explicit:
                 stored_subject.remember(scene, self.subject(scene))
         except BaseException:  # Esc closes this generator, which raises here

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import bpy
 
+from ..render import reference
 from ..scene import snapshot, stored_subject
 from ..scene.scene_context import GEOMETRY
 from ..session.engine_state import engine_state
@@ -18,7 +19,9 @@ def obstacle(context: bpy.types.Context) -> str:
         return "A vibe is on its way"
     if reason := untouchable(context):
         return reason
-    if not scene.vibe.prompt.strip():
+    if reason := reference.obstacle(scene.vibe):
+        return reason
+    if not scene.vibe.prompt.strip() and not reference.name(scene.vibe):
         return "Describe a mood first"
     if not any(obj.type in GEOMETRY for obj in scene.objects):
         return "The scene has no mesh"

@@ -10,6 +10,7 @@ from typing import Any
 import bpy
 from bpy.props import BoolProperty, IntProperty, StringProperty
 
+from ..core import compat
 from ..core.schema_import import options
 
 _Update = Callable[[Any, bpy.types.Context], None]
@@ -52,4 +53,5 @@ def _property(row: options.Option, update: _Update | None) -> Any:
             "search_options": {"SUGGESTION"},
         }
     facts |= {"options": {"TEXTEDIT_UPDATE"}} if panel.live else {}
+    facts |= {"subtype": "FILE_PATH", "options": compat.RELATIVE_PATHS} if panel.path else {}
     return StringProperty(**facts, default=panel.default, maxlen=panel.length)

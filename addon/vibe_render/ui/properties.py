@@ -17,10 +17,12 @@ from bpy.props import (
 )
 
 from ..core.schema_import import labels, messages, options, schema
+from ..render import reference
 from ..scene import stored_subject
 from ..scene.subject import SubjectChoice
 from ..session import preferences, result
 from . import live, option_properties
+from .picture_properties import PictureSettings
 
 _LEFT_ALONE = ("camera",)  # unless asked: the artist framed the shot
 
@@ -79,7 +81,7 @@ _Options = option_properties.declare("VibeOptions", preferences=False, updates={
 _EFFORT = options.named("budget").panel
 
 
-class VibeSettings(_Toggles, _Options, bpy.types.PropertyGroup):  # type: ignore[misc]
+class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup):  # type: ignore[misc]
     """The panel's fields, and what the last vibe changed."""
 
     subject: EnumProperty(
@@ -140,6 +142,7 @@ class VibeSettings(_Toggles, _Options, bpy.types.PropertyGroup):  # type: ignore
     )
     changes: CollectionProperty(type=VibeChange)
     vibed_prompt: StringProperty()
+    vibed_like: StringProperty(description="The picture that the look comes from, if any")
     vibed_preset: StringProperty(description="The preset that the look comes from, if any")
     variant: IntProperty(description="Number of the variant that is in the scene", min=0)
     pivot: FloatVectorProperty(size=3, description="What lights and camera orbit: the subject's center")
@@ -168,6 +171,9 @@ class VibeSettings(_Toggles, _Options, bpy.types.PropertyGroup):  # type: ignore
         chosen["device"] = chosen.get("device", "").strip().lower() or "auto"
         patterns = filter(None, (pattern.strip() for pattern in self.lock.split(",")))
         chosen |= {"groups": self.groups(), "lock": [*patterns, *self.locks.keys()]}
+        chosen |= {"like": "", "like_only": ()}  # whoever reads the scene saves the picture, and knows where
+        if picture := reference.name(self):
+            chosen |= {"like": picture, "like_only": self.traits()}
         return messages.Options.from_dict(chosen | {"online": preferences.online()})
 
 

@@ -7,6 +7,7 @@ seeds = [0, 1]                                      # default: [0]
 files = ["textures/**"]                             # what scenes link to: if it changes, they are done again
 
 [options]                                           # those of `vibe run`
+like = "stills/dusk.jpg"                            # a picture as the words, or beside them
 size = 512
 lock = ["material/*"]
 
@@ -166,9 +167,11 @@ class _Reader:
         self, name: str, scenes: list[Path], common: dict[str, Any], own: dict[str, Any], everything: str
     ) -> SceneGroup:
         arguments = self._options.arguments(common | own, scenes)
-        prompts = own.get("prompts") or self._prompts(self._content.get("prompts"), common, "prompts")
+        options = common | own
+        prompts = own.get("prompts") or self._prompts(self._content.get("prompts"), options, "prompts")
         seeds = own.get("seeds") or self._seeds(self._content.get("seeds", [0]), "seeds")
-        content = " ".join([*map(digest, scenes), everything])
+        pictures = [Path(options["like"])] if options.get("like") else []
+        content = " ".join([*map(digest, [*scenes, *pictures]), everything])
         mark = hashlib.sha256(content.encode()).hexdigest()
         return SceneGroup(name, scenes[0], mark, prompts, seeds, arguments, tuple(scenes[1:]))
 
@@ -179,7 +182,9 @@ class _Reader:
         return table
 
     def _prompts(self, given: Any, options: dict[str, Any], *keys: str) -> tuple[str, ...]:
-        """Prompts from a list, or from a file with one on each line."""
+        """Prompts from a list, or from a file with one on each line; beside a picture there need be none."""
+        if given is None and options.get("like"):
+            return ("",)
         if isinstance(given, str):
             return self._prompts_of_file(self._files.named(given, "list of prompts", *keys), options)
         if not texts(given):

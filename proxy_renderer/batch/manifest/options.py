@@ -67,6 +67,8 @@ class OptionReader:
             raise self._problem(f"{key} cannot be {value!r}.", f"Use {', '.join(row.choices)}.", *keys, key)
         try:
             self._check_options(self._defaults | {row.name: value})
+            if row.name == "like" and isinstance(value, str) and value:
+                value = str(check.file(str(self._base / value), "picture"))
         except VibeError as error:
             raise self._problem(error.message, error.remedy, *keys, key) from error
         return value
@@ -76,6 +78,7 @@ class OptionReader:
         checks.numbers(given, self._rows.values())
         checks.groups(given.groups)
         checks.locks(given.lock)
+        checks.traits(given.like_only, given.like or "perhaps in another table")
         check.device(given.device)
         frame_numbers(getattr(given, "frames", ""))
         if given.vocabulary:
@@ -91,8 +94,8 @@ class OptionReader:
         Raises:
             VibeError: It is empty or too long, or nothing in it is understood and no model is there to ask.
         """
-        checks.prompt(prompt)
-        if not check.model(argparse.Namespace(**self._defaults | options)):
+        checks.prompt(prompt, options.get("like", ""))
+        if prompt.strip() and not check.model(argparse.Namespace(**self._defaults | options)):
             check.words(prompt)
 
     def arguments(self, options: dict[str, Any], scenes: list[Path]) -> tuple[str, ...]:
@@ -108,6 +111,7 @@ class OptionReader:
         given = argparse.Namespace(**self._defaults | options)
         checks.numbers(given, self._rows.values())
         given.groups = checks.groups(given.groups)
+        checks.traits(given.like_only, given.like)
         check.shots(scenes, given)
         if scenes[0].suffix.lower() == ".blend":
             given.stage = ""

@@ -34,6 +34,7 @@ class Panel:
         default: Of a text.
         live: Whether a text counts with every letter that is typed.
         suggestions: Texts to choose from; others can be typed.
+        path: Whether a text is the path of a file.
         preferences: Whether it stands in the add-on's preferences, and not in the scene.
     """
 
@@ -44,6 +45,7 @@ class Panel:
     default: str = ""
     live: bool = False
     suggestions: tuple[str, ...] = ()
+    path: bool = False
     preferences: bool = False
 
 

@@ -208,6 +208,11 @@ class Options:
         "prompt, words count more",
         "picture",
         unit="FILE",
+        panel=Panel(
+            "Picture File",
+            "A still, a photograph, a painting, an HDRI for its light: its look is wanted",
+            path=True,
+        ),
     )
     like_only: tuple[str, ...] = option(
         (),
@@ -219,6 +224,10 @@ class Options:
         False,
         "the picture shows this very scene through this camera: compare it pixel by pixel (default: found by itself)",
         "picture",
+        panel=Panel(
+            "Same Scene",
+            "The picture shows this very scene through this camera. Found by itself, if it is so",
+        ),
     )
     size: int = option(
         STANDARD.size,

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The operators behind the buttons."""
 
-from . import engine, exports, live, presets, result, running, vibe, words
+from . import engine, exports, live, picture, presets, result, running, vibe, words
 
-MODULES = (engine, vibe, live, words, running, result, presets, exports)
+MODULES = (engine, vibe, live, words, picture, running, result, presets, exports)

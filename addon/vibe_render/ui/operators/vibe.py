@@ -101,10 +101,11 @@ class VIBE_OT_run(bpy.types.Operator):
 
     def _begin(self, context: bpy.types.Context, ask: bool = False) -> Session:
         settings = context.scene.vibe
-        if self.again and settings.vibed_prompt:
+        if self.again and (settings.vibed_prompt or settings.vibed_like):
             settings.prompt = settings.vibed_prompt
             settings.seed += 1
-        prompt_history.remember(settings.prompt.strip())
+        if words := settings.prompt.strip():
+            prompt_history.remember(words)
         return addon_state.begin(context, ask)
 
     def _escape(self, context: bpy.types.Context) -> set[str]:

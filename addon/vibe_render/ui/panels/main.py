@@ -16,7 +16,7 @@ from ...session import preferences, prompt_history
 from ...session.engine_state import engine_state
 from ...session.state import addon_state
 from .. import obstacles, value_list, warm_up, word_readings
-from . import presets, progress, result, trouble, words
+from . import picture, presets, progress, result, trouble, words
 
 _PLACES = {
     "VIBE_PT": {"bl_space_type": "VIEW_3D", "bl_region_type": "UI", "bl_category": "Vibe"},
@@ -52,7 +52,7 @@ class _Main:
         """Draws the panel."""
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
         if addon_state.running and addon_state.session:  # text instead of grayed-out fields
-            paragraph(layout, context, f"“{addon_state.session.prompt}”")
+            paragraph(layout, context, addon_state.session.wanted)
             progress.draw(layout, context, addon_state.session)
             return
         column = layout.column()
@@ -159,6 +159,7 @@ class _Advanced(_Idle):
 
 _PANELS: tuple[tuple[str, type, str], ...] = (
     ("main", _Main, ""),
+    ("picture", picture.PicturePanel, "main"),
     ("presets", presets.PresetsPanel, "main"),
     ("result", result.ResultPanel, ""),
     ("changes", result.ChangesPanel, "result"),

@@ -13,6 +13,7 @@ import bpy
 from ...core.drawing import GROUP_ICONS, columns, paragraph, see_rendered
 from ...core.schema_import import labels, schema
 from ...export.notes import shortened
+from ...render import reference
 from ...scene import snapshot
 from ...session import changes
 from ...session.session import Session
@@ -39,10 +40,10 @@ class ResultPanel:
     def draw(self, context: bpy.types.Context) -> None:
         """Draws the panel."""
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
-        if not settings.vibed_prompt:
+        if not (wanted := reference.wanted(settings.vibed_prompt, settings.vibed_like)):
             paragraph(layout, context, "A vibe has been in this scene; Revert takes away what is left of it.")
         else:  # a label shows all of it, a field cuts
-            paragraph(layout, context, f"“{settings.vibed_prompt}”", faint=True)
+            paragraph(layout, context, wanted, faint=True)
         if addon_state.session and addon_state.session.scene == context.scene.name:
             _draw_session(layout, context, addon_state.session)
         if settings.changes:

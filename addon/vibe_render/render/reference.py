@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The picture that a look is to be like: a file, an image of the .blend, or a slot of the render result; a file for the engine."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ..core.overrides import changed
+from ..core.schema_import import schema
+
+_NAME = "reference"
+
+
+def name(settings: Any) -> str:
+    """What the picture is called; "" if none is given."""
+    if settings.like_from == "FILE":
+        return Path(settings.like.replace("\\", "/")).name
+    if settings.like_from == "IMAGE":
+        return settings.like_image.name if settings.like_image else ""
+    return f"render slot {settings.like_slot}" if settings.like_from == "SLOT" else ""
+
+
+def wanted(prompt: str, like: str) -> str:
+    """What was asked for, as panels show it: the words in quotation marks, and the picture's name."""
+    parts = [f"“{prompt}”" if prompt else "", f"like {like}" if like else ""]
+    return " ".join(filter(None, parts))
+
+
+def obstacle(settings: Any) -> str:
+    """Why the picture that is chosen cannot be used; "" if it can, or there is none."""
+    if settings.like_from == "FILE" and settings.like and not Path(_absolute(settings.like)).is_file():
+        return f"There is no picture {name(settings)}"
+    if settings.like_from == "SLOT" and _render_result() is None:
+        return "Nothing has been rendered yet"
+    return ""
+
+
+def file(scene: bpy.types.Scene, folder: Path) -> str:
+    """The path of the picture; what is not a file of its own is saved into the folder first.
+
+    Args:
+        scene: Whose settings say which.
+        folder: Exists, and is ours.
+
+    Returns:
+        An absolute path; "" if no picture is given.
+
+    Raises:
+        VibeError: It is missing, or has no pixels.
+    """
+    settings = scene.vibe
+    if not name(settings):
+        return ""
+    if reason := obstacle(settings):
+        raise schema.VibeError(f"{reason}.", "Choose another one, or give words only.")
+    if settings.like_from == "FILE":
+        return _absolute(settings.like)
+    if settings.like_from == "SLOT":
+        return str(_save_slot(scene, settings.like_slot, folder))
+    return str(_save_image(settings.like_image, folder))
+
+
+def _absolute(path: str) -> str:
+    """Of a path from the .blend's folder ("//…"), or else from the current one."""
+    return os.path.abspath(bpy.path.abspath(os.path.expanduser(path)))
+
+
+def _save_image(image: bpy.types.Image, folder: Path) -> Path:
+    """Saves the pixels that Blender holds, painted ones and those of a packed file too: light as EXR, colors as PNG."""
+    width, height = image.size
+    if width * height == 0:  # reads the file, or fails to
+        raise schema.VibeError(f"The image {image.name} has no pixels.", "Choose another one.")
+    pixels = np.empty(width * height * image.channels, np.float32)
+    image.pixels.foreach_get(pixels)
+    rgba = np.ones((width * height, 4), np.float32)
+    rgba[:, : image.channels] = pixels.reshape(-1, image.channels)
+    if image.channels < 3:
+        rgba[:, :3] = rgba[:, :1]
+    path = folder / f"{_NAME}.{'exr' if image.is_float else 'png'}"
+    copy = bpy.data.images.new(_NAME, width, height, alpha=True, float_buffer=image.is_float)
+    try:
+        copy.alpha_mode = image.alpha_mode
+        # Of no color space, numbers are saved as they are: light linear, colors encoded.
+        copy.colorspace_settings.name = "Non-Color"
+        copy.pixels.foreach_set(rgba.ravel())
+        copy.file_format = "OPEN_EXR" if image.is_float else "PNG"
+        copy.filepath_raw = str(path)
+        copy.save()
+    finally:
+        bpy.data.images.remove(copy)
+    return path
+
+
+def _save_slot(scene: bpy.types.Scene, slot: int, folder: Path) -> Path:
+    """Saves what was rendered into a slot, as the scene's view transform shows it."""
+    result = _render_result()
+    assert result is not None
+    path, slots = folder / f"{_NAME}.png", result.render_slots
+    if slot > len(slots):
+        raise schema.VibeError(f"There is no render slot {slot}.", f"Use 1 to {len(slots)}.")
+    shown = slots.active_index
+    kind = {"media_type": "IMAGE", "file_format": "PNG", "color_mode": "RGBA", "color_depth": "16"}
+    with changed(scene.render.image_settings, **kind):  # of a copy of the scene, there is no render result
+        try:
+            slots.active_index = slot - 1
+            result.save_render(str(path), scene=scene)
+        except RuntimeError as error:
+            raise schema.VibeError(
+                f"Render slot {slot} is empty.", "Render into it, or choose another one."
+            ) from error
+        finally:
+            slots.active_index = shown
+    return path
+
+
+def _render_result() -> bpy.types.Image | None:
+    return next((image for image in bpy.data.images if image.type == "RENDER_RESULT"), None)
