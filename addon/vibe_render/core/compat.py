@@ -15,7 +15,7 @@ COMPOSITOR_IS_GROUP = "compositing_node_group" in Scene.bl_rna.properties  # 5.0
 HAS_TEMPERATURE = "use_temperature" in bpy.types.Light.bl_rna.properties  # 4.5 and later
 HAS_IMAGE_COORDINATES = hasattr(bpy.types, "CompositorNodeImageCoordinates")  # 4.5 and later
 
-HAS_CLIPBOARD_PICTURES = hasattr(bpy.types, "IMAGE_OT_clipboard_paste")  # 4.0 and later
+HAS_CLIPBOARD_PICTURES = "clipboard_paste" in dir(bpy.ops.image)  # 4.0 and later
 RELATIVE_PATHS = (  # 5.0 and later want to be told that a path may begin with "//"
     {"PATH_SUPPORTS_BLEND_RELATIVE"}
     if "is_path_supports_blend_relative" in bpy.types.Property.bl_rna.properties

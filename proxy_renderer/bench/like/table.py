@@ -24,13 +24,13 @@ def summary(rows: Sequence[LikeRow]) -> dict[str, Any]:
     Returns:
         `parts`: by part, the number of `tasks` and of those that are `done`, by entry ("before", "after" and each 2D method) the
         medians `delta_e` and `mse`, each with a 95 % interval, and `errors` of the key light after and before; `failed`; `rows`.
-        `extra_seconds`: median of the loop's time beyond that of a vibe in words.
+        `extra_seconds`: median of the time from start to end beyond that of a vibe in words of the same scene.
     """
     parts = {
         part: _part([row for row in rows if row["part"] == part])
         for part in dict.fromkeys(r["part"] for r in rows)
     }
-    extra = [row["seconds"] - row["words_seconds"] for row in rows if row["code"] == 0]
+    extra = [row["seconds"] - row["words_seconds"] for row in rows if "words_seconds" in row]
     return {
         "parts": parts,
         "extra_seconds": median(extra),
@@ -80,12 +80,13 @@ def line(row: LikeRow) -> str:
     if row["code"] != 0:
         return f"FAILED: {row['error']}"
     apart = ", ".join(f"{name} {each['delta_e']:.1f}" for name, each in row["differences"].items())
-    errors = ", ".join(
+    facts = [
         f"{name} {row['errors_before'][name]:.4g} -> {error:.4g}" for name, error in row["errors"].items()
-    )
-    return (
-        f"{apart} ({errors or 'no key light'}; {row['seconds']:.0f} s, in words {row['words_seconds']:.0f} s)"
-    )
+    ]
+    facts.append(f"{row['seconds']:.0f} s")
+    if "words_seconds" in row:
+        facts.append(f"in words {row['words_seconds']:.0f} s")
+    return f"{apart} ({', '.join(facts)})"
 
 
 def show(results: Mapping[str, Any]) -> None:

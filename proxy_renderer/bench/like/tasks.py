@@ -34,6 +34,9 @@ FILTERS = (
 )
 """Photo filters of the package pilgram, by name."""
 
+_FILTERED = 3
+"""Sets that the filters are tried on, in turn."""
+
 PARTS = ("recovery", "materials", "transfer", "filters")
 
 
@@ -90,7 +93,8 @@ def tasks(part: str, count: int, seed: str) -> Iterator[LikeTask]:
         name, other = luck.sample(SETS, 2)
         look = f"{seed}-{number}"
         if part == "filters":
-            plain = HiddenLook(name, "plain", ())
+            few = random.Random(f"{seed}/{part}").sample(SETS, _FILTERED)
+            plain = HiddenLook(few[number % _FILTERED], "plain", ())
             yield LikeTask(part, plain, plain, FILTERS[number], ("--groups=film",))
         elif part == "transfer":
             yield LikeTask(part, HiddenLook(name, look, WHOLE_LOOK), HiddenLook(other, look, WHOLE_LOOK))

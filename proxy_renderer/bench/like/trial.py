@@ -57,8 +57,11 @@ class LikeTrial:
         row = {"task": self.task.name, "part": self.task.part, "run": self.folder.name, **ended}
         if ended["code"] != 0:
             return row
-        timed = product.vibe_once(scene / "scene.blend", WORDS, self._timed(scene), options)
-        return {**row, **self._figures(made, scene, picture), "words_seconds": timed["seconds"]}
+        row |= self._figures(made, scene, picture)
+        if self.task.part == "recovery":  # the same scene and as many pixels
+            timed = product.vibe_once(scene / "scene.blend", WORDS, self._timed(scene), options)
+            row["words_seconds"] = timed["seconds"]
+        return row
 
     def pictures(self) -> dict[str, Path]:
         """The pictures to look at, by what they are called; those that there are."""

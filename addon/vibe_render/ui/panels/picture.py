@@ -39,7 +39,10 @@ class PicturePanel:
         """Draws the panel."""
         layout: Any = self.layout  # type: ignore[attr-defined]
         settings = context.scene.vibe
-        layout.row(align=True).prop(settings, "like_from", expand=True)
+        row = layout.row(align=True)
+        row.prop_enum(settings, "like_from", "NONE", text="")
+        for place in ("FILE", "IMAGE", "SLOT"):
+            row.prop_enum(settings, "like_from", place)
         column = layout.column()
         if settings.like_from == "FILE":
             column.prop(settings, "like", text="")
