@@ -16,11 +16,18 @@ from .measures.registry import MEASURES
 
 _FEW = 16  # pixels of which nothing can be said
 _SEEN = 0.05  # share of a region that is left, at least, when what words color is left out
-_NEARLY = 2.0
+_NEARLY = 1.0
 """Changes from the interval, from where a change is enough: what was very blue is not warm for being a little less so."""
 
 HOLDS = 1.0
 """A claim that is missed by no more noticeable steps holds."""
+
+_INSIDE = 0.5
+"""Share of half an interval's width that is left at its ends when values are sought: what only just passes as navy in a
+prediction is another blue to some who look at the picture."""
+
+_MARGIN = 1.0
+"""The same for an interval with one end, in noticeable steps."""
 
 _HARDEST = 100.0  # a miss, in noticeable steps, that nothing is worse than
 
@@ -45,6 +52,7 @@ class Claim:
         direction: Unit vector along which a tint counts; none for the measure's own numbers.
         color: The color that is asked for, sRGB; None for other claims.
         apart: Parts, each with its materials, that are left out: those that words color, where light is spoken of.
+        weight: How much a step counts while values are sought: less, where a mood only usually stands for it.
     """
 
     word: str
@@ -58,6 +66,7 @@ class Claim:
     direction: Values = ()
     color: Values | None = None
     apart: tuple[tuple[Part, tuple[str, ...]], ...] = ()
+    weight: float = 1.0
 
     def region(self, seen: GBuffer) -> Tensor | None:
         """The pixels (H, W) bool that it speaks of; None where the thing is hardly seen."""
@@ -102,6 +111,13 @@ class Claim:
         notice = MEASURES[self.measure].notice
         lower, upper = (value.new_tensor(end) / notice for end in self.interval(before))
         return value / notice, lower, upper
+
+    def aim(self, value: Tensor, before: Tensor | None) -> tuple[Tensor, Tensor, Tensor]:
+        """As `in_steps`, by weight, with ends that lie inside of what holds: what values are sought for."""
+        value, lower, upper = self.in_steps(value, before)
+        most = math.inf if self.measure == "color" else _MARGIN if self.word else 0.0
+        inward = (_INSIDE * (upper - lower) / 2).clamp_max(most)
+        return self.weight * value, self.weight * (lower + inward), self.weight * (upper - inward)
 
     def miss(self, value: Tensor, before: Tensor | None) -> float:
         """The length of the residual; a claim holds if it is at most `HOLDS`."""
@@ -148,18 +164,19 @@ class ClaimSet:
         pairs = zip(self.claims, self.regions, strict=True)
         return [None if where is None else claim.value(picture, where) for claim, where in pairs]
 
-    def intervals(self, picture: MeasuredPicture) -> list[tuple[Tensor, Tensor, Tensor]]:
-        """Of each claim that can be measured: its value, and the lower and the upper end of what is wanted.
+    def aims(self, picture: MeasuredPicture) -> list[tuple[Tensor, Tensor, Tensor]]:
+        """Of each claim that can be measured: its value, and the lower and the upper end of what is sought, see `Claim.aim`.
 
         Returns:
             Each (n,), in steps that people notice; the values are differentiable in the picture.
         """
         rows = zip(self.claims, self.values(picture), self.before, strict=True)
-        return [claim.in_steps(value, before) for claim, value, before in rows if value is not None]
+        return [claim.aim(value, before) for claim, value, before in rows if value is not None]
 
     def residuals(self, picture: MeasuredPicture) -> list[Tensor]:
         """How far a picture is from each claim that can be measured: (n,) each, see `Claim.residual`."""
-        return [outside(*row) for row in self.intervals(picture)]
+        rows = zip(self.claims, self.values(picture), self.before, strict=True)
+        return [claim.residual(value, before) for claim, value, before in rows if value is not None]
 
 
 def outside(values: Tensor, lower: Tensor, upper: Tensor) -> Tensor:

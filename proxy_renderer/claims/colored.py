@@ -16,17 +16,21 @@ from ..schema.spec import Region
 from .claim import Claim
 from .measures.picture import Part
 
-_LIGHTNESS, _CHROMA, _LEAST_CHROMA = 12.0, 0.35, 4.0
+_LIGHTNESS, _CHROMA, _LEAST_CHROMA = 10.0, 0.35, 4.0
 """How far a color may be from the one that can be shown, OKLab times 100: lightness, and a share of its chroma but at least
 this."""
 _FAINTEST, _OFF_GRAY = 3.0, 0.6
 """Chroma from which a color is not gray, and how much of what it has beyond the least a picture of it may lack."""
-_FARTHEST = 15.0
+_FARTHEST = 12.0
 """How much lighter or darker than the named color it may be; more, only where it cannot be shown."""
 
 _COLORED = 12.0  # C* below which a color tints nothing
 _TINTED = (6.0, 3.0)
 """How far in a color's direction a tinted picture lies, or how much farther than before; in a* and b*."""
+
+_BLACK, _WHITE = 35.0, 85.0  # L* of a name up to which air is black, and from which it is white
+_AIR = (35.0, 70.0)
+"""L* that black air has at most, and white air at least."""
 
 _ACCENT = 12.0
 """The same for a tenth of the picture, where it is one of several lights that has the color."""
@@ -65,6 +69,16 @@ def of_color(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
         yield from _toned(attribute, srgb)
     elif attribute.kind == "fog":
         yield from tinted(attribute.word, thing, "surroundings", srgb)
+        yield from _of_gray_air(attribute, srgb)
+
+
+def _of_gray_air(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
+    """ "White fog" is light, "black smoke" is dark; nothing for air that has a color, or is gray."""
+    light, a, b = lab_from_srgb(srgb)
+    dark, bright = _AIR
+    if math.hypot(a, b) < _COLORED and not _BLACK < light < _WHITE:
+        ends = ((bright,), (math.inf,)) if light >= _WHITE else ((-math.inf,), (dark,))
+        yield Claim(attribute.word, attribute.thing, "air_lightness", "surroundings", *ends)
 
 
 def _toned(attribute: Attribute, srgb: Values) -> Iterator[Claim]:

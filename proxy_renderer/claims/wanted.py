@@ -21,6 +21,12 @@ from .colored import of_color, of_matter, part_of
 from .measures.picture import Part
 from .notation import ClaimText, read_claim
 
+_OF_MOODS = 0.5
+"""Weight of what a mood stands for."""
+
+_SLIGHT = 0.8
+"""Strength below which a word is a weak one."""
+
 _OPPOSED = 0.5
 """Cosine between a tint and the other direction, from where a picture cannot have both."""
 
@@ -89,19 +95,34 @@ def _of_subject(measure: str, lower: float = -math.inf, upper: float = math.inf)
 
 
 def _bound(text: ClaimText, attribute: Attribute) -> Claim:
-    """A claim about what a word describes; a strong word asks for more of a change, a weak one for less."""
+    """A claim about what a word describes; a strong word asks for more of a change, a weak one for less.
+
+    What a mood stands for counts less than what is said, and too much of it comes sooner: a summery picture is not all orange.
+    """
     own = text.part == "thing"
     part = part_of(attribute) if own else cast(Part, text.part)
+    lower, upper = (
+        _milder(text) if attribute.cause or attribute.strength < _SLIGHT else (text.lower, text.upper)
+    )
     return Claim(
         word=attribute.cause or attribute.word,
         thing=(attribute.thing or part) if own else part,
         measure=text.measure,
         part=part,
-        lower=(text.lower,),
-        upper=(text.upper,),
+        lower=(lower,),
+        upper=(upper,),
         materials=attribute.owners if own else (),
         change=None if text.change is None else text.change * attribute.strength,
+        weight=_OF_MOODS if attribute.cause else 1.0,
     )
+
+
+def _milder(text: ClaimText) -> tuple[float, float]:
+    """The ends of an interval whose far end, where there is too much, is nearer; others stay."""
+    middle = (text.lower + text.upper) / 2
+    if text.change is None or not math.isfinite(middle):
+        return text.lower, text.upper
+    return (text.lower, middle) if text.change > 0 else (middle, text.upper)
 
 
 @cache

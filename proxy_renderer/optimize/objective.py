@@ -122,9 +122,7 @@ class RoundObjective:
             for n, picture in enumerate(pictures)
             for term in self._similar(picture, fixed_views(), n).values()
         ]
-        rows = [
-            row for shot, picture in zip(self.seen, pictures, strict=True) for row in shot.intervals(picture)
-        ]
+        rows = [row for shot, picture in zip(self.seen, pictures, strict=True) for row in shot.aims(picture)]
         values, lower, upper = (
             torch.cat([u.new_zeros(0), *(row[i].to(u) for row in rows)]) for i in range(3)
         )

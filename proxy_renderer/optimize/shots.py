@@ -92,9 +92,9 @@ class ShotState:
         """How far a picture is from each claim: (n,) in steps that people notice, differentiable in it."""
         return self.claims.residuals(self._measured(picture)) if self.claims else []
 
-    def intervals(self, picture: Render) -> list[tuple[Tensor, Tensor, Tensor]]:
-        """What a picture has of each claim, and what is wanted, see `ClaimSet.intervals`."""
-        return self.claims.intervals(self._measured(picture)) if self.claims else []
+    def aims(self, picture: Render) -> list[tuple[Tensor, Tensor, Tensor]]:
+        """What a picture has of each claim, and what is wanted, see `ClaimSet.aims`."""
+        return self.claims.aims(self._measured(picture)) if self.claims else []
 
     def _measured(self, picture: Render) -> MeasuredPicture:
         assert self.seen is not None

@@ -13,6 +13,7 @@ from ..schema.spec import Region
 from .lexicon.attributes import ATTRIBUTES, COLORS
 from .lexicon.vocabulary import Vocabulary
 from .lights.described import numbered
+from .moods import overruled
 from .types import Attribute, Parsed, PromptObject
 
 _COLORED = {
@@ -32,6 +33,7 @@ def complete(parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[
     """Fills in objects, targets, colors and conflicts of a prompt whose attributes are bound."""
     parsed.attributes = numbered(_qualified(parsed.attributes, vocabulary), vocabulary)
     parsed.objects = _objects(parsed.attributes, subject, things)
+    parsed.overruled = overruled(parsed.attributes, vocabulary)
     _settle_targets(parsed, vocabulary)
     _region_colors(parsed, parsed.attributes)
     for region in ("subject", "surroundings"):
@@ -53,7 +55,7 @@ def _settle_targets(parsed: Parsed, vocabulary: Vocabulary) -> None:
         )  # a desert is bright, but not at dusk
         return bool(attribute.cause), *usual, is_vague(attribute, vocabulary)
 
-    for attribute in sorted(parsed.attributes, key=rank):
+    for attribute in sorted((a for a in parsed.attributes if a not in parsed.overruled), key=rank):
         heads, lost = heads_of(attribute, vocabulary), 0
         for head, value in heads.items():
             settled = parsed.targets.setdefault(head, value)

@@ -107,6 +107,7 @@ RISING = {
     "rim": ("subject", rimmed(0.1), rimmed(0.9)),
     "gloss": ("subject", spotted(0.7), spotted(0.07)),
     "haze": ("surroundings", picture(transmittance=0.9), picture(transmittance=0.4)),
+    "air_lightness": ("surroundings", picture(wall=(0.3, 0.3, 0.3), transmittance=0.4), picture(wall=(0.7, 0.7, 0.7), transmittance=0.4)),
 }  # fmt: skip
 """Measure -> a part, a picture that has little of it, one that has much."""
 
@@ -208,9 +209,9 @@ def test_a_claim_is_missed_by_as_much_as_people_notice() -> None:
 
 def test_a_change_may_be_enough() -> None:
     claim = Claim("warm", "picture", "warmth", "picture", (8.0,), (float("inf"),), change=4.0)
-    before = torch.tensor([-2.0])
-    assert claim.miss(torch.tensor([2.0]), before) == 0
-    assert claim.miss(torch.tensor([-1.0]), before) == pytest.approx(2.0)
+    before = torch.tensor([1.0])
+    assert claim.miss(torch.tensor([5.0]), before) == 0
+    assert claim.miss(torch.tensor([2.0]), before) == pytest.approx(2.0)
     assert claim.miss(torch.tensor([8.0]), torch.tensor([7.0])) == 0
 
 
@@ -219,17 +220,19 @@ def test_a_change_is_not_enough_far_from_what_is_wanted() -> None:
     claim = Claim("warm", "picture", "warmth", "picture", (8.0,), (float("inf"),), change=4.0)
     before = torch.tensor([-30.0])
     assert claim.miss(torch.tensor([-26.0]), before) > 1
-    assert claim.miss(torch.tensor([0.0]), before) == 0
+    assert claim.miss(torch.tensor([0.0]), before) > 1
+    assert claim.miss(torch.tensor([4.0]), before) == 0
     dark = Claim("dark", "picture", "lightness", "picture", (12.0,), (40.0,), change=-12.0)
     assert dark.miss(torch.tensor([76.0]), torch.tensor([88.0])) > 1
-    assert dark.miss(torch.tensor([64.0]), torch.tensor([88.0])) == 0
+    assert dark.miss(torch.tensor([64.0]), torch.tensor([88.0])) > 1
+    assert dark.miss(torch.tensor([52.0]), torch.tensor([88.0])) == 0
 
 
 def test_too_much_is_missed_too_unless_the_artist_had_it() -> None:
     """A cool picture is not all blue; one that was that blue before need not change."""
     claim = Claim("cool", "picture", "warmth", "picture", (-30.0,), (-4.0,), change=-4.0)
     assert claim.miss(torch.tensor([-60.0]), torch.tensor([20.0])) == pytest.approx(20.0)
-    assert claim.miss(torch.tensor([2.0]), torch.tensor([6.0])) == 0
+    assert claim.miss(torch.tensor([-1.0]), torch.tensor([3.0])) == 0
     assert claim.miss(torch.tensor([-40.0]), torch.tensor([-40.0])) == 0
     assert claim.miss(torch.tensor([-46.0]), torch.tensor([-40.0])) == pytest.approx(4.0)
 
@@ -246,6 +249,20 @@ def test_residuals_know_what_is_missing_and_fall_towards_it() -> None:
     assert [len(r) for r in judged.residuals(dark)] == [1]
     assert float(judged.residuals(light)[0]) < 0
     assert judged.residuals(light)[0].abs() < judged.residuals(dark)[0].abs()
+
+
+def test_values_are_sought_inside_of_what_holds() -> None:
+    """A color nearer to its middle, others a noticeable step from the end; what a mood stands for counts less."""
+    color = Claim("navy", "ball", "color", "subject", (20.0, -4.0, -16.0), (40.0, 4.0, -8.0))
+    _, lower, upper = (3.0 * end for end in color.aim(torch.zeros(3), None))
+    assert torch.allclose(lower, torch.tensor([25.0, -2.0, -14.0]))
+    assert torch.allclose(upper, torch.tensor([35.0, 2.0, -10.0]))
+    dark = Claim("dark", "picture", "lightness", "picture", (-float("inf"),), (30.0,))
+    value, _, most = dark.aim(torch.tensor([50.0]), None)
+    assert (float(value), float(most)) == (25.0, 14.0)
+    light, _, least = replace(dark, weight=0.5).aim(torch.tensor([50.0]), None)
+    assert (float(light), float(least)) == (12.5, 7.0)
+    assert dark.miss(torch.tensor([30.0]), None) == 0
 
 
 def test_the_edges_of_a_pattern_are_no_shadows() -> None:

@@ -87,9 +87,9 @@ def test_a_color_of_the_highlights_is_their_warmth() -> None:
 )
 def test_a_low_sun_is_warm_and_not_bright(prompt: str, dusk: bool) -> None:
     assert (("lightness", "picture") in asked(prompt)) is dusk
-    (warm,) = [c for c in claims(prompt) if c.measure == "warmth"]
+    (warm,) = [c for c in claims(prompt) if (c.measure, c.part) == ("warmth", "picture")]
     assert warm.lower[0] > 0
-    assert (warm.upper[0] <= 30) is dusk, "a sunset leaves other colors than orange"
+    assert warm.upper[0] <= 30, "a low sun leaves other colors than orange"
 
 
 def test_a_thing_is_measured_by_its_materials() -> None:
@@ -187,3 +187,22 @@ def test_a_word_shows_if_all_that_it_claims_holds() -> None:
     ]
     shows = {word: not missing for word, missing in missing_by_word(rows).items()}
     assert shows == {"noir": False, "red": True}
+
+
+def test_a_mood_counts_less_and_has_too_much_sooner() -> None:
+    (said,) = [c for c in claims("warm light") if c.measure == "warmth"]
+    (meant,) = [c for c in claims("romantic") if c.measure == "warmth"]
+    assert meant.weight < said.weight
+    assert meant.upper[0] < said.upper[0]
+    assert meant.lower == said.lower
+
+
+def test_white_fog_is_light_and_hides_as_much() -> None:
+    white, black, green = (
+        {c.measure: c for c in claims(f"{name}, a vase")}
+        for name in ("white fog", "black smoke", "green fog")
+    )
+    assert white["air_lightness"].lower[0] > 60
+    assert black["air_lightness"].upper[0] < 40
+    assert "air_lightness" not in green
+    assert all(each["haze"].lower[0] >= 0.4 for each in (white, black, green))

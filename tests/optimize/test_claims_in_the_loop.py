@@ -7,15 +7,20 @@ import pytest
 import torch
 from loop_parts import PROMPT, Silent
 
+from proxy_renderer.claims.wanted import claims_of
 from proxy_renderer.guidance.encoder import Encoder
 from proxy_renderer.optimize.inner.descent import fixed_views
 from proxy_renderer.optimize.rounds import refinement
+from proxy_renderer.optimize.rounds import search as rounds
 from proxy_renderer.optimize.rounds.refinement import Refinement
 from proxy_renderer.optimize.rounds.search import Missed, Search, Start
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.prompt.types import Plan
 from proxy_renderer.schema import VibeError
 from proxy_renderer.schema.messages import Options
+
+_BRIGHT_RIM = 14.0
+"""L* of an outline above the inside, which the ranges of "rim light" do not make."""
 
 
 @pytest.fixture
@@ -121,7 +126,15 @@ def test_a_round_that_made_it_worse_is_taken_back_and_the_next_goes_half_as_far(
     assert torch.equal(began[2][0], ends[0])
 
 
-def test_a_claim_out_of_reach_of_its_words_ranges_is_earned_in_wider_ones(search):
+def test_a_claim_out_of_reach_of_its_words_ranges_is_earned_in_wider_ones(search, monkeypatch):
+    def demanding(*told):
+        """A rim that is lighter than the words' ranges make it."""
+        return tuple(
+            replace(c, lower=(_BRIGHT_RIM,), change=None) if c.measure == "rim" else c
+            for c in claims_of(*told)
+        )
+
+    monkeypatch.setattr(rounds, "claims_of", demanding)
     begun = search("blue night, rim light, glossy", steps=12, rounds=4, size=64)
     outcome = Refinement(begun, Start(begun.vector.encode({}))).run()
     first, *_, last = (record["missed"] for record in outcome.rounds)

@@ -57,5 +57,6 @@ MEASURES: dict[str, Measure] = {
     "rim": Measure(light.rim, "L*", 3.0, "lightness of the outline above the inside"),
     "gloss": Measure(light.gloss, "L*", 1.5, "contrast of highlights"),
     "haze": Measure(air.haze, "", 0.04, "share of light that the air takes away"),
+    "air_lightness": Measure(air.air_lightness, "L*", 2.0, "lightness of the air"),
 }
 """By name, as `heads.toml` and the vocabulary's claims call them."""
