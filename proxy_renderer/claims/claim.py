@@ -51,6 +51,9 @@ class Claim:
         change: What is enough of a change; None if only the interval counts.
         direction: Unit vector along which a tint counts; none for the measure's own numbers.
         color: The color that is asked for, sRGB; None for other claims.
+        box: Where in the frame the part is meant: left, upper, right and lower end, as shares of its width and height;
+            None for all of it.
+        reason: Why it is claimed, in words; "" where the word says it.
         apart: Parts, each with its materials, that are left out: those that words color, where light is spoken of.
         weight: How much a step counts while values are sought: less, where a mood only usually stands for it.
     """
@@ -65,12 +68,16 @@ class Claim:
     change: float | None = None
     direction: Values = ()
     color: Values | None = None
+    box: tuple[float, float, float, float] | None = None
+    reason: str = ""
     apart: tuple[tuple[Part, tuple[str, ...]], ...] = ()
     weight: float = 1.0
 
     def region(self, seen: GBuffer) -> Tensor | None:
         """The pixels (H, W) bool that it speaks of; None where the thing is hardly seen."""
         where = region_of(seen, self.part, self.materials)
+        if self.box:
+            where = where & _inside(self.box, where)
         rest = where.clone()
         for part, materials in self.apart:
             rest &= ~region_of(seen, part, materials)
@@ -177,6 +184,15 @@ class ClaimSet:
         """How far a picture is from each claim that can be measured: (n,) each, see `Claim.residual`."""
         rows = zip(self.claims, self.values(picture), self.before, strict=True)
         return [claim.residual(value, before) for claim, value, before in rows if value is not None]
+
+
+def _inside(box: tuple[float, float, float, float], like: Tensor) -> Tensor:
+    """(H, W) bool: the pixels in a part of the frame, see `Claim.box`."""
+    height, width = like.shape
+    left, upper, right, lower = box
+    inside = torch.zeros_like(like)
+    inside[round(upper * height) : round(lower * height), round(left * width) : round(right * width)] = True
+    return inside
 
 
 def outside(values: Tensor, lower: Tensor, upper: Tensor) -> Tensor:

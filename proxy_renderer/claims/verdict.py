@@ -17,6 +17,9 @@ from .claim import HOLDS, Claim, ClaimSet
 from .measures.picture import MeasuredPicture
 from .measures.registry import MEASURES
 
+_COLORS = ("color", "mean")
+"""Measures in OKLab."""
+
 _BLACK = 0.02
 """Of white, as a picture is stored: what is darker everywhere shows nothing."""
 
@@ -44,7 +47,8 @@ class ShotClaims:
             after: The finished picture.
 
         Returns:
-            For each claim: word, thing, measure, says, unit, wanted, before, predicted, after, holds, miss. `holds` is
+            For each claim: word, thing, measure, says, unit, wanted, before, predicted, after, holds, miss, and the
+            `reason` where there is one. `holds` is
             None where the thing is hardly seen; `miss` is how many noticeable steps the picture lies outside of what
             is wanted.
         """
@@ -77,14 +81,20 @@ def _verdict(
         "after": _shown(claim, after),
         "holds": None if miss is None else miss <= HOLDS,
         "miss": None if miss is None else round(miss, 2),
+        **({"reason": claim.reason} if claim.reason else {}),
     }
 
 
 def wanted(claim: Claim, before: Tensor | None) -> str:
     """What a claim asks for, in a few words: "at least 8", "#1fb5b5"."""
-    if claim.measure == "color":
+    if claim.measure in _COLORS:
         return _hex(tuple((a + b) / 2 for a, b in zip(claim.lower, claim.upper, strict=True)))
-    (lower,), (upper,) = claim.interval(before)
+    if len(claim.lower) > 1:
+        return ", ".join(_range(*ends) for ends in zip(claim.lower, claim.upper, strict=True))
+    return _range(*(end[0] for end in claim.interval(before)))
+
+
+def _range(lower: float, upper: float) -> str:
     if math.isinf(upper):
         return f"at least {lower:.3g}"
     return f"at most {upper:.3g}" if math.isinf(lower) else f"{lower:.3g} to {upper:.3g}"
@@ -93,7 +103,9 @@ def wanted(claim: Claim, before: Tensor | None) -> str:
 def _shown(claim: Claim, value: Tensor | None) -> float | str | None:
     if value is None:
         return None
-    return _hex(tuple(value.tolist())) if claim.measure == "color" else round(float(value[0]), 3)
+    if claim.measure in _COLORS:
+        return _hex(tuple(value.tolist()))
+    return round(float(value[0]), 3) if len(value) == 1 else ", ".join(f"{v:.3g}" for v in value.tolist())
 
 
 def _hex(oklab: Sequence[float]) -> str:

@@ -8,10 +8,8 @@ from typing import Any
 import torch
 
 from ..claims.verdict import ShotClaims
-from ..claims.wanted import claims_of
 from ..optimize.drawing import chosen_values
 from ..optimize.pipeline import Outcome
-from ..prompt.lexicon.user_words import default_vocabulary
 
 
 def claims_about(outcome: Outcome) -> list[ShotClaims]:
@@ -19,11 +17,7 @@ def claims_about(outcome: Outcome) -> list[ShotClaims]:
 
     Args:
         outcome: What was found.
-
-    Raises:
-        VibeError: A claim in the vocabulary cannot be read.
     """
-    claims = claims_of(outcome.parsed, default_vocabulary())
     home = outcome.vector.encode({})
     rows = []
     for shot in outcome.shots:
@@ -32,7 +26,7 @@ def claims_about(outcome: Outcome) -> list[ShotClaims]:
                 shot.proxy.gbuffer(chosen_values(shot.vector, u, shot.proxy.device))
                 for u in (home, outcome.u)
             )
-        rows.append(ShotClaims(claims, before, after))
+        rows.append(ShotClaims(outcome.claims, before, after))
     return rows
 
 

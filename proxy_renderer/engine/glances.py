@@ -6,12 +6,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from ..claims.wanted import claims_of
 from ..guidance.encoder import load_encoder
 from ..optimize import context
 from ..optimize.looks import EarlyLook, Looks
 from ..optimize.progress import BEFORE
 from ..optimize.shots import ShotInput, gathered
 from ..planning.advice import OfflineAdvisor
+from ..prompt.lexicon.user_words import default_vocabulary
 from ..render.proxy import Proxy
 from ..scene import SceneData, load_scene
 from ..schema import VibeError, messages
@@ -56,7 +58,7 @@ class Glances:
             u, advice = looks.planned(advisor)
         except VibeError:  # half a word, perhaps
             return None
-        return None if stopped() else looks.drawn(u, advice.parsed)
+        return None if stopped() else looks.drawn(u, claims_of(advice.parsed, default_vocabulary()))
 
     def _scene(self, job: str) -> SceneData:
         if self._found is None or job != self._job:

@@ -173,14 +173,14 @@ class EngineSession:
 
     def _advisor(self, scenes: Sequence[SceneData]) -> ModelAdvisor | None:
         """The model as parser and confiner; None for the offline planner."""
-        if self._model is None:
+        if self._model is None or not self.prompt.strip():
             return None
         words = context.scene_words(*scenes)
         return ModelAdvisor(self.prompt, words, self._model, self._observer.stage, self.options.reader)
 
     def _judge(self, before: Image.Image, after: Image.Image) -> dict[str, Any]:
         """The model's verdict on Cycles' two pictures, or why there is none."""
-        if self._model is None:
+        if self._model is None or not self.prompt.strip():
             return {}
         self._observer.stage("asking the judge")
         model = Client(self._model.endpoint)

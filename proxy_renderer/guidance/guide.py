@@ -120,6 +120,20 @@ class Guidance(Protocol):
         """
 
 
+class NoGuidance:
+    """Nothing but the claims: where there are no words."""
+
+    views = regions.Views()
+
+    def __call__(self, display: Tensor, mask: Tensor, generator: torch.Generator) -> dict[str, Tensor]:
+        """No terms. Arguments as for `Guidance`."""
+        return {}
+
+    def measure(self, display: Tensor, mask: Tensor) -> dict[str, float]:
+        """Nothing. Arguments as for `Guidance.measure`."""
+        return {}
+
+
 class PromptGuidance:
     """The objective for one prompt.
 

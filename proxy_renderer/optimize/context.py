@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 _GRID = 64  # rays along each side of the picture
 _LARGEST, _LEAST = 256, 192
 """Greatest longer side of the pictures inside the loop, in pixels, and the least however small the encoder's are."""
+_OF_A_PICTURE = 128  # the same where a picture says what is wanted: nothing so fine is read off it
 _SEEN = 16  # rays that a material's color is measured from, at least
 
 
@@ -201,5 +202,5 @@ def inner_size(scene: SceneData, options: Options, encoder: Encoder) -> tuple[in
         options: `size` is the most that the artist wants.
         encoder: `size` is what it looks at.
     """
-    enough = max(_LEAST, encoder.size * 3 // 2)
+    enough = max(_LEAST, encoder.size * 3 // 2) if not options.like else _OF_A_PICTURE
     return picture_size(scene.resolution, min(options.size, _LARGEST, enough))

@@ -9,11 +9,9 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
+from ..claims.claim import Claim
 from ..claims.verdict import ShotClaims
-from ..claims.wanted import claims_of
 from ..planning.advice import Advice, Advisor
-from ..prompt.lexicon.user_words import default_vocabulary
-from ..prompt.types import Parsed
 from ..render.gbuffer import GBuffer
 from ..schema import verdicts
 from . import context
@@ -74,16 +72,15 @@ class Looks:
         """The values of u (N,), without a picture."""
         return EarlyLook(self._shot.vector.changes(u), None, {})
 
-    def drawn(self, u: Tensor, parsed: Parsed) -> EarlyLook:
+    def drawn(self, u: Tensor, claims: tuple[Claim, ...]) -> EarlyLook:
         """The values of u with their picture.
 
         Args:
             u: (N,) the point.
-            parsed: The prompt, understood: it has the words.
+            claims: What is asked of it.
         """
         with torch.no_grad():
             display = self._shot.draw(u).display
-        claims = claims_of(parsed, default_vocabulary())
         judged = ShotClaims(claims, self._before_seen, self._seen(u))
         rows = judged.verdicts(self.before.display, display, display)
         words = {word: not missing for word, missing in verdicts.missing_by_word(rows).items()}

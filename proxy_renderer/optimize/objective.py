@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from typing import TYPE_CHECKING
 
 import torch
@@ -35,6 +35,8 @@ class RoundObjective:
         lower: (N,) lower corner of the feasible box.
         upper: (N,) upper corner.
         pull: (N,) weight in [0, 1] of the prior on each component, 0 where words name the value.
+        any_hue: Keys of colors whose hue is free.
+        differences: Whether slopes are taken by differences, see `linear_model.linearize`.
         weights: Of the claims, of the prior and of the consistency of hues.
     """
 
@@ -47,13 +49,17 @@ class RoundObjective:
         upper: Tensor,
         pull: Tensor,
         weights: Weights,
+        any_hue: Set[str] = frozenset(),
+        differences: bool = False,
     ) -> None:
         self.seen, self.vector, self.free = seen, vector, free
         self._lower, self._span = lower, (upper - lower).clamp_min(1e-9)
-        self._home = vector.encode({})
+        self._home, self._differences = vector.encode({}), differences
         self._pull, self._weights = pull, weights
         self._hued = (upper - lower > 1e-9) * (1.0 + _UNNAMED * (pull > 0.0))
-        colors = [vector.slices[key] for key in free if vector.instances[key].parameter.components == 3]
+        colors = [
+            vector.slices[key] for key in free - any_hue if vector.instances[key].parameter.components == 3
+        ]
         self._colors = (
             torch.tensor([[part.start + i for i in range(3)] for part in colors]).view(-1, 3).long()
         )
@@ -84,7 +90,7 @@ class RoundObjective:
         Returns:
             A scalar, differentiable in the picture and in u.
         """
-        total = torch.stack(list(self._terms(picture, generator, shot).values())).sum()
+        total = sum(self._terms(picture, generator, shot).values(), picture.display.new_zeros(()))
         return total + self._held(u).to(total)
 
     @property
@@ -110,6 +116,21 @@ class RoundObjective:
         hue = torch.autograd.functional.hessian(hue_loss, rest[chosen], vectorize=True)
         return prior + self._weights.hue * hue
 
+    def strides(self, chosen: Tensor, u: Tensor) -> Tensor | None:
+        """(n,) moves of the chosen components (N,), as shares of their ranges, at which slopes are taken by differences, if so.
+
+        They lead into the box, and are longer where a scale is flat.
+
+        Args:
+            chosen: (N,) bool.
+            u: (N,) where the slopes are taken.
+        """
+        if not self._differences:
+            return None
+        share = self.vector.strides(u) / self._span
+        inside = u + share * self._span <= self._lower + self._span
+        return torch.where(inside, share, -share)[chosen]
+
     def assess(self, u: Tensor) -> Assessment:
         """What is judged in the pictures of all shots.
 
@@ -127,7 +148,7 @@ class RoundObjective:
             torch.cat([u.new_zeros(0), *(row[i].to(u) for row in rows)]) for i in range(3)
         )
         numbers = [torch.full(row[0].shape, number) for number, row in enumerate(rows)]
-        rest = torch.stack(similar).sum().to(u) / self.shots + self._held(u)
+        rest = sum(similar, pictures[0].display.new_zeros(())).to(u) / self.shots + self._held(u)
         return Assessment(
             values, lower, upper, torch.cat([torch.zeros(0).long(), *numbers]), rest, pictures[0]
         )

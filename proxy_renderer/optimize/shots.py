@@ -77,15 +77,19 @@ class ShotState:
         """
         return draw(self.proxy, self.vector, u, {own for own, key in self.names.items() if key in free})
 
+    def seen_now(self, u: Tensor) -> GBuffer:
+        """What its camera sees at u (N,)."""
+        return self.proxy.gbuffer(chosen_values(self.vector, u, self.proxy.device))
+
     def claim(self, claims: tuple[Claim, ...], u: Tensor, picture: Render) -> None:
         """Takes what the words claim; the picture is the artist's, at u (N,)."""
-        self.seen = self.proxy.gbuffer(chosen_values(self.vector, u, self.proxy.device))
+        self.seen = self.seen_now(u)
         self.claims = ClaimSet.about(claims, MeasuredPicture(picture.display.detach(), self.seen))
 
     def look(self, u: Tensor) -> None:
         """Sees again where in the picture the claims' things are, for the camera may have moved to u (N,)."""
         if self.claims:
-            self.seen = self.proxy.gbuffer(chosen_values(self.vector, u, self.proxy.device))
+            self.seen = self.seen_now(u)
             self.claims = self.claims.in_view(self.seen)
 
     def residuals(self, picture: Render) -> list[Tensor]:

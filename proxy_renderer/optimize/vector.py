@@ -13,6 +13,9 @@ from torch import Tensor
 from ..schema import Instance, Values
 
 _FLATTEST = 0.05
+_STRIDE, _FLAT_STRIDE = 0.01, 0.15
+"""Moves of u at which a picture changes enough for a slope: usually, and near the lower end of a scale that is flat there."""
+_FLAT_FROM, _FLAT_BELOW = 2.5, 0.25  # exponent of such a scale, and where that end ends
 _TURN = 360.0
 
 
@@ -97,6 +100,11 @@ class ParameterVector:
         slope = torch.where(self._log, log_value * ratio.log(), power_slope)
         linked = (value + slope * (u - u.detach())).float()
         return {key: linked[part] for key, part in self.slices.items()}
+
+    def strides(self, u: Tensor) -> Tensor:
+        """(N,) moves of u (N,) by which a picture changes a little; longer where a power scale is flat."""
+        flat = (self._exponent >= _FLAT_FROM) & (u < _FLAT_BELOW)
+        return torch.where(flat, _FLAT_STRIDE, _STRIDE)
 
     def values(self, u: Tensor) -> dict[str, Values]:
         """Plain values of u in schema units, to six digits.

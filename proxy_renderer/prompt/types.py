@@ -255,6 +255,7 @@ class PlanEntry:
         reason: For the artist; quotes the word that caused it.
         prior: Weight in [0, 1] of the pull to the artist's value: 0 where words named the value.
         usual: Whether words only have it so as a rule, as nights are blue: it gives way to other words, but not to claims.
+        any_hue: Whether a color may take any hue within its range, which is then no box around a named color.
     """
 
     lower: Values
@@ -263,6 +264,7 @@ class PlanEntry:
     reason: str
     prior: float = 1.0
     usual: bool = False
+    any_hue: bool = False
 
 
 class Plan(dict[str, PlanEntry]):

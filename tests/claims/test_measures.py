@@ -106,6 +106,13 @@ RISING = {
     "key_to_fill": ("subject", picture(light=(0.2, 0.2, 0.9)), picture(light=(0.9, 0.2, 0.1))),
     "rim": ("subject", rimmed(0.1), rimmed(0.9)),
     "gloss": ("subject", spotted(0.7), spotted(0.07)),
+    "lower_quartile": ("picture", graded(lambda p: 0.6 * p), graded(lambda p: p)),
+    "median": ("picture", graded(lambda p: 0.6 * p), graded(lambda p: p)),
+    "upper_quartile": ("picture", graded(lambda p: 0.6 * p), graded(lambda p: p)),
+    "spread": ("picture", graded(lambda p: 0.3 + 0.3 * p), graded(lambda p: p)),
+    "from_right": ("subject", picture(light=(-0.6, 0.2, 0.4)), picture(light=(0.6, 0.2, 0.4))),
+    "from_above": ("subject", picture(light=(0.2, -0.6, 0.4)), picture(light=(0.2, 0.6, 0.4))),
+    "veil": ("picture", graded(lambda p: p), graded(lambda p: 0.3 + 0.7 * p)),
     "haze": ("surroundings", picture(transmittance=0.9), picture(transmittance=0.4)),
     "air_lightness": ("surroundings", picture(wall=(0.3, 0.3, 0.3), transmittance=0.4), picture(wall=(0.7, 0.7, 0.7), transmittance=0.4)),
 }  # fmt: skip
@@ -117,7 +124,15 @@ def taken(name: str, shown: MeasuredPicture, part: str) -> Tensor:
 
 
 def test_every_measure_of_one_number_is_tried() -> None:
-    assert set(MEASURES) - set(RISING) == {"color", "tint", "accent"}
+    assert set(MEASURES) - set(RISING) == {
+        "color",
+        "tint",
+        "accent",
+        "mean",
+        "shadow_tint",
+        "midtone_tint",
+        "highlight_tint",
+    }
 
 
 @pytest.mark.parametrize("name", RISING)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from torch import Tensor
 
-from . import air, color, light, tone
+from . import air, color, flat, light, tone
 
 
 @dataclass(frozen=True)
@@ -56,6 +56,17 @@ MEASURES: dict[str, Measure] = {
     "key_to_fill": Measure(light.key_to_fill, "stops", 0.3, "from shade to light"),
     "rim": Measure(light.rim, "L*", 3.0, "lightness of the outline above the inside"),
     "gloss": Measure(light.gloss, "L*", 1.5, "contrast of highlights"),
+    "mean": Measure(flat.mean, "OKLab", 1.0, "color"),
+    "lower_quartile": Measure(flat.tone(0.25), "L*", 2.0, "lightness of the darker quarter"),
+    "median": Measure(flat.tone(0.5), "L*", 2.0, "median lightness"),
+    "upper_quartile": Measure(flat.tone(0.75), "L*", 2.0, "lightness of the lighter quarter"),
+    "spread": Measure(flat.spread, "L*", 3.0, "from its darkest to its lightest tenth"),
+    "shadow_tint": Measure(flat.shadow_tint, "ab", 2.0, "tint of the shadows"),
+    "midtone_tint": Measure(flat.midtone_tint, "ab", 2.0, "tint of the midtones"),
+    "highlight_tint": Measure(flat.highlight_tint, "ab", 2.0, "tint of the lights"),
+    "from_right": Measure(flat.from_right, "L*", 3.0, "lighter on the right than on the left"),
+    "from_above": Measure(flat.from_above, "L*", 3.0, "lighter above than below"),
+    "veil": Measure(flat.veil, "%", 3.0, "light over everything"),
     "haze": Measure(air.haze, "", 0.04, "share of light that the air takes away"),
     "air_lightness": Measure(air.air_lightness, "L*", 2.0, "lightness of the air"),
 }

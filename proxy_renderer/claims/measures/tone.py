@@ -28,8 +28,8 @@ def contrast(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """
     subject = region_of(picture.seen, "subject") & where
     parts = [where, subject] if subject.sum() >= _FEW else [where]
-    light = torch.stack([_quantile(picture, part, 0.95) for part in parts]).max()
-    return (light - torch.stack([_quantile(picture, part, 0.05) for part in parts]).min())[None]
+    light = torch.stack([lightness_below(picture, part, 0.95) for part in parts]).max()
+    return (light - torch.stack([lightness_below(picture, part, 0.05) for part in parts]).min())[None]
 
 
 def black_point(picture: MeasuredPicture, where: Tensor) -> Tensor:
@@ -39,7 +39,7 @@ def black_point(picture: MeasuredPicture, where: Tensor) -> Tensor:
         picture: The picture.
         where: (H, W) bool, the region.
     """
-    return _quantile(picture, where, 0.02)[None]
+    return lightness_below(picture, where, 0.02)[None]
 
 
 def white_point(picture: MeasuredPicture, where: Tensor) -> Tensor:
@@ -49,7 +49,7 @@ def white_point(picture: MeasuredPicture, where: Tensor) -> Tensor:
         picture: The picture.
         where: (H, W) bool, the region.
     """
-    return _quantile(picture, where, 0.98)[None]
+    return lightness_below(picture, where, 0.98)[None]
 
 
 def vignette(picture: MeasuredPicture, where: Tensor) -> Tensor:
@@ -88,7 +88,8 @@ def standing_out(picture: MeasuredPicture, where: Tensor) -> Tensor:
         where: (H, W) bool, the region.
     """
     return (
-        _quantile(picture, where, 0.5) - _quantile(picture, region_of(picture.seen, "surroundings"), 0.5)
+        lightness_below(picture, where, 0.5)
+        - lightness_below(picture, region_of(picture.seen, "surroundings"), 0.5)
     )[None]
 
 
@@ -99,7 +100,7 @@ def silhouette(picture: MeasuredPicture, where: Tensor) -> Tensor:
         picture: The picture.
         where: (H, W) bool, the region.
     """
-    spread = _quantile(picture, where, 0.9) - _quantile(picture, where, 0.1)
+    spread = lightness_below(picture, where, 0.9) - lightness_below(picture, where, 0.1)
     return -standing_out(picture, where) - 0.5 * spread
 
 
@@ -138,8 +139,14 @@ def drowned(picture: MeasuredPicture, where: Tensor) -> Tensor:
     return torch.sigmoid(2 * (4.0 - picture.lab[..., 0][where])).mean()[None]
 
 
-def _quantile(picture: MeasuredPicture, where: Tensor, share: float) -> Tensor:
-    """Lightness () below which a share of the region lies; the mean of the pixels near it, for gradients."""
+def lightness_below(picture: MeasuredPicture, where: Tensor, share: float) -> Tensor:
+    """Lightness () below which a share of the region lies; the mean of the pixels near it, for gradients.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+        share: In [0, 1].
+    """
     light = picture.lab[..., 0][where].sort().values
     middle, reach = share * (len(light) - 1), max(0.01 * len(light), 1.0)
     first, last = max(round(middle - reach), 0), min(round(middle + reach), len(light) - 1)

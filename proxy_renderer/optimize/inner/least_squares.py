@@ -44,6 +44,9 @@ class ClaimObjective(Protocol):
     def stiffness(self, chosen: Tensor) -> Tensor:
         """(n, n) curvature of the rest by the places of the n chosen components (N,) in their ranges, as far as it is known."""
 
+    def strides(self, chosen: Tensor, u: Tensor) -> Tensor | None:
+        """(n,) moves of the n chosen components (N,), as shares of their ranges, if slopes at u (N,) are to be differences."""
+
     def assess(self, u: Tensor) -> Assessment:
         """What is judged at u (N,) in [0, 1]; differentiable in what may move."""
 
@@ -81,7 +84,9 @@ def solve(
         return u.index_put((places,), start + span * x)
 
     def linear(x: Tensor) -> LinearModel:
-        return linearize(objective.assess, place, x, objective.stiffness(chosen), objective.claim_weight)
+        strides = objective.strides(chosen, project(place(x), lower, upper))
+        stiffness = objective.stiffness(chosen)
+        return linearize(objective.assess, place, x, stiffness, objective.claim_weight, strides)
 
     x, radius, taken, fresh = torch.zeros_like(start), _RADIUS, 1, True
     model = first or linear(x)

@@ -188,8 +188,12 @@ def linearize(
     x: Tensor,
     stiffness: Tensor,
     weight: float,
+    strides: Tensor | None = None,
 ) -> LinearModel:
     """The model at x: a backward pass for each value that a step might bring out of what is wanted, and one for the rest.
+
+    Where moves are given, slopes are differences of pictures, one for each component: a picture that says hundreds of
+    things is dearer to go through backward hundreds of times.
 
     Args:
         assess: What is judged at a point u.
@@ -197,9 +201,13 @@ def linearize(
         x: (n,).
         stiffness: (n, n) curvature of the rest.
         weight: Of a noticeable step by which a claim is missed.
+        strides: (n,) moves at which differences are taken; None for backward passes.
     """
+    if strides is not None:
+        return LinearModel(*_differences(assess, place, x, strides), stiffness, weight)
     point = x.clone().requires_grad_()
     found = assess(place(point))
+    near = (found.values < found.lower + _NEAR) | (found.values > found.upper - _NEAR)
 
     def slope(value: Tensor) -> Tensor:
         if not value.requires_grad:
@@ -207,7 +215,6 @@ def linearize(
         (gradient,) = torch.autograd.grad(value, point, retain_graph=True, allow_unused=True)
         return torch.zeros_like(x) if gradient is None else torch.nan_to_num(gradient, 0.0, 0.0, 0.0)
 
-    near = (found.values < found.lower + _NEAR) | (found.values > found.upper - _NEAR)
     rows = [
         slope(value) if asked else torch.zeros_like(x)
         for value, asked in zip(found.values, near, strict=True)
@@ -215,3 +222,18 @@ def linearize(
     slopes = torch.stack(rows) if rows else x.new_zeros((0, len(x)))
     seen = replace(found, values=found.values.detach(), rest=found.rest.detach())
     return LinearModel(seen, slopes, slope(found.rest), stiffness, weight)
+
+
+@torch.no_grad()
+def _differences(
+    assess: Callable[[Tensor], Assessment], place: Callable[[Tensor], Tensor], x: Tensor, strides: Tensor
+) -> tuple[Assessment, Tensor, Tensor]:
+    """What is judged at x, and slopes of the values (M, n) and of the rest (n,), by a picture for each component."""
+    here = assess(place(x))
+    columns, rest = [], []
+    for move in strides.diag():
+        there, stride = assess(place(x + move)), move.sum()
+        columns.append((there.values - here.values) / stride)
+        rest.append((there.rest - here.rest) / stride)
+    slopes = torch.nan_to_num(torch.stack(columns, 1), 0.0, 0.0, 0.0)
+    return here, slopes, torch.nan_to_num(torch.stack(rest), 0.0, 0.0, 0.0)

@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ...guidance.encoder import Encoder
-from ...guidance.guide import Guidance, PromptGuidance, Weights
+from ...guidance.guide import Guidance, NoGuidance, PromptGuidance, Weights
 from ...guidance.regions import Views
 from ...planning.advice import Advice
 from ...render.proxy import Render
@@ -37,6 +37,8 @@ def make_guidance(
     parsed = advice.parsed
     if options.baseline:
         return GlobalGuidance(encoder, prompt, Views())
+    if not prompt.strip():  # a picture is there in their place, and its claims say all
+        return NoGuidance()
     silhouette = any(a.entry == "silhouette" and not a.negated for a in parsed.attributes)
     first = (start.display, start.mask)
     # The paper's full-image term has the raw text.

@@ -14,6 +14,7 @@ from typing import Any
 
 from torch import Tensor
 
+from ...claims.claim import Claim
 from ...prompt.types import Parsed, Plan, Prompts
 from ...schema import Values
 from ..anchoring import AnchorState
@@ -48,6 +49,7 @@ class Outcome:
         optimized: Keys that some round optimized.
         parsed: The prompt, understood.
         prompts: What the encoder was asked.
+        claims: What the words, and a picture, claim of ours.
         rounds: One record per round: parameters, loss at start and end, its terms, how far its end was from what the
             words claim, steps, seconds.
         shots: The shots, each with its proxy and guidance.
@@ -64,6 +66,7 @@ class Outcome:
     optimized: set[str]
     parsed: Parsed
     prompts: Prompts
+    claims: tuple[Claim, ...]
     shots: list[ShotState]
     anchors: list[AnchorState]
     loss: float
@@ -126,7 +129,8 @@ class Refinement:
         self._rounds: list[dict[str, Any]] = []
         self._ends: list[RoundEnd] = []
         self._settled = self._elsewhere = False
-        self._tried_elsewhere = start.drawn is not None  # variants stay near their own start
+        # Variants stay near their own start; the middle of ranges as wide as a picture's is no better than any other point.
+        self._tried_elsewhere = start.drawn is not None or search.reference is not None
 
     def run(self) -> Outcome:
         """Carries them out."""
@@ -168,7 +172,7 @@ class Refinement:
         anchors = [shot.anchoring.newest for shot in self._search.shots]
         self._ends.append(RoundEnd(self._u, self._loss, self._last, missed, anchors))
         if self._start.drawn is None and _nearest(self._ends) is self._ends[-1]:
-            self._search.show(self._u, self._last.advice.parsed)
+            self._search.show(self._u)
 
     def _round(self) -> bool:
         """Lines 2 to 16; returns whether another round may be worth it."""
@@ -211,6 +215,7 @@ class Refinement:
             optimized={key for record in self._rounds for key in record["parameters"]},
             parsed=best.confined.advice.parsed,
             prompts=best.confined.advice.prompts,
+            claims=search.claims,
             shots=search.shots,
             anchors=best.anchors,
             loss=best.loss,

@@ -4,20 +4,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple
 
 import torch
 from torch import Tensor
 
-from ...claims.claim import HOLDS
+from ...claims.claim import HOLDS, Claim
 from ...claims.wanted import claims_of
 from ...guidance.encoder import Encoder
 from ...guidance.losses import claims_loss
 from ...planning.advice import Advice, Advisor, OfflineAdvisor
 from ...prompt.lexicon.user_words import default_vocabulary
 from ...prompt.types import Parsed, Plan, PlanEntry
+from ...reference.like import Reference, beside
 from ...render.proxy import Proxy, Render
 from ...scene import SceneData
 from ...schema import Values, VibeError
@@ -35,6 +36,9 @@ from ..vector import around, opened, project
 from . import starts
 from .judges import make_guidance, weights_of
 from .selection import Selection, select
+
+_VALUES = 48
+"""Values that a round for a picture may refine, at least."""
 
 
 @dataclass
@@ -94,7 +98,9 @@ class Search:
         rounds: R, the most rounds from each start.
         weights: Of the terms of the loss.
         clock: Reports progress to the observer.
-        number: Of the current round, counted over all starts.
+        number: Of the current round, over all starts.
+        reference: The picture in the place of words, or beside them; None for words alone.
+        claims: What words and picture claim; none before the artist's picture was seen.
         looks: Shown before the end; None where nobody wants them, and for several shots.
     """
 
@@ -108,6 +114,10 @@ class Search:
         observer: Observer,
         advisor: Advisor | None,
     ) -> None:
+        self.reference = Reference.of(options)
+        self.claims: tuple[Claim, ...] = ()
+        if self.reference:  # it speaks of all of light and grade at once
+            options = replace(options, top_k=max(options.top_k, _VALUES))
         self.options, self.observer = options, observer
 
         def proxy(scene: SceneData) -> Proxy:
@@ -116,8 +126,10 @@ class Search:
 
         self.vector, self.shots = gathered(views, options, proxy)
         words = context.scene_words(*(view.scene for view in views))
-        self.offline = OfflineAdvisor(prompt, words, options.reader)
-        self.advisor = advisor or self.offline
+        offline = OfflineAdvisor(prompt, words, options.reader)
+        self.offline, self.advisor = (
+            beside(self.reference, each, prompt, len(self.shots)) for each in (offline, advisor or offline)
+        )
         self.several = options.variants > 1 and not options.baseline
         # Variants share what would be one vibe's time, as far as that goes.
         self.rounds = -(-options.rounds // 2) if self.several else options.rounds
@@ -140,17 +152,25 @@ class Search:
             return
         self.observer.begin(self.looks.before.display)
         self.observer.look(self.looks.values(u))
-        self.observer.look(self.looks.drawn(u, advice.parsed))
+        self.observer.look(self.looks.drawn(u, self._claims_of(advice.parsed)))
 
-    def show(self, u: Tensor, parsed: Parsed) -> None:
+    def show(self, u: Tensor) -> None:
         """Shows the best look so far.
 
         Args:
             u: (N,) where a round has ended.
-            parsed: The prompt, as that round understood it.
         """
         if self.looks:
-            self.observer.look(self.looks.drawn(u, parsed))
+            self.observer.look(self.looks.drawn(u, self.claims))
+
+    def _claims_of(self, parsed: Parsed) -> tuple[Claim, ...]:
+        """What words and picture claim of the first shot; of the others the same."""
+        claims = claims_of(parsed, default_vocabulary())
+        return (
+            self.reference.claims(claims, self.shots[0].seen_now(self.vector.encode({})))
+            if self.reference
+            else claims
+        )
 
     def renew(self, u: Tensor, number: int, **options: float) -> None:
         """Corrects the proxies of all shots at u.
@@ -215,8 +235,9 @@ class Search:
             self._artists = [shot.draw(u) for shot in self.shots]
             self.observer.begin(self._artists[0].display.detach())
             if not self.options.baseline:
+                self.claims = self._claims_of(advice.parsed)
                 for shot, picture in zip(self.shots, self._artists, strict=True):
-                    shot.claim(claims_of(advice.parsed, default_vocabulary()), u, picture)
+                    shot.claim(self.claims, u, picture)
         asked = advice.prompts, advice.parsed.targets, advice.parsed.colors
         if asked != self._asked:
             self._asked = asked

@@ -88,7 +88,7 @@ def select(
     """
     wide = upper > lower
     relevant = {k for k, e in plan.items() if e.priority is not None and wide[vector.slices[k]].any()}
-    if all(plan[key].prior > 0.0 for key in relevant):
+    if all(plan[key].prior > 0.0 and not plan[key].any_hue for key in relevant):
         raise VibeError(
             "Nothing that the words name may change in this scene.",
             "Unlock something, allow more groups, or use other words.",
@@ -96,7 +96,11 @@ def select(
     # Moving the camera means tracing everything again: only words are worth that.
     probed = {k for k in relevant if vector.instances[k].parameter.group != "camera" or plan[k].prior == 0.0}
     probed = relevant if options.baseline else probed
-    objective = RoundObjective(shots, vector, probed, lower, upper, _pull(plan, vector, probed), weights)
+    any_hue = {key for key in probed if plan[key].any_hue}
+    pull = _pull(plan, vector, probed)
+    objective = RoundObjective(
+        shots, vector, probed, lower, upper, pull, weights, any_hue, bool(options.like)
+    )
     if options.baseline:
         return Selection(sorted(relevant), objective)
     model, parts, low, high = _probe(objective, vector, probed, u, lower, upper)
@@ -174,7 +178,8 @@ def _probe(
         return u.index_put((places,), u[wide] + span * x)
 
     x = torch.zeros(len(places), dtype=u.dtype)
-    model = linearize(objective.assess, place, x, objective.stiffness(wide), objective.claim_weight)
+    strides = objective.strides(wide, u)
+    model = linearize(objective.assess, place, x, objective.stiffness(wide), objective.claim_weight, strides)
     parts = {}
     for key in sorted(probed):
         end = int(before[vector.slices[key].stop - 1])

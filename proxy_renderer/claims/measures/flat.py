@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Measures that read alike off any picture, whatever is known of what it shows: tones, tints, how light runs across it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import torch
+import torch.nn.functional as F
+from torch import Tensor
+
+from .picture import MeasuredPicture
+from .tone import lightness_below
+
+_SHADOWS, _LIGHTS = (0.02, 0.25), (0.75, 0.98)
+"""Shares of the pixels in order of lightness that shadows and lights are read from."""
+
+_PATCH = 24
+"""Patches of a dark channel along the longer side of a picture."""
+
+
+def mean(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Mean color of a region: (3,) OKLab, times 100.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    return picture.oklab[where].mean(0)
+
+
+def tone(share: float) -> Callable[[MeasuredPicture, Tensor], Tensor]:
+    """The measure of the lightness below which a share of a region lies: (1,) L*."""
+
+    def take(picture: MeasuredPicture, where: Tensor) -> Tensor:
+        return lightness_below(picture, where, share)[None]
+
+    return take
+
+
+def spread(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """From the darkest to the lightest tenth of a region: (1,) L*.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    return (lightness_below(picture, where, 0.9) - lightness_below(picture, where, 0.1))[None]
+
+
+def shadow_tint(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Tint of the darkest quarter of a region: (2,) a* and b* of CIE Lab.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    return _tint_between(picture, where, *_SHADOWS)
+
+
+def midtone_tint(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Tint of the middle half of a region by lightness: (2,) a* and b*.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    return _tint_between(picture, where, _SHADOWS[1], _LIGHTS[0])
+
+
+def highlight_tint(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Tint of the lightest quarter of a region: (2,) a* and b*.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    return _tint_between(picture, where, *_LIGHTS)
+
+
+def from_right(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """How much lighter the right third of a region is than its left third: (1,) L*.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    return _across(picture, where, 1)[None]
+
+
+def from_above(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """How much lighter the upper third of a region is than its lower third: (1,) L*.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    return -_across(picture, where, 0)[None]
+
+
+def veil(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Light that lies over everything, as haze does: the dark channel of a region (He, Sun and Tang 2009).
+
+    In a clear picture nearly every patch has something dark or colorful in it, where one of red, green and blue is low.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+
+    Returns:
+        (1,) mean over patches of the least of red, green and blue, sRGB-encoded, in percent.
+    """
+    width = 2 * (max(where.shape) // _PATCH // 2) + 1
+    least = -F.max_pool2d(-picture.display.amin(-1)[None, None], width, stride=1, padding=width // 2)[0, 0]
+    return 100 * least[where].mean()[None]
+
+
+def _tint_between(picture: MeasuredPicture, where: Tensor, low: float, high: float) -> Tensor:
+    """(2,) mean a* and b* of what lies between two shares in the order of lightness."""
+    lab = picture.lab[where]
+    order = lab[:, 0].detach().argsort()
+    first, last = round(low * (len(order) - 1)), round(high * (len(order) - 1))
+    return lab[order[first : last + 1], 1:].mean(0)
+
+
+def _across(picture: MeasuredPicture, where: Tensor, axis: int) -> Tensor:
+    """() L* of the last third of a region's pixels along an axis, less that of the first."""
+    place = where.nonzero()[:, axis].to(picture.lab)
+    low, high = torch.quantile(place, place.new_tensor([1 / 3, 2 / 3]))
+    light = picture.lab[..., 0][where]
+    return light[place >= high].mean() - light[place <= low].mean()

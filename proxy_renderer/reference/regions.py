@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What can be told of where things are in a flat picture: a subject before what is around it, and a sky.
+
+Nothing is recognized. A subject is what differs from the picture's border and lies near its middle, as in saliency by
+background priors (Wei et al. 2012, Geodesic saliency using background priors); a sky is even, light, and hangs from the
+upper border. Where that is not clear, nothing is said of them, and the picture is read by places in the frame.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+import torch.nn.functional as F
+from scipy import ndimage
+from scipy.cluster.vq import kmeans2
+from torch import Tensor
+
+from ..claims.measures.picture import MeasuredPicture
+from ..color.tensors import lab_from_srgb
+from ..render.gbuffer import GBuffer
+
+SIZE = 192
+"""Longer side at which pictures are read, pixels: about that of the pictures in the loop."""
+
+_SMALL = 96  # longer side at which regions are told
+_BORDER, _GROUNDS = 0.06, 5
+"""Width of the border, as a share of the shorter side, and how many colors it is taken to have."""
+_MIDDLE = 0.6  # of half a diagonal: how far from the middle a subject is looked for
+_SUBJECT = (0.04, 0.5)  # share of the picture that a subject covers
+_ON_BORDER = 0.22  # share of the border that a subject may touch
+_DISTINCT = 16.0  # distance in Lab of a subject's mean color from what is around it
+_SKY = (0.12, 0.7)  # share of the picture that a sky covers
+_EVEN, _LIGHTER, _OTHER = 2.5, 8.0, 15.0
+"""A sky: L* per pixel that it may change by, how much lighter than the rest it is, and how far from the lower border's color."""
+
+
+@dataclass(frozen=True)
+class Told:
+    """A flat picture with what can be told of its regions.
+
+    Attributes:
+        picture: Ready to be measured.
+        subject: Whether a subject can be told.
+        sky: Whether a sky can be told.
+    """
+
+    picture: MeasuredPicture
+    subject: bool
+    sky: bool
+
+
+def tell(display: np.ndarray) -> Told:
+    """Tells the regions of a picture.
+
+    Args:
+        display: (H, W, 3) float32, sRGB-encoded in [0, 1].
+    """
+    planes = torch.from_numpy(np.ascontiguousarray(display)).permute(2, 0, 1)[None]
+    small = _resized(planes, _SMALL)
+    lab = lab_from_srgb(small[0].permute(1, 2, 0)).numpy()
+    sky = _sky(lab)
+    subject = _subject(lab, sky)
+    shown = _resized(planes, SIZE)
+    shape = shown.shape[-2:]
+    masks = (_upsized(mask, (shape[0], shape[1])) for mask in (subject, sky))
+    seen = _flat(*masks)
+    picture = MeasuredPicture(shown[0].permute(1, 2, 0).contiguous(), seen)
+    return Told(picture, bool(subject.any()), bool(sky.any()))
+
+
+def _flat(subject: Tensor, sky: Tensor) -> GBuffer:
+    """What is known of a flat picture's pixels: which are the subject's, and which the sky's."""
+    material = torch.where((sky > 0.5) & (subject < 0.5), -1, 0)
+    blank = torch.ones_like(subject)
+    return GBuffer(subject, material, ("",), torch.zeros(*subject.shape, 3), blank, blank)
+
+
+def _subject(lab: np.ndarray, sky: np.ndarray) -> np.ndarray:
+    """(H, W) bool: the subject; empty where none can be told."""
+    nothing = np.zeros(sky.shape, bool)
+    border = _border(sky.shape)
+    grounds, _ = kmeans2(lab[border].astype(float), _GROUNDS, minit="++", seed=0)
+    apart = np.linalg.norm(lab[:, :, None] - grounds, axis=-1).min(-1) * (1 - sky)
+    height, width = sky.shape
+    y, x = np.mgrid[:height, :width] + 0.5
+    radius = np.hypot(y - height / 2, x - width / 2) / (np.hypot(height, width) / 2)
+    salient = ndimage.gaussian_filter(apart * np.exp(-0.5 * (radius / _MIDDLE) ** 2), 1.5)
+    parts, count = ndimage.label(ndimage.binary_opening(salient > _otsu(salient), iterations=2))
+    if not count:
+        return nothing
+    weights = ndimage.sum(salient, parts, range(1, count + 1))
+    subject = ndimage.binary_fill_holes(parts == 1 + int(np.argmax(weights)))
+    distance = np.linalg.norm(lab[subject].mean(0) - lab[~subject].mean(0))
+    fits = _SUBJECT[0] < subject.mean() < _SUBJECT[1] and subject[border].mean() < _ON_BORDER
+    return subject if fits and distance > _DISTINCT else nothing
+
+
+def _sky(lab: np.ndarray) -> np.ndarray:
+    """(H, W) bool: the sky; empty where none can be told."""
+    light = ndimage.gaussian_filter(lab[..., 0], 0.8)
+    even = np.hypot(*np.gradient(light)) < _EVEN
+    parts, _ = ndimage.label(even)
+    top = np.unique(parts[0][parts[0] > 0])
+    sky = np.isin(parts, top)
+    nothing = np.zeros_like(sky)
+    if not _SKY[0] < sky.mean() < _SKY[1] or sky[0].mean() < 0.75 or sky[-len(sky) // 4 :].mean() > 0.15:
+        return nothing
+    lighter = lab[sky][:, 0].mean() - lab[~sky][:, 0].mean()
+    ground = np.linalg.norm(lab[sky].mean(0) - lab[-len(lab) // 8 :].mean((0, 1)))
+    return sky if lighter > _LIGHTER and ground > _OTHER else nothing
+
+
+def _border(shape: tuple[int, int]) -> np.ndarray:
+    """(H, W) bool: the pixels along the frame."""
+    width = max(round(_BORDER * min(shape)), 1)
+    border = np.ones(shape, bool)
+    border[width:-width, width:-width] = False
+    return border
+
+
+def _otsu(field: np.ndarray) -> float:
+    """The threshold that parts a field best in two (Otsu 1979)."""
+    counts, edges = np.histogram(field, 64)
+    middles = (edges[1:] + edges[:-1]) / 2
+    below, total = counts.cumsum(), counts.sum()
+    sums = (counts * middles).cumsum()
+    with np.errstate(invalid="ignore", divide="ignore"):
+        between = (sums[-1] * below / total - sums) ** 2 / (below * (total - below))
+    return float(middles[int(np.nanargmax(between[:-1]))])
+
+
+def _resized(planes: Tensor, longest: int) -> Tensor:
+    """A picture (1, C, H, W), averaged to a longer side; one that is smaller stays."""
+    height, width = planes.shape[-2:]
+    factor = min(longest / max(height, width), 1.0)
+    size = max(round(height * factor), 1), max(round(width * factor), 1)
+    return F.interpolate(planes, size, mode="area")
+
+
+def _upsized(mask: np.ndarray, shape: tuple[int, int]) -> Tensor:
+    """A mask (H, W) bool at another size, float32."""
+    planes = torch.from_numpy(mask.astype(np.float32))[None, None]
+    return (F.interpolate(planes, shape, mode="bilinear")[0, 0] > 0.5).float()

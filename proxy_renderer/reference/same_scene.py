@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A picture of this very scene: found by its edges, and compared place by place and material by material."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import torch
+import torch.nn.functional as F
+from torch import Tensor
+
+from ..claims.claim import Claim
+from ..claims.measures.picture import MeasuredPicture
+from ..claims.measures.registry import MEASURES
+from ..color.tensors import lab_from_srgb
+from ..render.gbuffer import GBuffer
+from .statements import Statement
+
+_ASPECT = 0.02  # share by which proportions may differ
+_ALIKE = 0.55
+"""Correlation of edges from where two pictures show one scene: other scenes stay below .3, the same one under another
+light above .6."""
+_EDGES = 128  # longer side at which edges are compared, pixels
+_FLAT = 1.0  # L* per pixel: what is below is hardly an edge
+_LONGER = 12  # cells along the longer side
+_EXACT = 0.5  # noticeable steps that a cell may be off on either side
+
+
+def is_same(reference: Tensor, rendered: Tensor) -> bool:
+    """Whether two pictures show the same things in the same places, however lit.
+
+    Args:
+        reference: (H, W, 3) sRGB-encoded.
+        rendered: (H, W, 3) likewise, the artist's own picture.
+    """
+    one, other = (picture.shape[1] / picture.shape[0] for picture in (reference, rendered))
+    return abs(one / other - 1) < _ASPECT and likeness(reference, rendered) > _ALIKE
+
+
+def likeness(reference: Tensor, rendered: Tensor) -> float:
+    """Correlation of where two pictures have edges, their strength compressed: light changes strengths, not places.
+
+    Args:
+        reference: (H, W, 3) sRGB-encoded.
+        rendered: (H, W, 3) likewise, of the same proportions.
+
+    Returns:
+        In [-1, 1].
+    """
+    height, width = rendered.shape[:2]
+    factor = min(_EDGES / max(height, width), 1.0)
+    shape = max(round(height * factor), 1), max(round(width * factor), 1)
+    maps = torch.stack([_edges(picture, shape).flatten() for picture in (reference, rendered)])
+    return float(torch.nan_to_num(torch.corrcoef(maps)[0, 1]))
+
+
+def _edges(picture: Tensor, shape: tuple[int, int]) -> Tensor:
+    """(h, w) log strength of edges in Lab, relative to those around: in a dim corner they count as much."""
+    planes = F.interpolate(picture.detach().cpu().float().permute(2, 0, 1)[None], shape, mode="area")
+    lab = lab_from_srgb(planes[0].permute(1, 2, 0))
+    slopes = torch.stack(torch.gradient(lab, dim=(0, 1))).square().sum((0, -1)).sqrt()
+    around = F.avg_pool2d(slopes[None, None], 31, 1, 15, count_include_pad=False)[0, 0]
+    return (1 + slopes / (around + 0.2 * _FLAT)).log()
+
+
+def statements_of(picture: Tensor, seen: GBuffer, name: str) -> list[Statement]:
+    """What a picture of this scene says of every place in the frame, and of every material.
+
+    Args:
+        picture: (H, W, 3) sRGB-encoded.
+        seen: What the camera sees.
+        name: What the picture is called.
+    """
+    measured = MeasuredPicture.of(picture, seen)
+    return [*_cells(measured, name), *_materials(measured, name)]
+
+
+def _cells(picture: MeasuredPicture, name: str) -> Iterator[Statement]:
+    height, width = picture.seen.subject.shape
+    step = max(height, width) / _LONGER
+    rows, columns = max(round(height / step), 1), max(round(width / step), 1)
+    for row in range(rows):
+        for column in range(columns):
+            box = column / columns, row / rows, (column + 1) / columns, (row + 1) / rows
+            place = f"{_WORDS[3 * row // rows]} {_SIDES[3 * column // columns]}"
+            claim = Claim(f"{name}: {place}", "picture", "mean", "picture", (), (), box=box)
+            yield from _exact("light", claim, picture, f"{name}: as it is at the {place} of the picture")
+
+
+def _materials(picture: MeasuredPicture, name: str) -> Iterator[Statement]:
+    for material in sorted(set(picture.seen.materials)):
+        claim = Claim(f"{name}: {material}", material, "mean", "picture", (), (), materials=(material,))
+        yield from _exact("materials", claim, picture, f"{name}: as {material} looks in it")
+
+
+def _exact(trait: str, claim: Claim, picture: MeasuredPicture, reason: str) -> Iterator[Statement]:
+    where = claim.region(picture.seen)
+    if where is None:
+        return
+    value, reach = claim.value(picture, where).tolist(), _EXACT * MEASURES[claim.measure].notice
+    lower, upper = tuple(v - reach for v in value), tuple(v + reach for v in value)
+    yield Statement(
+        trait,
+        Claim(
+            claim.word,
+            claim.thing,
+            claim.measure,
+            claim.part,
+            lower,
+            upper,
+            materials=claim.materials,
+            box=claim.box,
+            reason=reason,
+        ),
+    )
+
+
+_WORDS = ("upper", "middle", "lower")
+_SIDES = ("left", "middle", "right")

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a picture to statements: what it looks like, each a claim with its reason in words.
+
+Only what reads alike off a flat picture and off our own is stated. Its content is not copied. What a flat picture does not
+tell is not claimed: how hard shadows are (an edge may be paint), from where light comes but by which side of things it
+lightens, whether a scene is dim or exposed so.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from torch import Tensor
+
+from ..claims.claim import Claim
+from ..claims.measures.picture import MeasuredPicture, Part, region_of
+from ..claims.measures.registry import MEASURES
+from ..schema import Values
+from .regions import Told
+from .wording import hue
+
+CLOSE, LOOSE = 1.5, 2.5
+"""Noticeable steps on either side that a measure may have: of the whole picture, and of a part of it."""
+
+_TONES = ("black_point", "lower_quartile", "median", "upper_quartile", "white_point")
+_TINTS = {"shadow_tint": "shadows", "midtone_tint": "midtones", "highlight_tint": "lights"}
+_VIGNETTE = 8.0  # L* by which corners are darker before it is called a vignette
+_VEILED = 25.0  # percent of light over everything from where it is haze
+_SIDED = 8.0  # L* between two sides of a subject from where light comes from one of them
+_THIRDS = {
+    "upper": (0.0, 0.0, 1.0, 1 / 3),
+    "middle": (0.0, 1 / 3, 1.0, 2 / 3),
+    "lower": (0.0, 2 / 3, 1.0, 1.0),
+}
+
+
+@dataclass(frozen=True)
+class Statement:
+    """One thing that is said of a picture.
+
+    Attributes:
+        trait: What it belongs to, one of `schema.options.table.TRAITS`.
+        claim: What our picture has to be.
+    """
+
+    trait: str
+    claim: Claim
+
+
+def statements_of(told: Told, name: str) -> list[Statement]:
+    """What is said of a picture.
+
+    Args:
+        told: The picture, with its regions.
+        name: What it is called in the report: its file's name.
+    """
+    reader = _Reader(told.picture, name)
+    return [*reader.grade(), *reader.light(told), *reader.palette(told), *reader.air()]
+
+
+class _Reader:
+    def __init__(self, picture: MeasuredPicture, name: str) -> None:
+        self.picture, self.name = picture, name
+
+    def grade(self) -> Iterator[Statement]:
+        """Tones, tints of shadows, midtones and lights, saturation, vignette."""
+        for measure in _TONES:
+            (light,) = self._value(measure, "picture")
+            says = MEASURES[measure].says
+            yield self._near("grade", "tones", measure, "picture", CLOSE, f"{says} is L* {light:.0f}")
+        for measure, what in _TINTS.items():
+            yield self._near(
+                "grade",
+                f"{hue(*self._value(measure, 'picture'))} {what}",
+                measure,
+                "picture",
+                CLOSE,
+                f"its {what} are {hue(*self._value(measure, 'picture'))}",
+            )
+        (vivid,) = self._value("chroma", "picture")
+        word = "pale" if vivid < 10 else "vivid" if vivid > 35 else "colors"
+        yield self._near("grade", word, "chroma", "picture", CLOSE, f"its mean chroma is {vivid:.0f}")
+        (fall,) = self._value("vignette", "picture")
+        if fall > _VIGNETTE:
+            reason = f"its corners are L* {fall:.0f} darker than its middle"
+            yield self._near("grade", "vignette", "vignette", "picture", LOOSE, reason)
+
+    def light(self, told: Told) -> Iterator[Statement]:
+        """How a subject is lit, and how it stands before its ground; nothing where none can be told."""
+        if not told.subject:
+            return
+        (range_,) = self._value("spread", "subject")
+        word = "contrasty light" if range_ > 45 else "soft light" if range_ < 25 else "light"
+        reason = f"its subject ranges over L* {range_:.0f} from dark to light"
+        yield self._near("light", word, "spread", "subject", LOOSE, reason)
+        for measure, sides in (("from_right", ("right", "left")), ("from_above", ("above", "below"))):
+            (slope,) = self._value(measure, "subject")
+            if abs(slope) > _SIDED:
+                side = sides[slope < 0]
+                reason = f"its subject is L* {abs(slope):.0f} lighter on the side that is {side}"
+                yield self._near("light", f"light from {side}", measure, "subject", LOOSE, reason)
+        (above,) = self._value("standing_out", "subject")
+        word = "subject lighter than its ground" if above > 0 else "subject darker than its ground"
+        reason = f"its subject is L* {abs(above):.0f} {'lighter' if above > 0 else 'darker'} than the rest"
+        yield self._near("light", word, "standing_out", "subject", LOOSE, reason)
+
+    def palette(self, told: Told) -> Iterator[Statement]:
+        """The colors of the regions that can be told, else of the upper, middle and lower third."""
+        if not told.subject:
+            for place, box in _THIRDS.items():
+                yield from self._colors("picture", f"{place} third", box)
+            return
+        yield from self._colors("subject", "subject")
+        yield from self._colors("surroundings", "surroundings")
+        if told.sky:
+            yield from self._colors("sky", "sky")
+
+    def air(self) -> Iterator[Statement]:
+        """Haze, where light lies over everything."""
+        (veil,) = self._value("veil", "picture")
+        if veil > _VEILED and self._value("black_point", "picture")[0] > 10.0:
+            reason = f"nothing in it is dark or pure in color: at least {veil:.0f} % of white lies over it"
+            yield self._near("air", "haze", "veil", "picture", LOOSE, reason)
+
+    def _colors(
+        self, part: Part, what: str, box: tuple[float, float, float, float] | None = None
+    ) -> Iterator[Statement]:
+        """Lightness and tint of a part; nothing where it is hardly there."""
+        if self._region(part, box) is None:
+            return
+        light, tint = self._value("lightness", part, box)[0], self._value("tint", part, box)
+        word, reason = f"{hue(*tint)} {what}", f"its {what} is {hue(*tint)}"
+        yield self._near("palette", word, "tint", part, LOOSE, reason, box)
+        reason = f"the mean lightness of its {what} is L* {light:.0f}"
+        yield self._near("palette", word, "lightness", part, LOOSE, reason, box)
+
+    def _region(self, part: Part, box: tuple[float, float, float, float] | None = None) -> Tensor | None:
+        return Claim("", part, "mean", part, (), (), box=box).region(self.picture.seen)
+
+    def _value(
+        self, measure: str, part: Part, box: tuple[float, float, float, float] | None = None
+    ) -> Values:
+        where = self._region(part, box)
+        where = region_of(self.picture.seen, "picture") if where is None else where
+        return tuple(MEASURES[measure].take(self.picture, where).tolist())
+
+    def _near(
+        self,
+        trait: str,
+        word: str,
+        measure: str,
+        part: Part,
+        steps: float,
+        reason: str,
+        box: tuple[float, float, float, float] | None = None,
+    ) -> Statement:
+        """That a measure is what this picture has, within so many noticeable steps."""
+        value, notice = self._value(measure, part, box), MEASURES[measure].notice
+        reach = steps * notice / math.sqrt(len(value))
+        lower, upper = tuple(v - reach for v in value), tuple(v + reach for v in value)
+        place = "picture" if box else part
+        return Statement(
+            trait,
+            Claim(
+                f"{self.name}: {word}",
+                place,
+                measure,
+                part,
+                lower,
+                upper,
+                box=box,
+                reason=f"{self.name}: {reason}",
+            ),
+        )
