@@ -143,32 +143,36 @@ def compare(rows: Sequence[Sequence[tuple[str, Image.Image]]], prompt: str) -> I
     """Labeled panels side by side, rows of them one below the other, the prompt at the foot.
 
     Args:
-        rows: (label, picture), from left to right; all in a row of one shape.
-        prompt: Long ones are wrapped, and cut after four lines.
+        rows: (label, picture), from left to right; all in a row are as high as the first.
+        prompt: Long ones are wrapped, and cut after four lines; "" for none.
     """
     title, label = ImageFont.load_default(26), ImageFont.load_default(18)
-    sizes = [_fitted(row[0][1]) for row in rows]
-    total = max(len(row) * (size[0] + _MARGIN) for row, size in zip(rows, sizes, strict=True)) + _MARGIN
+    sizes = [[_fitted(picture, _fitted(row[0][1])[1]) for _, picture in row] for row in rows]
+    total = max(sum(width + _MARGIN for width, _ in row) for row in sizes) + _MARGIN
     lines = textwrap.wrap(
-        f"“{prompt}”", max(int((total - 2 * _MARGIN) / 12.5), 20), max_lines=4, placeholder=" …"
+        f"“{prompt}”" if prompt.strip() else "",
+        max(int((total - 2 * _MARGIN) / 12.5), 20),
+        max_lines=4,
+        placeholder=" …",
     )
     head = 2 * _MARGIN + 8
-    height = sum(head + size[1] for size in sizes)
+    height = sum(head + row[0][1] for row in sizes)
     sheet = Image.new("RGB", (total, height + _MARGIN + 36 * len(lines) + _MARGIN), _PAPER)
     draw, top = ImageDraw.Draw(sheet), 0
-    for row, size in zip(rows, sizes, strict=True):
-        for i, (name, picture) in enumerate(row):
-            x = _MARGIN + i * (size[0] + _MARGIN)
+    for row, row_sizes in zip(rows, sizes, strict=True):
+        x = _MARGIN
+        for (name, picture), size in zip(row, row_sizes, strict=True):
             draw.text((x + size[0] / 2, top + head / 2 + 2), name, _FAINT, label, anchor="mm")
             sheet.paste(picture.convert("RGB").resize(size, Image.Resampling.LANCZOS), (x, top + head))
-        top += head + size[1]
+            x += size[0] + _MARGIN
+        top += head + row_sizes[0][1]
     for i, line in enumerate(lines):
         draw.text((total / 2, top + _MARGIN + 18 + 36 * i), line, _INK, title, anchor="mm")
     return sheet
 
 
-def _fitted(picture: Image.Image) -> tuple[int, int]:
-    """Width and height of a panel that shows a picture."""
+def _fitted(picture: Image.Image, high: int = 0) -> tuple[int, int]:
+    """Width and height of a panel that shows a picture; of a given height, if that is not 0."""
     width, height = picture.size
-    scale = _PANEL / max(width, height)
+    scale = high / height if high else _PANEL / max(width, height)
     return max(round(width * scale), 1), max(round(height * scale), 1)

@@ -20,6 +20,7 @@ from ..optimize import context, pipeline
 from ..optimize.anchoring import BlenderPictures
 from ..optimize.progress import Observer
 from ..optimize.shots import ShotInput
+from ..reference.like import Reference
 from ..render.proxy import Proxy
 from ..scene import SceneData, load_scene
 from ..schema import VibeError, messages
@@ -58,6 +59,7 @@ class EngineSession:
         endpoint = find_endpoint(options, vlm_key)
         self._model = Client(endpoint, observer.stopped) if endpoint and not options.baseline else None
         self._predicted: list[list[str]] = []  # names of the predictions of each shot
+        self._reference: Reference | None = None
         self._claims: list[ShotClaims] = []  # one for each shot
         self._rows: list[list[tuple[str, Image.Image]]] = []  # of compare.png: one for each shot
 
@@ -97,7 +99,7 @@ class EngineSession:
             pictures.append(predictions.variants(proxy, outcome, number, job))
         variants = self._variants(outcome, pictures)
         clock.lap("prediction")
-        self._claims = claims_about(outcome)
+        self._claims, self._reference = claims_about(outcome), outcome.reference
         self._caption = outcome.prompts.whole or self.prompt
         values = [report.changed_values(outcome, shot) for shot in outcome.shots]
         return messages.Result(
@@ -150,6 +152,8 @@ class EngineSession:
         drawn = {n: _drawn(job / predictions.PICTURES[n], shape) for n in self._predicted[request.shot]}
         predicted = drawn["shown"]
         panels = [("before", before), ("the proxy's prediction", predicted), ("after (Cycles)", after)]
+        if reference := self._reference:
+            panels.insert(1, (reference.name, reference.picture.display))
         images = [
             (
                 f"{label} · {shot.name}" if shot.name else label,
@@ -167,7 +171,7 @@ class EngineSession:
         return messages.Finished(
             prediction={name: predictions.apart(each, after, subject) for name, each in drawn.items()},
             similarity={"before": self._similarity(before), "after": self._similarity(after)},
-            judge=self._judge(images[0][1], images[2][1]),
+            judge=self._judge(images[0][1], images[-1][1]),
             claims=self._claims[request.shot].verdicts(*map(torch.from_numpy, (before, predicted, after))),
         )
 

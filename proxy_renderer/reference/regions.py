@@ -81,7 +81,9 @@ def _subject(lab: np.ndarray, sky: np.ndarray) -> np.ndarray:
     """(H, W) bool: the subject; empty where none can be told."""
     nothing = np.zeros(sky.shape, bool)
     border = _border(sky.shape)
-    grounds, _ = kmeans2(lab[border].astype(float), _GROUNDS, minit="++", seed=0)
+    grounds = np.unique(lab[border].round().astype(float), axis=0)
+    if len(grounds) > 4 * _GROUNDS:
+        grounds, _ = kmeans2(lab[border].astype(float), _GROUNDS, minit="++", seed=0, missing="raise")
     apart = np.linalg.norm(lab[:, :, None] - grounds, axis=-1).min(-1) * (1 - sky)
     height, width = sky.shape
     y, x = np.mgrid[:height, :width] + 0.5

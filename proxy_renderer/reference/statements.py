@@ -27,7 +27,8 @@ CLOSE, LOOSE = 1.5, 2.5
 _TONES = ("black_point", "lower_quartile", "median", "upper_quartile", "white_point")
 _TINTS = {"shadow_tint": "shadows", "midtone_tint": "midtones", "highlight_tint": "lights"}
 _VIGNETTE = 8.0  # L* by which corners are darker before it is called a vignette
-_VEILED = 25.0  # percent of light over everything from where it is haze
+_VEILED, _DARKEST = 35.0, 20.0
+"""Percent of light over everything, and L* of the darkest, from where it is haze."""
 _SIDED = 8.0  # L* between two sides of a subject from where light comes from one of them
 _THIRDS = {
     "upper": (0.0, 0.0, 1.0, 1 / 3),
@@ -120,7 +121,7 @@ class _Reader:
     def air(self) -> Iterator[Statement]:
         """Haze, where light lies over everything."""
         (veil,) = self._value("veil", "picture")
-        if veil > _VEILED and self._value("black_point", "picture")[0] > 10.0:
+        if veil > _VEILED and self._value("black_point", "picture")[0] > _DARKEST:
             reason = f"nothing in it is dark or pure in color: at least {veil:.0f} % of white lies over it"
             yield self._near("air", "haze", "veil", "picture", LOOSE, reason)
 

@@ -134,10 +134,9 @@ def closing_lines(
     lines += model_lines(result.report, measured[0].judge)
     for shot, each in zip(shot_list.shots, measured, strict=True):
         s, who = each.similarity, f"{shot.name}: " if len(shot_list) > 1 else ""
-        lines.append(
-            f"{who}Similarity to the words {s['before']:.3f} -> {s['after']:.3f}; "
-            f"the prediction is {_apart(each.prediction['shown'])} away from Cycles."
-        )
+        if result.report["prompt"].strip():
+            lines.append(f"{who}Similarity to the words {s['before']:.3f} -> {s['after']:.3f}.")
+        lines.append(f"{who}The prediction is {_apart(each.prediction['shown'])} away from Cycles.")
         if "before_last_anchor" in each.prediction:
             lines.append(
                 f"{who}Before Cycles had shown it these very values, it was "

@@ -16,6 +16,7 @@ from torch import Tensor
 
 from ...claims.claim import Claim
 from ...prompt.types import Parsed, Plan, Prompts
+from ...reference.like import Reference
 from ...schema import Values
 from ..anchoring import AnchorState
 from ..shots import ShotState
@@ -55,6 +56,7 @@ class Outcome:
         shots: The shots, each with its proxy and guidance.
         anchors: For each shot, the corrections that hold at u.
         loss: At u, when its round ended.
+        reference: The picture in the place of words, or beside them.
         stopped: Whether the observer ended the loop.
         variants: All variants, if several were asked for; the one of least loss first.
     """
@@ -71,6 +73,7 @@ class Outcome:
     anchors: list[AnchorState]
     loss: float
     rounds: list[dict[str, Any]] = field(default_factory=list)
+    reference: Reference | None = None
     stopped: bool = False
     variants: list[Outcome] = field(default_factory=list)
 
@@ -220,6 +223,7 @@ class Refinement:
             anchors=best.anchors,
             loss=best.loss,
             rounds=self._rounds,
+            reference=search.reference,
             stopped=search.clock.stopped,
         )
 

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is said of pictures that are made for it, and that it reads alike off any picture."""
+
+import numpy as np
+import pytest
+import torch
+
+from proxy_renderer.claims.measures.picture import MeasuredPicture
+from proxy_renderer.reference.regions import tell
+from proxy_renderer.reference.statements import statements_of
+from proxy_renderer.reference.wording import hue
+
+WIDTH, HEIGHT = 160, 120
+
+
+def grid():
+    y, x = np.mgrid[:HEIGHT, :WIDTH]
+    return (x + 0.5) / WIDTH, (y + 0.5) / HEIGHT
+
+
+def ball(color=(0.8, 0.3, 0.2), ground=(0.3, 0.3, 0.32), side=0.0):
+    """A ball before a plain ground, lighter on one side."""
+    x, y = grid()
+    inside = (x - 0.5) ** 2 * (WIDTH / HEIGHT) ** 2 + (y - 0.5) ** 2 < 0.25**2
+    light = 1 + side * (x - 0.5) / 0.25
+    picture = np.where(inside[..., None], np.array(color) * light[..., None], np.array(ground))
+    return picture.clip(0, 1).astype(np.float32), inside
+
+
+def landscape():
+    """A light, even sky over a dark, uneven ground."""
+    x, y = grid()
+    sky = np.array((0.55, 0.7, 0.9)) + 0.1 * y[..., None]
+    ground = np.array((0.2, 0.25, 0.1)) * (1 + 0.6 * np.sin(90 * x) * np.sin(70 * y))[..., None]
+    return np.where(y[..., None] < 0.45, sky, ground).astype(np.float32)
+
+
+def said(display):
+    return statements_of(tell(display), "still.jpg")
+
+
+def one(display, measure):
+    return next(s for s in said(display) if s.claim.measure == measure)
+
+
+def test_a_subject_is_told_from_a_plain_ground_and_none_where_there_is_none():
+    display, inside = ball()
+    told = tell(display)
+    assert told.subject
+    shown = told.picture.seen.subject.numpy() > 0.5
+    assert (shown & inside).sum() > 0.8 * (shown | inside).sum()
+    x, y = grid()
+    waves = np.stack([0.5 + 0.3 * np.sin(40 * x + i) * np.sin(31 * y) for i in range(3)], -1)
+    assert not tell(waves.astype(np.float32)).subject
+
+
+def test_a_sky_hangs_from_the_upper_border_and_a_plain_wall_is_none():
+    told = tell(landscape())
+    assert told.sky
+    sky = told.picture.seen.material.numpy() < 0
+    assert sky[: HEIGHT // 3].mean() > 0.9
+    assert sky[HEIGHT // 2 :].mean() < 0.1
+    assert not tell(np.full((HEIGHT, WIDTH, 3), 0.7, np.float32)).sky
+
+
+def test_shadows_and_lights_are_called_what_they_are():
+    x, _ = grid()
+    ramp = np.stack([0.1 + 0.85 * x, 0.15 + 0.7 * x, 0.2 + 0.5 * x], -1).astype(np.float32)
+    words = {s.claim.measure: s.claim.word for s in said(ramp)}
+    assert "yellow" in words["highlight_tint"] or "orange" in words["highlight_tint"]
+    assert "blue" in words["shadow_tint"]
+    reason = one(ramp, "shadow_tint").claim.reason
+    assert reason.startswith("still.jpg: its shadows are")
+
+
+@pytest.mark.parametrize(("side", "word"), [(0.5, "right"), (-0.5, "left")])
+def test_light_comes_from_the_side_that_is_lighter(side, word):
+    statement = one(ball(side=side)[0], "from_right")
+    assert statement.trait == "light"
+    assert word in statement.claim.word
+
+
+def test_an_even_subject_says_nothing_of_where_light_comes_from():
+    assert not [s for s in said(ball()[0]) if s.claim.measure in ("from_right", "from_above")]
+
+
+def test_haze_and_a_vignette_are_said_only_where_they_are():
+    display, _ = ball()
+    x, y = grid()
+    fall = 1 - 0.8 * ((2 * x - 1) ** 2 + (2 * y - 1) ** 2)[..., None] / 2
+    measures = [{s.claim.measure for s in said(p.astype(np.float32))} for p in (display, display * fall)]
+    assert "vignette" not in measures[0]
+    assert "vignette" in measures[1]
+    clear, _ = ball(ground=(0.1, 0.1, 0.12))
+    hazy = (0.45 + 0.4 * clear).astype(np.float32)
+    assert "veil" not in {s.claim.measure for s in said(clear)}
+    assert "veil" in {s.claim.measure for s in said(hazy)}
+
+
+def test_a_picture_keeps_all_that_is_said_of_it_and_another_one_does_not():
+    display, _ = ball(side=0.5)
+    told = tell(display)
+    colder = MeasuredPicture(told.picture.display * torch.tensor([0.6, 0.8, 1.0]), told.picture.seen)
+    kept, lost = [], []
+    for statement in said(display):
+        where = statement.claim.region(told.picture.seen)
+        kept.append(statement.claim.miss(statement.claim.value(told.picture, where), None))
+        lost.append(statement.claim.miss(statement.claim.value(colder, where), None))
+    assert max(kept) == 0.0
+    assert max(lost) > 3.0
+
+
+def test_tints_have_names():
+    assert hue(0.5, 0.5) == "neutral"
+    assert hue(0.0, 6.0) == "slightly yellow"
+    assert hue(-20.0, -8.0) == "teal"
+    assert hue(5.0, -30.0) == "blue"
