@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -14,11 +14,11 @@ from torch import Tensor
 
 from ..claims.claim import Claim
 from ..planning.advice import Advice, Advisor
-from ..prompt.types import Parsed, Plan, PlanContext, PlanEntry, Prompts
+from ..prompt.types import LightWords, Parsed, Plan, PlanContext, PlanEntry, Prompts
 from ..render.gbuffer import GBuffer
 from ..schema import Instance, VibeError
 from ..schema.options.table import TRAITS, Options
-from . import ranges, same_scene, statements
+from . import light_probe, ranges, same_scene, statements
 from .merge import together
 from .picture import ReferencePicture, read_reference
 from .regions import tell
@@ -74,7 +74,7 @@ class Reference:
         Args:
             rendered: (H, W, 3) the artist's own picture.
         """
-        if self.same is None:
+        if self.same is None and not self.probe:
             self.same = same_scene.is_same(self.display, rendered)
 
     def claims(self, words: tuple[Claim, ...], seen: GBuffer) -> tuple[Claim, ...]:
@@ -91,8 +91,16 @@ class Reference:
         return together([claim for claim in words if not self._denies(claim)], [s.claim for s in said])
 
     @cached_property
+    def probe(self) -> light_probe.LightProbe | None:
+        """What a panorama says of light; None for a picture that has a frame."""
+        linear = self.picture.linear
+        return light_probe.probe(linear) if self.picture.panorama and linear is not None else None
+
+    @cached_property
     def statements(self) -> list[statements.Statement]:
-        """What it says of any scene."""
+        """What it says of any scene; nothing of one whose light alone is wanted."""
+        if self.probe:
+            return []
         return statements.statements_of(tell(self.picture.display), self.name)
 
     def _denies(self, claim: Claim) -> bool:
@@ -107,10 +115,11 @@ class LikeAdvisor:
     Args:
         reference: The picture.
         words: Plans for the words; None where there are none.
+        keys: Names of the key lights.
     """
 
-    def __init__(self, reference: Reference, words: Advisor | None) -> None:
-        self._reference, self._words = reference, words
+    def __init__(self, reference: Reference, words: Advisor | None, keys: Collection[str]) -> None:
+        self._reference, self._words, self._keys = reference, words, keys
 
     def advise(self, display: Any, instances: Mapping[str, Instance], context: PlanContext) -> Advice:
         """As `Advisor.advise`: what words name is theirs, what the picture needs is its own.
@@ -123,6 +132,8 @@ class LikeAdvisor:
             reference.compare(display)
         asked = {s.claim.measure for s in reference.statements if s.trait in reference.traits}
         own = ranges.entries_of(instances, reference.traits, asked, bool(reference.same), reference.name)
+        if reference.probe:
+            own = light_probe.entries_of(reference.probe, instances, self._keys, reference.name)
         if self._words is None:
             if not own:
                 raise VibeError(
@@ -144,6 +155,8 @@ class LikeAdvisor:
 
     def _found(self) -> str:
         name, same = self._reference.name, self._reference.same
+        if self._reference.probe:
+            return light_probe.told(self._reference.probe, name)
         return (
             f"{name} shows this very scene: it is compared place by place."
             if same
@@ -151,7 +164,9 @@ class LikeAdvisor:
         )
 
 
-def beside(reference: Reference | None, words: Advisor, prompt: str, shots: int) -> Advisor:
+def beside(
+    reference: Reference | None, words: Advisor, prompt: str, shots: int, lights: Mapping[str, LightWords]
+) -> Advisor:
     """Who plans for words and a picture together.
 
     Args:
@@ -159,11 +174,13 @@ def beside(reference: Reference | None, words: Advisor, prompt: str, shots: int)
         words: Plans for the words.
         prompt: The words; "" for none.
         shots: How many there are: a picture shows one of several at most.
+        lights: The scene's, by name.
     """
     if reference is None:
         return words
     reference.same = False if shots > 1 else reference.same
-    return LikeAdvisor(reference, words if prompt.strip() else None)
+    keys = [name for name, light in lights.items() if light.role == "key"]
+    return LikeAdvisor(reference, words if prompt.strip() else None, keys)
 
 
 def _untouched(instance: Instance) -> PlanEntry:

@@ -2,6 +2,7 @@
 """The loop with a picture in the place of words: it comes to look like that picture, and not like another one."""
 
 import numpy as np
+import OpenEXR
 import pytest
 import torch
 from loop_parts import Silent
@@ -53,6 +54,21 @@ def test_only_what_is_asked_for_changes(liked):
     outcome = liked(BLUE, like_only=("grade",))
     assert {key.partition("/")[0] for key in outcome.vector.changes(outcome.u)} == {"film"}
     assert mean(outcome)[2] < -5.0
+
+
+def test_a_panorama_turns_and_colors_the_key_light(scene, encoder, tmp_path):
+    sky = np.full((64, 128, 3), (0.2, 0.3, 0.5), np.float32)
+    sky[20:22, 40:42] = (900.0, 540.0, 270.0)
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    OpenEXR.File(header, {"RGB": sky}).write(str(tmp_path / "sky.exr"))
+    chosen = Options(like=str(tmp_path / "sky.exr"), rounds=1, steps=2, size=48)
+    found = pipeline.run([ShotInput(scene)], "", chosen, encoder, encoder, Silent())
+    (key,) = (light.name for light in scene.lights if light.role == "key")
+    values = found.vector.values(found.u)
+    azimuth = 90.0 + (0.5 - 41 / 128) * 360.0
+    assert (values[f"light/{key}/azimuth"][0] - azimuth + 180) % 360 - 180 == pytest.approx(0.0, abs=5.0)
+    red, green, blue = values[f"light/{key}/color"]
+    assert red > green > blue
 
 
 @pytest.mark.slow

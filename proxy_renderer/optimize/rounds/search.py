@@ -37,8 +37,7 @@ from . import starts
 from .judges import make_guidance, weights_of
 from .selection import Selection, select
 
-_VALUES = 48
-"""Values that a round for a picture may refine, at least."""
+_VALUES = 48  # that a round for a picture may refine, at least
 
 
 @dataclass
@@ -128,7 +127,8 @@ class Search:
         words = context.scene_words(*(view.scene for view in views))
         offline = OfflineAdvisor(prompt, words, options.reader)
         self.offline, self.advisor = (
-            beside(self.reference, each, prompt, len(self.shots)) for each in (offline, advisor or offline)
+            beside(self.reference, each, prompt, len(views), words.lights)
+            for each in (offline, advisor or offline)
         )
         self.several = options.variants > 1 and not options.baseline
         # Variants share what would be one vibe's time, as far as that goes.

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A panorama of light, as an HDRI is: where most of it comes from, in what color, and how much more than from all around."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..color.arrays import luminance
+from ..prompt.types import PlanEntry
+from ..schema import Instance, Values
+
+_BRIGHT = 6.0  # times the mean: what is brighter belongs to the key
+_KEY = 0.1  # share of all light from where there is a key
+_NEAR = 4.0  # degrees by which a lamp's direction may be off
+_SAME_COLOR = 0.03  # by which components of its color may be off
+
+
+@dataclass(frozen=True)
+class LightProbe:
+    """What a panorama says of light.
+
+    Attributes:
+        azimuth: Of the key, degrees as in `schema.orbit`, if the panorama were the world's; None if no part stands out.
+        elevation: Likewise.
+        key: Its color, linear, its greatest component 1.
+        around: Color of the rest, likewise.
+        ratio: Light of the key on a surface that faces it, in parts of what the rest gives.
+    """
+
+    azimuth: float | None
+    elevation: float | None
+    key: Values
+    around: Values
+    ratio: float
+
+
+def probe(linear: np.ndarray) -> LightProbe:
+    """Reads a panorama.
+
+    Args:
+        linear: (H, W, 3) linear, longitudes from left to right as Blender's environment textures have them.
+    """
+    height, width = linear.shape[:2]
+    up = np.pi / 2 - (np.arange(height) + 0.5) / height * np.pi
+    turn = (0.5 - (np.arange(width) + 0.5) / width) * 2 * np.pi
+    solid = np.broadcast_to(np.cos(up)[:, None] * (np.pi / height) * (2 * np.pi / width), (height, width))
+    light = luminance(linear) * solid
+    bright = luminance(linear) > _BRIGHT * light.sum() / solid.sum()
+    share = light[bright].sum() / max(light.sum(), 1e-12)
+    around = _color((linear * solid[..., None])[~bright].sum(0))
+    if share < _KEY:
+        return LightProbe(None, None, around, around, 0.0)
+    x, y = np.cos(up)[:, None] * np.cos(turn), np.cos(up)[:, None] * np.sin(turn)
+    z = np.broadcast_to(np.sin(up)[:, None], x.shape)
+    mean = np.array([(axis * light)[bright].sum() for axis in (x, y, z)])
+    azimuth = (math.degrees(math.atan2(mean[1], mean[0])) + 90.0 + 180.0) % 360.0 - 180.0
+    elevation = math.degrees(math.asin(mean[2] / np.linalg.norm(mean)))
+    key = _color((linear * solid[..., None])[bright].sum(0))
+    fill = np.pi * light[~bright].sum() / solid[~bright].sum()
+    return LightProbe(azimuth, elevation, key, around, float(np.linalg.norm(mean) / max(fill, 1e-12)))
+
+
+def entries_of(
+    found: LightProbe, instances: Mapping[str, Instance], keys: Collection[str], name: str
+) -> dict[str, PlanEntry]:
+    """The key light turned and colored as the panorama's, and the world colored as the rest; what is locked is left out.
+
+    How bright either is stays as the artist has it.
+
+    Args:
+        found: What the panorama says.
+        instances: The scene's parameters by key.
+        keys: Names of the key lights.
+        name: What the panorama is called.
+    """
+    wanted: dict[str, tuple[Values, float]] = {"world/color": (found.around, _SAME_COLOR)}
+    wanted |= {f"light/{key}/color": (found.key, _SAME_COLOR) for key in keys}
+    if found.azimuth is not None and found.elevation is not None:
+        wanted |= {f"light/{key}/azimuth": ((found.azimuth,), _NEAR) for key in keys}
+        wanted |= {f"light/{key}/elevation": ((found.elevation,), _NEAR) for key in keys}
+    wanted |= {f"light/{key}/temperature": ((6500.0,), 1.0) for key in keys}  # the color says it all
+    entries = {}
+    for key, (value, reach) in wanted.items():
+        instance = instances.get(key)
+        if instance is None or instance.locked:
+            continue
+        ends = zip(value, instance.lower, instance.upper, strict=True)
+        lower, upper = zip(*((max(v - reach, a), min(v + reach, b)) for v, a, b in ends), strict=True)
+        entries[key] = PlanEntry(lower, upper, 0, f"as light comes in {name}", prior=0.0)
+    return entries
+
+
+def told(found: LightProbe, name: str) -> str:
+    """What is said of a panorama, in a sentence."""
+    if found.azimuth is None or found.elevation is None:
+        return f"In {name} light comes from all around: the key light keeps its direction."
+    return (
+        f"In {name} most light comes from {found.azimuth:.0f}° and {found.elevation:.0f}° up, "
+        f"{found.ratio:.1f} times as much as from all around."
+    )
+
+
+def _color(total: np.ndarray) -> Values:
+    """A color of light, its greatest component 1."""
+    return tuple((total / max(float(total.max()), 1e-12)).tolist())
