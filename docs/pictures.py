@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The documents' pictures, small, from what commands have written into one folder; those that are not there are left alone.
+"""The documents' pictures, small, and figures, from what commands have written into one folder; those that are not there are left alone.
 
 python docs/pictures.py [FOLDER]     FOLDER is the commands' `out`
 
@@ -7,11 +7,14 @@ demo.jpg       vibe demo --out out/demo
 dolphin.jpg    vibe run dolphin.obj --prompt "Glossy teal dolphin, white studio background." --out out/dolphin
 tree.jpg       vibe run tree.obj --prompt "Misty tree silhouette, cool blue fog, vignette." --out out/tree
 fidelity.jpg   vibe bench fidelity --out out/fidelity
+sealed.jpg     vibe bench sealed --out out/sealed
+results/       results.json of out/sealed, out/ladder and out/materials
 tutorial/      the tutorial's own commands
 
 Those of the panel are photographs of Blender's window, made by hand.
 """
 
+import shutil
 import sys
 from pathlib import Path
 
@@ -22,6 +25,7 @@ PICTURES = {
     "demo.jpg": ("demo/compare.png", 1200),
     "dolphin.jpg": ("dolphin/compare.png", 1200),
     "tree.jpg": ("tree/compare.png", 1200),
+    "sealed.jpg": ("sealed/contact.png", 1200),
     "tutorial/before.jpg": ("teal/before.png", 480),
     "tutorial/teal.jpg": ("teal/compare.png", 1000),
     "tutorial/noir.jpg": ("noir/after.png", 480),
@@ -29,6 +33,9 @@ PICTURES = {
     "tutorial/looks.jpg": ("looks/variants.png", 1000),
 }
 """Picture of the documents: the file that it is made of, and its width in pixels."""
+
+RESULTS = ("sealed", "ladder", "materials")
+"""Benchmarks whose figures are kept."""
 
 SCENES = (
     "copper_rings",
@@ -52,6 +59,10 @@ def main(folder: Path) -> None:
             picture = Image.open(folder / source).convert("RGB")
             picture.thumbnail((width, width), Image.Resampling.LANCZOS)
             save(picture, name)
+    for name in RESULTS:
+        if (folder / name / "results.json").is_file():
+            (HERE / "results").mkdir(exist_ok=True)
+            shutil.copy(folder / name / "results.json", HERE / "results" / f"{name}.json")
     scenes = [folder / "fidelity" / "scenes" / name for name in SCENES]
     if all(scene.is_dir() for scene in scenes):
         save(beside(scenes), "fidelity.jpg")

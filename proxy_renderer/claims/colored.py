@@ -29,7 +29,7 @@ _TINTED = (6.0, 3.0)
 """How far in a color's direction a tinted picture lies, or how much farther than before; in a* and b*."""
 
 _BLACK, _WHITE = 35.0, 85.0  # L* of a name up to which air is black, and from which it is white
-_AIR = (35.0, 70.0)
+_AIR = (35.0, 74.0)
 """L* that black air has at most, and white air at least."""
 
 _ACCENT = 12.0
