@@ -171,6 +171,7 @@ def _like(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--seed", dest="drawn_from", default="like", metavar="TEXT", help="draw from this (default: like)"
     )
+    command_line.add_option(sub, named("budget"))
     _small_pictures(sub)
 
 

@@ -72,6 +72,11 @@ def test_a_lamps_color_is_part_of_its_temperature():
     assert values.seen_temperature(tuple(warm), 6500.0) == pytest.approx(3000.0, abs=400.0)
 
 
+def test_values_are_read_off_a_report():
+    rows = {"film/exposure": {"after": -0.5}, "film/gain": {"after": [1.0, 0.9, 0.8]}}
+    assert values.found_in({"parameters": rows}) == {"film/exposure": [-0.5], "film/gain": [1.0, 0.9, 0.8]}
+
+
 def test_no_key_light_no_errors():
     assert values.key_light_errors({"before": {}, "hidden": {}, "roles": {}}, {}) == {}
 

@@ -25,6 +25,7 @@ def run(
     drawn_from: str = "like",
     size: int = 160,
     samples: int = 32,
+    budget: str = "standard",
 ) -> dict[str, Any]:
     """Carries out what is missing, compares, and writes OUT/results.json and contact sheets.
 
@@ -35,6 +36,7 @@ def run(
         drawn_from: The seed, any text.
         size: Longer side of the pictures, pixels.
         samples: Of Cycles.
+        budget: As for `vibe run`.
 
     Returns:
         The content of results.json; see `table.summary`.
@@ -47,14 +49,16 @@ def run(
     chosen = [name for name in parts.split(",") if name]
     if strange := [name for name in chosen if name not in PARTS] or not chosen:
         raise VibeError(f"There is no part {strange}.", f"Use some of: {', '.join(PARTS)}.")
-    trials = [LikeTrial(t, out, size, samples) for part in chosen for t in tasks(part, count, drawn_from)]
+    trials = [
+        LikeTrial(t, out, size, samples, budget) for part in chosen for t in tasks(part, count, drawn_from)
+    ]
     rows, strips = [], []
     for number, trial in enumerate(trials, 1):
         row = trial.row()
         print(f"[{number}/{len(trials)}] {row['task']}: {table.line(row)}", flush=True)
         rows.append(row)
         strips.append(_strip(trial, row))
-    results = table.summary(rows) | {"seed": drawn_from, "size": size, "samples": samples}
+    results = table.summary(rows) | {"seed": drawn_from, "size": size, "samples": samples, "budget": budget}
     save_sheets(strips, out)
     atomic.write_text(out / "results.json", json.dumps(results, indent=1))
     table.show(results)

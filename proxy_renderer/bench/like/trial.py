@@ -34,23 +34,33 @@ class LikeTrial:
         out: The measurement's folder; what has been made in it is not made again.
         size: Longer side of the pictures, pixels.
         samples: Of Cycles.
+        budget: As for `vibe run`.
     """
 
     task: LikeTask
     out: Path
     size: int
     samples: int
+    budget: str = "standard"
 
     @property
     def folder(self) -> Path:
         """Where this task's files are; named by all that it depends on."""
-        return self.out / "runs" / _name(self.task.name, *astuple(self.task), self.size, self.samples)
+        return (
+            self.out
+            / "runs"
+            / _name(self.task.name, *astuple(self.task), self.size, self.samples, self.budget)
+        )
 
     def row(self) -> dict[str, Any]:
         """What came of it."""
         made, scene = self._made(self.task.truth)
         picture = self._picture()
-        options = ["--vlm-model=off", *(f"--subject={name}" for name in made["subject"])]
+        options = [
+            "--vlm-model=off",
+            f"--budget={self.budget}",
+            *(f"--subject={name}" for name in made["subject"]),
+        ]
         options += [f"--size={self.size}", f"--samples={self.samples}"]
         like = [f"--like={picture.resolve()}", *self.task.options]
         ended = product.vibe_once(scene / "scene.blend", "", self.folder, [*options, *like])
@@ -84,7 +94,7 @@ class LikeTrial:
         entries = {"before": before, "after": after, **rivals}
         return {
             "differences": {name: _apart(each, truth) for name, each in entries.items()},
-            "errors": values.key_light_errors(made, report["parameters"]),
+            "errors": values.key_light_errors(made, values.found_in(report)),
             "errors_before": values.key_light_errors(made, {}),
             "loop_seconds": report["timings"]["engine: loop"],
         }
@@ -121,7 +131,7 @@ class LikeTrial:
 
     def _timed(self, scene: Path) -> Path:
         """Where the vibe in words of the same scene is, which tasks share."""
-        return self.out / "words" / scene.name
+        return self.out / "words" / f"{scene.name}-{self.budget}"
 
 
 def _name(readable: str, *depends: Any) -> str:

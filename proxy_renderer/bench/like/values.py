@@ -59,6 +59,12 @@ def key_light_errors(made: Mapping[str, Any], found: Found) -> dict[str, float]:
     return {name: round(error, 3) for name, error in errors.items()}
 
 
+def found_in(report: Mapping[str, Any]) -> dict[str, list[float]]:
+    """The values of a finished scene by key, from its report.json, where a scalar is no list."""
+    after = {key: row["after"] for key, row in report["parameters"].items()}
+    return {key: value if isinstance(value, list) else [value] for key, value in after.items()}
+
+
 def seen_temperature(color: Sequence[float], kelvin: float) -> float:
     """The temperature of the blackbody light that is most like a light of this color and temperature.
 
