@@ -11,14 +11,19 @@ from torch import Tensor
 
 from ..guidance.guide import Weights
 from ..guidance.losses import claims_loss, hue_consistency_loss, prior_loss
+from .forward import forward_slopes, pictures_for
+from .inner.assessment import Assessment
 from .inner.descent import fixed_views
-from .inner.linear_model import Assessment
+from .inner.slopes import Slopes, backward_slopes, difference_slopes
 from .shots import ShotState
 from .vector import ParameterVector
 
 if TYPE_CHECKING:
     from ..render.proxy import Render
 
+
+_PICTURES = 5
+"""Pictures that take as long as a backward pass through one."""
 
 _UNNAMED = 9.0
 """How much more a color that no word names is kept from other hues: a floor may be lighter, not greener."""
@@ -116,28 +121,32 @@ class RoundObjective:
         hue = torch.autograd.functional.hessian(hue_loss, rest[chosen], vectorize=True)
         return prior + self._weights.hue * hue
 
-    def strides(self, chosen: Tensor, u: Tensor) -> Tensor | None:
-        """(n,) moves of the chosen components (N,), as shares of their ranges, at which slopes are taken by differences, if so.
-
-        They lead into the box, and are longer where a scale is flat.
-
-        Args:
-            chosen: (N,) bool.
-            u: (N,) where the slopes are taken.
-        """
-        if not self._differences:
-            return None
-        share = self.vector.strides(u) / self._span
-        inside = u + share * self._span <= self._lower + self._span
-        return torch.where(inside, share, -share)[chosen]
-
     def assess(self, u: Tensor) -> Assessment:
-        """What is judged in the pictures of all shots.
+        """What is judged in the pictures of all shots, differentiable in the free keys.
 
         Args:
             u: (N,) in [0, 1].
         """
-        pictures = [self.render(u, shot) for shot in range(self.shots)]
+        return self._judge([self.render(u, shot) for shot in range(self.shots)], u)
+
+    def slopes(self, u: Tensor, chosen: Tensor) -> Slopes:
+        """How what is judged at u (N,) changes by the n chosen components (N,): forward or backward, whichever is cheaper.
+
+        A picture that says hundreds of things is dear to go through backward hundreds of times, even through the film alone.
+        A camera that moves sees other things: only backward passes know what that does to outlines.
+        """
+        if self._differences:
+            stride = self.vector.strides(u)
+            inside = u + stride <= self._lower + self._span
+            return difference_slopes(self.assess, u, chosen, torch.where(inside, stride, -stride))
+        keys = {key for key in self.free if chosen[self.vector.slices[key]].any()}
+        moves = any(self.vector.instances[key].parameter.group == "camera" for key in keys)
+        values = 1 + sum(len(shot.claims.claims) for shot in self.seen if shot.claims)
+        if moves or pictures_for(self.seen, keys) > _PICTURES * values * self.shots:
+            return backward_slopes(self.assess, u, chosen)
+        return forward_slopes(self.seen, self._judge, u, chosen, (self._lower, self._lower + self._span))
+
+    def _judge(self, pictures: Sequence[Render], u: Tensor) -> Assessment:
         similar = [
             term
             for n, picture in enumerate(pictures)

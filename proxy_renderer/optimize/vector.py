@@ -90,6 +90,10 @@ class ParameterVector:
         Returns:
             Key to (C,) float32.
         """
+        return self.along(u, u - u.detach())
+
+    def along(self, u: Tensor, move: Tensor) -> dict[str, Tensor]:
+        """Values that lie away from u by a move (N,), as the slopes at u have it; otherwise as `decode`."""
         x = u.detach().clamp(0.0, 1.0)
         span = self._upper - self._lower
         ratio = (self._upper / self._lower.clamp_min(1e-30)).clamp_min(1e-30)
@@ -98,7 +102,7 @@ class ParameterVector:
         power_slope = span * self._exponent * x.clamp_min(_FLATTEST) ** (self._exponent - 1.0)
         value = torch.where(self._log, log_value, power_value)
         slope = torch.where(self._log, log_value * ratio.log(), power_slope)
-        linked = (value + slope * (u - u.detach())).float()
+        linked = (value + slope * move).float()
         return {key: linked[part] for key, part in self.slices.items()}
 
     def strides(self, u: Tensor) -> Tensor:

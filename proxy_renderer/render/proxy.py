@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import torch
 from torch import Tensor
@@ -34,26 +34,34 @@ from .transport.volume import DIRECTIONS, SingleScattering
 _FILM_KEYS = tuple(key for key, p in FAMILIES.items() if p.group == "film")
 
 
-@dataclass(frozen=True)
-class Render:
-    """One picture.
+@dataclass(frozen=True, kw_only=True)
+class LatentImage:
+    """What the film has received, before it is developed.
 
     Attributes:
-        display: (H, W, 3) as shown, sRGB-encoded in [0, 1].
         linear: (H, W, 3) scene-linear Rec.709 before grade and view transform.
-        alpha: (H, W) coverage where the film is transparent, else None; `linear` is multiplied with it,
-            and `display` stands on black.
+        alpha: (H, W) coverage where the film is transparent, else None; `linear` is multiplied with it.
         mask: (H, W) share of each pixel that the subject covers.
         depth: (H, W) distance along the rays in meters; infinite where nothing is hit.
         transmittance: (H, W) share of light that fog lets through from what is seen.
     """
 
-    display: Tensor
     linear: Tensor
     mask: Tensor
     depth: Tensor
     transmittance: Tensor
     alpha: Tensor | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Render(LatentImage):
+    """One picture.
+
+    Attributes:
+        display: (H, W, 3) as shown, sRGB-encoded in [0, 1]; on black where the film is transparent.
+    """
+
+    display: Tensor
 
 
 class Proxy:
@@ -85,7 +93,7 @@ class Proxy:
         self.emitters = Emitters(self.geometry, self._near)
         self.correction: Correction | None = None
         self._cache: ViewCache | None = None
-        self._undeveloped: tuple[Render, Mapping[str, Tensor], Correction | None] | None = None
+        self._undeveloped: tuple[LatentImage, Mapping[str, Tensor], Correction | None] | None = None
 
     def render(self, values: Mapping[str, Tensor]) -> Render:
         """Renders the scene.
@@ -95,9 +103,46 @@ class Proxy:
                 differentiable in every one of them.
         """
         lit = {key: value for key, value in values.items() if key not in _FILM_KEYS}
-        if (light := self._same_light(lit)) is not None:
-            return self._develop(light, RenderValues(self.scene, values, self.device))
-        frame, settings = self._frame(values)
+        latent = self._same_light(lit)
+        if latent is None:
+            latent = self.expose(values)
+            if not torch.is_grad_enabled():
+                self._undeveloped = latent, lit, self.correction
+        return self.develop(latent, values)
+
+    def _same_light(self, lit: Mapping[str, Tensor]) -> LatentImage | None:
+        """The last picture without gradients, undeveloped, if it had the very values (by key) that come before the film."""
+        if self._undeveloped is None or torch.is_grad_enabled():
+            return None
+        latent, earlier, correction = self._undeveloped
+        alike = lit.keys() == earlier.keys() and correction is self.correction
+        return latent if alike and all(torch.equal(v, earlier[k]) for k, v in lit.items()) else None
+
+    def traced(self, values: Mapping[str, Tensor]) -> ViewCache:
+        """What rays find at these values; for `expose`, which takes it, or what is `aside` of it, for values nearby."""
+        return self._frame(values)[0].cache
+
+    def develop(self, latent: LatentImage, values: Mapping[str, Tensor]) -> Render:
+        """Grade and view transform.
+
+        Args:
+            latent: From `expose`.
+            values: As for `render`; those of the film count.
+        """
+        settings = RenderValues(self.scene, values, self.device)
+        film = {key: settings.color(key) for key in _FILM_KEYS if settings.has(key)}
+        display = self.film.develop(latent.linear, film, latent.alpha)
+        return Render(display=display, **vars(latent))
+
+    def expose(self, values: Mapping[str, Tensor], cache: ViewCache | None = None) -> LatentImage:
+        """Renders the scene, up to the film.
+
+        Args:
+            values: As for `render`; those of the film do not count.
+            cache: What rays have found, where they are not to be traced again but for a lamp that has moved: mirrors and
+                glasses then stay what they were, as they do for gradients.
+        """
+        frame, _ = self._frame(values, cache)
         radiance, passing = self._light(frame)
         fits = self.correction is not None and self.correction.fits(frame.view)
         if self.correction and not fits:
@@ -111,23 +156,8 @@ class Proxy:
             picture = torch.cat((self.correction.pixels(picture[:3], frame.owners), picture[3:]))
         channels = picture.view(-1, *self.size[::-1])
         linear, alpha = channels[:3].permute(1, 2, 0), channels[3] if len(channels) > 3 else None
-        light = Render(linear, linear, mask, frame.cache.depth, _transmittance(frame, passing), alpha)
-        if not torch.is_grad_enabled():
-            self._undeveloped = light, lit, self.correction
-        return self._develop(light, settings)
-
-    def _develop(self, light: Render, settings: RenderValues) -> Render:
-        """A picture of light that has been rendered, by the film's values."""
-        film = {key: settings.color(key) for key in _FILM_KEYS if settings.has(key)}
-        return replace(light, display=self.film.develop(light.linear, film, light.alpha))
-
-    def _same_light(self, lit: Mapping[str, Tensor]) -> Render | None:
-        """The last picture without gradients, undeveloped, if it had the very values (by key) that come before the film."""
-        if self._undeveloped is None or torch.is_grad_enabled():
-            return None
-        light, earlier, correction = self._undeveloped
-        alike = lit.keys() == earlier.keys() and correction is self.correction
-        return light if alike and all(torch.equal(v, earlier[k]) for k, v in lit.items()) else None
+        seen = _transmittance(frame, passing)
+        return LatentImage(linear=linear, mask=mask, depth=frame.cache.depth, transmittance=seen, alpha=alpha)
 
     def gbuffer(self, values: Mapping[str, Tensor]) -> GBuffer:
         """What the camera sees, and through how much fog.

@@ -6,8 +6,9 @@ import math
 import pytest
 import torch
 
+from proxy_renderer.optimize.inner.assessment import Assessment
 from proxy_renderer.optimize.inner.least_squares import solve
-from proxy_renderer.optimize.inner.linear_model import Assessment
+from proxy_renderer.optimize.inner.slopes import backward_slopes, difference_slopes
 
 
 def doubles(values):
@@ -28,13 +29,15 @@ class Claims:
     def stiffness(self, chosen):
         return torch.zeros((int(chosen.sum()),) * 2, dtype=torch.float64)
 
-    def strides(self, chosen, u):
-        return None if self.stride is None else torch.full((int(chosen.sum()),), self.stride).double()
-
     def assess(self, u):
         self.slopes_taken += u.requires_grad
         self.seen.append(u.detach().clone())
         return Assessment(self.values(u), self.lower, self.upper, self.claim, self.rest(u), None)
+
+    def slopes(self, u, chosen):
+        if self.stride is None:
+            return backward_slopes(self.assess, u, chosen)
+        return difference_slopes(self.assess, u, chosen, torch.full_like(u, self.stride))
 
 
 def run(claims, start, low=0.0, high=1.0, chosen=None, steps=12, end=lambda step: False):

@@ -6,7 +6,8 @@ import math
 import pytest
 import torch
 
-from proxy_renderer.optimize.inner.linear_model import Assessment, LinearModel
+from proxy_renderer.optimize.inner.assessment import Assessment
+from proxy_renderer.optimize.inner.linear_model import LinearModel
 from proxy_renderer.optimize.rounds.selection import choose
 from proxy_renderer.prompt.types import Plan, PlanEntry
 

@@ -3,8 +3,8 @@
 
 A claim is a residual, in steps that people notice. Residuals and parameters are few, so such a step is cheap, and worth
 many gradient steps. The terms of similarity, and the pull to the artist's values, are followed by their gradient. The
-region that slopes are trusted in is a rectangle (Voglis and Lagaris 2004), for the box is one. Slopes cost a backward
-pass for each residual; between the times that they are taken, they are mended by what the steps show, as in the secant
+region that slopes are trusted in is a rectangle (Voglis and Lagaris 2004), for the box is one. Slopes cost more
+than steps; between the times that they are taken, they are mended by what the steps show, as in the secant
 version of Levenberg-Marquardt (Madsen, Nielsen and Tingleff 2004, section 3.5).
 """
 
@@ -18,8 +18,10 @@ import torch
 from torch import Tensor
 
 from ..vector import project
+from .assessment import Assessment
 from .descent import Descent
-from .linear_model import Assessment, LinearModel, linearize
+from .linear_model import LinearModel
+from .slopes import Slopes
 
 _TAKEN = 2
 """Times that slopes are taken in one loop."""
@@ -44,11 +46,11 @@ class ClaimObjective(Protocol):
     def stiffness(self, chosen: Tensor) -> Tensor:
         """(n, n) curvature of the rest by the places of the n chosen components (N,) in their ranges, as far as it is known."""
 
-    def strides(self, chosen: Tensor, u: Tensor) -> Tensor | None:
-        """(n,) moves of the n chosen components (N,), as shares of their ranges, if slopes at u (N,) are to be differences."""
-
     def assess(self, u: Tensor) -> Assessment:
-        """What is judged at u (N,) in [0, 1]; differentiable in what may move."""
+        """What is judged at u (N,) in [0, 1]."""
+
+    def slopes(self, u: Tensor, chosen: Tensor) -> Slopes:
+        """How what is judged at u (N,) changes by the n chosen components (N,)."""
 
 
 def solve(
@@ -84,9 +86,7 @@ def solve(
         return u.index_put((places,), start + span * x)
 
     def linear(x: Tensor) -> LinearModel:
-        strides = objective.strides(chosen, project(place(x), lower, upper))
-        stiffness = objective.stiffness(chosen)
-        return linearize(objective.assess, place, x, stiffness, objective.claim_weight, strides)
+        return linearize(objective, place(x), chosen, span)
 
     x, radius, taken, fresh = torch.zeros_like(start), _RADIUS, 1, True
     model = first or linear(x)
@@ -117,6 +117,19 @@ def solve(
             break
         model, taken, fresh = linear(x), taken + 1, True
     return found
+
+
+def linearize(objective: ClaimObjective, u: Tensor, chosen: Tensor, span: Tensor) -> LinearModel:
+    """The model at a point, over its chosen components' shares of their ranges.
+
+    Args:
+        objective: What is minimized.
+        u: (N,) the point.
+        chosen: (N,) bool, n components.
+        span: (n,) their ranges.
+    """
+    here, values, rest = objective.slopes(u, chosen)
+    return LinearModel(here, values * span, rest * span, objective.stiffness(chosen), objective.claim_weight)
 
 
 def _resized(radius: float, share: float, length: float) -> float:

@@ -3,16 +3,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import torch
-import torch.nn.functional as F
 from torch import Tensor
 
 from ...claims.claim import outside
 from ..vector import project
+from .assessment import Assessment
 
 _DAMPING = 1e-3
 """Curvature that every component gets: of two moves that do the same, the shorter one (Levenberg 1944)."""
@@ -24,49 +22,6 @@ _NOTHING = 1e-3
 
 _TELLING = 2
 """Values more than components that could do the same, at least, to say that they do."""
-
-_NEAR = 5.0
-"""Noticeable steps inside of an end of what is wanted, from where one step does not lose it."""
-
-
-@dataclass(frozen=True)
-class Assessment:
-    """What is judged in the pictures of a point.
-
-    Attributes:
-        values: (M,) what the claims' measures give, in steps that people notice.
-        lower: (M,) of what is wanted, likewise.
-        upper: (M,) likewise.
-        claim: (M,) number of the claim that each belongs to, from 0.
-        rest: () the loss's other terms.
-        picture: The first shot's.
-    """
-
-    values: Tensor
-    lower: Tensor
-    upper: Tensor
-    claim: Tensor
-    rest: Tensor
-    picture: Any
-
-    def misses(self, values: Tensor) -> Tensor:
-        """(claims,) by how many noticeable steps values (M,) miss each claim."""
-        count = int(self.claim.max()) + 1 if len(self.claim) else 0
-        squares = values.new_zeros(count).index_add(
-            0, self.claim, outside(values, self.lower, self.upper).square()
-        )
-        return squares.sqrt()
-
-    def loss(self, values: Tensor, rest: Tensor, weight: float) -> float:
-        """Claims that are missed, quadratic up to one noticeable step and linear beyond (Huber 1964), and the rest.
-
-        Args:
-            values: (M,) as `values`.
-            rest: () as `rest`.
-            weight: Of a noticeable step.
-        """
-        misses = self.misses(values)
-        return weight * float(F.huber_loss(misses, torch.zeros_like(misses), reduction="sum")) + float(rest)
 
 
 @dataclass(frozen=True)
@@ -180,60 +135,3 @@ class LinearModel:
         """The model at x + move; arguments as for `corrected`."""
         there = self.corrected(seen, move)
         return replace(there, here=seen, rest_slope=there.rest_slope + self.stiffness @ move)
-
-
-def linearize(
-    assess: Callable[[Tensor], Assessment],
-    place: Callable[[Tensor], Tensor],
-    x: Tensor,
-    stiffness: Tensor,
-    weight: float,
-    strides: Tensor | None = None,
-) -> LinearModel:
-    """The model at x: a backward pass for each value that a step might bring out of what is wanted, and one for the rest.
-
-    Where moves are given, slopes are differences of pictures, one for each component: a picture that says hundreds of
-    things is dearer to go through backward hundreds of times.
-
-    Args:
-        assess: What is judged at a point u.
-        place: The point u of x.
-        x: (n,).
-        stiffness: (n, n) curvature of the rest.
-        weight: Of a noticeable step by which a claim is missed.
-        strides: (n,) moves at which differences are taken; None for backward passes.
-    """
-    if strides is not None:
-        return LinearModel(*_differences(assess, place, x, strides), stiffness, weight)
-    point = x.clone().requires_grad_()
-    found = assess(place(point))
-    near = (found.values < found.lower + _NEAR) | (found.values > found.upper - _NEAR)
-
-    def slope(value: Tensor) -> Tensor:
-        if not value.requires_grad:
-            return torch.zeros_like(x)
-        (gradient,) = torch.autograd.grad(value, point, retain_graph=True, allow_unused=True)
-        return torch.zeros_like(x) if gradient is None else torch.nan_to_num(gradient, 0.0, 0.0, 0.0)
-
-    rows = [
-        slope(value) if asked else torch.zeros_like(x)
-        for value, asked in zip(found.values, near, strict=True)
-    ]
-    slopes = torch.stack(rows) if rows else x.new_zeros((0, len(x)))
-    seen = replace(found, values=found.values.detach(), rest=found.rest.detach())
-    return LinearModel(seen, slopes, slope(found.rest), stiffness, weight)
-
-
-@torch.no_grad()
-def _differences(
-    assess: Callable[[Tensor], Assessment], place: Callable[[Tensor], Tensor], x: Tensor, strides: Tensor
-) -> tuple[Assessment, Tensor, Tensor]:
-    """What is judged at x, and slopes of the values (M, n) and of the rest (n,), by a picture for each component."""
-    here = assess(place(x))
-    columns, rest = [], []
-    for move in strides.diag():
-        there, stride = assess(place(x + move)), move.sum()
-        columns.append((there.values - here.values) / stride)
-        rest.append((there.rest - here.rest) / stride)
-    slopes = torch.nan_to_num(torch.stack(columns, 1), 0.0, 0.0, 0.0)
-    return here, slopes, torch.nan_to_num(torch.stack(rest), 0.0, 0.0, 0.0)

@@ -20,7 +20,8 @@ from ...guidance.guide import Weights
 from ...prompt.types import Plan
 from ...schema import VibeError
 from ...schema.messages import Options
-from ..inner.linear_model import LinearModel, linearize
+from ..inner.least_squares import linearize
+from ..inner.linear_model import LinearModel
 from ..objective import RoundObjective
 from ..shots import ShotState
 from ..vector import ParameterVector
@@ -171,15 +172,8 @@ def _probe(
 ) -> tuple[LinearModel, dict[str, slice], Tensor, Tensor]:
     """The loss near u over all of these keys, in shares of their ranges; where each key is; the box around u."""
     wide = vector.mark(probed) & (upper > lower)
-    places, before = wide.nonzero(as_tuple=True)[0], wide.cumsum(0)
-    span = (upper - lower)[wide]
-
-    def place(x: Tensor) -> Tensor:
-        return u.index_put((places,), u[wide] + span * x)
-
-    x = torch.zeros(len(places), dtype=u.dtype)
-    strides = objective.strides(wide, u)
-    model = linearize(objective.assess, place, x, objective.stiffness(wide), objective.claim_weight, strides)
+    before, span = wide.cumsum(0), (upper - lower)[wide]
+    model = linearize(objective, u, wide, span)
     parts = {}
     for key in sorted(probed):
         end = int(before[vector.slices[key].stop - 1])

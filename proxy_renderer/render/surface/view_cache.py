@@ -4,7 +4,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, replace
+from typing import Self
 
 import torch
 from torch import Tensor
@@ -121,6 +123,13 @@ class ViewCache:
         self._view = view.detached()
         self._through: dict[tuple[int, int], tuple[float, object, RefractedHits]] = {}
         self._worlds: tuple[object, tuple[Tensor, ...]] | None = None
+
+    def aside(self) -> Self:
+        """A copy for one picture, whose moved lights leave nothing behind in this one."""
+        other = copy(self)
+        other._direct_lights, other._bounced = dict(self._direct_lights), dict(self._bounced)
+        other._through, other.indirect = dict(self._through), self.indirect.aside()
+        return other
 
     def view_samples(self, view: View) -> ViewSamples:
         """The samples as the view sees them; re-evaluated with gradients when it asks for them."""
@@ -251,10 +260,11 @@ class ViewCache:
                 hits, onward = through(self.geometry, self._view_samples.surface.pick(part), toward, *shape)
             kept = ior, None, RefractedHits(hits, onward, self.indirect.spread_to(hits))
         if kept[1] != place:
+            behind = replace(kept[2], hits=kept[2].hits.aside())
             with torch.no_grad():
                 for i, lamp in enumerate(lamps):
-                    kept[2].hits.light(i, lamp.detached())
-            kept = kept[0], place, kept[2]
+                    behind.hits.light(i, lamp.detached())
+            kept = kept[0], place, behind
         self._through[material, side] = kept
         return kept[2]
 

@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, replace
+from typing import Self
 
 import torch
 from torch import Tensor
@@ -76,6 +78,7 @@ class FinalGather:
         generator: torch.Generator,
     ) -> None:
         self._view = view
+        self._borrowed = False  # whether the hits belong to another one
         self._gather_points = gather_points = GatherPoints(samples, surface)
         self.gather_points = gather_points.index
         points = surface.pick(gather_points.index)
@@ -112,8 +115,19 @@ class FinalGather:
                 geometry, points, arrived, near, wide, glowing, emissive, len(metals), generator
             )
 
+    def aside(self) -> Self:
+        """A copy in which lights may move."""
+        other = copy(self)
+        other._borrowed = True
+        return other
+
     def light(self, index: int, lamp: LightSource) -> None:
         """Traces shadow rays again for a light that has moved."""
+        if self._borrowed:
+            self.diffuse, self.glossy, self.mirror = (
+                hits.aside() for hits in (self.diffuse, self.glossy, self.mirror)
+            )
+            self._borrowed = False
         for hits in (self.diffuse, self.glossy, self.mirror):
             hits.light(index, lamp)
         self._weights = None

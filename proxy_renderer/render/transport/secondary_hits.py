@@ -9,7 +9,9 @@ of radiances.
 from __future__ import annotations
 
 import math
+from copy import copy
 from dataclasses import dataclass
+from typing import Self
 
 import torch
 from torch import Tensor
@@ -176,6 +178,12 @@ class SecondaryHits:
             self.incoming[row + 1, self._around] = (1 - up) * share
         again = hits.hit.nonzero()[:, 0]
         return self._around[again], beyond.pick(again)
+
+    def aside(self) -> Self:
+        """A copy in which lights may move."""
+        other = copy(self)
+        other.incoming, other._clear = self.incoming.clone(), self._clear.clone()
+        return other
 
     def light(self, index: int, lamp: LightSource) -> None:
         """Traces shadow rays from all hits to one light.

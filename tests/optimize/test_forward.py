@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Slopes by pictures beside are those of backward passes, where nothing moves, and leave no trace."""
+
+import pytest
+import torch
+from loop_parts import Silent
+
+from proxy_renderer.optimize import objective as objectives
+from proxy_renderer.optimize.forward import forward_slopes, pictures_for
+from proxy_renderer.optimize.inner.slopes import backward_slopes
+from proxy_renderer.optimize.rounds.search import Search, Start
+from proxy_renderer.optimize.shots import ShotInput
+from proxy_renderer.prompt.types import Plan
+from proxy_renderer.schema.messages import Options
+
+PROMPT = "glossy deep red ball, warm soft light from the left, thin fog, vignette, high contrast"
+
+
+@pytest.fixture(scope="module")
+def begun(scene, encoder):
+    """A round's objective, and where it begins."""
+    search = Search([ShotInput(scene)], PROMPT, Options(rounds=1, size=48), encoder, encoder, Silent(), None)
+    home = search.vector.encode({})
+    now = search.confine(home, Plan(), Start(home))
+    return search.select(now, now.u).objective, now
+
+
+def both(begun, keys):
+    """Slopes over these keys' components, forward and backward."""
+    objective, now = begun
+    chosen = objective.vector.mark(keys) & (now.upper > now.lower)
+    box = now.lower, now.upper
+    forward = forward_slopes(objective.seen, objective._judge, now.u, chosen, box)
+    return forward, backward_slopes(objective.assess, now.u, chosen), (now.upper - now.lower)[chosen]
+
+
+def stands(key):
+    """Whether a key moves neither lights nor camera."""
+    return key.split("/")[-1] not in ("size", "angle", "azimuth", "elevation", "distance", "rotation", "ior")
+
+
+def test_each_parameter_has_the_slopes_that_a_backward_pass_gives(begun):
+    keys = {key for key in begun[0].free if stands(key)}
+    assert len(keys) > 10
+    forward, backward, span = both(begun, keys)
+    torch.testing.assert_close(forward.here.values, backward.here.values, atol=1e-3, rtol=1e-4)
+    ours, theirs = forward.values * span, backward.values * span
+    assert (theirs.norm(dim=0) > 0.1).sum() > 10
+    off = (ours - theirs).norm(dim=0)
+    assert (off < 0.05 * theirs.norm(dim=0) + 0.05).all()
+    assert (forward.rest - backward.rest).norm() < 0.1 * backward.rest.norm()
+
+
+def test_a_light_that_moves_leaves_nothing_behind(begun):
+    objective, now = begun
+    with torch.no_grad():
+        before = objective.render(now.u, 0).linear
+    moving = {key for key in objective.free if not stands(key)}
+    assert moving
+    forward, *_ = both(begun, moving)
+    assert (forward.values != 0).any()
+    with torch.no_grad():
+        assert torch.equal(objective.render(now.u, 0).linear, before)
+
+
+def test_the_cheaper_way_is_taken(begun, monkeypatch):
+    objective, now = begun
+    chosen = objective.vector.mark(objective.free) & (now.upper > now.lower)
+    ways = []
+    monkeypatch.setattr(objectives, "forward_slopes", lambda *_: ways.append("forward"))
+    monkeypatch.setattr(objectives, "backward_slopes", lambda *_: ways.append("backward"))
+    objective.slopes(now.u, chosen)
+    monkeypatch.setattr(objectives, "_PICTURES", 0)
+    objective.slopes(now.u, chosen)
+    assert ways == ["forward", "backward"]
+
+
+def test_the_film_needs_no_pictures(begun):
+    film = {key for key in begun[0].free if key.startswith("film/")}
+    assert film
+    assert pictures_for(begun[0].seen, film) == 0
