@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ..render.cycles.correction import Correction
     from ..render.proxy import Proxy
 
-SAMPLES = 32
+SAMPLES = 16
 LONGEST = 30.0
 """Seconds that a picture may take; after a slower one no more are asked for."""
 _HERE = 0.01  # of a component's whole range: so near, the last correction is as good as a new one

@@ -34,7 +34,7 @@ VERSION = ANCHOR_VERSION = 1
 """Raised when the way references, or anchors, are rendered changes."""
 SUBJECTS = {name: (make, (*mesh, "single subject")) for name, (make, mesh) in SHAPES.items()}
 """What the older scenes are of: their means are told apart from those of sets."""
-ANCHOR_SIZE, ANCHOR_SAMPLES = 192, 32
+ANCHOR_SIZE, ANCHOR_SAMPLES = 192, 16
 
 
 def make(recipe: SceneRecipe, a: argparse.Namespace) -> dict[str, Any]:
