@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 _STEP = 0.02
 """Of a component's range, by which it is moved: shadows that move are traced anew, and have some grain."""
 
-Judge = Callable[[Sequence["Render"], Tensor], Assessment]
+_Judge = Callable[[Sequence["Render"], Tensor], Assessment]
 
 
 def pictures_for(seen: Sequence[ShotState], keys: set[str]) -> int:
@@ -35,7 +35,7 @@ def pictures_for(seen: Sequence[ShotState], keys: set[str]) -> int:
 
 
 def forward_slopes(
-    seen: Sequence[ShotState], judge: Judge, u: Tensor, chosen: Tensor, box: tuple[Tensor, Tensor]
+    seen: Sequence[ShotState], judge: _Judge, u: Tensor, chosen: Tensor, box: tuple[Tensor, Tensor]
 ) -> Slopes:
     """Slopes at u, where no camera moves.
 
