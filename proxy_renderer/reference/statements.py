@@ -24,6 +24,9 @@ from .wording import hue
 CLOSE, LOOSE = 1.5, 2.5
 """Noticeable steps on either side that a measure may have: of the whole picture, and of a part of it."""
 
+_MIXED = 0.35
+"""Share of the deviation of a*, b* in a part by which its mean tint may be off: of many colors the mean says little of light."""
+
 _TONES = ("black_point", "lower_quartile", "median", "upper_quartile", "white_point")
 _TINTS = {"shadow_tint": "shadows", "midtone_tint": "midtones", "highlight_tint": "lights"}
 _VIGNETTE = 8.0  # L* by which corners are darker before it is called a vignette
@@ -147,6 +150,12 @@ class _Reader:
         where = region_of(self.picture.seen, "picture") if where is None else where
         return tuple(MEASURES[measure].take(self.picture, where).tolist())
 
+    def _mixture(self, part: Part, box: tuple[float, float, float, float] | None) -> float:
+        """How far the colors of a part deviate from their mean, in a* and b*."""
+        where = self._region(part, box)
+        tints = self.picture.lab[..., 1:] if where is None else self.picture.lab[..., 1:][where]
+        return float(tints.reshape(-1, 2).var(0).mean().sqrt())
+
     def _near(
         self,
         trait: str,
@@ -160,6 +169,8 @@ class _Reader:
         """That a measure is what this picture has, within so many noticeable steps."""
         value, notice = self._value(measure, part, box), MEASURES[measure].notice
         reach = steps * notice / math.sqrt(len(value))
+        if MEASURES[measure].unit == "ab":
+            reach = max(reach, _MIXED * self._mixture(part, box))
         lower, upper = tuple(v - reach for v in value), tuple(v + reach for v in value)
         place = "picture" if box else part
         return Statement(

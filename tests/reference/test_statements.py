@@ -110,6 +110,17 @@ def test_a_picture_keeps_all_that_is_said_of_it_and_another_one_does_not():
     assert max(lost) > 3.0
 
 
+def test_the_mean_of_many_colors_says_less_than_that_of_one():
+    x, y = grid()
+    plain = np.ones((HEIGHT, WIDTH, 3)) * (0.6, 0.45, 0.3) * (0.7 + 0.3 * y[..., None])
+    stripes = np.where((x * 8 % 1 < 0.5)[..., None], plain, plain[..., ::-1])
+    widths = []
+    for display in (plain, stripes):
+        claim = one(display.astype(np.float32), "midtone_tint").claim
+        widths.append(claim.upper[0] - claim.lower[0])
+    assert widths[1] > 1.5 * widths[0]
+
+
 def test_tints_have_names():
     assert hue(0.5, 0.5) == "neutral"
     assert hue(0.0, 6.0) == "slightly yellow"
