@@ -9,10 +9,10 @@ import bpy
 import pytest
 from benches import bench
 from PIL import Image
-from vibe_render.bench.fingerprint import fingerprint
 from vibe_render.bench.move import STEP, move
 from vibe_render.bench.scenes.build import WORLDS, build
 from vibe_render.bench.scenes.catalog import CATALOG
+from vibe_render.bench.scenes.fingerprint import fingerprint
 from vibe_render.bench.scenes.recipe import features
 from vibe_render.bench.scenes.set_catalog import SET_CATALOG
 from vibe_render.bench.scenes.shapes import SHAPES

@@ -68,9 +68,9 @@ def command(bench: str, *arguments: object) -> dict[str, Any]:
     Raises:
         VibeError: It fails.
     """
-    process, tail = start(["-m", f"vibe_render.bench.{bench}", *map(str, arguments)]), deque[str](maxlen=40)
-    told = list(events(process, tail))
-    process.wait()
+    tail = deque[str](maxlen=40)
+    with start(["-m", f"vibe_render.bench.{bench}", *map(str, arguments)]) as process:
+        told = list(events(process, tail))
     if not told or told[-1]["type"] != "scene":
         last_line = next((line.strip() for line in reversed(tail) if line.strip()), "nothing")
         said = told[-1]["message"] if told else last_line

@@ -24,6 +24,17 @@ def _time(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--only", default="*", metavar="GLOB", help='only scenes with such names: "*fog*"')
 
 
+def _scale(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("--only", default="*", metavar="GLOB", help='only sizes with such names: "lights"')
+    sub.add_argument(
+        "--limit",
+        type=int,
+        default=300,
+        metavar="N",
+        help="seconds: a size grows no further after a scene that took longer (default: 300)",
+    )
+
+
 def _fidelity(sub: argparse.ArgumentParser) -> None:
     _pictures(sub, size=256, samples=512)
     sub.add_argument("--quick", action="store_true", help="128 pixels and 128 samples, for a first look")
@@ -222,6 +233,7 @@ BENCHES: dict[str, tuple[str, AddOptions]] = {
         "How long a vibe takes, phase by phase, and each phase's share of the processor's time.",
         _time,
     ),
+    "scale": ("How time and memory grow with triangles, lights, materials, pixels and shots.", _scale),
     "fidelity": ("How near the proxy is to Cycles, scene by scene and feature by feature.", _fidelity),
     "paper": (
         "Whether words are followed better than by a similarity alone: the paper's experiments.",

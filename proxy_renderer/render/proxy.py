@@ -20,6 +20,7 @@ from .geometry.camera import View, view_of
 from .lights.emitters import Emitters
 from .lights.environment import Environment, sky_of
 from .lights.types import light_sources
+from .lights.types.light_source import LightSource
 from .material.shading_inputs import ShadingInputs, shading_inputs_of
 from .material.textures import geometry_of
 from .surface import surfaces
@@ -208,9 +209,11 @@ class Proxy:
         settings = RenderValues(self.scene, values, self.device)
         view = view_of(self.scene, settings, self.size)
         shading_inputs = [shading_inputs_of(m, settings) for m in self.scene.materials]
-        cache = cache or self._cache_of(view, shading_inputs)
+        if cache is None:
+            self._notice(shading_inputs)
         sky = sky_of(self.environment, settings)
         lamps = [*light_sources(self.scene, settings), *sky.lamps, *self.emitters.lamps(shading_inputs)]
+        cache = cache or self._cache_of(view, shading_inputs, lamps)
         frame = RenderState(
             view=view,
             cache=cache,
@@ -222,16 +225,21 @@ class Proxy:
         )
         return frame, settings
 
-    def _cache_of(self, view: View, shading_inputs: list[ShadingInputs]) -> ViewCache:
-        """What is traced for a view; again if it, a mirror or a glass has changed, or a surface has begun to glow."""
-        metals = torch.stack([mirror_weight(p) for p in shading_inputs])
+    def _notice(self, shading_inputs: list[ShadingInputs]) -> None:
+        """Forgets what was traced if a glass has changed, or a surface has begun to glow."""
         if self.geometry.let_through(torch.stack([glass_transmittance(p) for p in shading_inputs])):
             self._cache, self.volume = None, SingleScattering(self.geometry.clear)
         if self.emitters.notice(shading_inputs):
             self._cache = None
-        lamps = len(self.scene.lights) + len(self.environment.suns) + len(self.emitters.lamps(shading_inputs))
+
+    def _cache_of(
+        self, view: View, shading_inputs: list[ShadingInputs], lamps: list[LightSource]
+    ) -> ViewCache:
+        """What is traced for a view; again if it or a mirror has changed, or a light of a cluster begins to move."""
+        metals = torch.stack([mirror_weight(p) for p in shading_inputs])
         kept = self._cache
-        if kept is None or kept.signature != view.signature() or not torch.equal(kept.metals, metals):
+        same = kept is not None and kept.signature == view.signature() and kept.clusters.hold(lamps)
+        if kept is None or not same or not torch.equal(kept.metals, metals):
             smooth = torch.stack([sharp(p) & self.fine for p in shading_inputs])
             shape = metals, smooth, lamps, self.emitters.materials, self.emitters.glowing
             kept = self._cache = ViewCache(self.scene, self.geometry, view, *shape, self.seed)
@@ -262,7 +270,7 @@ class Proxy:
         """Indirect light."""
         if not frame.fog.active:
             return frame.cache.indirect.gather(table)
-        indirect_fog = frame.cache.indirect_fog(self._near).gather(frame.fog, frame.lamps, frame.sky)
+        indirect_fog = frame.cache.indirect_fog(self._near).gather(frame.fog, frame.sources, frame.sky)
         return frame.cache.indirect.gather_through(table, frame.fog, indirect_fog)
 
     def _through_fog(self, frame: RenderState) -> tuple[Tensor, Tensor]:

@@ -33,7 +33,8 @@ def view_cache(scene):
     geometry = geometry_of(scene, torch.device("cpu"))
     metals = torch.zeros(len(scene.materials))
     view = view_of(scene, settings(scene), SIZE)
-    return ViewCache(scene, geometry, view, metals, metals > 0, len(scene.lights), (), (), 0)
+    lamps = light_sources(scene, settings(scene))
+    return ViewCache(scene, geometry, view, metals, metals > 0, lamps, (), (), 0)
 
 
 def settings(scene, **volume):

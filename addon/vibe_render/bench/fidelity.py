@@ -21,10 +21,10 @@ from ..export.job_folder import SceneJob
 from ..render import anchors, final_render
 from ..scene.subject import SubjectChoice
 from . import side
-from .fingerprint import fingerprint
 from .move import move
 from .scenes.build import build
 from .scenes.catalog import CATALOG
+from .scenes.fingerprint import fingerprint
 from .scenes.places import PLACES
 from .scenes.recipe import SceneRecipe, features
 from .scenes.set_catalog import SET_CATALOG

@@ -19,8 +19,8 @@ from ..render import final_render
 from ..scene import bindings
 from ..scene.subject import SubjectChoice
 from . import side
-from .fingerprint import fingerprint
 from .scenes.build import build
+from .scenes.fingerprint import fingerprint
 from .scenes.steps import CASES, StepCase, ends
 
 VERSION = 1

@@ -19,6 +19,7 @@ from torch import Tensor
 from ...color.tensors import luminance
 from ...scene import Light
 from ..geometry.directions import cosine_directions
+from ..geometry.k_means import k_means
 from ..geometry.vectors import cross, dot, unit
 from ..geometry.visibility import RayGeometry, sphere_points
 from ..material.shading_inputs import ShadingInputs
@@ -32,7 +33,6 @@ _MOST = 12
 _FINE, _COARSE = 1 / 30, 1 / 10
 """Radii of clusters in distances of the view: fine ones need no further cut, larger ones than coarse are no points."""
 _ROUND = 0.6
-_ROUNDS = 12
 
 
 @dataclass(frozen=True)
@@ -155,7 +155,7 @@ def clusters_of(geometry: RayGeometry, material: int, near: float) -> list[Emitt
         return []
     outside, inside = (_open(geometry, material, place, side) for side in (normal, -normal))
     for count in range(1, _MOST + 1):
-        label = _label(place, count)
+        label = k_means(place, count)
         groups = [label == k for k in range(count) if bool((label == k).any())]
         size = torch.stack([_radius(place[:, group]) for group in groups])
         blob = torch.stack([_blob(place[:, g], (outside + inside)[g]) for g in groups])
@@ -192,20 +192,6 @@ def _open(geometry: RayGeometry, material: int, place: Tensor, side: Tensor) -> 
     hits = geometry.nearest(place + side * (1e-5 * geometry.size), toward, "diffuse")
     own = hits.hit & (geometry.material[hits.triangle.clamp_min(0)] == material)
     return (~own).to(place.dtype)
-
-
-def _label(place: Tensor, count: int) -> Tensor:
-    """k-means (P,): starts at points that are far from each other."""
-    centers = place[:, :1]
-    for _ in range(count - 1):
-        away = torch.cdist(place.T, centers.T).amin(1)
-        centers = torch.cat((centers, place[:, away.argmax()][:, None]), 1)
-    label = torch.zeros(place.shape[1], dtype=torch.int64, device=place.device)
-    for _ in range(_ROUNDS if count > 1 else 0):
-        label = torch.cdist(place.T, centers.T).argmin(1)
-        member = torch.nn.functional.one_hot(label, count).to(place.dtype)
-        centers = (place @ member) / member.sum(0).clamp_min(1.0)
-    return label
 
 
 def _radius(place: Tensor) -> Tensor:

@@ -57,6 +57,11 @@ class RenderState:
             else self.sky.color.new_zeros((0, 3))
         )
 
+    @functools.cached_property
+    def sources(self) -> list[LightSource]:
+        """The lights of indirect light: few ones as they are, many in clusters."""
+        return self.cache.clusters.sources(self.lamps)
+
     @property
     def owners(self) -> dict[str, Tensor]:
         """Owner, "light/NAME" or "world", to the color (3,) of its light."""

@@ -28,8 +28,8 @@ _BENT = 0.02
 def direct_lights_of(frame: RenderState) -> list[DirectLight]:
     """Direct light of each light, behind fog; lights that have moved renew the bounced light as well."""
     direct_lights = [
-        frame.cache.direct_light(i, lamp, frame.view_samples, frame.view)
-        for i, lamp in enumerate(frame.lamps)
+        frame.cache.direct_light(i, frame.lamps, frame.view_samples, frame.view)
+        for i in range(len(frame.lamps))
     ]
     return (
         [direct_light.through(frame.fog) for direct_light in direct_lights]
@@ -57,7 +57,7 @@ def radiance(
         transparent: Whether the film is.
     """
     cache, view_samples, sky = frame.cache, frame.view_samples, frame.sky
-    gathered = cache.indirect.following(gathered, table, frame.lamps)
+    gathered = cache.indirect.following(gathered, table, frame.sources)
     irradiance = gathered.irradiance
     bare = sum(1 for lamp in frame.lamps if not lamp.pictured)
     if direct_lights[bare:]:
@@ -133,9 +133,10 @@ def table_of(frame: RenderState) -> RadianceTable:
     albedos = torch.stack([p.base * mean * (1 - p.transmission) for p, mean in rows])
     emission = torch.stack([p.emission for p in frame.shading_inputs])
     sky = frame.sky
+    colors = torch.stack([s.color for s in frame.sources]) if frame.sources else frame.colors
     metallic = torch.stack([p.metallic for p in frame.shading_inputs])
     return RadianceTable.of(
-        within(albedos, 0.0, 1.0), metallic, emission, frame.colors, sky.hemispheres, sky.coefficients()
+        within(albedos, 0.0, 1.0), metallic, emission, colors, sky.hemispheres, sky.coefficients()
     )
 
 
@@ -150,7 +151,7 @@ def _behind(
     here = float(ior.detach())
 
     def picture_at(side: int) -> Tensor:
-        behind = frame.cache.behind(material, side, part, max(here + side * _BENT, 1.0), frame.lamps)
+        behind = frame.cache.behind(material, side, part, max(here + side * _BENT, 1.0), frame.sources)
         world = frame.sky.seen(behind.toward) * frame.sky.color[:, None]
         return behind.hits.image(table, behind.ambient(gathered.gather_points).T) + world * behind.hits.open
 

@@ -21,6 +21,8 @@ from ..geometry.gather_points import SparseWeights
 from ..geometry.samples import take
 from ..geometry.vectors import dot, unit
 from ..geometry.visibility import RayGeometry, Surface, facing
+from ..lights.cluster_shadows import ClusterShadows
+from ..lights.clusters import LightClusters
 from ..lights.environment import Sky
 from ..lights.prefilter import GLOSSY, SATIN
 from ..lights.shadows import ShadowFilter, shadow
@@ -75,7 +77,7 @@ class ViewCache:
         view: The camera.
         metals: (M,) weight of mirror reflection of each material, 0 for what is no metal.
         smooth: (M,) bool: materials of which every pixel gets several samples.
-        lamps: How many the scene has, the suns of its world and glowing surfaces included.
+        lamps: The lights, the suns of the world and glowing surfaces included.
         emissive: Indices of materials whose light comes from lamps.
         glowing: Indices of all materials that glow.
         seed: For jitter.
@@ -88,13 +90,14 @@ class ViewCache:
         view: View,
         metals: Tensor,
         smooth: Tensor,
-        lamps: int,
+        lamps: Sequence[LightSource],
         emissive: Sequence[int],
         glowing: Sequence[int],
         seed: int,
     ) -> None:
-        self.scene, self.geometry, self.metals, self._lamps = scene, geometry, metals, lamps
+        self.scene, self.geometry, self.metals = scene, geometry, metals
         self.signature = view.signature()
+        moving = [lamp.moving for lamp in lamps]
         with torch.no_grad():
             self.samples = samples = take(geometry, view.detached(), smooth)
             self._hits = samples.hits.pick(slice(0, samples.surfaces))
@@ -104,10 +107,11 @@ class ViewCache:
             self._view_samples = ViewSamples.of(self._bumped(surface, toward), toward)
             self._smoothing = ShadowFilter(samples, self._view_samples.surface)
             generator = torch.Generator().manual_seed(seed)
-            shape = metals, lamps, emissive, glowing, self._maps, generator
-            self.indirect = FinalGather(
-                geometry, samples, self._view_samples.surface, view.detached(), *shape
-            )
+            surface = self._view_samples.surface
+            self.clusters = LightClusters.of(lamps, moving, surface)
+            self._shared = ClusterShadows(geometry, self._smoothing, surface, self.clusters)
+            shape = metals, len(self.clusters), emissive, glowing, self._maps, generator
+            self.indirect = FinalGather(geometry, samples, surface, view.detached(), *shape)
             self.mean_texture = [_mean(m, geometry.device) for m in scene.materials]
             self.inside, self.depth = self._inside(), self._depth()
             owner = geometry.object[self._hits.triangle]
@@ -184,10 +188,12 @@ class ViewCache:
         return self.samples.resolve(relative).view(self.depth.shape)
 
     def direct_light(
-        self, index: int, lamp: LightSource, view_samples: ViewSamples, view: View
+        self, index: int, lamps: Sequence[LightSource], view_samples: ViewSamples, view: View
     ) -> DirectLight:
-        """Direct light of one light; its shadows are traced again when it has moved."""
-        signature = lamp.signature()
+        """Direct light of one of the lights; its shadows are traced again when it, or one of its cluster, has moved."""
+        lamp, row = lamps[index], self.clusters.row[index]
+        cluster = self.clusters.clusters[row]
+        signature = tuple(number for member in cluster.members for number in lamps[member].signature())
         kept = self._direct_lights.get(index)
         moving = lamp.moving or view_samples.moving
         if not moving and kept is not None and kept.signature == signature and kept.direct_light is not None:
@@ -195,10 +201,13 @@ class ViewCache:
         direct = lamp.irradiance(view_samples.surface.position, view_samples.surface.normal)
         if kept is None or kept.signature != signature:
             with torch.no_grad():
-                kept = self._direct_lights[index] = self._trace(
-                    lamp, signature, None if view_samples.moving else direct
+                kept = self._direct_lights[index] = (
+                    _Shadowed(signature, self._shared.of(row, lamps, signature))
+                    if len(cluster.members) > 1
+                    else self._trace(lamp, signature, None if view_samples.moving else direct)
                 )
-            self._bounce(index, lamp)
+            if index == cluster.members[0]:
+                self._bounce(row, lamp)
         if moving:
             return DirectLight.of(
                 lamp, view_samples, direct, kept.visible + self._moving_shadow(kept, lamp, view)
@@ -249,14 +258,14 @@ class ViewCache:
             side: 0, or -1 and 1 for the IORs beside it: each is kept.
             part: Its samples.
             ior: Its IOR.
-            lamps: The lights.
+            lamps: Those that stand for the clusters of lights.
         """
         place = tuple(lamp.signature() for lamp in lamps)
         kept = self._through.get((material, side))
         if kept is None or abs(kept[0] - ior) > 1e-3:
             with torch.no_grad():
                 toward = self.samples.toward[:, part]
-                shape = ior, self.metals, self._lamps, self._maps
+                shape = ior, self.metals, len(self.clusters), self._maps
                 hits, onward = through(self.geometry, self._view_samples.surface.pick(part), toward, *shape)
             kept = ior, None, RefractedHits(hits, onward, self.indirect.spread_to(hits))
         if kept[1] != place:

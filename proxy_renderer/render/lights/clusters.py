@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Many lights: the strongest are traced each, the others in clusters of such that light what is seen alike.
+
+A cluster shares shadow rays, and one of its lights stands for all of them in bounced light (Walter et al., "Lightcuts", 2005).
+Which lights are alike is read from the matrix of what each sends to points that are seen, unshadowed (Hašan et al., "Matrix
+row-column sampling for the many-light problem", 2007). What each sends directly, and its highlight, stay its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import torch
+from torch import Tensor
+
+from ...color.tensors import luminance
+from ..geometry.k_means import k_means
+from ..geometry.visibility import Surface
+from .types.light_source import LightSource
+
+EXACT = 16
+"""So many lights are traced each: half the strongest and as many clusters, where there are more."""
+_POINTS = 256
+
+
+@dataclass(frozen=True)
+class LightCluster:
+    """Lights that share their shadows.
+
+    Attributes:
+        members: Their indices, the strongest first, which stands for all.
+        shares: What each sends per unit of its color, relative to the first.
+    """
+
+    members: tuple[int, ...]
+    shares: tuple[float, ...]
+
+
+class LightClusters:
+    """All lights of a view, each in one cluster.
+
+    Args:
+        clusters: In an order of their own.
+
+    Attributes:
+        clusters: As given; their indices are the rows of indirect light.
+        row: The row of each light.
+    """
+
+    def __init__(self, clusters: Sequence[LightCluster]) -> None:
+        self.clusters = tuple(clusters)
+        self.row = {member: row for row, c in enumerate(self.clusters) for member in c.members}
+
+    def __len__(self) -> int:
+        return len(self.clusters)
+
+    def hold(self, lamps: Sequence[LightSource]) -> bool:
+        """Whether they are of as many lights, and none that moves shares its shadows with others."""
+        alone = (len(self.clusters[self.row[i]].members) == 1 for i, lamp in enumerate(lamps) if lamp.moving)
+        return len(lamps) == len(self.row) and all(alone)
+
+    def sources(self, lamps: Sequence[LightSource]) -> list[LightSource]:
+        """The light that stands for each cluster, in the color of all.
+
+        Args:
+            lamps: The lights at the values of one render.
+        """
+        return [_source(cluster, lamps) for cluster in self.clusters]
+
+    @staticmethod
+    def of(lamps: Sequence[LightSource], moving: Sequence[bool], surface: Surface) -> LightClusters:
+        """Clusters lights by what they send to a surface; few of them stay alone.
+
+        Args:
+            lamps: The lights.
+            moving: Whether gradients with respect to the place of each are wanted.
+            surface: What the camera sees.
+        """
+        if len(lamps) <= EXACT or not len(surface.material):
+            return LightClusters([LightCluster((i,), (1.0,)) for i in range(len(lamps))])
+        chosen = torch.linspace(0, len(surface.material) - 1, _POINTS).long()
+        some = surface.pick(chosen.to(surface.material.device))
+        sent = torch.stack(
+            [lamp.detached().irradiance(some.position, some.normal).irradiance for lamp in lamps]
+        )
+        colors = torch.stack([lamp.color.detach() for lamp in lamps])
+        matrix = (sent[:, :, None] * colors[:, None]).flatten(1)  # (L, 3 P)
+        strength = matrix.norm(dim=1)
+        order = strength.argsort(descending=True).tolist()
+        shared = [i for i in order if _shares(lamps[i]) and not moving[i]][EXACT // 2 :]
+        groups = [(i,) for i in order if i not in set(shared)]
+        if shared:
+            unit = matrix[shared] / strength[shared].clamp_min(1e-20)[:, None]
+            label = k_means(unit.T, min(EXACT // 2, len(shared))).tolist()
+            alike = [
+                tuple(i for i, k in zip(shared, label, strict=True) if k == n) for n in sorted(set(label))
+            ]
+            groups += alike
+        mean = sent.mean(1).clamp_min(1e-20)
+        rows = [(g, tuple((mean[list(g)] / mean[g[0]]).tolist())) for g in groups]
+        return LightClusters([LightCluster(*row) for row in rows])
+
+
+def weights(cluster: LightCluster, lamps: Sequence[LightSource]) -> Tensor:
+    """How often (C,) shadow rays go to each member: as it lights what is seen, but none never."""
+    bright = luminance(torch.stack([lamps[i].color.detach() for i in cluster.members]))[:, 0]
+    power = (bright * bright.new_tensor(cluster.shares)).clamp_min(0.0)
+    return power + 0.1 * power.mean() + 1e-12
+
+
+def _shares(lamp: LightSource) -> bool:
+    """Whether a light may be in a cluster: one that lights some things only has shadows of its own."""
+    return lamp.light.shadow and not lamp.light.unlit and lamp.shadowless < 0 and not lamp.pictured
+
+
+def _source(cluster: LightCluster, lamps: Sequence[LightSource]) -> LightSource:
+    first = lamps[cluster.members[0]]
+    if len(cluster.members) == 1:
+        return first
+    colors = torch.stack([lamps[i].color for i in cluster.members])
+    return replace(first, color=colors.new_tensor(cluster.shares) @ colors)
