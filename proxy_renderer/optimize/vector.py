@@ -108,7 +108,7 @@ class ParameterVector:
     def strides(self, u: Tensor) -> Tensor:
         """(N,) moves of u (N,) by which a picture changes a little; longer where a power scale is flat."""
         flat = (self._exponent >= _FLAT_FROM) & (u < _FLAT_BELOW)
-        return torch.where(flat, _FLAT_STRIDE, _STRIDE)
+        return torch.where(flat, _FLAT_STRIDE, _STRIDE).to(u)
 
     def values(self, u: Tensor) -> dict[str, Values]:
         """Plain values of u in schema units, to six digits.
