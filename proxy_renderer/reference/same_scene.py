@@ -17,9 +17,9 @@ from ..render.gbuffer import GBuffer
 from .statements import Statement
 
 _ASPECT = 0.02  # share by which proportions may differ
-_ALIKE = 0.55
-"""Correlation of edges from where two pictures show one scene: other scenes stay below .3, the same one under another
-light above .6."""
+_ALIKE = 0.4
+"""Correlation of edges from where two pictures show one scene. Of 19 scenes before and after a vibe it is .51 to .98, of
+240 pairs of two scenes .26 at most."""
 _EDGES = 128  # longer side at which edges are compared, pixels
 _FLAT = 1.0  # L* per pixel: what is below is hardly an edge
 _LONGER = 12  # cells along the longer side
