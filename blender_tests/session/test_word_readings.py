@@ -21,6 +21,11 @@ def typing(addon):
 def read(scene, prompt):
     """The readings of a prompt that is typed now."""
     scene.vibe.prompt = prompt
+    return wait(prompt)
+
+
+def wait(prompt):
+    """The readings of a prompt, when they have come."""
     end = time.monotonic() + 240.0
     while addon_state.readings.newest.prompt != prompt:
         assert time.monotonic() < end
@@ -50,7 +55,7 @@ def test_they_come_while_a_look_is_drawn_and_hold_it_up_by_nothing(typing):
     while addon_state.live.look is None:
         assert time.monotonic() < end
         live_ui._tick()
-        read(typing, typing.vibe.prompt)
+        wait(typing.vibe.prompt)
         time.sleep(0.005)
     assert addon_state.live.words.keys() == {"glossy", "red"}
     bpy.context.window_manager.vibe_live = False

@@ -33,7 +33,9 @@ if TYPE_CHECKING:
 _PREVIEW_SECONDS = 1.0
 _PROGRESS_SECONDS = 0.1
 _Look = TypeVar("_Look", bound=messages.LookSoFar)
-_LOW_PRIORITY = 10  # of 19, as `nice` counts
+_LOW_PRIORITY = (
+    5  # of 19, as `nice` counts: at 10 a busy machine took a minute and more to have an engine warm
+)
 _ANSWER_SECONDS = 600.0
 """Most that Blender may take to answer: it may be rendering something else first."""
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Labeled sentences: those of the clone load, mistakes in a file are found, and a scene without Blender can be planned for."""
 
+import functools
 from collections import Counter
 from pathlib import Path
 
@@ -17,12 +18,13 @@ from proxy_renderer.train.sentences.labels import LabelTarget
 from proxy_renderer.train.sentences.stand_in import stand_in
 
 FOLDERS = sorted({path.parent for path in Path(sentences.__file__).parent.glob("*/sentences_*.toml")})
+of_folder = functools.cache(read_folder)  # reading the thousands of the clone takes half a minute
 ENGLISH = [folder for folder in FOLDERS if (folder / "scenes.toml").is_file()]
 
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
 def test_the_sentences_of_the_clone_are_well_formed(folder):
-    labeled = read_folder(folder)
+    labeled = of_folder(folder)
     kinds = Counter(each.kind for each in labeled)
     assert len(labeled) >= (100 if folder in ENGLISH else 20)
     assert len(kinds) > (10 if folder in ENGLISH else 8)
@@ -34,7 +36,7 @@ def test_there_are_sentences_to_develop_with():
 
 
 def test_no_sentence_is_both_developed_with_and_held_out():
-    texts = [text for folder in FOLDERS for text in {each.text for each in read_folder(folder)}]
+    texts = [text for folder in FOLDERS for text in {each.text for each in of_folder(folder)}]
     assert not [text for text, count in Counter(texts).items() if count > 1]
 
 
