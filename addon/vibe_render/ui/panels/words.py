@@ -32,7 +32,7 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context, readings: messa
         row.alignment = "LEFT"
         for word in line:
             place = row.row(align=True)
-            place.active = word.state != "left out"
+            place.alignment, place.active = "LEFT", word.state != "left out"
             button = place.operator("vibe.reading", text=word.text, icon=_ICONS[word.state], emboss=False)
             button.word, button.state, button.meaning = word.text, word.state, word.meaning
             button.others = "\n".join(word.others)
