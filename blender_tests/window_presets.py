@@ -35,10 +35,11 @@ def presets(screen):
     screen.area.spaces.active.region_3d.view_perspective = "CAMERA"
     before = values()
     yield 0.5
-    yield from screen.click_at(308, 0.45)  # Browse: a popover's button says nothing of itself
+    top = yield from screen.top_of("vibe.run", 280)
+    yield from screen.click_at(top + 87, 0.45)  # Browse: a popover's button says nothing of itself
     yield 1.5
     screen.shoot("grid")
-    yield from search(screen, held)
+    yield from search(screen, held, top)
     yield from screen.click_on("vibe.preset_apply", 543)
     yield from screen.wait(lambda: snapshot.exists(bpy.context.scene), 120, "the preset is applied")
     yield from screen.away()
@@ -50,17 +51,17 @@ def presets(screen):
     screen.observed["preset_revert_restores"] = values() == before
 
 
-def search(screen, held):
+def search(screen, held, top):
     """Words are typed into the grid's search field, and pictures' buttons are clicked; it is below Browse."""
     from bl_ext.user_default.vibe_render.looks import library
 
-    yield from screen.click_at(348, 0.45)
+    yield from screen.click_at(top + 127, 0.45)
     screen.type("misty")
     screen.press("Return")
     yield 1.0
     own = held.chosen
     for number, place in enumerate((0.18, -0.3)):  # the second and the first of those that are left
-        yield from screen.click_at(488, place)
+        yield from screen.click_at(top + 267, place)
         yield from screen.wait(lambda n=number: (held.chosen == own) == bool(n), 30, "a picture is chosen")
         yield 0.7
         screen.shoot(f"search_{number + 1}")

@@ -113,6 +113,16 @@ class Screen:
             yield from self.scroll(5, 12)
         raise LookupError(f"There is no {what} in the sidebar, but {sorted(met)}.")
 
+    def top_of(self, what, near=0):
+        """Finds a button, and returns its upper edge in pixels below the window's top: what is below it says nothing of itself."""
+        yield from self.find(what, near)
+        x, below, _ = self.observed["found"][what]
+        while what in self.under_mouse():
+            below -= 3
+            self.move(self.sidebar.x + self.sidebar.width * x, self.window.height - below)
+            yield 0.1
+        return below
+
     def scroll(self, wheel, times):
         """Turns the wheel over the sidebar: 4 is up, 5 is down."""
         region = self.sidebar

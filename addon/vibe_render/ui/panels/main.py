@@ -159,8 +159,8 @@ class _Advanced(_Idle):
 
 _PANELS: tuple[tuple[str, type, str], ...] = (
     ("main", _Main, ""),
-    ("picture", picture.PicturePanel, "main"),
     ("presets", presets.PresetsPanel, "main"),
+    ("picture", picture.PicturePanel, "main"),
     ("result", result.ResultPanel, ""),
     ("changes", result.ChangesPanel, "result"),
     ("scope", _Scope, ""),
