@@ -6,8 +6,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 
-from ..schema.options import command_line
-from ..schema.options.table import BASELINES, named
+from ..schema.options.table import BASELINES
 
 HALVES = ("development", "held-out", "all")
 """Of a corpus of scenes: where faults may be looked for, where not, and both."""
@@ -182,7 +181,6 @@ def _binding(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--misses", action="store_true", help="show each mistaken sentence, with what was wanted"
     )
-    command_line.add_option(sub, named("reader"))
     sub.add_argument(
         "--folds",
         type=int,

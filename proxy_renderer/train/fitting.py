@@ -17,9 +17,9 @@ from scipy.optimize import minimize
 from scipy.sparse import csr_matrix
 from scipy.special import logsumexp
 
-from ..prompt.fitted.assignment import link
-from ..prompt.fitted.model import FactWeights, likeliest
-from ..prompt.fitted.pairs import PromptPairs, TargetPair
+from ..prompt.binding.assignment import link
+from ..prompt.binding.model import FactWeights, likeliest
+from ..prompt.binding.pairs import PromptPairs, TargetPair
 
 _LEAST = 3  # sentences in which a fact has to be
 _WRONG = -1e9  # logarithm of a probability of nothing
@@ -99,7 +99,7 @@ def fit_links(every: Sequence[tuple[Example, Mapping[str, float]]], l2: float) -
                     np.add.at(slope, place, sign * share)
         return value, slope
 
-    return _least(loss, names, l2)
+    return _least(loss, names, l2, steps=40)
 
 
 @dataclass(frozen=True)
@@ -142,7 +142,7 @@ def _chain(likely: list[np.ndarray], links: list[np.ndarray]) -> tuple[float, li
 
 
 def _least(
-    loss: Callable[[np.ndarray], tuple[float, np.ndarray]], names: list[str], l2: float
+    loss: Callable[[np.ndarray], tuple[float, np.ndarray]], names: list[str], l2: float, steps: int = 300
 ) -> FactWeights:
     """The weights at which loss and penalty are least."""
 
@@ -150,7 +150,7 @@ def _least(
         value, slope = loss(weights)
         return value + 0.5 * l2 * float(weights @ weights), slope + l2 * weights
 
-    found = minimize(penalized, np.zeros(len(names)), jac=True, method="L-BFGS-B", options={"maxiter": 300})
+    found = minimize(penalized, np.zeros(len(names)), jac=True, method="L-BFGS-B", options={"maxiter": steps})
     return {name: float(w) for name, w in zip(names, found.x, strict=True)}
 
 

@@ -13,6 +13,7 @@ from .scene import NounMention, fit_rank
 from .targets import LAMPS, MATTER, Target
 
 _TIES = ("link", "around", "joiner", "comparison", "exception")
+_ARTICLES = ("a", "an", "the")
 _FAR = 4  # items from which distance says no more
 
 
@@ -43,17 +44,23 @@ class PairFeatures:
         kind, sort = _group(target.kind), self._sort(look)
         yield f"a {sort} word of {target.kind}"
         yield f"'{look.word.token.adjective or look.word.token.entry or 'a color'}' at {kind}"
+        yield f"'{look.word.token.adjective or look.word.token.entry or 'a color'}' of {target.kind}"
         yield f"{becoming.way} at {kind}"
+        if "thing" in look.word.token.lists:
+            yield f"a thing too at {kind}: led by {self._lead(look.index)}"
         if becoming.slot:
             yield f"{becoming.slot} at {kind}"
+        if look.word.token.color:
+            yield from (f"{sign} at {kind}" for sign in _of_color(look))
         if look.word.negated:
             yield f"negated at {kind}"
         if look.guessed:
             yield f"guessed at {kind}"
+            yield f"guessed at {kind} by {look.confidence:.1f}"
         if target.mention < 0:
             yield from self._unnamed(look, target)
         else:
-            yield from self._named(look, target)
+            yield from self._named(look, target, becoming)
 
     def _sort(self, look: PromptLook) -> str:
         token = look.word.token
@@ -114,8 +121,12 @@ class PairFeatures:
     def _unnamed(self, look: PromptLook, target: Target) -> Iterator[str]:
         """Of what no noun names: what the clause and the prompt name instead."""
         clause = self.passage.items[look.index].clause
-        own = [m for m in self.mentions if self.passage.items[m.start].clause == clause and not _is(m, look)]
-        rest = [m for m in self.mentions if m not in own and not _is(m, look)]
+        own = [
+            m
+            for m in self.mentions
+            if self.passage.items[m.start].clause == clause and not m.covers(look.index)
+        ]
+        rest = [m for m in self.mentions if m not in own and not m.covers(look.index)]
         yield f"{target.kind} unnamed: clause names {_kinds(own)}"
         yield f"{target.kind} unnamed: prompt names {_kinds(rest)}"
         alone = len([i for i in self.passage.items if i.clause == clause and not i.filler]) == 1
@@ -126,9 +137,55 @@ class PairFeatures:
         after = next(iter(self.passage.content(look.index + 1, len(self.passage.items))), None)
         if after and after.clause == clause:
             yield f"{target.kind} unnamed: before {self._role_of(after.token)}"
+            yield f"{target.kind} unnamed: before '{after.token.text}'"
+            if "hour" in after.token.lists:
+                yield f"{target.kind} unnamed: a {self._sort(look)} word before an hour"
+        lead = self._lead(look.index)
+        yield f"{target.kind} unnamed: led by {lead}"
+        yield f"{target.kind} unnamed: led by {lead}, prompt names {_kinds(rest)}"
+        yield f"{target.kind} unnamed: {self._turn(clause)}"
+        yield f"{self._sort(look)} of {target.kind} unnamed: {self._turn(clause)}"
+
+    def _lead(self, index: int) -> str:
+        """The word before a look word and its neighbors that are looks too: "on" of "on a glossy black floor"."""
+        clause = self.passage.items[index].clause
+        for place in range(index - 1, -1, -1):
+            item = self.passage.items[place]
+            if item.clause != clause:
+                break
+            if (
+                item.ties
+                or place in self._noun_at
+                or not (place in self._look_at or item.token.text in _ARTICLES)
+            ):
+                return self._lead_word(place)
+        return "nothing"
+
+    def _lead_word(self, place: int) -> str:
+        item = self.passage.items[place]
+        if item.ties:
+            after = "a look" if place - 1 in self._look_at else "others"
+            return f"'{item.token.text}' after {after}"
+        return f"'{item.token.text}'" if item.filler else "a noun" if place in self._noun_at else "others"
+
+    def _turn(self, clause: int) -> str:
+        """What the clause before a look word's ends with: "after a clause of light"."""
+        before = [i for i, item in enumerate(self.passage.items) if item.clause == clause - 1]
+        for place in reversed(before):
+            token = self.passage.items[place].token
+            if place in self._noun_at or place in self._look_at:
+                slot = (
+                    self.vocabulary.entries[token.entry].slot
+                    if token.entry
+                    else "color"
+                    if token.color
+                    else "adjective"
+                )
+                return f"after a clause that ends in {token.noun or ('a name' if place in self._noun_at else slot)}"
+        return "after nothing" if clause == 0 else "after a clause of neither"
 
     def _is_noun_too(self, look: PromptLook) -> bool:
-        return any(_is(m, look) for m in self.mentions)
+        return any(m.covers(look.index) for m in self.mentions)
 
     def _role_of(self, token: object) -> str:
         place = next(i for i, item in enumerate(self.passage.items) if item.token is token)
@@ -139,19 +196,22 @@ class PairFeatures:
         lists = self.passage.items[place].token.lists
         return next((tie for tie in _TIES if tie in lists), "other")
 
-    def _named(self, look: PromptLook, target: Target) -> Iterator[str]:
+    def _named(self, look: PromptLook, target: Target, becoming: Becoming) -> Iterator[str]:
         """Of what a noun names: how the noun and the look word stand to each other, and how the noun fits."""
         mention = self.mentions[target.mention]
         kind = _group(target.kind)
-        if mention.start <= look.index <= mention.end:
+        if mention.covers(look.index):
             yield f"itself at {kind}"
             return
         yield from (f"{kind} by {sign}" for sign in target.signs)
         yield from self._placed(look, mention, kind)
+        side = "after" if mention.start > look.index else "before"
+        yield f"{becoming.way} at {kind}, {side}: led by {self._lead(look.index)}"
         yield f"{target.kind} by noun {mention.noun or 'of the scene'}"
         yield f"{kind} {'surest' if self._is_surest(mention, target) else 'less sure'}"
         if len(target.names) > 1 and not mention.text.endswith("s") and mention.members == 1:
             yield f"several at {kind} by a singular"
+            yield from (f"several at {kind} by a singular, {sign}" for sign in target.signs)
         if mention.text.endswith("s") and len(target.names) > 1:
             yield f"plural at {kind}"
         if target.kind == "things" and target.names <= self._glows():
@@ -183,6 +243,7 @@ class PairFeatures:
         yield f"{where}: {min(nouns, 2)} nouns between"
         yield f"{where}: {min(looks, 2)} looks between"
         yield f"{where}: {self._style} first"
+        yield f"{where}: look led by {self._lead(look.index)}"
         yield f"{where}: clause {self._ends[items[look.index].clause]}"
         yield f"{where}: {self._rival(look, mention, len(between))}"
         if not between and not apart:
@@ -222,13 +283,21 @@ class PairFeatures:
             yield f"{where}: first of its clause"
 
 
+def _of_color(look: PromptLook) -> Iterator[str]:
+    """How a color is said: "cold blue", "muted greens", a word that is a material too."""
+    token = look.word.token
+    first, *more = token.text.split()
+    if more:
+        yield f"color that is {first}"
+    if token.text.endswith("s") and not token.name.endswith("s"):
+        yield "plural color"
+    if token.entry:
+        yield "color and entry"
+
+
 def _group(kind: str) -> str:
     """Kinds of targets that behave alike."""
     return "matter" if kind in MATTER else "lamp" if kind in LAMPS else kind
-
-
-def _is(mention: NounMention, look: PromptLook) -> bool:
-    return mention.start <= look.index <= mention.end
 
 
 def _kinds(mentions: list[NounMention]) -> str:
