@@ -77,7 +77,7 @@ def a_preset(screen):
     yield from screen.open(row + 70, 0.45)
     yield 0.7
     screen.shoot("grid")
-    yield from screen.click_at(row + 70 + 319, 0.4)
+    yield from screen.click_at(row - 131, 0.4)  # Moonlight: the grid opens upward
     yield from screen.wait(lambda: snapshot.exists(bpy.context.scene), 60, "the preset is applied")
     screen.observed["preset"] = bpy.context.scene.vibe.vibed_preset
     screen.press("Escape")
