@@ -41,7 +41,7 @@ class RoundObjective:
         upper: (N,) upper corner.
         pull: (N,) weight in [0, 1] of the prior on each component, 0 where words name the value.
         any_hue: Keys of colors whose hue is free.
-        differences: Whether slopes are taken by differences, see `linear_model.linearize`.
+        differences: Whether slopes are taken by differences, see `inner.slopes.difference_slopes`.
         weights: Of the claims, of the prior and of the consistency of hues.
     """
 

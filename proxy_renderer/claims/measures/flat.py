@@ -12,8 +12,8 @@ from torch import Tensor
 from .picture import MeasuredPicture
 from .tone import lightness_below
 
-_SHADOWS, _LIGHTS = (0.02, 0.25), (0.75, 0.98)
-"""Shares of the pixels in order of lightness that shadows and lights are read from."""
+SHADOWS, MIDTONES, LIGHTS = (0.02, 0.25), (0.25, 0.75), (0.75, 0.98)
+"""Shares of the pixels in order of lightness that shadows, midtones and lights are read from."""
 
 _PATCH = 24
 """Patches of a dark channel along the longer side of a picture."""
@@ -48,34 +48,16 @@ def spread(picture: MeasuredPicture, where: Tensor) -> Tensor:
     return (lightness_below(picture, where, 0.9) - lightness_below(picture, where, 0.1))[None]
 
 
-def shadow_tint(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Tint of the darkest quarter of a region: (2,) a* and b* of CIE Lab.
+def tint_between(low: float, high: float) -> Callable[[MeasuredPicture, Tensor], Tensor]:
+    """The measure of the mean tint of what lies between two shares of a region in order of lightness: (2,) a* and b* of CIE Lab."""
 
-    Args:
-        picture: The picture.
-        where: (H, W) bool, the region.
-    """
-    return _tint_between(picture, where, *_SHADOWS)
+    def take(picture: MeasuredPicture, where: Tensor) -> Tensor:
+        lab = picture.lab[where]
+        order = lab[:, 0].detach().argsort()
+        first, last = round(low * (len(order) - 1)), round(high * (len(order) - 1))
+        return lab[order[first : last + 1], 1:].mean(0)
 
-
-def midtone_tint(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Tint of the middle half of a region by lightness: (2,) a* and b*.
-
-    Args:
-        picture: The picture.
-        where: (H, W) bool, the region.
-    """
-    return _tint_between(picture, where, _SHADOWS[1], _LIGHTS[0])
-
-
-def highlight_tint(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Tint of the lightest quarter of a region: (2,) a* and b*.
-
-    Args:
-        picture: The picture.
-        where: (H, W) bool, the region.
-    """
-    return _tint_between(picture, where, *_LIGHTS)
+    return take
 
 
 def from_right(picture: MeasuredPicture, where: Tensor) -> Tensor:
@@ -113,14 +95,6 @@ def veil(picture: MeasuredPicture, where: Tensor) -> Tensor:
     width = 2 * (max(where.shape) // _PATCH // 2) + 1
     least = -F.max_pool2d(-picture.display.amin(-1)[None, None], width, stride=1, padding=width // 2)[0, 0]
     return 100 * least[where].mean()[None]
-
-
-def _tint_between(picture: MeasuredPicture, where: Tensor, low: float, high: float) -> Tensor:
-    """(2,) mean a* and b* of what lies between two shares in the order of lightness."""
-    lab = picture.lab[where]
-    order = lab[:, 0].detach().argsort()
-    first, last = round(low * (len(order) - 1)), round(high * (len(order) - 1))
-    return lab[order[first : last + 1], 1:].mean(0)
 
 
 def _across(picture: MeasuredPicture, where: Tensor, axis: int) -> Tensor:
