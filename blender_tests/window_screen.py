@@ -151,18 +151,14 @@ class Screen:
         for _ in range(5):
             self.move(x, self.window.height - below)
             yield 0.5
-            shown = self._around(x, below)
+            shown = self.pixels(x - 80, below + 20)
             self.click()
             for _ in range(20):
                 yield 0.1
-                if self._around(x, below) != shown:
+                if self.pixels(x - 80, below + 20) != shown:
                     yield 0.5
                     return
         raise TimeoutError(f"Nothing opens {below} pixels below the window's top.")
-
-    def _around(self, x, below):
-        """What is shown below a place and above it: a list opens to the side that has room."""
-        return self.pixels(x - 80, below + 20), self.pixels(x - 80, below - 80)
 
     def pixels(self, x, below):
         """A small piece of what is shown."""

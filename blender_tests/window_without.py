@@ -74,8 +74,10 @@ def a_preset(screen):
     shutil.rmtree(library.folder(), ignore_errors=True)  # so that ours are at the same places every time
     yield from screen.find("vibe.look_for_engine", 430)
     row = screen.observed["found"]["vibe.look_for_engine"][1]
-    yield from screen.open(row + 70, 0.45)
-    yield 0.7
+    yield from screen.click_at(
+        row + 70, 0.45
+    )  # Browse; its grid opens upward, where nothing tells that it is there
+    yield 1.5
     screen.shoot("grid")
     yield from screen.click_at(row - 131, 0.4)  # Moonlight: the grid opens upward
     yield from screen.wait(lambda: snapshot.exists(bpy.context.scene), 60, "the preset is applied")
