@@ -111,8 +111,7 @@ def dragged_back(screen, folder):
 
 def choose(screen, below):
     """An entry of the chosen preset's menu: so many pixels below its button."""
-    yield from screen.find("vibe.preset_apply", 740)
-    row = screen.observed["found"]["vibe.preset_apply"][1] - 72
+    row = (yield from screen.top_of("vibe.preset_apply", 740)) - 59
     yield from screen.open(row, 0.815)
     yield from screen.click_at(row + below, 0.98)
 
