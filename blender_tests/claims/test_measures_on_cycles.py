@@ -8,12 +8,13 @@ import pytest
 import torch
 from studio import Studio
 
-from proxy_renderer.claims.measures.picture import region_of
+from proxy_renderer.claims.measures.picture import MeasuredPicture, region_of
 from proxy_renderer.claims.measures.registry import MEASURES
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 
 GRAY, RED = (0.35, 0.35, 0.35), (0.5, 0.05, 0.04)
+METAL = {"material__Ball__metallic": 1.0}
 # measure, part, the values of a picture that has little of it, and of one that has much
 MOVES = [
     ("lightness", "picture", {"film__exposure": -1.0}, {}),
@@ -32,6 +33,10 @@ MOVES = [
     ("light_front", "subject", {"light__Key__azimuth": 90.0}, {"light__Key__azimuth": 0.0}),
     ("key_to_fill", "subject", {"world__strength": 4.0}, {"world__strength": 0.0}),
     ("rim", "subject", {"light__Key__azimuth": 0.0}, {"light__Key__azimuth": 150.0}),
+    ("unscattered", "subject", {"material__Ball__metallic": 0.0}, {"material__Ball__metallic": 1.0}),
+    ("unscattered", "subject", {"material__Ball__transmission": 0.0}, {"material__Ball__transmission": 1.0}),
+    ("sharpness", "subject", {"material__Ball__roughness": 0.5} | METAL, {"material__Ball__roughness": 0.05} | METAL),
+    ("sheen", "subject", {"material__Ball__roughness": 0.8}, {"material__Ball__roughness": 0.8, "material__Ball__sheen": 1.0}),
 ]  # fmt: skip
 
 
@@ -71,3 +76,15 @@ def test_what_the_air_lets_through_is_what_a_homogeneous_fog_does(studio, densit
     assert float(apart.quantile(0.9)) < 0.02  # pixels on outlines see two distances
     assert set(seen.material.unique().tolist()) <= {-1, *range(len(seen.materials))}
     assert float(seen.subject.max()) == 1.0
+
+
+def test_mist_that_thins_with_height_hides_the_foot_and_leaves_the_head(studio):
+    proxy = Proxy(load_scene(studio.job.folder), (64, 64))
+    measure, hidden = MEASURES["mist_below"], []
+    for falloff in (0.0, 1.5):
+        fog = {"volume/density": torch.tensor([0.3]), "volume/falloff": torch.tensor([falloff])}
+        seen = proxy.gbuffer(fog)
+        shown = MeasuredPicture(torch.zeros(*seen.subject.shape, 3), seen)
+        hidden.append(float(measure.take(shown, region_of(seen, "subject"))[0]))
+    assert abs(hidden[0]) < measure.notice
+    assert hidden[1] > 2 * measure.notice

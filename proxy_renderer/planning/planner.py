@@ -17,10 +17,8 @@ from .owners import BACKDROP, SEEN, Owners
 from .ranges import clip, effect_range
 from .sources import Range, Sources, WorldLook
 from .support import supports
-from .vignette import seen_vignette
 from .wishes import STAGES, Wishes, stage_of
 
-_NOTICED = 0.7  # exponent of a weak vignette's strength: half of it is not noticed at all
 _NOT = 0.6  # "not glossy" asks for a mild "matte"
 _SECOND = 6  # how much later a mood's own words come than the prompt's
 
@@ -93,8 +91,6 @@ class _Planner:
     def _demands(self, attribute: Attribute, effect: Effect) -> list[Demand]:
         shown = self.vocabulary.entries.get(attribute.entry)
         strength = attribute.strength
-        if effect.name == "vignette" and strength < 1.0:
-            strength **= _NOTICED
         if attribute.negated and shown and not shown.never and shown.opposite:
             strength = _NOT
         demands = []
@@ -121,18 +117,11 @@ class _Planner:
             priority = effect.priority + (2 if effect.weak else 0) + (_SECOND if attribute.cause else 0)
             light = f"material/{instance.owner}" if instance.parameter.group == "material" else instance.owner
             priority += 2 * (effect.owner == "lights" and light not in self.owners.key)
-            if effect.name == "vignette":
-                lower, upper = clip(*self._seen_vignette((lower, upper)), instance)
             reason = reason_of(attribute, shown.phrase if shown else "")
             demands.append(
                 Demand(instance.key, lower, upper, attribute, reason, effect.weak, priority, vague)
             )
         return demands
-
-    def _seen_vignette(self, ends: Range) -> Range:
-        context, named = self.sources.context, self.parsed.colors.get("surroundings")
-        shown = named or (context.picture.lab.get("surroundings") if context.picture else None)
-        return seen_vignette(ends, shown[0] if shown else None, context.view)
 
     def _settle(self, demands: list[Demand]) -> None:
         """Intersects what the words want; where they contradict each other, the first one has its way."""

@@ -12,6 +12,7 @@ from proxy_renderer.claims.claim import Claim, ClaimSet
 from proxy_renderer.claims.colored import tinted
 from proxy_renderer.claims.measures.picture import MeasuredPicture, region_of
 from proxy_renderer.claims.measures.registry import MEASURES
+from proxy_renderer.color.tensors import linear_from_srgb, srgb_from_linear
 from proxy_renderer.render.gbuffer import GBuffer
 
 SIZE = 96
@@ -82,6 +83,27 @@ def rimmed(light: float) -> MeasuredPicture:
     return picture(torch.where(edge[..., None], torch.tensor(light), plain))
 
 
+def mirroring(blur: float) -> MeasuredPicture:
+    """The ball as metal before a dark ground below a bright sky; the horizon in it is this wide, in heights of normals."""
+    normal, inside = ball()
+    sky = 0.2 + 0.6 * torch.sigmoid(8 * (normal[..., 1] - 0.1) / blur)
+    return picture(torch.where(inside[..., None], sky[..., None].expand(SIZE, SIZE, 3), torch.tensor(0.3)))
+
+
+def velvet(amount: float) -> MeasuredPicture:
+    """The ball with a glow that grows towards its outline."""
+    normal, inside = ball()
+    glow = amount * (1 - normal[..., 2]).pow(3) * inside
+    return picture((picture(light=(0.3, 0.3, 0.9)).display + glow[..., None]).clamp_max(1.0))
+
+
+def misty(below: float) -> MeasuredPicture:
+    """The ball in air that lets through all of its light at the top of the frame, and less and less down to its bottom."""
+    shown = picture()
+    passing = 1 - below * torch.linspace(0, 1, SIZE)[:, None].expand(SIZE, SIZE)
+    return MeasuredPicture(shown.display, replace(shown.seen, transmittance=passing))
+
+
 WARM = torch.tensor([1.15, 1.0, 0.75])
 RISING = {
     "lightness": ("picture", graded(lambda p: 0.5 * p), graded(lambda p: p)),
@@ -106,6 +128,9 @@ RISING = {
     "key_to_fill": ("subject", picture(light=(0.2, 0.2, 0.9)), picture(light=(0.9, 0.2, 0.1))),
     "rim": ("subject", rimmed(0.1), rimmed(0.9)),
     "gloss": ("subject", spotted(0.7), spotted(0.07)),
+    "sharpness": ("subject", mirroring(2.0), mirroring(0.2)),
+    "unscattered": ("subject", picture(), mirroring(0.4)),
+    "sheen": ("subject", velvet(0.0), velvet(0.5)),
     "lower_quartile": ("picture", graded(lambda p: 0.6 * p), graded(lambda p: p)),
     "median": ("picture", graded(lambda p: 0.6 * p), graded(lambda p: p)),
     "upper_quartile": ("picture", graded(lambda p: 0.6 * p), graded(lambda p: p)),
@@ -114,6 +139,7 @@ RISING = {
     "from_above": ("subject", picture(light=(0.2, -0.6, 0.4)), picture(light=(0.2, 0.6, 0.4))),
     "veil": ("picture", graded(lambda p: p), graded(lambda p: 0.3 + 0.7 * p)),
     "haze": ("surroundings", picture(transmittance=0.9), picture(transmittance=0.4)),
+    "mist_below": ("subject", misty(0.0), misty(0.5)),
     "air_lightness": ("surroundings", picture(wall=(0.3, 0.3, 0.3), transmittance=0.4), picture(wall=(0.7, 0.7, 0.7), transmittance=0.4)),
 }  # fmt: skip
 """Measure -> a part, a picture that has little of it, one that has much."""
@@ -141,7 +167,21 @@ def test_a_measure_rises_noticeably_with_what_it_measures(name: str) -> None:
     assert float(taken(name, much, part) - taken(name, little, part)) > 2 * MEASURES[name].notice
 
 
-@pytest.mark.parametrize("name", [n for n in RISING if n != "haze"])
+OF_THE_AIR = ("haze", "mist_below")
+"""Measures of what fog lets through, which is another picture than that of colors."""
+
+
+@pytest.mark.parametrize("name", OF_THE_AIR)
+def test_measures_of_the_air_have_gradients_that_point_there(name: str) -> None:
+    part, little, much = RISING[name]
+    way = torch.tensor(0.5, requires_grad=True)
+    ends = little.seen.transmittance, much.seen.transmittance
+    seen = replace(much.seen, transmittance=ends[0] + way * (ends[1] - ends[0]))
+    (slope,) = torch.autograd.grad(taken(name, MeasuredPicture(much.display, seen), part).sum(), way)
+    assert slope > 0
+
+
+@pytest.mark.parametrize("name", [n for n in RISING if n not in OF_THE_AIR])
 def test_measures_have_gradients_that_point_there(name: str) -> None:
     part, little, much = RISING[name]
     way = torch.tensor(0.5, requires_grad=True)
@@ -293,3 +333,15 @@ def test_the_edges_of_a_pattern_are_no_shadows() -> None:
         )
         assert unknown > 0.5
         assert (known > 0.2) == hard
+
+
+def test_paint_is_no_metal_however_glossy_and_whatever_pattern_it_has() -> None:
+    """A highlight and a texture are no images of other things."""
+    squares = torch.arange(SIZE) // 8
+    pattern = torch.where((squares[:, None] + squares) % 2 == 0, 1.4, 0.6)
+    plain = picture(light=(0.2, 0.3, 0.9))
+    light = linear_from_srgb(plain.display) * pattern[..., None]
+    tiled = MeasuredPicture(srgb_from_linear(light), replace(plain.seen, pattern=pattern))
+    for painted in (spotted(0.07), tiled):
+        assert float(taken("unscattered", painted, "subject")) < 0.1
+    assert float(taken("unscattered", mirroring(0.2), "subject")) > 0.2

@@ -49,7 +49,11 @@ def test_claims_of_the_vocabulary_can_be_read_and_those_of_heads_name_classes() 
         ("dark and moody, lit from the left", {("lightness", "picture"), ("light_right", "subject")}),
         ("a dark background", {("lightness", "surroundings")}),
         ("blue light", {("tint", "picture")}),
-        ("the vase is gold", {("tint", "subject")}),
+        ("the vase is gold", {("tint", "subject"), ("unscattered", "subject")}),
+        ("a glass vase", {("unscattered", "subject")}),
+        ("the table is chrome", {("sharpness", "surroundings")}),
+        ("velvet", {("sheen", "subject")}),
+        ("ground fog", {("mist_below", "subject"), ("haze", "surroundings")}),
         (
             "teal shadows and orange highlights",
             {("shadow_warmth", "picture"), ("highlight_warmth", "picture")},

@@ -6,8 +6,10 @@ from dataclasses import replace
 import pytest
 import torch
 from loop_parts import PROMPT, Silent
+from tiny_job import write_job
 
 from proxy_renderer.claims.wanted import claims_of
+from proxy_renderer.engine.claimed import claims_about, foreseen
 from proxy_renderer.guidance.encoder import Encoder
 from proxy_renderer.optimize.inner.descent import fixed_views
 from proxy_renderer.optimize.rounds import refinement
@@ -16,6 +18,7 @@ from proxy_renderer.optimize.rounds.refinement import Refinement
 from proxy_renderer.optimize.rounds.search import Missed, Search, Start
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.prompt.types import Plan
+from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import VibeError
 from proxy_renderer.schema.messages import Options
 
@@ -145,6 +148,18 @@ def test_a_claim_out_of_reach_of_its_words_ranges_is_earned_in_wider_ones(search
         for a, v, b in zip(low, values, high, strict=True):
             assert a - 1e-5 * (1 + abs(a)) <= v <= b + 1e-5 * (1 + abs(b))
         assert all(a <= v <= b for a, v, b in zip(instance.lower, values, instance.upper, strict=True))
+
+
+@pytest.mark.parametrize("gray", [0.03, 0.8])
+def test_a_vignette_is_earned_on_dark_and_on_light_ground(tmp_path, encoder, gray):
+    """Its range is the same on both; how dark corners are is for the claim to see."""
+    scene = load_scene(write_job(tmp_path / "job", **{"material/Floor/base_color": (gray,) * 3}))
+    chosen = Options(rounds=2, steps=4, size=64)
+    begun = Search([ShotInput(scene)], "vignette", chosen, encoder, encoder, Silent(), None)
+    outcome = Refinement(begun, Start(begun.vector.encode({}))).run()
+    (claim,) = (row for row in foreseen(outcome, claims_about(outcome)) if row["measure"] == "vignette")
+    assert claim["holds"]
+    assert claim["after"] > claim["before"] + 4.0
 
 
 @pytest.mark.parametrize("inner", ["least-squares", "adam"])

@@ -458,16 +458,6 @@ def test_small_parts_keep_their_color():
     assert plan_["material/Tyre/base_color"].priority is None
 
 
-def test_a_vignette_is_seen_as_much_on_white_as_on_gray():
-    ends = {}
-    for ground in (50.0, 88.0):
-        entry = make_plan("slight vignette", context=pictured(40.0, (ground, 0.0, 0.0)))["film/vignette"]
-        ends[ground] = entry.lower[0]
-        corner = lightness(radiance(ground, "AgX") * (1 - entry.lower[0]), "AgX")
-        assert 5.0 < ground - corner < 12.0
-    assert ends[88.0] > ends[50.0] + 0.1
-
-
 def test_a_silhouette_stands_before_something_bright():
     dim, lit = (
         make_plan("tree silhouette", context=pictured(8.0, (ground, 0.0, 0.0)))["film/exposure"]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from torch import Tensor
 
-from . import air, color, flat, light, tone
+from . import air, color, flat, light, surface, tone
 
 
 @dataclass(frozen=True)
@@ -56,6 +56,9 @@ MEASURES: dict[str, Measure] = {
     "key_to_fill": Measure(light.key_to_fill, "stops", 0.3, "from shade to light"),
     "rim": Measure(light.rim, "L*", 3.0, "lightness of the outline above the inside"),
     "gloss": Measure(light.gloss, "L*", 1.5, "contrast of highlights"),
+    "sharpness": Measure(surface.sharpness, "L*/px", 0.4, "sharpness of reflections"),
+    "unscattered": Measure(surface.unscattered, "", 0.05, "share of mirrored or transmitted light"),
+    "sheen": Measure(surface.sheen, "", 0.05, "glow along the edges"),
     "mean": Measure(flat.mean, "OKLab", 1.0, "color"),
     "lower_quartile": Measure(flat.tone(0.25), "L*", 2.0, "lightness of the darker quarter"),
     "median": Measure(flat.tone(0.5), "L*", 2.0, "median lightness"),
@@ -68,6 +71,7 @@ MEASURES: dict[str, Measure] = {
     "from_above": Measure(flat.from_above, "L*", 3.0, "lighter above than below"),
     "veil": Measure(flat.veil, "%", 3.0, "light over everything"),
     "haze": Measure(air.haze, "", 0.04, "share of light that the air takes away"),
+    "mist_below": Measure(air.mist_below, "", 0.04, "how much more the air hides below than above"),
     "air_lightness": Measure(air.air_lightness, "L*", 2.0, "lightness of the air"),
 }
 """By name, as `heads.toml` and the vocabulary's claims call them."""
