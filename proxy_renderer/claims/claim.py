@@ -38,7 +38,7 @@ class Claim:
 
     The measure is to lie between `lower` and `upper`. Where `change` is given, it is also enough if the measure has
     risen (or fallen, below 0) by so much since the artist's picture and is not far from the interval; what is too much
-    there already may stay.
+    there already may stay, and all of it where `change` is 0.
 
     Attributes:
         word: As the prompt says it; "" for what holds without words, as that the subject can be seen.
@@ -56,6 +56,7 @@ class Claim:
         reason: Why it is claimed, in words; "" where the word says it.
         apart: Parts, each with its materials, that are left out: those that words color, where light is spoken of.
         weight: How much a step counts while values are sought: less, where a mood only usually stands for it.
+        compares: Whether the word only compares, as "colder" does: beside a picture it is meant relative to that.
     """
 
     word: str
@@ -72,6 +73,7 @@ class Claim:
     reason: str = ""
     apart: tuple[tuple[Part, tuple[str, ...]], ...] = ()
     weight: float = 1.0
+    compares: bool = False
 
     def region(self, seen: GBuffer) -> Tensor | None:
         """The pixels (H, W) bool that it speaks of; None where the thing is hardly seen."""
@@ -100,12 +102,15 @@ class Claim:
         """
         if self.change is None or before is None:
             return self.lower, self.upper
+        if not self.change:
+            stays = before.tolist()
+            return tuple(map(min, self.lower, stays)), tuple(map(max, self.upper, stays))
         own = float(before[0])
-        rises = self.change > 0.0 or not math.isfinite(self.upper[0])
+        rises = self.change > 0.0
         lower, upper = own + self.change if rises else own, own if rises else own + self.change
-        if rises and self.change:
+        if rises:
             lower = max(lower, self.lower[0] - _NEARLY * self.change)
-        elif self.change:
+        else:
             upper = min(upper, self.upper[0] - _NEARLY * self.change)
         return (min(self.lower[0], lower),), (max(self.upper[0], upper),)
 

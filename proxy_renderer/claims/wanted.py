@@ -18,6 +18,7 @@ from ..prompt.types import Attribute, Parsed
 from ..schema import Values
 from .claim import Claim
 from .colored import of_color, of_matter, part_of
+from .comparing import compares
 from .measures.picture import Part
 from .notation import ClaimText, read_claim
 
@@ -46,8 +47,10 @@ def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
     for attribute in sorted(parsed.attributes, key=lambda a: (bool(a.cause), a.slot == "setting")):
         if attribute in parsed.overruled:
             continue
+        compared = compares(attribute, parsed.attributes, vocabulary)
         for claim in _of_word(attribute, parsed, vocabulary):
-            claims.setdefault((claim.measure, claim.part, claim.materials, claim.direction), claim)
+            key = (claim.measure, claim.part, claim.materials, claim.direction)
+            claims.setdefault(key, replace(claim, compares=compared))
     tints = [c.direction for c in claims.values() if c.part == "picture" and c.measure == "tint"]
     claims = {key: claim for key, claim in claims.items() if not _gives_way(claim, tints)}
     colored = tuple((c.part, c.materials) for c in claims.values() if c.measure == "color")

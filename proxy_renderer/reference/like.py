@@ -3,30 +3,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
+import numpy as np
 import torch
 from torch import Tensor
 
 from ..claims.claim import Claim
-from ..planning.advice import Advice, Advisor
-from ..prompt.types import LightWords, Parsed, Plan, PlanContext, PlanEntry, Prompts
+from ..render.film.film import Film
 from ..render.gbuffer import GBuffer
-from ..schema import Instance, VibeError
+from ..scene import SceneData
 from ..schema.options.table import TRAITS, Options
-from . import light_probe, ranges, same_scene, statements
-from .merge import together
+from . import light_probe, same_scene, statements
+from .merge import MOVED, together
 from .picture import ReferencePicture, read_reference
-from .regions import tell
+from .regions import Told, tell
 
-_UNTOUCHED = "the picture does not speak of it: keeps the artist's value"
 _DIM = 22.0  # L* of the median from where a picture's subject may drown in black
 _OWN = ("burnt", "drowned", "separation")
 """What is claimed of every subject: a picture of this very scene says more of it."""
+
+_FLAT = frozenset(MOVED) | {"chroma", "vignette"}
+"""What words measure that a flat picture has, too."""
 
 
 class Reference:
@@ -47,8 +47,12 @@ class Reference:
         self.same: bool | None = True if options.like_same else None
 
     @classmethod
-    def of(cls, options: Options) -> Reference | None:
-        """The picture that the options name; None if they name none.
+    def of(cls, options: Options, scene: SceneData) -> Reference | None:
+        """The picture that the options name; None if they name none. Linear light is shown as the scene shows its own.
+
+        Args:
+            options: Name it, and say what is taken over.
+            scene: The first shot's.
 
         Raises:
             VibeError: It cannot be read.
@@ -56,7 +60,10 @@ class Reference:
         if not options.like:
             return None
         path = Path(options.like)
-        return cls(read_reference(path), path.name, options)
+        picture = read_reference(path)
+        if picture.linear is not None:
+            picture = replace(picture, display=_shown(picture.linear, scene))
+        return cls(picture, path.name, options)
 
     @cached_property
     def display(self) -> Tensor:
@@ -85,10 +92,19 @@ class Reference:
             seen: What the camera sees at the artist's values.
         """
         if self.same:
-            said = same_scene.statements_of(self.display, seen, self.name)
-            return together([claim for claim in words if claim.measure not in _OWN], [s.claim for s in said])
-        said = [s for s in self.statements if s.trait in self.traits]
-        return together([claim for claim in words if not self._denies(claim)], [s.claim for s in said])
+            said = same_scene.statements_of(self.display, self.picture.alpha, seen, self.name)
+            others = [claim for claim in words if claim.measure not in _OWN]
+            return together(others, [s.claim for s in said], self._has)
+        return self.of_any_scene(words)
+
+    def of_any_scene(self, words: tuple[Claim, ...]) -> tuple[Claim, ...]:
+        """The claims of words and picture together, where it shows another scene.
+
+        Args:
+            words: Those of the words, and of every picture.
+        """
+        said = [s.claim for s in self.statements if s.trait in self.traits]
+        return together([claim for claim in words if not self._denies(claim)], said, self._has)
 
     @cached_property
     def probe(self) -> light_probe.LightProbe | None:
@@ -101,7 +117,19 @@ class Reference:
         """What it says of any scene; nothing of one whose light alone is wanted."""
         if self.probe:
             return []
-        return statements.statements_of(tell(self.picture.display), self.name)
+        return statements.statements_of(self._told, self.name)
+
+    @cached_property
+    def _told(self) -> Told:
+        return tell(self.picture.display, self.picture.alpha)
+
+    def _has(self, claim: Claim) -> float | None:
+        """What the picture itself has of a word's claim; None where a flat picture does not tell."""
+        told = claim.part == "picture" or (claim.part == "subject" and self._told.subject)
+        if self.probe or not told or claim.materials or claim.measure not in _FLAT:
+            return None
+        where = self._told.region(claim.part)
+        return None if where is None else float(claim.value(self._told.picture, where)[0])
 
     def _denies(self, claim: Claim) -> bool:
         """Whether a claim of every picture is not this one's: in a dark one much may drown."""
@@ -109,81 +137,9 @@ class Reference:
         return claim.measure == "drowned" and any(median.lower[0] < _DIM for median in medians)
 
 
-class LikeAdvisor:
-    """Plans for a picture, and for the words beside it.
-
-    Args:
-        reference: The picture.
-        words: Plans for the words; None where there are none.
-        keys: Names of the key lights.
-    """
-
-    def __init__(self, reference: Reference, words: Advisor | None, keys: Collection[str]) -> None:
-        self._reference, self._words, self._keys = reference, words, keys
-
-    def advise(self, display: Any, instances: Mapping[str, Instance], context: PlanContext) -> Advice:
-        """As `Advisor.advise`: what words name is theirs, what the picture needs is its own.
-
-        Raises:
-            VibeError: No word of the prompt is known, or the picture can change nothing.
-        """
-        reference = self._reference
-        if self._words is None:  # beside words it is no goal, but where they start from
-            reference.compare(display)
-        asked = {s.claim.measure for s in reference.statements if s.trait in reference.traits}
-        own = ranges.entries_of(instances, reference.traits, asked, bool(reference.same), reference.name)
-        if reference.probe:
-            own = light_probe.entries_of(reference.probe, instances, self._keys, reference.name)
-        if self._words is None:
-            if not own:
-                raise VibeError(
-                    "Nothing that the picture speaks of may change in this scene.",
-                    "Unlock something, allow more groups, or name more in --like-only.",
-                )
-            plan = Plan({key: own.get(key) or _untouched(i) for key, i in instances.items()})
-            advice = Advice(Parsed(""), Prompts("", "", ""), plan, "the picture")
-        else:
-            advice = self._words.advise(display, instances, context)
-            plan = Plan(
-                {
-                    k: own[k] if k in own and (e.priority is None or e.prior > 0.0) else e
-                    for k, e in advice.plan.items()
-                }
-            )
-        notes = (*advice.plan.notes, self._found(), *ranges.kept(instances, own))
-        return replace(advice, plan=Plan(dict(plan), notes))
-
-    def _found(self) -> str:
-        name, same = self._reference.name, self._reference.same
-        if self._reference.probe:
-            return light_probe.told(self._reference.probe, name)
-        return (
-            f"{name} shows this very scene: it is compared place by place."
-            if same
-            else f"{name} shows something else: its look is taken over, not its content."
-        )
-
-
-def beside(
-    reference: Reference | None, words: Advisor, prompt: str, shots: int, lights: Mapping[str, LightWords]
-) -> Advisor:
-    """Who plans for words and a picture together.
-
-    Args:
-        reference: The picture; None for words alone.
-        words: Plans for the words.
-        prompt: The words; "" for none.
-        shots: How many there are: a picture shows one of several at most.
-        lights: The scene's, by name.
-    """
-    if reference is None:
-        return words
-    reference.same = False if shots > 1 else reference.same
-    keys = [name for name, light in lights.items() if light.role == "key"]
-    return LikeAdvisor(reference, words if prompt.strip() else None, keys)
-
-
-def _untouched(instance: Instance) -> PlanEntry:
-    if instance.locked:
-        return PlanEntry(instance.value, instance.value, None, f"locked: {instance.locked}")
-    return PlanEntry(instance.lower, instance.upper, None, _UNTOUCHED)
+def _shown(linear: np.ndarray, scene: SceneData) -> np.ndarray:
+    """Scene-linear light (H, W, 3) as a scene's view shows it: its transform, look, exposure and gamma."""
+    keys = [key for key in ("film/exposure", "film/gamma") if key in scene.instances]
+    values = {key: torch.tensor(scene.instances[key].value) for key in keys}
+    film = Film(scene.film, (linear.shape[1], linear.shape[0]))
+    return film.show(torch.from_numpy(linear), values).numpy()

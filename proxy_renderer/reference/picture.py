@@ -25,8 +25,8 @@ class ReferencePicture:
     """A picture as everything else takes it.
 
     Attributes:
-        display: (H, W, 3) float32, sRGB-encoded, in [0, 1]. Of linear light it is the plain sRGB curve, cut off at white:
-            who knows a scene's view transform shows `linear` by that.
+        display: (H, W, 3) float32, sRGB-encoded, in [0, 1]. Of linear light it is the plain sRGB curve, cut off at white,
+            until a scene is known, whose view shows `linear`.
         linear: (H, W, 3) float32 linear Rec.709, at least 0; None if the file holds display colors.
         alpha: (H, W) in [0, 1], how much each pixel counts; None if all count.
         panorama: Whether it shows all directions, the longitude from left to right.

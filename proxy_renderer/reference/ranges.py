@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from ..prompt.types import PlanEntry
 from ..schema import Instance, Values
+from .light_colors import LightColors
 
 HELD_LIGHTLY = 0.05
 """Pull of what a picture lets move to the artist's value: of two ways that look the same, the nearer one."""
@@ -63,10 +64,10 @@ _ANOTHER_SCENE = {
     "volume/density": Leeway("air", 0.0, 2.0, 2, whole=True, needs=("veil",)),
     "volume/color": Leeway("air", 0.1, 1.0, 3, whole=True, needs=("veil",)),
     "film/grade_exposure": _from("grade", -2.0, 2.0, 2),
-    "film/lift": _from("grade", 0.75, 1.25, 2),
-    "film/midtone": _from("grade", 0.65, 1.4, 2),
-    "film/gain": _from("grade", 0.55, 1.5, 2),
-    "film/contrast": _from("grade", 0.55, 1.8, 2),
+    "film/lift": _from("grade", 0.9, 1.1, 2),
+    "film/midtone": _from("grade", 0.75, 1.3, 2),
+    "film/gain": _from("grade", 0.7, 1.3, 2),
+    "film/contrast": _from("grade", 0.7, 1.4, 2),
     "film/saturation": _from("grade", 0.0, 1.7, 2),
     "film/grade_gamma": _from("grade", 0.6, 1.7, 3),
     "film/vignette": Leeway("grade", 0.0, 1.0, 3, whole=True, needs=("vignette",)),
@@ -120,6 +121,7 @@ def entries_of(
     measures: Collection[str],
     same: bool,
     name: str,
+    colors: LightColors,
 ) -> dict[str, PlanEntry]:
     """What a picture lets change, by key; what is locked is left out.
 
@@ -129,6 +131,7 @@ def entries_of(
         measures: What is claimed of a picture that looks like it.
         same: Whether it shows this very scene.
         name: What it is called.
+        colors: That light may have for a picture of another scene.
     """
     table = dict(_SAME_SCENE if same else _ANOTHER_SCENE)
     if same:
@@ -140,8 +143,11 @@ def entries_of(
         if reach is None or instance.locked or not (needed and _serves(reach.trait, instance, traits)):
             continue
         lower, upper = _range(reach, instance)
+        if instance.parameter.family == "light/color" and not same:
+            lower, upper = _around(colors.lower, colors.upper, instance)
         reason = f"free to come to look like {name}"
-        entries[key] = PlanEntry(lower, upper, reach.priority, reason, HELD_LIGHTLY, any_hue=True)
+        any_hue = same or instance.parameter.family != "light/color" or colors.any_hue
+        entries[key] = PlanEntry(lower, upper, reach.priority, reason, HELD_LIGHTLY, any_hue=any_hue)
     return entries
 
 
@@ -172,6 +178,13 @@ def _range(reach: Leeway, instance: Instance) -> tuple[Values, Values]:
         ends = tuple(reach.low * unit for _ in value), tuple(reach.high * unit for _ in value)
     else:
         ends = tuple(v + reach.low for v in value), tuple(v + reach.high for v in value)
-    lower = tuple(max(min(a, v), least) for a, v, least in zip(ends[0], value, instance.lower, strict=True))
-    upper = tuple(min(max(b, v), most) for b, v, most in zip(ends[1], value, instance.upper, strict=True))
-    return lower, upper
+    return _around(*ends, instance)
+
+
+def _around(lower: Values, upper: Values, instance: Instance) -> tuple[Values, Values]:
+    """Ends within an instance's bounds, its own value among them."""
+    value = instance.value
+    return (
+        tuple(max(min(a, v), least) for a, v, least in zip(lower, value, instance.lower, strict=True)),
+        tuple(min(max(b, v), most) for b, v, most in zip(upper, value, instance.upper, strict=True)),
+    )

@@ -17,13 +17,16 @@ from scipy import ndimage
 from scipy.cluster.vq import kmeans2
 from torch import Tensor
 
-from ..claims.measures.picture import MeasuredPicture
+from ..claims.claim import Claim
+from ..claims.measures.picture import MeasuredPicture, Part
 from ..color.tensors import lab_from_srgb
 from ..render.gbuffer import GBuffer
 
 SIZE = 192
 """Longer side at which pictures are read, pixels: about that of the pictures in the loop."""
 
+_TRANSPARENT = 0.5  # alpha up to which a pixel does not count
+_FEW = 16  # pixels of which nothing can be said
 _SMALL = 96  # longer side at which regions are told
 _BORDER, _GROUNDS = 0.06, 5
 """Width of the border, as a share of the shorter side, and how many colors it is taken to have."""
@@ -44,30 +47,55 @@ class Told:
         picture: Ready to be measured.
         subject: Whether a subject can be told.
         sky: Whether a sky can be told.
+        counts: (H, W) bool, the pixels that are seen: not those that are transparent.
     """
 
     picture: MeasuredPicture
     subject: bool
     sky: bool
+    counts: Tensor
+
+    def region(self, part: Part, box: tuple[float, float, float, float] | None = None) -> Tensor | None:
+        """The pixels (H, W) bool of a part that are seen; None where they are few.
+
+        Args:
+            part: Of the picture.
+            box: As in `Claim.box`.
+        """
+        where = Claim("", part, "mean", part, (), (), box=box).region(self.picture.seen)
+        where = None if where is None else where & self.counts
+        return where if where is not None and where.sum() >= _FEW else None
 
 
-def tell(display: np.ndarray) -> Told:
+def tell(display: np.ndarray, alpha: np.ndarray | None = None) -> Told:
     """Tells the regions of a picture.
 
     Args:
         display: (H, W, 3) float32, sRGB-encoded in [0, 1].
+        alpha: (H, W) in [0, 1], how much each pixel counts; None if all do. Of a cutout no subject is told: what was around it
+            is not known.
     """
-    planes = torch.from_numpy(np.ascontiguousarray(display)).permute(2, 0, 1)[None]
+    seen = np.ones(display.shape[:2], bool) if alpha is None else alpha > _TRANSPARENT
+    planes = torch.from_numpy(_filled(display, seen)).permute(2, 0, 1)[None]
     small = _resized(planes, _SMALL)
     lab = lab_from_srgb(small[0].permute(1, 2, 0)).numpy()
     sky = _sky(lab)
-    subject = _subject(lab, sky)
+    cutout = not seen.all()
+    subject = np.zeros_like(sky) if cutout else _subject(lab, sky)
     shown = _resized(planes, SIZE)
     shape = shown.shape[-2:]
     masks = (_upsized(mask, (shape[0], shape[1])) for mask in (subject, sky))
-    seen = _flat(*masks)
-    picture = MeasuredPicture(shown[0].permute(1, 2, 0).contiguous(), seen)
-    return Told(picture, bool(subject.any()), bool(sky.any()))
+    picture = MeasuredPicture(shown[0].permute(1, 2, 0).contiguous(), _flat(*masks))
+    counts = _resized(torch.from_numpy(seen.astype(np.float32))[None, None], SIZE)[0, 0] > 0.5
+    return Told(picture, bool(subject.any()), bool(sky.any()), counts)
+
+
+def _filled(display: np.ndarray, seen: np.ndarray) -> np.ndarray:
+    """A picture (H, W, 3) whose transparent pixels have the color of the nearest one that is seen."""
+    if seen.all():
+        return np.ascontiguousarray(display)
+    nearest = ndimage.distance_transform_edt(~seen, return_distances=False, return_indices=True)
+    return np.ascontiguousarray(display[tuple(nearest)])
 
 
 def _flat(subject: Tensor, sky: Tensor) -> GBuffer:

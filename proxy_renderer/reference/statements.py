@@ -1,21 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
 """From a picture to statements: what it looks like, each a claim with its reason in words.
 
-Only what reads alike off a flat picture and off our own is stated. Its content is not copied. What a flat picture does not
-tell is not claimed: how hard shadows are (an edge may be paint), from where light comes but by which side of things it
-lightens, whether a scene is dim or exposed so.
+Only what reads alike off a flat picture and off our own is stated. Its content is not copied: of a tint only the cast is
+claimed, for an orange suit is paint, and light that makes our things as orange spills. What a flat picture does not tell is
+not claimed: how hard shadows are (an edge may be paint), from where light comes but by which side of things it lightens,
+whether a scene is dim or exposed so.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
-
-from torch import Tensor
+from dataclasses import dataclass, replace
+from typing import Any
 
 from ..claims.claim import Claim
-from ..claims.measures.picture import MeasuredPicture, Part, region_of
+from ..claims.measures.flat import grayness
+from ..claims.measures.picture import Part
 from ..claims.measures.registry import MEASURES
 from ..schema import Values
 from .regions import Told
@@ -25,10 +26,16 @@ CLOSE, LOOSE = 1.5, 2.5
 """Noticeable steps on either side that a measure may have: of the whole picture, and of a part of it."""
 
 _MIXED = 0.35
-"""Share of the deviation of a*, b* in a part by which its mean tint may be off: of many colors the mean says little of light."""
+"""Share of the deviation of a*, b* in a part by which its cast may be off: of many colors it says little of light."""
+
+_PAINTED = 18.0
+"""Mean chroma that is asked for at most: more is the picture's paint, which a scene has or has not."""
+
+_OF_CONTENT = 0.5
+"""Weight of the quarters of a picture's tones: a black helmet and a white wall are in them, too."""
 
 _TONES = ("black_point", "lower_quartile", "median", "upper_quartile", "white_point")
-_TINTS = {"shadow_tint": "shadows", "midtone_tint": "midtones", "highlight_tint": "lights"}
+_CASTS = {"shadow_cast": "shadows", "midtone_cast": "midtones", "highlight_cast": "lights"}
 _VIGNETTE = 8.0  # L* by which corners are darker before it is called a vignette
 _VEILED, _DARKEST = 35.0, 20.0
 """Percent of light over everything, and L* of the darkest, from where it is haze."""
@@ -60,21 +67,22 @@ def statements_of(told: Told, name: str) -> list[Statement]:
         told: The picture, with its regions.
         name: What it is called in the report: its file's name.
     """
-    reader = _Reader(told.picture, name)
-    return [*reader.grade(), *reader.light(told), *reader.palette(told), *reader.air()]
+    reader = _Reader(told, name)
+    return [*reader.grade(), *reader.light(), *reader.palette(), *reader.air()]
 
 
 class _Reader:
-    def __init__(self, picture: MeasuredPicture, name: str) -> None:
-        self.picture, self.name = picture, name
+    def __init__(self, told: Told, name: str) -> None:
+        self.told, self.picture, self.name = told, told.picture, name
 
     def grade(self) -> Iterator[Statement]:
         """Tones, tints of shadows, midtones and lights, saturation, vignette."""
         for measure in _TONES:
             (light,) = self._value(measure, "picture")
             says = MEASURES[measure].says
-            yield self._near("grade", "tones", measure, "picture", CLOSE, f"{says} is L* {light:.0f}")
-        for measure, what in _TINTS.items():
+            said = self._near("grade", "tones", measure, "picture", CLOSE, f"{says} is L* {light:.0f}")
+            yield _with(said, weight=_OF_CONTENT) if "quartile" in measure else said
+        for measure, what in _CASTS.items():
             yield self._near(
                 "grade",
                 f"{hue(*self._value(measure, 'picture'))} {what}",
@@ -85,15 +93,16 @@ class _Reader:
             )
         (vivid,) = self._value("chroma", "picture")
         word = "pale" if vivid < 10 else "vivid" if vivid > 35 else "colors"
-        yield self._near("grade", word, "chroma", "picture", CLOSE, f"its mean chroma is {vivid:.0f}")
+        said = self._near("grade", word, "chroma", "picture", CLOSE, f"its mean chroma is {vivid:.0f}")
+        yield _with(said, lower=(min(*said.claim.lower, _PAINTED),))
         (fall,) = self._value("vignette", "picture")
         if fall > _VIGNETTE:
             reason = f"its corners are L* {fall:.0f} darker than its middle"
             yield self._near("grade", "vignette", "vignette", "picture", LOOSE, reason)
 
-    def light(self, told: Told) -> Iterator[Statement]:
+    def light(self) -> Iterator[Statement]:
         """How a subject is lit, and how it stands before its ground; nothing where none can be told."""
-        if not told.subject:
+        if not self.told.subject:
             return
         (range_,) = self._value("spread", "subject")
         word = "contrasty light" if range_ > 45 else "soft light" if range_ < 25 else "light"
@@ -110,15 +119,15 @@ class _Reader:
         reason = f"its subject is L* {abs(above):.0f} {'lighter' if above > 0 else 'darker'} than the rest"
         yield self._near("light", word, "standing_out", "subject", LOOSE, reason)
 
-    def palette(self, told: Told) -> Iterator[Statement]:
+    def palette(self) -> Iterator[Statement]:
         """The colors of the regions that can be told, else of the upper, middle and lower third."""
-        if not told.subject:
+        if not self.told.subject:
             for place, box in _THIRDS.items():
                 yield from self._colors("picture", f"{place} third", box)
             return
         yield from self._colors("subject", "subject")
         yield from self._colors("surroundings", "surroundings")
-        if told.sky:
+        if self.told.sky:
             yield from self._colors("sky", "sky")
 
     def air(self) -> Iterator[Statement]:
@@ -131,30 +140,39 @@ class _Reader:
     def _colors(
         self, part: Part, what: str, box: tuple[float, float, float, float] | None = None
     ) -> Iterator[Statement]:
-        """Lightness and tint of a part; nothing where it is hardly there."""
-        if self._region(part, box) is None:
+        """Lightness and cast of a part; nothing where it is hardly there.
+
+        A subject's color may be paint: only the cast of the whole picture is to fall on ours, whose own paint may stay. What a
+        third has beyond that cast may be paint as well: ours may have it, and need not.
+        """
+        if self.told.region(part, box) is None:
             return
-        light, tint = self._value("lightness", part, box)[0], self._value("tint", part, box)
-        word, reason = f"{hue(*tint)} {what}", f"its {what} is {hue(*tint)}"
-        yield self._near("palette", word, "tint", part, LOOSE, reason, box)
+        all_over, own = self._value("cast", "picture"), self._value("cast", part, box)
+        word = f"{hue(*(all_over if part == 'subject' else own))} {what}"
+        if part == "subject":
+            reason = f"the light all over it is {hue(*all_over)}"
+            said = self._near("palette", word, "cast", "picture", LOOSE, reason)
+            yield _with(said, thing=part, part=part, change=0.0)
+        else:
+            said = self._near("palette", word, "cast", part, LOOSE, f"its {what} is {hue(*own)}", box)
+            yield _spanned(said, all_over) if box else said
+        (light,) = self._value("lightness", part, box)
         reason = f"the mean lightness of its {what} is L* {light:.0f}"
         yield self._near("palette", word, "lightness", part, LOOSE, reason, box)
-
-    def _region(self, part: Part, box: tuple[float, float, float, float] | None = None) -> Tensor | None:
-        return Claim("", part, "mean", part, (), (), box=box).region(self.picture.seen)
 
     def _value(
         self, measure: str, part: Part, box: tuple[float, float, float, float] | None = None
     ) -> Values:
-        where = self._region(part, box)
-        where = region_of(self.picture.seen, "picture") if where is None else where
+        where = self.told.region(part, box)
+        where = self.told.counts if where is None else where
         return tuple(MEASURES[measure].take(self.picture, where).tolist())
 
     def _mixture(self, part: Part, box: tuple[float, float, float, float] | None) -> float:
-        """How far the colors of a part deviate from their mean, in a* and b*."""
-        where = self._region(part, box)
-        tints = self.picture.lab[..., 1:] if where is None else self.picture.lab[..., 1:][where]
-        return float(tints.reshape(-1, 2).var(0).mean().sqrt())
+        """How far the colors of a part deviate from its cast, in a* and b*, each as much as it counts for that."""
+        where = self.told.region(part, box)
+        tints = self.picture.lab[self.told.counts if where is None else where][:, 1:]
+        weights = grayness(tints)
+        return float((weights @ (tints - weights @ tints).square()).mean().sqrt())
 
     def _near(
         self,
@@ -186,3 +204,14 @@ class _Reader:
                 reason=f"{self.name}: {reason}",
             ),
         )
+
+
+def _with(statement: Statement, **changes: Any) -> Statement:
+    """A statement with other fields of its claim."""
+    return replace(statement, claim=replace(statement.claim, **changes))
+
+
+def _spanned(statement: Statement, other: Values) -> Statement:
+    """A statement that another value keeps as well, and all between the two."""
+    lower, upper = statement.claim.lower, statement.claim.upper
+    return _with(statement, lower=tuple(map(min, lower, other)), upper=tuple(map(max, upper, other)))

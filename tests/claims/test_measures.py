@@ -155,9 +155,10 @@ def test_every_measure_of_one_number_is_tried() -> None:
         "tint",
         "accent",
         "mean",
-        "shadow_tint",
-        "midtone_tint",
-        "highlight_tint",
+        "cast",
+        "shadow_cast",
+        "midtone_cast",
+        "highlight_cast",
     }
 
 
@@ -235,6 +236,15 @@ def test_a_large_picture_is_measured_as_a_small_one() -> None:
     assert torch.allclose(again.display, shown.display, atol=1e-5)
 
 
+@pytest.mark.parametrize("name", ["cast", "midtone_cast", "highlight_cast"])
+def test_a_cast_is_what_light_adds_and_not_what_paint_has(name: str) -> None:
+    gray, painted = (picture(color=(c, 0.4, 0.4), wall=(0.5, 0.5, 0.5)) for c in (0.4, 0.9))
+    warm = MeasuredPicture(gray.display * torch.tensor([1.0, 0.85, 0.6]), gray.seen)
+    of_light, of_paint, none = (taken(name, p, "picture") for p in (warm, painted, gray))
+    assert float((of_light - none).norm()) > 6.0
+    assert float((of_paint - none).norm()) < 3.0
+
+
 def test_parts_and_materials_are_told_apart() -> None:
     shown = picture()
     assert (region_of(shown.seen, "subject") & region_of(shown.seen, "surroundings")).sum() == 0
@@ -290,6 +300,16 @@ def test_too_much_is_missed_too_unless_the_artist_had_it() -> None:
     assert claim.miss(torch.tensor([-1.0]), torch.tensor([3.0])) == 0
     assert claim.miss(torch.tensor([-40.0]), torch.tensor([-40.0])) == 0
     assert claim.miss(torch.tensor([-46.0]), torch.tensor([-40.0])) == pytest.approx(4.0)
+
+
+def test_what_the_artist_has_of_a_tint_may_stay() -> None:
+    claim = Claim("", "subject", "cast", "subject", (-2.0, -2.0), (2.0, 2.0), change=0.0)
+    red, bluer, redder = torch.tensor([30.0, 10.0]), torch.tensor([20.0, -12.0]), torch.tensor([40.0, 10.0])
+    assert claim.miss(red, before=red) == 0.0
+    assert claim.miss(torch.tensor([15.0, 5.0]), before=red) == 0.0
+    assert claim.miss(bluer, before=red) == pytest.approx(5.0)
+    assert claim.miss(redder, before=red) == pytest.approx(5.0)
+    assert claim.miss(red, before=None) > 10.0
 
 
 def test_residuals_know_what_is_missing_and_fall_towards_it() -> None:

@@ -210,3 +210,12 @@ def test_white_fog_is_light_and_hides_as_much() -> None:
     assert black["air_lightness"].upper[0] < 40
     assert "air_lightness" not in green
     assert all(each["haze"].lower[0] >= 0.4 for each in (white, black, green))
+
+
+def test_words_that_compare_are_told_in_any_language_and_for_what_a_mood_stands_for() -> None:
+    assert all(c.compares for prompt in ("colder", "warmer light", "more contrast") for c in claims(prompt))
+    assert all(c.compares for c in claims("kälter"))
+    said = {c.word: c.compares for c in claims("brighter, cold light, amber glow")}
+    assert said["brighter"]
+    assert not said["cold light"]
+    assert sum(said.values()) == 1

@@ -44,7 +44,7 @@ def test_another_picture_and_other_proportions_are_not_the_same_scene(home):
 
 
 def test_every_place_and_material_is_compared(proxy, home):
-    said = same_scene.statements_of(graded(home), proxy.gbuffer({}), "goal.png")
+    said = same_scene.statements_of(graded(home), None, proxy.gbuffer({}), "goal.png")
     boxes = {s.claim.box for s in said if s.claim.box}
     assert len(boxes) > 60
     assert {s.claim.materials for s in said if s.claim.materials}

@@ -67,9 +67,9 @@ def test_shadows_and_lights_are_called_what_they_are():
     x, _ = grid()
     ramp = np.stack([0.1 + 0.85 * x, 0.15 + 0.7 * x, 0.2 + 0.5 * x], -1).astype(np.float32)
     words = {s.claim.measure: s.claim.word for s in said(ramp)}
-    assert "yellow" in words["highlight_tint"] or "orange" in words["highlight_tint"]
-    assert "blue" in words["shadow_tint"]
-    reason = one(ramp, "shadow_tint").claim.reason
+    assert "yellow" in words["highlight_cast"] or "orange" in words["highlight_tint"]
+    assert "blue" in words["shadow_cast"]
+    reason = one(ramp, "shadow_cast").claim.reason
     assert reason.startswith("still.jpg: its shadows are")
 
 
@@ -104,8 +104,9 @@ def test_a_picture_keeps_all_that_is_said_of_it_and_another_one_does_not():
     kept, lost = [], []
     for statement in said(display):
         where = statement.claim.region(told.picture.seen)
-        kept.append(statement.claim.miss(statement.claim.value(told.picture, where), None))
-        lost.append(statement.claim.miss(statement.claim.value(colder, where), None))
+        own = statement.claim.value(told.picture, where)
+        kept.append(statement.claim.miss(own, before=own))
+        lost.append(statement.claim.miss(statement.claim.value(colder, where), before=own))
     assert max(kept) == 0.0
     assert max(lost) > 3.0
 
@@ -116,9 +117,52 @@ def test_the_mean_of_many_colors_says_less_than_that_of_one():
     stripes = np.where((x * 8 % 1 < 0.5)[..., None], plain, plain[..., ::-1])
     widths = []
     for display in (plain, stripes):
-        claim = one(display.astype(np.float32), "midtone_tint").claim
+        claim = one(display.astype(np.float32), "midtone_cast").claim
         widths.append(claim.upper[0] - claim.lower[0])
     assert widths[1] > 1.5 * widths[0]
+
+
+def room(paint=(0.9, 0.25, 0.05), light=(1.0, 1.0, 1.0), share=0.45):
+    """Gray things of many lightnesses, and one large thing of strong paint, in one light."""
+    x, y = grid()
+    gray = (0.15 + 0.7 * (np.floor(x * 9) * 5 % 9) / 9)[..., None] * np.ones(3)
+    thing = (np.abs(x - 0.5) < share / 2)[..., None]
+    shading = (0.35 + 0.65 * y)[..., None]
+    return (np.where(thing, np.array(paint), gray) * shading * np.array(light)).astype(np.float32)
+
+
+def casts(display):
+    return {s.claim.measure: s.claim for s in said(display) if s.claim.measure.endswith("_cast")}
+
+
+def test_paint_is_no_light_however_large_the_painted_thing_is():
+    for claim in casts(room()).values():
+        assert all(low < 0.0 < high for low, high in zip(claim.lower, claim.upper, strict=True))
+
+
+def test_light_is_told_whatever_is_painted():
+    orange = (1.0, 0.72, 0.4)
+    for paint in ((0.9, 0.25, 0.05), (0.35, 0.4, 0.5), (0.5, 0.5, 0.5)):
+        claim = casts(room(paint, orange, share=0.25))["midtone_cast"]
+        assert claim.lower[1] > 10.0
+        assert "orange" in claim.word or "yellow" in claim.word
+
+
+def test_the_light_on_a_subject_is_that_of_the_picture_and_its_paint_is_not_copied():
+    display, _ = ball(color=(0.9, 0.2, 0.1), ground=(0.6, 0.6, 0.6))
+    claim = next(s.claim for s in said(display) if s.claim.measure == "cast" and s.claim.part == "subject")
+    assert claim.upper[0] < 15.0
+    red = torch.tensor([60.0, 50.0])
+    assert claim.miss(red, before=torch.zeros(2)) > 5.0
+    assert claim.miss(red, before=red) == 0.0  # what is red already may stay
+
+
+def test_vivid_paint_asks_for_no_vivid_light_and_pale_colors_for_pale_ones():
+    vivid = one(room(share=0.9), "chroma").claim
+    assert "vivid" in vivid.word
+    assert vivid.lower[0] < 20.0
+    pale = one(room((0.5, 0.5, 0.5)), "chroma").claim
+    assert pale.upper[0] < 8.0
 
 
 def test_tints_have_names():

@@ -15,6 +15,9 @@ from .tone import lightness_below
 SHADOWS, MIDTONES, LIGHTS = (0.02, 0.25), (0.25, 0.75), (0.75, 0.98)
 """Shares of the pixels in order of lightness that shadows, midtones and lights are read from."""
 
+_GRAY = 10.0
+"""C* of CIE Lab at which a pixel counts half for a color cast: about what people call gray at a glance."""
+
 _PATCH = 24
 """Patches of a dark channel along the longer side of a picture."""
 
@@ -48,14 +51,30 @@ def spread(picture: MeasuredPicture, where: Tensor) -> Tensor:
     return (lightness_below(picture, where, 0.9) - lightness_below(picture, where, 0.1))[None]
 
 
-def tint_between(low: float, high: float) -> Callable[[MeasuredPicture, Tensor], Tensor]:
-    """The measure of the mean tint of what lies between two shares of a region in order of lightness: (2,) a* and b* of CIE Lab."""
+def cast(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Where a region lies off gray, its grayest pixels counting most: (2,) a* and b* of CIE Lab.
+
+    Light and grade tint gray things as well, and a thing that is much more colorful is paint. Where all is colorful, all of
+    it counts. Gray pixels tell the light, as in Yang, Gao and Li 2015, "Efficient Illuminant Estimation in the Real World
+    using Gray Pixels"; the weights are Cauchy's.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    tints = picture.lab[where][:, 1:]
+    return grayness(tints) @ tints
+
+
+def cast_between(low: float, high: float) -> Callable[[MeasuredPicture, Tensor], Tensor]:
+    """The measure of the cast, see `cast`, of what lies between two shares of a region in order of lightness: (2,)."""
 
     def take(picture: MeasuredPicture, where: Tensor) -> Tensor:
         lab = picture.lab[where]
         order = lab[:, 0].detach().argsort()
         first, last = round(low * (len(order) - 1)), round(high * (len(order) - 1))
-        return lab[order[first : last + 1], 1:].mean(0)
+        tints = lab[order[first : last + 1], 1:]
+        return grayness(tints) @ tints
 
     return take
 
@@ -95,6 +114,16 @@ def veil(picture: MeasuredPicture, where: Tensor) -> Tensor:
     width = 2 * (max(where.shape) // _PATCH // 2) + 1
     least = -F.max_pool2d(-picture.display.amin(-1)[None, None], width, stride=1, padding=width // 2)[0, 0]
     return 100 * least[where].mean()[None]
+
+
+def grayness(tints: Tensor) -> Tensor:
+    """How much each of some pixels counts for a cast: (N,) of sum 1, no function of the picture to gradients.
+
+    Args:
+        tints: (N, 2) a* and b*.
+    """
+    weights = 1 / (1 + tints.detach().square().sum(-1) / _GRAY**2)
+    return weights / weights.sum()
 
 
 def _across(picture: MeasuredPicture, where: Tensor, axis: int) -> Tensor:

@@ -18,7 +18,8 @@ from ...guidance.losses import claims_loss
 from ...planning.advice import Advice, Advisor, OfflineAdvisor
 from ...prompt.lexicon.user_words import default_vocabulary
 from ...prompt.types import Parsed, Plan, PlanEntry
-from ...reference.like import Reference, beside
+from ...reference.advisor import beside
+from ...reference.like import Reference
 from ...render.proxy import Proxy, Render
 from ...scene import SceneData
 from ...schema import Values, VibeError
@@ -113,7 +114,7 @@ class Search:
         observer: Observer,
         advisor: Advisor | None,
     ) -> None:
-        self.reference = Reference.of(options)
+        self.reference = Reference.of(options, views[0].scene)
         self.claims: tuple[Claim, ...] = ()
         if self.reference:  # it speaks of all of light and grade at once
             options = replace(options, top_k=max(options.top_k, _VALUES))

@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Words that only compare, as "colder" and "less contrast" do: beside a picture they are meant relative to it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..prompt.lexicon.vocabulary import Vocabulary
+from ..prompt.types import Attribute
+
+_MORE = ("more", "less")
+_ENDING = "er"
+
+
+def compares(attribute: Attribute, all_of_them: Sequence[Attribute], vocabulary: Vocabulary) -> bool:
+    """Whether an attribute, or the mood that it comes from, is said by a word that compares.
+
+    Args:
+        attribute: Of a prompt.
+        all_of_them: The prompt's.
+        vocabulary: Knows what "colder" is made of.
+    """
+    if not attribute.cause:
+        return any(_is_comparative(word, vocabulary) for word in _english(attribute).split())
+    moods = [a for a in all_of_them if not a.cause and attribute.cause in (a.entry, *a.word.split())]
+    return any(compares(mood, (), vocabulary) for mood in moods)
+
+
+def _english(attribute: Attribute) -> str:
+    return attribute.english or attribute.word
+
+
+def _is_comparative(word: str, vocabulary: Vocabulary) -> bool:
+    base = word.removesuffix(_ENDING)
+    stems = {base, base + "e", base[:-1], base[:-1] + "y"} if base != word else set()
+    return word in _MORE or any(s in vocabulary.adjectives or s in vocabulary.synonyms for s in stems)

@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Plans for a picture in the place of words, and for words beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import replace
+from typing import Any
+
+from ..claims.wanted import claims_of
+from ..planning.advice import Advice, Advisor
+from ..prompt.lexicon.user_words import default_vocabulary
+from ..prompt.types import LightWords, Parsed, Plan, PlanContext, PlanEntry, Prompts
+from ..schema import Instance, VibeError
+from . import light_probe, ranges
+from .light_colors import light_colors
+from .like import Reference
+
+_UNTOUCHED = "the picture does not speak of it: keeps the artist's value"
+
+
+class LikeAdvisor:
+    """Plans for a picture, and for the words beside it.
+
+    Args:
+        reference: The picture.
+        words: Plans for the words; None where there are none.
+        keys: Names of the key lights.
+    """
+
+    def __init__(self, reference: Reference, words: Advisor | None, keys: Collection[str]) -> None:
+        self._reference, self._words, self._keys = reference, words, keys
+
+    def advise(self, display: Any, instances: Mapping[str, Instance], context: PlanContext) -> Advice:
+        """As `Advisor.advise`: what words name is theirs, what the picture needs is its own.
+
+        Raises:
+            VibeError: No word of the prompt is known, or the picture can change nothing.
+        """
+        if self._words is None:  # beside words it is no goal, but where they start from
+            self._reference.compare(display)
+        advice = self._words.advise(display, instances, context) if self._words else None
+        own = self._own(instances, advice)
+        if advice is None:
+            if not own:
+                raise VibeError(
+                    "Nothing that the picture speaks of may change in this scene.",
+                    "Unlock something, allow more groups, or name more in --like-only.",
+                )
+            plan = Plan({key: own.get(key) or _untouched(i) for key, i in instances.items()})
+            advice = Advice(Parsed(""), Prompts("", "", ""), plan, "the picture")
+        else:
+            plan = Plan(
+                {
+                    k: own[k] if k in own and (e.priority is None or e.prior > 0.0) else e
+                    for k, e in advice.plan.items()
+                }
+            )
+        notes = (*advice.plan.notes, self._found(), *ranges.kept(instances, own))
+        return replace(advice, plan=Plan(dict(plan), notes))
+
+    def _own(self, instances: Mapping[str, Instance], advice: Advice | None) -> dict[str, PlanEntry]:
+        """What the picture lets change, by key."""
+        reference = self._reference
+        if reference.probe:
+            return light_probe.entries_of(reference.probe, instances, self._keys, reference.name)
+        words = claims_of(advice.parsed, default_vocabulary()) if advice else ()
+        said = reference.of_any_scene(words)
+        measures = {claim.measure for claim in said}
+        colors, same = light_colors(said), bool(reference.same)
+        return ranges.entries_of(instances, reference.traits, measures, same, reference.name, colors)
+
+    def _found(self) -> str:
+        name, same = self._reference.name, self._reference.same
+        if self._reference.probe:
+            return light_probe.told(self._reference.probe, name)
+        return (
+            f"{name} shows this very scene: it is compared place by place."
+            if same
+            else f"{name} shows something else: its look is taken over, not its content."
+        )
+
+
+def beside(
+    reference: Reference | None, words: Advisor, prompt: str, shots: int, lights: Mapping[str, LightWords]
+) -> Advisor:
+    """Who plans for words and a picture together.
+
+    Args:
+        reference: The picture; None for words alone.
+        words: Plans for the words.
+        prompt: The words; "" for none.
+        shots: How many there are: a picture shows one of several at most.
+        lights: The scene's, by name.
+    """
+    if reference is None:
+        return words
+    reference.same = False if shots > 1 else reference.same
+    keys = [name for name, light in lights.items() if light.role == "key"]
+    return LikeAdvisor(reference, words if prompt.strip() else None, keys)
+
+
+def _untouched(instance: Instance) -> PlanEntry:
+    if instance.locked:
+        return PlanEntry(instance.value, instance.value, None, f"locked: {instance.locked}")
+    return PlanEntry(instance.lower, instance.upper, None, _UNTOUCHED)

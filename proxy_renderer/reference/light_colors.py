@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which colors light may have for the casts of a picture: from white to a stronger one of theirs, and no other hue.
+
+Lamps whose colors are free find casts by canceling each other: a green one beside a pink one lights gray things gray, and
+everything else in two colors that no picture has.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ..claims.claim import Claim
+from ..color.floats import linear_from_srgb, srgb_from_lab
+from ..schema import Values
+
+CASTS = ("shadow_cast", "midtone_cast", "highlight_cast", "cast")
+
+_LIGHTNESS = 65.0  # L* at which a cast is taken for a color
+_STRONGER = 1.6
+"""How much stronger than the cast a light's color may be: other light lies over it."""
+_LEEWAY = 4.0  # C* that a light may have in any case
+_FEW_HUES = math.cos(math.radians(50.0))
+_STRONG = 6.0  # C* of a cast whose hue counts
+
+
+@dataclass(frozen=True)
+class LightColors:
+    """The box of colors that a light may have.
+
+    Attributes:
+        lower: Linear, in [0, 1].
+        upper: Likewise.
+        any_hue: Whether they may be of any hue within, which is so where casts have several.
+    """
+
+    lower: Values
+    upper: Values
+    any_hue: bool
+
+
+def light_colors(claims: Sequence[Claim]) -> LightColors:
+    """The colors that the casts among some claims ask for.
+
+    Args:
+        claims: Of a picture, and of the words beside it.
+    """
+    casts = [_middle(claim) for claim in claims if claim.measure in CASTS]
+    colors = [_color(a, b) for a, b in (*casts, (_LEEWAY, _LEEWAY), (-_LEEWAY, -_LEEWAY))]
+    strong = [(a, b) for a, b in casts if math.hypot(a, b) > _STRONG]
+    return LightColors(
+        lower=tuple(map(min, zip(*colors, strict=True))),
+        upper=(1.0, 1.0, 1.0),
+        any_hue=any(_cosine(one, other) < _FEW_HUES for one in strong for other in strong),
+    )
+
+
+def _middle(claim: Claim) -> tuple[float, float]:
+    a, b = ((low + high) / 2 for low, high in zip(claim.lower, claim.upper, strict=True))
+    return a, b
+
+
+def _color(a: float, b: float) -> Values:
+    """Linear color of light for a cast, its greatest component 1."""
+    linear = linear_from_srgb(srgb_from_lab((_LIGHTNESS, _STRONGER * a, _STRONGER * b)))
+    return tuple(v / max(linear) for v in linear)
+
+
+def _cosine(one: tuple[float, float], other: tuple[float, float]) -> float:
+    return (one[0] * other[0] + one[1] * other[1]) / (math.hypot(*one) * math.hypot(*other))

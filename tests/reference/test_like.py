@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A picture as a scene takes it: through its view, without what is transparent, and with words beside it."""
+
+from pathlib import Path
+
+import numpy as np
+import OpenEXR
+import pytest
+import torch
+from PIL import Image
+from tiny_job import write_job
+
+from proxy_renderer.claims.claim import Claim
+from proxy_renderer.color.arrays import srgb_from_linear
+from proxy_renderer.optimize.context import picture_size
+from proxy_renderer.reference.like import Reference
+from proxy_renderer.render.proxy import Proxy
+from proxy_renderer.scene import load_scene
+from proxy_renderer.schema.options.table import Options
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory):
+    return load_scene(write_job(tmp_path_factory.mktemp("job")))
+
+
+def reference(path: Path, scene, **options) -> Reference:
+    found = Reference.of(Options(like=str(path), **options), scene)
+    assert found is not None
+    return found
+
+
+def test_a_render_in_linear_light_looks_as_the_scene_shows_it(tmp_path, scene):
+    proxy = Proxy(scene, picture_size(scene.resolution, 96))
+    with torch.no_grad():
+        render = proxy.render({})
+    with OpenEXR.File({"type": OpenEXR.scanlineimage}, {"RGB": np.ascontiguousarray(render.linear)}) as file:
+        file.write(str(tmp_path / "goal.exr"))
+    found = reference(tmp_path / "goal.exr", scene)
+    found.compare(render.display)
+    assert found.same
+    plain = torch.from_numpy(srgb_from_linear(found.picture.linear).clip(0, 1))
+    by_view, by_curve = (float((d - render.display).abs().mean()) for d in (found.display, plain))
+    assert by_view < 0.01
+    assert by_curve > 4 * by_view
+
+
+def cutout(path: Path, around: tuple[int, int, int], alpha: int = 0) -> Path:
+    """A gray ramp in the middle; around it a color that is transparent."""
+    pixels = np.zeros((90, 120, 4), np.uint8)
+    pixels[..., :3], pixels[..., 3] = around, alpha
+    pixels[20:70, 30:90, :3] = np.linspace(40, 220, 60, dtype=np.uint8)[None, :, None]
+    pixels[20:70, 30:90, 3] = 255
+    Image.fromarray(pixels).save(path)
+    return path
+
+
+def test_what_is_transparent_does_not_count(tmp_path, scene):
+    said = []
+    for number, around in enumerate([(255, 0, 0), (0, 0, 0), (255, 255, 255)]):
+        said.append(reference(cutout(tmp_path / f"{number}.png", around), scene).of_any_scene(()))
+    first = {(c.measure, c.part, c.box): (c.lower, c.upper) for c in said[0]}
+    assert "midtone_cast" in {measure for measure, _, _ in first}
+    for claims in said[1:]:
+        for claim in claims:
+            lower, upper = first[claim.measure, claim.part, claim.box]
+            assert np.allclose(claim.lower, lower, atol=0.1)
+            assert np.allclose(claim.upper, upper, atol=0.1)
+    opaque = reference(cutout(tmp_path / "opaque.png", (255, 0, 0), 255), scene).of_any_scene(())
+    ends = {(c.measure, c.part, c.box): (c.lower, c.upper) for c in opaque}
+    assert ends != first
+
+
+def test_of_this_scene_only_what_is_seen_is_compared(tmp_path, scene):
+    proxy = Proxy(scene, picture_size(scene.resolution, 96))
+    with torch.no_grad():
+        display, seen = proxy.render({}).display, proxy.gbuffer({})
+    alpha = np.full(display.shape[:2], 255, np.uint8)
+    alpha[:, : alpha.shape[1] // 2] = 0
+    colors = (255 * display.numpy()).round().astype(np.uint8)
+    Image.fromarray(np.concatenate([colors, alpha[..., None]], -1)).save(tmp_path / "half.png")
+    claims = reference(tmp_path / "half.png", scene, like_same=True).claims((), seen)
+    boxes = [claim.box for claim in claims if claim.box]
+    assert boxes
+    assert all(box[0] >= 0.5 for box in boxes)
+
+
+def test_colder_is_measured_against_the_picture(tmp_path, scene):
+    ramp = np.linspace(0.1, 1.0, 120)[None, :, None] * np.array([230, 170, 90]) * np.ones((90, 1, 1))
+    Image.fromarray(ramp.astype(np.uint8)).save(tmp_path / "warm.png")
+    found = reference(tmp_path / "warm.png", scene)
+    colder = Claim("colder", "picture", "warmth", "picture", (-30.0,), (-6.0,), change=-5.0, compares=True)
+    alone = {c.measure: c for c in found.of_any_scene(())}
+    beside = {c.measure: c for c in found.of_any_scene((colder,))}
+    assert beside["warmth"].upper[0] > 0.0  # of a warm picture: less warm, and not as cold as ice
+    for measure in ("shadow_cast", "midtone_cast", "highlight_cast"):
+        assert beside[measure].upper[1] == pytest.approx(alone[measure].upper[1] - 10.0)
