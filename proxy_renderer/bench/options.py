@@ -182,6 +182,9 @@ def _like(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--seed", dest="drawn_from", default="like", metavar="TEXT", help="draw from this (default: like)"
     )
+    sub.add_argument(
+        "--words", action="store_true", help="vibe in words as well where a look is recovered, for the time"
+    )
     command_line.add_option(sub, named("budget"))
     _small_pictures(sub)
 

@@ -2,12 +2,16 @@
 """`vibe bench like`: what is drawn, how far values and pictures are from the truth, and the 2D methods beside it."""
 
 import importlib.util
+import json
+from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
-from proxy_renderer.bench.like import experiment, flat, table, values
+from proxy_renderer.bench.like import experiment, flat, table, trial, values
 from proxy_renderer.bench.like.tasks import FILTERS, PARTS, SETS, tasks
+from proxy_renderer.bench.wild import product
 from proxy_renderer.schema import VibeError
 
 MADE = {
@@ -128,3 +132,53 @@ def test_medians_and_failures():
 def test_bad_input(tmp_path, options, word):
     with pytest.raises(VibeError, match=word):
         experiment.run(tmp_path, **options)
+
+
+def ended(scene, prompt, folder, options):
+    """A vibe that finds the picture to a shade, without Blender."""
+    RUNS.append(folder.name)
+    picture = next(Path(o.removeprefix("--like=")) for o in options if o.startswith("--like="))
+    (folder / "out").mkdir(parents=True)
+    shade = Image.open(picture).convert("RGB").point(lambda v: min(v + 2, 255))
+    shade.save(folder / "out" / "after.png")
+    Image.new("RGB", shade.size, (128, 128, 128)).save(folder / "out" / "before.png")
+    report = {"parameters": {"light/Lamp/azimuth": {"after": 80.0}}, "timings": {"engine: loop": 1.0}}
+    (folder / "out" / "report.json").write_text(json.dumps(report))
+    return product.Ended(0, 3.0, 0, "")
+
+
+def hidden(kind, name, folder, seed, groups, size, samples):
+    """A scene and the picture of a hidden look, without Blender."""
+    luck = np.random.default_rng(len(seed) + len(name))
+    pixels = (255 * luck.random((12, 16, 3))).astype(np.uint8)
+    Image.fromarray(pixels).save(folder / "goal.png")
+    (folder / "scene.blend").touch()
+    return {**MADE, "subject": ["Thing"]}
+
+
+RUNS: list[str] = []
+
+
+def test_parts_take_turns_and_a_second_run_does_only_what_is_missing(tmp_path, monkeypatch):
+    monkeypatch.setattr(product, "vibe", ended)
+    monkeypatch.setattr(trial.blender, "command", hidden)
+    RUNS.clear()
+    first = experiment.run(tmp_path, 1, "recovery,transfer", size=16, samples=1)
+    assert len(RUNS) == 2
+    again = experiment.run(tmp_path, 2, "recovery,transfer", size=16, samples=1)
+    assert len(RUNS) == 4
+    assert [row["part"] for row in again["rows"]] == ["recovery", "transfer"] * 2
+    assert again["rows"][:2] == first["rows"]
+    kept = json.loads((tmp_path / "results.json").read_text())
+    entries = kept["parts"]["recovery"]["entries"]
+    assert entries["after"]["delta_e"]["median"] < 2.0 < entries["before"]["delta_e"]["median"]
+    assert kept["parts"]["recovery"]["errors"]["direction"]["after"]["median"] == pytest.approx(10.0)
+    assert list(tmp_path.glob("contact*.png"))
+
+
+@pytest.mark.slow
+def test_a_hidden_look_is_recovered_from_end_to_end(tmp_path):
+    results = experiment.run(tmp_path, 1, "recovery", size=64, samples=4, budget="quick")
+    assert results["failed"] == {}
+    entries = results["parts"]["recovery"]["entries"]
+    assert entries["after"]["delta_e"]["median"] < 0.6 * entries["before"]["delta_e"]["median"]

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from pathlib import Path
 from typing import Any
@@ -26,8 +27,11 @@ def run(
     size: int = 160,
     samples: int = 32,
     budget: str = "standard",
+    words: bool = False,
 ) -> dict[str, Any]:
-    """Carries out what is missing, compares, and writes OUT/results.json and contact sheets.
+    """Carries out what is missing, compares, and writes OUT/results.json, after each task, and contact sheets.
+
+    The parts take turns, so that a run that is broken off has tasks of each.
 
     Args:
         out: The folder; it keeps scenes and runs, and one that is there is not done again.
@@ -37,6 +41,7 @@ def run(
         size: Longer side of the pictures, pixels.
         samples: Of Cycles.
         budget: As for `vibe run`.
+        words: Whether the scenes of *recovery* are vibed in words as well, to compare the time.
 
     Returns:
         The content of results.json; see `table.summary`.
@@ -49,18 +54,18 @@ def run(
     chosen = [name for name in parts.split(",") if name]
     if strange := [name for name in chosen if name not in PARTS] or not chosen:
         raise VibeError(f"There is no part {strange}.", f"Use some of: {', '.join(PARTS)}.")
-    trials = [
-        LikeTrial(t, out, size, samples, budget) for part in chosen for t in tasks(part, count, drawn_from)
-    ]
-    rows, strips = [], []
-    for number, trial in enumerate(trials, 1):
+    drawn = [list(tasks(part, count, drawn_from)) for part in chosen]
+    turns = [t for turn in itertools.zip_longest(*drawn) for t in turn if t is not None]
+    rows, strips, settings = [], [], {"seed": drawn_from, "size": size, "samples": samples, "budget": budget}
+    for number, task in enumerate(turns, 1):
+        trial = LikeTrial(task, out, size, samples, budget, words)
         row = trial.row()
-        print(f"[{number}/{len(trials)}] {row['task']}: {table.line(row)}", flush=True)
+        print(f"[{number}/{len(turns)}] {row['task']}: {table.line(row)}", flush=True)
         rows.append(row)
         strips.append(_strip(trial, row))
-    results = table.summary(rows) | {"seed": drawn_from, "size": size, "samples": samples, "budget": budget}
+        atomic.write_text(out / "results.json", json.dumps(table.summary(rows) | settings, indent=1))
     save_sheets(strips, out)
-    atomic.write_text(out / "results.json", json.dumps(results, indent=1))
+    results = table.summary(rows) | settings
     table.show(results)
     return results
 

@@ -35,6 +35,7 @@ class LikeTrial:
         size: Longer side of the pictures, pixels.
         samples: Of Cycles.
         budget: As for `vibe run`.
+        words: Whether a scene of *recovery* is vibed in words as well, to compare the time.
     """
 
     task: LikeTask
@@ -42,6 +43,7 @@ class LikeTrial:
     size: int
     samples: int
     budget: str = "standard"
+    words: bool = False
 
     @property
     def folder(self) -> Path:
@@ -68,7 +70,7 @@ class LikeTrial:
         if ended["code"] != 0:
             return row
         row |= self._figures(made, scene, picture)
-        if self.task.part == "recovery":  # the same scene and as many pixels
+        if self.words and self.task.part == "recovery":  # the same scene and as many pixels
             timed = product.vibe_once(scene / "scene.blend", WORDS, self._timed(scene), options)
             row["words_seconds"] = timed["seconds"]
         return row
