@@ -4,12 +4,11 @@
 from __future__ import annotations
 
 import random
-from dataclasses import replace
 
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.prompts import compose
-from proxy_renderer.prompt.types import PictureStats, Plan, PlanContext, SceneWords
+from proxy_renderer.prompt.types import Plan, PlanContext, SceneWords
 from proxy_renderer.schema import PARAMETERS, Instance
 
 LIGHTS = (("Key", "AREA", "key", -40.0), ("Fill", "AREA", "fill", 60.0), ("Back", "POINT", "rim", 160.0))
@@ -75,8 +74,3 @@ def make_plan(
 ) -> Plan:
     parsed = parse(prompt, scene or SceneWords())
     return plan(parsed, compose(parsed), make_instances() if instances is None else instances, context)
-
-
-def pictured(subject, surroundings):
-    picture = PictureStats({"subject": (subject, 0.0, 0.0), "surroundings": surroundings}, (5.0, 40.0, 95.0))
-    return replace(CONTEXT, picture=picture)

@@ -24,6 +24,9 @@ _FAINTEST, _OFF_GRAY = 3.0, 0.6
 _FARTHEST = 12.0
 """How much lighter or darker than the named color it may be; more, only where it cannot be shown."""
 
+_DIM, _DIMMEST = 45.0, 0.5
+"""L* of a whole picture from where it is dark, and the share of a color's lightness that is left of it at least."""
+
 _COLORED = 12.0  # C* below which a color tints nothing
 _TINTED = (6.0, 3.0)
 """How far in a color's direction a tinted picture lies, or how much farther than before; in a* and b*."""
@@ -106,6 +109,25 @@ def _around(shown: Values, named: float) -> tuple[Values, Values]:
     darkest = max(light - _LIGHTNESS, min(named - _FARTHEST, light))
     lightest = min(light + _LIGHTNESS, max(named + _FARTHEST, light))
     return (darkest, a - reach, b - reach), (lightest, a + reach, b + reach)
+
+
+def in_the_dark(claim: Claim, darkest: float) -> Claim:
+    """A claim about a color as it is in a picture that is to be dark: blue nights are no light blue.
+
+    Args:
+        claim: Any; others than those of colors stay.
+        darkest: L* that the whole picture has at most.
+    """
+    if claim.measure != "color" or darkest >= _DIM:
+        return claim
+    middle = (claim.lower[0] + claim.upper[0]) / 2
+    level = 100 * oklab_from_srgb(srgb_from_lab((darkest, 0.0, 0.0)))[0]
+    share = min(max(level / middle, _DIMMEST), 1.0)
+    return replace(
+        claim,
+        lower=tuple(min(end, share * end) for end in claim.lower),
+        upper=tuple(max(end, share * end) for end in claim.upper),
+    )
 
 
 def of_matter(attribute: Attribute, vocabulary: Vocabulary) -> Iterator[Claim]:

@@ -17,7 +17,7 @@ from ..prompt.meaning import heads_of
 from ..prompt.types import Attribute, Parsed
 from ..schema import Values
 from .claim import Claim
-from .colored import of_color, of_matter, part_of
+from .colored import in_the_dark, of_color, of_matter, part_of
 from .comparing import compares
 from .measures.picture import Part
 from .notation import ClaimText, read_claim
@@ -53,9 +53,14 @@ def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
             claims.setdefault(key, replace(claim, compares=compared))
     tints = [c.direction for c in claims.values() if c.part == "picture" and c.measure == "tint"]
     claims = {key: claim for key, claim in claims.items() if not _gives_way(claim, tints)}
+    darkest = min((c.upper[0] for c in claims.values() if _is_brightness(c)), default=math.inf)
     colored = tuple((c.part, c.materials) for c in claims.values() if c.measure == "color")
-    lights = (replace(c, apart=colored) if _is_light(c) else c for c in claims.values())
+    lights = (replace(c, apart=colored) if _is_light(c) else in_the_dark(c, darkest) for c in claims.values())
     return (*lights, *_of_every_picture(parsed))
+
+
+def _is_brightness(claim: Claim) -> bool:
+    return claim.part == "picture" and claim.measure == "lightness"
 
 
 def _gives_way(claim: Claim, tints: Sequence[Values]) -> bool:

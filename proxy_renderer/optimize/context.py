@@ -3,16 +3,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 import torch
-import torch.nn.functional as F
 from torch import Tensor
 
 from ..color import arrays
-from ..color.constants import Lab
 from ..color.tensors import lab_from_srgb
 from ..guidance import regions
 from ..guidance.encoder import Encoder
@@ -35,7 +32,6 @@ _GRID = 64  # rays along each side of the picture
 _LARGEST, _LEAST = 256, 192
 """Greatest longer side of the pictures inside the loop, in pixels, and the least however small the encoder's are."""
 _OF_A_PICTURE = 128  # the same where a picture says what is wanted: nothing so fine is read off it
-_SEEN = 16  # rays that a material's color is measured from, at least
 
 
 def scene_words(*scenes: SceneData) -> SceneWords:
@@ -80,8 +76,7 @@ def plan_context(proxy: Proxy, values: dict[str, Values], picture: Render) -> Pl
         picture: The proxy's picture of them.
     """
     scene = proxy.scene
-    rays = _look(proxy, values)
-    world, materials = coverage(scene, *rays)
+    world, materials = coverage(scene, *_look(proxy, values))
     textures = {m.name: m.texture.image for m in scene.materials if m.texture is not None}
     return PlanContext(
         camera_azimuth=values["camera/azimuth"][0] if "camera/azimuth" in values else 0.0,
@@ -99,7 +94,7 @@ def plan_context(proxy: Proxy, values: dict[str, Values], picture: Render) -> Pl
         ),
         texture_luminance={name: float(arrays.luminance(image).mean()) for name, image in textures.items()},
         values=values,
-        picture=replace(picture_stats(picture), materials=_material_colors(scene, rays[0], picture)),
+        picture=picture_stats(picture),
     )
 
 
@@ -163,20 +158,6 @@ def coverage(scene: SceneData, material: Tensor, mine: Tensor) -> tuple[float | 
         region = mine if m.role == "subject" else ~mine
         shares[m.name] = float((region & (material == index)).sum()) / max(int(region.sum()), 1)
     return (float((material < 0).sum()) / around if around else None), shares
-
-
-def _material_colors(scene: SceneData, material: Tensor, picture: Render) -> dict[str, Lab]:
-    """Mean display color of what rays as in `_look` see of each material."""
-    display = picture.display.detach().cpu().permute(2, 0, 1)[None]
-    small = F.interpolate(display, (_GRID, _GRID), mode="area")[0].permute(1, 2, 0)
-    lab = lab_from_srgb(small).reshape(-1, 3)
-    colors: dict[str, Lab] = {}
-    for index, m in enumerate(scene.materials):
-        here = material == index
-        if int(here.sum()) >= _SEEN:
-            light, a, b = lab[here].mean(0).tolist()
-            colors[m.name] = (light, a, b)
-    return colors
 
 
 def picture_size(resolution: tuple[int, int], longest: int) -> tuple[int, int]:

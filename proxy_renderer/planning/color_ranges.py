@@ -11,7 +11,6 @@ from ..prompt.meaning import fog_color
 from ..prompt.types import Attribute
 from ..schema import Instance, Values
 from .display import radiance, reachable
-from .measured import measured
 from .sources import Range, Sources
 
 _BLACKEST, _WHITEST = 0.006, 0.85  # hardly a real surface reflects less, or more
@@ -53,8 +52,6 @@ def color_range(effect: Effect, attribute: Attribute, instance: Instance, source
     if instance.parameter.family == "material/tint":
         texture = max(sources.context.texture_luminance.get(instance.owner, 0.4), 0.02)
         linear = tuple(v / texture for v in linear)
-    if effect.mode == "color" and sources.constancy:
-        linear = measured(linear, srgb, instance, sources.context, sources.constancy)
     if attribute.strength < 0.8:
         linear = tuple(a + (b - a) * attribute.strength for a, b in zip(instance.value, linear, strict=True))
     return _box(linear)

@@ -180,12 +180,10 @@ class PictureStats:
     Attributes:
         lab: "subject"/"surroundings" -> mean display color.
         percentiles: Display lightness L* of the whole picture at 5, 50 and 95 percent.
-        materials: Material -> mean display color of what is seen of it; those hardly seen are missing.
     """
 
     lab: dict[Region, Lab] = field(default_factory=dict)
     percentiles: tuple[float, float, float] | None = None
-    materials: dict[str, Lab] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -219,3 +219,15 @@ def test_words_that_compare_are_told_in_any_language_and_for_what_a_mood_stands_
     assert said["brighter"]
     assert not said["cold light"]
     assert sum(said.values()) == 1
+
+
+def test_colors_of_a_dark_picture_may_be_as_dark() -> None:
+    """The sky of a blue night is no pale blue, but blue."""
+    (day,) = (c for c in claims("light blue background") if c.measure == "color")
+    (night,) = (c for c in claims("light blue background, night") if c.measure == "color")
+    assert night.lower[0] < day.lower[0] - 10
+    assert night.upper == pytest.approx(day.upper, abs=5)
+    navy = torch.tensor([40.0, -2.5, -6.0])
+    assert night.miss(navy, None) < 1 < day.miss(navy, None)
+    assert night.miss(torch.tensor([40.0, 6.0, 0.0]), None) > 1  # a dark red is none
+    assert night.miss(torch.tensor([12.0, 0.0, 0.0]), None) > 1  # nor is black

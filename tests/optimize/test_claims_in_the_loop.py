@@ -162,6 +162,16 @@ def test_a_vignette_is_earned_on_dark_and_on_light_ground(tmp_path, encoder, gra
     assert claim["after"] > claim["before"] + 4.0
 
 
+def test_a_subject_that_words_make_like_its_ground_is_told_apart(tmp_path, encoder):
+    scene = load_scene(write_job(tmp_path / "job", **{"material/Floor/base_color": (0.75,) * 3}))
+    chosen = Options(rounds=3, steps=6, size=64)
+    begun = Search([ShotInput(scene)], "white ball", chosen, encoder, encoder, Silent(), None)
+    outcome = Refinement(begun, Start(begun.vector.encode({}))).run()
+    rows = {row["measure"]: row for row in foreseen(outcome, claims_about(outcome))}
+    assert rows["color"]["holds"]
+    assert rows["separation"]["holds"]
+
+
 @pytest.mark.parametrize("inner", ["least-squares", "adam"])
 def test_either_inner_loop_earns_a_claim_that_does_not_hold_yet(search, inner):
     begun = search("very bright picture", steps=12, rounds=1, inner=inner)

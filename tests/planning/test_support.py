@@ -1,27 +1,54 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What no word names but pictures need."""
+"""What no word names but claims may need."""
 
 from dataclasses import replace
 
-from plan_parts import CONTEXT, make_instances, make_plan, pictured
+import pytest
+from plan_parts import CONTEXT, make_instances, make_plan
 
-SPECULAR = "material/Body/specular"
-
-
-def test_a_white_sky_all_around_does_not_bleach_vivid_things():
-    open_air = replace(CONTEXT, world_share=1.0)
-    assert make_plan("red, white background", context=open_air)[SPECULAR].lower[0] <= 0.2
-    assert make_plan("red, white background")[SPECULAR].priority is None
-    assert make_plan("grey, white background", context=open_air)[SPECULAR].priority is None
-    assert make_plan("glossy red, white background", context=open_air)[SPECULAR].lower[0] >= 0.5
+FLOOR, BODY = "material/Floor/base_color", "material/Body/base_color"
 
 
-def test_a_pale_thing_before_a_named_ground_as_light_as_it_gets_darker():
-    materials = make_instances()
-    pale = replace(materials["material/Body/base_color"], value=(0.8, 0.8, 0.8))
-    materials["material/Body/base_color"] = pale
-    entry = make_plan("grey background", materials, pictured(48.0, (46.0, 0.0, 0.0)))[
-        "material/Body/base_color"
-    ]
-    assert "stands out" in entry.reason
-    assert entry.lower[0] < 0.6
+def supported(plan):
+    return {key for key, entry in plan.items() if entry.reason.startswith("supports")}
+
+
+def test_what_supports_the_words_may_stay_where_the_artist_has_it():
+    instances = make_instances()
+    plan = make_plan("teal dolphin", instances)
+    assert {FLOOR, "film/exposure", "light/Key/power", "world/strength"} <= supported(plan)
+    for key in supported(plan):
+        entry, value = plan[key], instances[key].value
+        assert entry.lower <= value <= entry.upper
+        assert entry.lower < entry.upper
+        assert entry.prior > 0
+
+
+def test_neither_named_nor_locked_values_support():
+    instances = make_instances()
+    instances["film/exposure"] = replace(instances["film/exposure"], locked="keyframed")
+    supports = supported(make_plan("teal dolphin on a red floor, strong light", instances))
+    assert supports & {FLOOR, BODY, "film/exposure", "light/Key/power"} == set()
+
+
+def test_a_surface_that_no_word_names_may_become_another_shade_of_its_own_color():
+    instances = make_instances()
+    instances[FLOOR] = replace(instances[FLOOR], value=(0.02, 0.01, 0.01))
+    entry = make_plan("matte black teapot", instances)[FLOOR]
+    assert entry.upper[0] > 0.05
+    assert entry.upper[0] / entry.upper[1] == pytest.approx(2.0)
+    assert entry.lower[0] < 0.01
+
+
+def test_of_many_surfaces_only_those_that_are_seen_much_may_change():
+    names = tuple(f"Thing {n}" for n in range(9))
+    instances = make_instances(materials=(("Body", "subject"), *((name, "surroundings") for name in names)))
+    shares = {name: 0.02 * n for n, name in enumerate(names)}
+    plan = make_plan("teal dolphin", instances, replace(CONTEXT, material_share=shares))
+    mine = {key.split("/")[1] for key in supported(plan) if key.startswith("material/")}
+    assert mine == {"Thing 5", "Thing 6", "Thing 7", "Thing 8"}
+
+
+def test_only_named_colors_are_strengthened():
+    assert "film/saturation" in supported(make_plan("teal dolphin"))
+    assert "film/saturation" not in supported(make_plan("soft light"))
