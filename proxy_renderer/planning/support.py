@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from ..color.floats import lab_from_srgb, srgb_from_linear
 from ..prompt.types import Parsed, PlanEntry
 from ..schema import Instance, Values
+from ..schema.spec import Region
 from .owners import BACKDROP, Owners
 from .ranges import clip, facing_white
 from .sources import Range, Sources
@@ -56,7 +57,8 @@ def _reaches(
     parsed: Parsed, instances: dict[str, Instance], sources: Sources, owners: Owners
 ) -> Iterator[tuple[str, tuple[Range, int, str]]]:
     """Keys, and for each how far it may go, how much later than exposure it comes, and why."""
-    for region in ("surroundings", "subject"):
+    regions: tuple[Region, ...] = ("surroundings", "subject")
+    for region in (each for each in regions if each not in parsed.colors):
         for name in _largest(owners.materials(region), sources):
             if surface := instances.get(f"material/{name}/base_color"):
                 why = "the subject stands out from its surroundings"
