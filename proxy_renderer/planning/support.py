@@ -60,24 +60,24 @@ def _reaches(
     regions: tuple[Region, ...] = ("surroundings", "subject")
     for region in (each for each in regions if each not in parsed.colors):
         for name in _largest(owners.materials(region), sources):
-            if surface := instances.get(f"material/{name}/base_color"):
+            if (key := f"material/{name}/base_color") in instances:
                 why = "the subject stands out from its surroundings"
-                yield surface.key, (_shades(surface.value), -1, why)
+                yield key, (_shades(instances[key].value), -1, why)
     if BACKDROP in instances:
         yield BACKDROP, (_times(instances[BACKDROP].value, _WORLD), -1, "the subject stands out from it")
-    if exposure := instances.get("film/exposure"):
-        (value,) = exposure.value
+    if "film/exposure" in instances:
+        (value,) = instances["film/exposure"].value
         ends: Range = ((value - _STOPS,), (value + _STOPS,))
-        yield exposure.key, (ends, 0, "the subject is neither burnt nor black")
+        yield "film/exposure", (ends, 0, "the subject is neither burnt nor black")
     for name in owners.key:
         for key in (f"light/{name}/power", f"light/{name}/strength", f"{name}/emission"):
             if key in instances:
                 yield key, (_times(instances[key].value, _KEY), 1, "the subject is readable")
-    if world := instances.get("world/strength"):
-        yield world.key, (_times(world.value, _WORLD), 2, "shadows are readable")
-    if parsed.colors and (saturation := instances.get("film/saturation")):
-        ends = saturation.value, _times(saturation.value, (1.0, _SATURATION))[1]
-        yield saturation.key, (ends, 2, "the named colors are seen")
+    if "world/strength" in instances:
+        yield "world/strength", (_times(instances["world/strength"].value, _WORLD), 2, "shadows are readable")
+    if parsed.colors and "film/saturation" in instances:
+        ends = _times(instances["film/saturation"].value, (1.0, _SATURATION))
+        yield "film/saturation", (ends, 2, "the named colors are seen")
 
 
 def _largest(names: list[str], sources: Sources) -> list[str]:
