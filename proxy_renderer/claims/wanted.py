@@ -28,6 +28,9 @@ _OF_MOODS = 0.5
 _SLIGHT = 0.8
 """Strength below which a word is a weak one."""
 
+_TIMELY = "light_temperature"
+"""A head that times of day have too: of several words for it claims choose, not the first one of the prompt."""
+
 _OPPOSED = 0.5
 """Cosine between a tint and the other direction, from where a picture cannot have both."""
 
@@ -42,13 +45,12 @@ def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
     Raises:
         VibeError: A claim in the vocabulary cannot be read.
     """
+    words = [a for a in parsed.attributes if a not in parsed.overruled]
+    said = [(a, tuple(_of_word(a, parsed, vocabulary))) for a in words]
     claims: dict[tuple[object, ...], Claim] = {}
-    # Of two words for one measure the prompt's own goes before what another one stands for, light before a setting.
-    for attribute in sorted(parsed.attributes, key=lambda a: (bool(a.cause), a.slot == "setting")):
-        if attribute in parsed.overruled:
-            continue
+    for attribute, row in sorted(said, key=lambda pair: _rank(*pair)):
         compared = compares(attribute, parsed.attributes, vocabulary)
-        for claim in _of_word(attribute, parsed, vocabulary):
+        for claim in row:
             key = (claim.measure, claim.part, claim.materials, claim.direction)
             claims.setdefault(key, replace(claim, compares=compared))
     tints = [c.direction for c in claims.values() if c.part == "picture" and c.measure == "tint"]
@@ -57,6 +59,15 @@ def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
     colored = tuple((c.part, c.materials) for c in claims.values() if c.measure == "color")
     lights = (replace(c, apart=colored) if _is_light(c) else in_the_dark(c, darkest) for c in claims.values())
     return (*lights, *_of_every_picture(parsed))
+
+
+def _rank(attribute: Attribute, claims: Sequence[Claim]) -> tuple[bool, bool, int]:
+    """Which of two words for one measure goes first, the least.
+
+    The prompt's own before what another one stands for, light before a setting, and what is about nothing else before
+    what has it among other things: dusk is cool, but not in the light of a warm lamp.
+    """
+    return bool(attribute.cause), attribute.slot == "setting", len({(c.measure, c.part) for c in claims})
 
 
 def _is_brightness(claim: Claim) -> bool:
@@ -85,7 +96,7 @@ def _of_word(attribute: Attribute, parsed: Parsed, vocabulary: Vocabulary) -> It
         yield from (_bound(read_claim(text), attribute) for text in entry.claims)
         yield from of_matter(attribute, vocabulary)
     for head, value in heads_of(attribute, vocabulary).items():
-        if attribute.owners or parsed.targets.get(head) == value:
+        if attribute.owners or head == _TIMELY or parsed.targets.get(head) == value:
             yield from (_bound(text, attribute) for text in _of_heads().get((head, value), ()))
 
 

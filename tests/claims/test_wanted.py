@@ -231,3 +231,21 @@ def test_colors_of_a_dark_picture_may_be_as_dark() -> None:
     assert night.miss(navy, None) < 1 < day.miss(navy, None)
     assert night.miss(torch.tensor([40.0, 6.0, 0.0]), None) > 1  # a dark red is none
     assert night.miss(torch.tensor([12.0, 0.0, 0.0]), None) > 1  # nor is black
+
+
+def test_what_a_word_is_all_about_goes_before_what_another_has_among_other_things() -> None:
+    """Dusk is dark and cool, but warm where a warm lamp is on; of noon's hard shadows the words for them are asked."""
+    (dusk,) = (c for c in claims("dusk") if c.measure == "warmth")
+    (lamp,) = (c for c in claims("dusk, warm light") if c.measure == "warmth")
+    assert dusk.upper[0] < 0 < lamp.lower[0]
+    assert lamp.word == "warm light"
+    assert "lightness" in {c.measure for c in claims("dusk, warm light") if c.word == "dusk"}
+    (shadows,) = (c for c in claims("noon, hard shadows") if c.measure == "hardness")
+    assert shadows.word == "hard shadows"
+
+
+def test_a_gray_picture_is_no_sepia() -> None:
+    (sepia,) = (c for c in claims("sepia") if c.measure == "brown_distance")
+    gray, brown = torch.tensor([5.0]), torch.tensor([1.0])
+    assert sepia.miss(gray, None) > 1
+    assert sepia.miss(brown, None) == 0
