@@ -8,6 +8,8 @@ import bpy
 import pytest
 import vibe_render
 from small_scenes import studio
+from vibe_render.session.state import addon_state
+from vibe_render.ui import live, word_readings
 
 
 @pytest.fixture
@@ -17,16 +19,27 @@ def scene():
     return bpy.context.scene
 
 
-@pytest.fixture
-def addon(scene):
-    """The add-on, registered, with a studio whose vibe lasts for as long as a test wants."""
+@pytest.fixture(scope="module")
+def registered():
+    """The add-on, registered for all tests of a file, as in one session of Blender: its engine stays warm."""
     vibe_render.register()
+    yield
+    vibe_render.unregister()
+
+
+@pytest.fixture
+def addon(registered, scene):
+    """A studio whose vibe lasts for as long as a test wants, in an empty file; nothing under way from another test."""
     studio(scene)
     settings = scene.vibe
     settings.prompt, settings.budget, settings.anchor = "glossy red cube, warm light", "CUSTOM", False
     settings.rounds, settings.steps, settings.size = 100, 1000, 64
     yield scene
-    vibe_render.unregister()
+    live.stop()
+    word_readings.stop()
+    addon_state.cancel()
+    addon_state.end_live()
+    addon_state.readings.forget()
 
 
 _status = pytest.StashKey[int]()

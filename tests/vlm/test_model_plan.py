@@ -378,7 +378,12 @@ class TestLoop:
         assert changed_values(outcome)
 
     @pytest.mark.parametrize(
-        "answer", [refuses(401, "bad key"), says("I'd rather talk."), says({"plan": [], "objects": []})]
+        "answer",
+        [
+            refuses(401, "bad key"),
+            pytest.param(says("I'd rather talk."), marks=pytest.mark.slow),
+            pytest.param(says({"plan": [], "objects": []}), marks=pytest.mark.slow),
+        ],
     )
     def test_every_failure_falls_back_to_the_offline_plan(self, scene, encoder, answer):
         with serving(lambda body, n: answer) as model:
