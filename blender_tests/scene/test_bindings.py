@@ -32,7 +32,7 @@ def test_the_scenes_of_these_tests_have_every_parameter():
 
 
 @pytest.mark.parametrize("name", scenes.ALL)
-@pytest.mark.parametrize("level", ["lower", "default", "upper"])
+@pytest.mark.parametrize("level", ["lower", pytest.param("default", marks=pytest.mark.slow), "upper"])
 def test_what_is_written_is_read_back(scene, name, level):
     subject = scenes.ALL[name](scene)
     prepare.prepare(scene, subject)

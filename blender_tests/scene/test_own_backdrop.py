@@ -168,7 +168,10 @@ def test_a_tint_that_was_kept_is_where_it_starts(scene, tmp_path):
     assert difference(before, contents()) == {}
 
 
-@pytest.mark.parametrize("again", [False, True], ids=["on standby", "exported again"])
+@pytest.mark.parametrize(
+    "again",
+    [pytest.param(False, id="on standby"), pytest.param(True, id="exported again", marks=pytest.mark.slow)],
+)
 def test_the_proxy_sees_what_cycles_renders(studio, tmp_path, again):
     _, backdrop, place = exported(studio, tmp_path)
     values = moved(backdrop)

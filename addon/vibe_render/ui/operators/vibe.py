@@ -65,6 +65,7 @@ class VIBE_OT_run(bpy.types.Operator):
         failure = None
         while failure is None and addon_state.running:
             failure = _advance(session)
+            time.sleep(_TICK)  # the engine needs the core
         return self._done(failure, "ERROR")
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
