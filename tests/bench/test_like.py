@@ -12,6 +12,7 @@ from PIL import Image
 from proxy_renderer.bench.like import experiment, flat, table, trial, values
 from proxy_renderer.bench.like.tasks import FILTERS, PARTS, SETS, tasks
 from proxy_renderer.bench.wild import product
+from proxy_renderer.cli.main import main
 from proxy_renderer.schema import VibeError
 
 MADE = {
@@ -174,6 +175,14 @@ def test_parts_take_turns_and_a_second_run_does_only_what_is_missing(tmp_path, m
     assert entries["after"]["delta_e"]["median"] < 2.0 < entries["before"]["delta_e"]["median"]
     assert kept["parts"]["recovery"]["errors"]["direction"]["after"]["median"] == pytest.approx(10.0)
     assert list(tmp_path.glob("contact*.png"))
+
+
+def test_the_command_line_reaches_it(tmp_path, monkeypatch):
+    monkeypatch.setattr(product, "vibe", ended)
+    monkeypatch.setattr(trial.blender, "command", hidden)
+    options = ["--tasks", "1", "--parts", "recovery", "--budget", "quick", "--size", "32"]
+    assert main(["bench", "like", "--out", str(tmp_path), *options]) == 0
+    assert json.loads((tmp_path / "results.json").read_text())["budget"] == "quick"
 
 
 @pytest.mark.slow

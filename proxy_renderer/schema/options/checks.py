@@ -46,7 +46,7 @@ def numbers(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> None:
     Raises:
         VibeError: One is not.
     """
-    if hasattr(given, "budget"):
+    if all(hasattr(given, name) for name in ("budget", *budgets.NUMBERS)):
         budgets.fill(given)
     for option in table:
         value = getattr(given, option.name, None)
