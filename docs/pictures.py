@@ -6,6 +6,7 @@ python docs/pictures.py [FOLDER]     FOLDER is the commands' `out`
 demo.jpg       vibe demo --out out/demo
 dolphin.jpg    vibe run dolphin.obj --prompt "Glossy teal dolphin, white studio background." --out out/dolphin
 tree.jpg       vibe run tree.obj --prompt "Misty tree silhouette, cool blue fog, vignette." --out out/tree
+like.jpg       vibe run teapot.obj --like coffee.jpg --out out/like, coffee.jpg being skimage.data.coffee()
 fidelity.jpg   vibe bench fidelity --out out/fidelity
 sealed.jpg     vibe bench sealed --out out/sealed
 results/       results.json of out/sealed, out/ladder and out/materials
@@ -25,6 +26,7 @@ PICTURES = {
     "demo.jpg": ("demo/compare.png", 1200),
     "dolphin.jpg": ("dolphin/compare.png", 1200),
     "tree.jpg": ("tree/compare.png", 1200),
+    "like.jpg": ("like/compare.png", 1200),
     "sealed.jpg": ("sealed/contact.png", 1200),
     "tutorial/before.jpg": ("teal/before.png", 480),
     "tutorial/teal.jpg": ("teal/compare.png", 1000),

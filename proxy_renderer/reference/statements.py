@@ -170,8 +170,8 @@ class _Reader:
     def _mixture(self, part: Part, box: tuple[float, float, float, float] | None) -> float:
         """How far the colors of a part deviate from its cast, in a* and b*, each as much as it counts for that."""
         where = self.told.region(part, box)
-        tints = self.picture.lab[self.told.counts if where is None else where][:, 1:]
-        weights = grayness(tints)
+        lab = self.picture.lab[self.told.counts if where is None else where]
+        tints, weights = lab[:, 1:], grayness(lab)
         return float((weights @ (tints - weights @ tints).square()).mean().sqrt())
 
     def _near(

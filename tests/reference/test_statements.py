@@ -148,6 +148,13 @@ def test_light_is_told_whatever_is_painted():
         assert "orange" in claim.word or "yellow" in claim.word
 
 
+def test_black_around_a_picture_in_red_light_does_not_hide_that_it_is_red():
+    x, y = grid()
+    red = np.array((0.9, 0.35, 0.3)) * (0.6 + 0.4 * y[..., None])
+    framed = np.where(((abs(x - 0.5) < 0.4) & (abs(y - 0.5) < 0.4))[..., None], red, 0.01)
+    assert casts(framed.astype(np.float32))["midtone_cast"].lower[0] > 12.0
+
+
 def test_the_light_on_a_subject_is_that_of_the_picture_and_its_paint_is_not_copied():
     display, _ = ball(color=(0.9, 0.2, 0.1), ground=(0.6, 0.6, 0.6))
     claim = next(s.claim for s in said(display) if s.claim.measure == "cast" and s.claim.part == "subject")

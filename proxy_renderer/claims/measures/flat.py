@@ -18,6 +18,9 @@ SHADOWS, MIDTONES, LIGHTS = (0.02, 0.25), (0.25, 0.75), (0.75, 0.98)
 _GRAY = 10.0
 """C* of CIE Lab at which a pixel counts half for a color cast: about what people call gray at a glance."""
 
+_DARK, _LEAST = 25.0, 0.02
+"""L* below which a pixel says less of a cast, the less the darker, and what black counts."""
+
 _PATCH = 24
 """Patches of a dark channel along the longer side of a picture."""
 
@@ -62,8 +65,8 @@ def cast(picture: MeasuredPicture, where: Tensor) -> Tensor:
         picture: The picture.
         where: (H, W) bool, the region.
     """
-    tints = picture.lab[where][:, 1:]
-    return grayness(tints) @ tints
+    lab = picture.lab[where]
+    return grayness(lab) @ lab[:, 1:]
 
 
 def cast_between(low: float, high: float) -> Callable[[MeasuredPicture, Tensor], Tensor]:
@@ -73,8 +76,8 @@ def cast_between(low: float, high: float) -> Callable[[MeasuredPicture, Tensor],
         lab = picture.lab[where]
         order = lab[:, 0].detach().argsort()
         first, last = round(low * (len(order) - 1)), round(high * (len(order) - 1))
-        tints = lab[order[first : last + 1], 1:]
-        return grayness(tints) @ tints
+        some = lab[order[first : last + 1]]
+        return grayness(some) @ some[:, 1:]
 
     return take
 
@@ -116,13 +119,16 @@ def veil(picture: MeasuredPicture, where: Tensor) -> Tensor:
     return 100 * least[where].mean()[None]
 
 
-def grayness(tints: Tensor) -> Tensor:
+def grayness(lab: Tensor) -> Tensor:
     """How much each of some pixels counts for a cast: (N,) of sum 1, no function of the picture to gradients.
 
+    Black is gray in any light, and counts for little.
+
     Args:
-        tints: (N, 2) a* and b*.
+        lab: (N, 3) CIE Lab.
     """
-    weights = 1 / (1 + tints.detach().square().sum(-1) / _GRAY**2)
+    lab = lab.detach()
+    weights = (lab[:, 0] / _DARK).clamp(_LEAST, 1.0) / (1 + lab[:, 1:].square().sum(-1) / _GRAY**2)
     return weights / weights.sum()
 
 

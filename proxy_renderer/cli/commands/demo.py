@@ -16,7 +16,8 @@ _PROMPT = "Glossy teal on a pale sand background, warm soft light, slight vignet
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """The look, the folder, and how."""
-    command_line.add_option(parser, named("prompt"), default=_PROMPT, help="the look (default: %(default)s)")
+    shown = f"the look (default: {_PROMPT}; with a picture: none)"
+    command_line.add_option(parser, named("prompt"), default=None, help=shown)
     parser.add_argument(
         "--out", type=Path, default=Path("demo"), metavar="DIR", help="folder (default: %(default)s)"
     )
@@ -24,5 +25,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def act(a: argparse.Namespace) -> int:
-    """Carries out the command."""
+    """Carries out the command; the demo's own words make way for a picture."""
+    if a.prompt is None:
+        a.prompt = "" if a.like else _PROMPT
     return carry_out(a, "demo")

@@ -22,6 +22,7 @@ from ..anchoring import AnchorState
 from ..shots import ShotState
 from ..vector import ParameterVector
 from . import starts
+from .key_start import with_key_turned
 from .search import Confined, Missed, Search, Start
 
 STRIDE = 0.05
@@ -184,6 +185,10 @@ class Refinement:
         now = search.confine(self._u, plan, self._start, self._reach, self._opening)  # 2 to 5 and 7
         if self._elsewhere:
             now = replace(now, u=search.middle(now))
+        elif not self._rounds and search.reference and search.reference.same:
+            goal = search.reference.display
+            scene, box = search.shots[0].scene, (now.lower, now.upper)
+            now = replace(now, u=with_key_turned(scene, search.vector, now.u, *box, goal))
         search.renew(now.u, search.number, slack=STRIDE)
         chosen = search.select(now, now.u)  # 6: S_K
         self._last = replace(now, plan=chosen.with_reasons(now.plan))

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where the key light stands in a picture of this very scene: looks by the proxy, before values are sought.
+
+A shadow that lies elsewhere has no slope towards where it belongs, so directions are what a search finds worst. Light adds up:
+the key's share from a direction is one picture, and how strong it is beside the rest is tried on the two. Only where in the
+picture it is lighter is compared, since exposure and grade are not known yet.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+
+import torch
+import torch.nn.functional as F
+from torch import Tensor
+
+from ...color.tensors import lab_from_srgb
+from ...render.proxy import Proxy
+from ...scene import SceneData
+from ..context import picture_size
+from ..vector import ParameterVector
+
+_TURNS = tuple(range(-180, 180, 40))  # degrees of azimuth from the artist's
+_HEIGHTS = (20.0, 50.0)  # degrees of elevation
+_FINER = ((-20, 0), (20, 0), (0, -15), (0, 15))
+_SIZE = 48  # longer side of the pictures, pixels
+_STRENGTHS, _EXPOSURES = (0.25, 0.5, 1.0, 2.0, 4.0), (0.5, 1.0, 2.0)
+_CELLS = 24
+_BETTER = 0.01
+"""Correlation by which another direction has to be better than the artist's."""
+
+
+def with_key_turned(
+    scene: SceneData, vector: ParameterVector, u: Tensor, lower: Tensor, upper: Tensor, goal: Tensor
+) -> Tensor:
+    """A point whose key light comes from where it does in a picture; u itself where none is better, or it may not turn.
+
+    Args:
+        scene: What the picture shows.
+        vector: The parameters of u.
+        u: (N,) within the box.
+        lower: (N,) its lower corner.
+        upper: (N,) its upper corner.
+        goal: (H, W, 3) the picture, sRGB-encoded.
+    """
+    movable = vector.mark(vector.instances) & (upper > lower)
+    keys = [key for key in _azimuths(vector) if bool(movable[vector.slices[key]].all())]
+    if len(keys) != 1:
+        return u
+    look = _Look(scene, vector, keys[0].removesuffix("/azimuth"), u, goal)
+    best, here = u, look.likeness(u)
+    most = here
+    for turn, height in itertools.product(_TURNS, _HEIGHTS):
+        point = look.turned(vector.instances[keys[0]].value[0] + turn, height).clamp(lower, upper)
+        if (likeness := look.likeness(point)) > most:
+            best, most = point, likeness
+    azimuth, elevation = look.direction(best)
+    for turn, rise in _FINER:
+        point = look.turned(azimuth + turn, elevation + rise).clamp(lower, upper)
+        if (likeness := look.likeness(point)) > most:
+            best, most = point, likeness
+    return best if most > here + _BETTER else u
+
+
+def _azimuths(vector: ParameterVector) -> Iterator[str]:
+    for key, instance in vector.instances.items():
+        if instance.parameter.family == "light/azimuth" and instance.role == "key":
+            yield key
+
+
+class _Look:
+    """How like a picture the scene is, its key light turned."""
+
+    def __init__(
+        self, scene: SceneData, vector: ParameterVector, light: str, u: Tensor, goal: Tensor
+    ) -> None:
+        self._proxy = Proxy(scene, picture_size(scene.resolution, _SIZE))
+        self._vector, self._u = vector, u
+        self._keys = f"{light}/azimuth", f"{light}/elevation"
+        self._power = next(
+            f"{light}/{n}" for n in ("power", "strength") if f"{light}/{n}" in vector.instances
+        )
+        self._goal = _cells(goal)
+        with torch.no_grad():
+            dark = {self._power: torch.zeros(1)}
+            self._rest = self._proxy.render(vector.decode(u) | dark).linear
+
+    def turned(self, azimuth: float, elevation: float) -> Tensor:
+        """(N,) the point with the key light in a direction, degrees."""
+        values = self._vector.encode(dict(zip(self._keys, ((azimuth,), (elevation,)), strict=True)))
+        point = self._u.clone()
+        for key in self._keys:
+            point[self._vector.slices[key]] = values[self._vector.slices[key]]
+        return point
+
+    def direction(self, u: Tensor) -> tuple[float, float]:
+        """Azimuth and elevation at u (N,), degrees."""
+        values = self._vector.plain(u)
+        return values[self._keys[0]][0], values[self._keys[1]][0]
+
+    @torch.no_grad()
+    def likeness(self, u: Tensor) -> float:
+        """The greatest correlation of lightness with the picture, over strengths of the key and exposures."""
+        key = self._proxy.render(self._vector.decode(u)).linear - self._rest
+        found = []
+        for strength, exposure in itertools.product(_STRENGTHS, _EXPOSURES):
+            light = (exposure * (strength * key + self._rest)).clamp_min(0.0)
+            found.append(_correlation(_cells(self._proxy.film.show(light, {})), self._goal))
+        return max(found)
+
+
+def _cells(display: Tensor) -> Tensor:
+    """(n,) L* of the cells of a picture (H, W, 3)."""
+    return F.adaptive_avg_pool2d(lab_from_srgb(display)[..., 0][None, None], _CELLS).flatten()
+
+
+def _correlation(one: Tensor, other: Tensor) -> float:
+    return float(torch.nan_to_num(torch.corrcoef(torch.stack([one, other]))[0, 1]))
