@@ -49,7 +49,8 @@ class Claim:
         lower: One number for each that the measure gives, after `direction`.
         upper: Likewise.
         change: What is enough of a change; None if only the interval counts.
-        direction: Unit vector along which a tint counts; none for the measure's own numbers.
+        direction: Unit vector along which a tint counts, or the hue of a color, whose numbers are then lightness, how far it
+            lies along the hue and how far across; none for the measure's own numbers.
         color: The color that is asked for, sRGB; None for other claims.
         box: Where in the frame the part is meant: left, upper, right and lower end, as shares of its width and height;
             None for all of it.
@@ -92,7 +93,18 @@ class Claim:
         if measure.directed:
             return measure.take(picture, where, picture.display.new_tensor(self.direction))
         taken = measure.take(picture, where)
-        return (taken @ taken.new_tensor(self.direction))[None] if self.direction else taken
+        if not self.direction:
+            return taken
+        if len(taken) == 3:
+            x, y = self.direction
+            return taken @ taken.new_tensor([[1.0, 0.0, 0.0], [0.0, x, -y], [0.0, y, x]])
+        return (taken @ taken.new_tensor(self.direction))[None]
+
+    def oklab(self, value: Values) -> Values:
+        """The color, OKLab times 100, of the three numbers of a claim about one."""
+        light, along, across = value
+        x, y = self.direction or (1.0, 0.0)
+        return light, x * along - y * across, y * along + x * across
 
     def interval(self, before: Tensor | None) -> tuple[Values, Values]:
         """The lower and the upper end, the change since the artist's picture considered.

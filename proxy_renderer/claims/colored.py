@@ -21,6 +21,8 @@ _LIGHTNESS, _CHROMA, _LEAST_CHROMA = 10.0, 0.35, 4.0
 this."""
 _FAINTEST, _OFF_GRAY = 3.0, 0.6
 """Chroma from which a color is not gray, and how much of what it has beyond the least a picture of it may lack."""
+_ASIDE, _LEAST_ASIDE = 0.2, 1.5
+"""How far across its hue, as a share of its chroma, but at least this: hue says the more the more chroma there is."""
 _FARTHEST = 12.0
 """How much lighter or darker than the named color it may be; more, only where it cannot be shown."""
 
@@ -56,8 +58,10 @@ def of_color(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
     if attribute.kind in ("subject", "surroundings", "sky"):
         region: Region = "subject" if part == "subject" else "surroundings"
         shown = srgb_from_lab(display_color(srgb, region))
-        lower, upper = _around(shown, 100 * oklab_from_srgb(srgb)[0])
-        yield Claim(attribute.word, thing, "color", part, lower, upper, attribute.owners, color=shown)
+        lower, upper, hue = _around(shown, 100 * oklab_from_srgb(srgb)[0])
+        yield Claim(
+            attribute.word, thing, "color", part, lower, upper, attribute.owners, None, hue, color=shown
+        )
     elif attribute.kind in _LIGHTING:
         if (
             attribute.told_apart or attribute.role or attribute.owners
@@ -94,8 +98,10 @@ def _toned(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
         yield Claim(attribute.word, "picture", measure, "picture", *ends, change=sign * change)
 
 
-def _around(shown: Values, named: float) -> tuple[Values, Values]:
-    """The interval of a color, OKLab times 100.
+def _around(shown: Values, named: float) -> tuple[Values, Values, Values]:
+    """The interval of a color, OKLab times 100, and its hue: a unit vector in a and b; none for gray.
+
+    Lightness, then chroma and what lies across the hue, or, of gray, a and b.
 
     Args:
         shown: What a picture can show of it, sRGB.
@@ -103,12 +109,15 @@ def _around(shown: Values, named: float) -> tuple[Values, Values]:
     """
     light, a, b = (100 * v for v in oklab_from_srgb(shown))
     strength = math.hypot(a, b)
-    reach = max(_CHROMA * strength, _LEAST_CHROMA)
-    if strength > _FAINTEST:  # pale, but no gray
-        reach = min(reach, max(_OFF_GRAY * (strength - _LEAST_CHROMA), 1.0))
     darkest = max(light - _LIGHTNESS, min(named - _FARTHEST, light))
     lightest = min(light + _LIGHTNESS, max(named + _FARTHEST, light))
-    return (darkest, a - reach, b - reach), (lightest, a + reach, b + reach)
+    reach = max(_CHROMA * strength, _LEAST_CHROMA)
+    if strength <= _FAINTEST:
+        return (darkest, a - reach, b - reach), (lightest, a + reach, b + reach), ()
+    reach = min(reach, max(_OFF_GRAY * (strength - _LEAST_CHROMA), 1.0))  # pale, but no gray
+    across = min(reach, max(_ASIDE * strength, _LEAST_ASIDE))
+    ends = (darkest, strength - reach, -across), (lightest, strength + reach, across)
+    return *ends, (a / strength, b / strength)
 
 
 def in_the_dark(claim: Claim, darkest: float) -> Claim:

@@ -88,7 +88,7 @@ def _verdict(
 def wanted(claim: Claim, before: Tensor | None) -> str:
     """What a claim asks for, in a few words: "at least 8", "#1fb5b5"."""
     if claim.measure in _COLORS:
-        return _hex(tuple((a + b) / 2 for a, b in zip(claim.lower, claim.upper, strict=True)))
+        return _hex(claim.oklab(tuple((a + b) / 2 for a, b in zip(claim.lower, claim.upper, strict=True))))
     if len(claim.lower) > 1:
         return ", ".join(_range(*ends) for ends in zip(claim.lower, claim.upper, strict=True))
     return _range(*(end[0] for end in claim.interval(before)))
@@ -104,7 +104,7 @@ def _shown(claim: Claim, value: Tensor | None) -> float | str | None:
     if value is None:
         return None
     if claim.measure in _COLORS:
-        return _hex(tuple(value.tolist()))
+        return _hex(claim.oklab(tuple(value.tolist())))
     return round(float(value[0]), 3) if len(value) == 1 else ", ".join(f"{v:.3g}" for v in value.tolist())
 
 

@@ -51,7 +51,8 @@ def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
     for attribute, row in sorted(said, key=lambda pair: _rank(*pair)):
         compared = compares(attribute, parsed.attributes, vocabulary)
         for claim in row:
-            key = (claim.measure, claim.part, claim.materials, claim.direction)
+            hue = () if claim.measure == "color" else claim.direction
+            key = (claim.measure, claim.part, claim.materials, hue)
             claims.setdefault(key, replace(claim, compares=compared))
     tints = [c.direction for c in claims.values() if c.part == "picture" and c.measure == "tint"]
     claims = {key: claim for key, claim in claims.items() if not _gives_way(claim, tints)}

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """From words to claims."""
 
+import math
+
 import pytest
 import torch
 
@@ -227,10 +229,22 @@ def test_colors_of_a_dark_picture_may_be_as_dark() -> None:
     (night,) = (c for c in claims("light blue background, night") if c.measure == "color")
     assert night.lower[0] < day.lower[0] - 10
     assert night.upper == pytest.approx(day.upper, abs=5)
-    navy = torch.tensor([40.0, -2.5, -6.0])
+    navy = torch.tensor([40.0, 6.5, 0.0])
     assert night.miss(navy, None) < 1 < day.miss(navy, None)
-    assert night.miss(torch.tensor([40.0, 6.0, 0.0]), None) > 1  # a dark red is none
+    assert night.miss(torch.tensor([40.0, -6.0, 0.0]), None) > 1  # a dark red is none
     assert night.miss(torch.tensor([12.0, 0.0, 0.0]), None) > 1  # nor is black
+
+
+def test_a_color_that_is_one_has_its_hue() -> None:
+    """A blue of another hue is missed, the same blue in more or less chroma is not; of a pale color hue says less."""
+    for name, apart in (("greenish blue", 50.0), ("red", 35.0), ("teal", 50.0)):
+        (claim,) = (c for c in claims(f"{name} vase") if c.measure == "color")
+        light, strong, _ = ((a + b) / 2 for a, b in zip(claim.lower, claim.upper, strict=True))
+        turned = [strong * f(math.radians(apart)) for f in (math.cos, math.sin)]
+        assert claim.miss(torch.tensor([light, *turned]), None) > 1
+        assert claim.miss(torch.tensor([light, 0.8 * strong, 0.0]), None) == 0
+        shown = oklab_from_srgb(claim.color or (0, 0, 0))
+        assert claim.oklab((light, strong, 0.0))[1:] == pytest.approx([100 * v for v in shown[1:]])
 
 
 def test_what_a_word_is_all_about_goes_before_what_another_has_among_other_things() -> None:
