@@ -51,7 +51,7 @@ def run(
     if not labeled:
         raise VibeError(f"No sentence is of the kind '{kind}'.", f"Use one of: {', '.join(SENTENCE_KINDS)}.")
     vocabulary = shipped_vocabulary()
-    weights = binding.crossed(binding.examples(every, vocabulary), folds) if folds else {}
+    weights = binding.fit(binding.examples(every, vocabulary), folds=folds).without if folds else {}
 
     def reading(s: LabeledSentence) -> SentenceReading:
         return read(s.text, s.scene, vocabulary, reader, weights.get(s.scene.name))
