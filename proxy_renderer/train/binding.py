@@ -6,11 +6,12 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
-from ..prompt.fitted.assignment import assigned
-from ..prompt.fitted.model import FILE, FactWeights, write
-from ..prompt.fitted.pairs import reading
+from ..prompt.binding.assignment import assigned
+from ..prompt.binding.model import FILE, FactWeights, write
+from ..prompt.binding.pairs import reading
 from ..prompt.lexicon.vocabulary import Vocabulary, shipped_vocabulary
 from ..prompt.parser import prepared
 from .fitting import Example, fit_links, fit_pairs
@@ -32,48 +33,45 @@ def examples(sentences: Sequence[LabeledSentence], vocabulary: Vocabulary) -> li
         vocabulary: What words mean.
     """
     found = []
+    scenes = {s.scene.name: s.scene for s in sentences}
+    words_of = {name: stand_in(scene).words for name, scene in scenes.items()}
     for sentence in sentences:
-        words = stand_in(sentence.scene).words
+        words = words_of[sentence.scene.name]
         read = reading(prepared(sentence.text, words, vocabulary), words, vocabulary)
         right = tuple(tuple(each) for each in right_pairs(sentence, read))
         found.append(Example(sentence.scene.name, read, right))
     return found
 
 
-def fit(every: Sequence[Example], l2: float = L2, folds: int = FOLDS) -> FactWeights:
-    """The weights that make what is right likely.
+@dataclass(frozen=True)
+class Fitted:
+    """Weights that make what is right likely.
 
-    Links are fitted to what facts about pairs say of scenes that these were not fitted to.
+    Attributes:
+        weights: Fitted to all sentences.
+        without: Scene -> weights whose facts about pairs are fitted without its fold.
+    """
+
+    weights: FactWeights
+    without: dict[str, FactWeights]
+
+
+def fit(every: Sequence[Example], l2: float = L2, folds: int = FOLDS) -> Fitted:
+    """Fits the weights.
+
+    Links are fitted to what facts about pairs say of scenes that these were not fitted to; they are so few that the scenes
+    left out share them.
 
     Args:
         every: Sentences.
         l2: Weight of the penalty.
-        folds: Parts into which the scenes are divided for that.
-    """
-    if not every:
-        return {}
-    fold = _folds([e.scene for e in every], folds)
-    without = [fit_pairs([e for e in every if fold[e.scene] != n], l2) for n in range(max(fold.values()) + 1)]
-    links = fit_links([(e, without[fold[e.scene]]) for e in every], l2)
-    return fit_pairs(every, l2) | links
-
-
-def crossed(every: Sequence[Example], folds: int = FOLDS, l2: float = L2) -> dict[str, FactWeights]:
-    """Scene -> weights that are fitted without its fold.
-
-    Args:
-        every: Sentences.
         folds: Parts into which the scenes are divided.
-        l2: Weight of the penalty.
     """
-    fold = _folds([e.scene for e in every], folds)
-    each = [fit([e for e in every if fold[e.scene] != n], l2) for n in range(max(fold.values()) + 1)]
-    return {scene: each[number] for scene, number in fold.items()}
-
-
-def _folds(scenes: Sequence[str], count: int) -> dict[str, int]:
-    """The fold of each scene."""
-    return {name: i % count for i, name in enumerate(sorted({*scenes}))}
+    fold = {name: i % folds for i, name in enumerate(sorted({e.scene for e in every}))}
+    parts = {n: fit_pairs([e for e in every if fold[e.scene] != n], l2) for n in {*fold.values()}}
+    links = fit_links([(e, parts[fold[e.scene]]) for e in every], l2)
+    without = {scene: parts[number] | links for scene, number in fold.items()}
+    return Fitted(fit_pairs(every, l2) | links, without)
 
 
 def accuracy(every: Sequence[tuple[Example, FactWeights]]) -> float:
@@ -106,16 +104,15 @@ def main() -> None:
     options = parser.parse_args()
     start = time.perf_counter()
     every = examples(read_folder(options.sentences), shipped_vocabulary())
-    without = crossed(every, l2=options.l2)
-    weights = fit(every, options.l2)
+    fitted = fit(every, options.l2)
     figures = {
         "look words": sum(len(e.decided) for e in every),
-        "right": round(accuracy([(e, weights) for e in every]), 4),
-        "right, of scenes left out": round(accuracy([(e, without[e.scene]) for e in every]), 4),
+        "right": round(accuracy([(e, fitted.weights) for e in every]), 4),
+        "right, of scenes left out": round(accuracy([(e, fitted.without[e.scene]) for e in every]), 4),
     }
     command = f"python -m proxy_renderer.train.binding --sentences {options.sentences} --l2 {options.l2:g}"
-    write(options.out, weights, command, figures)
-    print(f"{figures}; {len(weights)} weights in {options.out}; {time.perf_counter() - start:.0f} s")
+    write(options.out, fitted.weights, command, figures)
+    print(f"{figures}; {len(fitted.weights)} weights in {options.out}; {time.perf_counter() - start:.0f} s")
 
 
 if __name__ == "__main__":

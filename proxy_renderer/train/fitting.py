@@ -8,21 +8,24 @@ exponential of the weights of the pair's facts. The second make a conditional ra
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import pairwise, zip_longest
+from typing import TypeVar
 
 import numpy as np
 from scipy.optimize import minimize
 from scipy.sparse import csr_matrix
 from scipy.special import logsumexp
 
-from ..prompt.fitted.assignment import link
-from ..prompt.fitted.model import FactWeights, likeliest
-from ..prompt.fitted.pairs import PromptPairs, TargetPair
+from ..prompt.binding.assignment import link
+from ..prompt.binding.model import FactWeights, likeliest
+from ..prompt.binding.pairs import PromptPairs, TargetPair
 
 _LEAST = 3  # sentences in which a fact has to be
 _WRONG = -1e9  # logarithm of a probability of nothing
+_UNTIL = {"maxiter": 300, "ftol": 1e-6}  # steps, and the share of the loss that a step has to gain
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -85,19 +88,19 @@ def fit_links(every: Sequence[tuple[Example, Mapping[str, float]]], l2: float) -
     rows = [_row(example, weights) for example, weights in every if len(example.read.pairs) > 1]
     if not rows:
         return {}
+    rows.sort(key=lambda row: -len(row.likely))
     names = sorted({name for row in rows for step in row.links for line in step for name in line})
     column = {name: i for i, name in enumerate(names)}
-    steps = [[np.array([[column[n] for n in line] for line in step]) for step in row.links] for row in rows]
+    steps = [_padded_links(links, column) for links in _by_place(row.links for row in rows)]
+    every_place = np.concatenate([step.ravel() for step in steps])
+    likely = [_padded(scores) for scores in _by_place(row.likely for row in rows)]
+    wanted = [_padded(scores) for scores in _by_place(row.wanted for row in rows)]
 
     def loss(weights: np.ndarray) -> tuple[float, np.ndarray]:
-        value, slope = 0.0, np.zeros(len(names))
-        for row, places in zip(rows, steps, strict=True):
-            for sign, likely in ((1.0, row.likely), (-1.0, row.wanted)):
-                whole, shares = _chain(likely, [weights[place] for place in places])
-                value += sign * whole
-                for place, share in zip(places, shares, strict=True):
-                    np.add.at(slope, place, sign * share)
-        return value, slope
+        links = [weights[step] for step in steps]
+        whole, shares = _chains(likely, links)
+        rightly, right_shares = _chains(wanted, links)
+        return whole - rightly, np.bincount(every_place, shares - right_shares, len(names))
 
     return _least(loss, names, l2)
 
@@ -126,19 +129,51 @@ def _row(example: Example, weights: Mapping[str, float]) -> _Row:
     return _Row(likely, wanted, links)
 
 
-def _chain(likely: list[np.ndarray], links: list[np.ndarray]) -> tuple[float, list[np.ndarray]]:
-    """Logarithm of the sum over all rows of choices, and the share of each two choices in a row: forward and backward."""
-    ahead = [likely[0]]
-    for step, here in zip(links, likely[1:], strict=True):
-        ahead.append(logsumexp(ahead[-1][:, None] + step, axis=0) + here)
-    whole = float(logsumexp(ahead[-1]))
-    behind = np.zeros(len(likely[-1]))
-    shares: list[np.ndarray] = []
-    for number in range(len(links) - 1, -1, -1):
-        after = behind + likely[number + 1]
-        shares.insert(0, np.exp(ahead[number][:, None] + links[number] + after - whole))
-        behind = logsumexp(links[number] + after, axis=1)
-    return whole, shares
+def _by_place(rows: Iterable[Sequence[T]]) -> list[list[T]]:
+    """What the rows, longest first, have at the first place, at the second, and so on."""
+    return [[one for one in place if one is not None] for place in zip_longest(*rows)]
+
+
+def _padded(scores: list[np.ndarray]) -> np.ndarray:
+    """(sentences, pairs): the scores of one place; what is no pair is never chosen."""
+    padded = np.full((len(scores), max(map(len, scores))), _WRONG)
+    for row, found in zip(padded, scores, strict=True):
+        row[: len(found)] = found
+    return padded
+
+
+def _padded_links(links: list[list[list[str]]], column: Mapping[str, int]) -> np.ndarray:
+    """(sentences, pairs, pairs of the next place): which fact links them; any, where there is no pair."""
+    size = (len(links), max(len(one) for one in links), max(len(one[0]) for one in links))
+    padded = np.zeros(size, dtype=int)
+    for number, lines in enumerate(links):
+        for place, line in enumerate(lines):
+            padded[number, place, : len(line)] = [column[name] for name in line]
+    return padded
+
+
+def _chains(scores: list[np.ndarray], links: list[np.ndarray]) -> tuple[float, np.ndarray]:
+    """Logarithm of the sum over all rows of choices, and the share of each two choices in a row: forward and backward.
+
+    Args:
+        scores: Of each place, (sentences that are as long, pairs); the longest sentence is the first.
+        links: Between each two places, (sentences, pairs, pairs).
+    """
+    ahead = [scores[0]]
+    for step, here in zip(links, scores[1:], strict=True):
+        ahead.append(logsumexp(ahead[-1][: len(here), :, None] + step, axis=1) + here)
+    longer = [*map(len, scores[1:]), 0]
+    ends = [logsumexp(all_[n:], axis=1) for all_, n in zip(ahead, longer, strict=True)]
+    whole = np.concatenate(ends[::-1])
+    behind = np.zeros_like(scores[-1])
+    shares = []
+    for step, here, before in zip(links[::-1], scores[:0:-1], ahead[-2::-1], strict=True):
+        after = step + (behind + here)[:, None, :]
+        both = before[: len(here), :, None] + after - whole[: len(here), None, None]
+        shares.append(np.exp(both).ravel())
+        behind = np.zeros_like(before)
+        behind[: len(here)] = logsumexp(after, axis=2)
+    return float(whole.sum()), np.concatenate(shares[::-1])
 
 
 def _least(
@@ -148,9 +183,9 @@ def _least(
 
     def penalized(weights: np.ndarray) -> tuple[float, np.ndarray]:
         value, slope = loss(weights)
-        return value + 0.5 * l2 * float(weights @ weights), slope + l2 * weights
+        return value + 0.5 * l2 * float(np.square(weights).sum()), slope + l2 * weights
 
-    found = minimize(penalized, np.zeros(len(names)), jac=True, method="L-BFGS-B", options={"maxiter": 300})
+    found = minimize(penalized, np.zeros(len(names)), jac=True, method="L-BFGS-B", options=_UNTIL)
     return {name: float(w) for name, w in zip(names, found.x, strict=True)}
 
 

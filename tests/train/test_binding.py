@@ -6,9 +6,9 @@ import json
 import pytest
 from labeled_scene import sentence, write_folder
 
-from proxy_renderer.prompt.fitted.model import FILE, write
+from proxy_renderer.prompt.binding.model import FILE, write
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.train.binding import accuracy, crossed, examples, fit
+from proxy_renderer.train.binding import accuracy, examples, fit
 from proxy_renderer.train.sentences import read_folder
 
 SENTENCES = "".join(
@@ -31,13 +31,13 @@ def every(tmp_path):
 
 
 def test_fitted_weights_find_what_is_right(every):
-    weights = fit(every, 0.1)
+    weights = fit(every, 0.1).weights
     assert sum(len(e.decided) for e in every) == 9
     assert accuracy([(e, weights) for e in every]) > accuracy([(e, {}) for e in every]) + 0.3
 
 
 def test_each_fold_is_fitted_without_its_scenes(every):
-    (weights,) = crossed(every, 2, 0.1).values()  # all are of one scene
+    (weights,) = fit(every, 0.1, folds=2).without.values()  # all are of one scene
     assert not weights
 
 

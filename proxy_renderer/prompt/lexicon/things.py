@@ -42,8 +42,8 @@ class ThingWords:
             parts = [part for part in self.joined if part in plain and not part.isascii()]
             found = frozenset().union(*(self.rows[part] for part in parts))
         if not found and not table().is_english(plain.rpartition(" ")[2]):  # "black" does not end in "Lack"
-            ends = [w for w in self.joined if plain.endswith(w) and len(w) >= _SHORTEST]
-            found = self.rows[ends[0]] if ends else found
+            ends = (plain[start:] for start in range(len(plain) - _SHORTEST + 1))
+            found = next((self.rows[end] for end in ends if end in self.rows), found)
         return found | {plain}
 
 

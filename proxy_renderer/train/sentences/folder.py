@@ -25,7 +25,7 @@ from .tables import CheckedTable
 SCENES, SENTENCES = "scenes.toml", "sentences_*.toml"
 _SHARED = "development"
 """Folder whose scenes those beside it are about, where they have none of their own."""
-_LETTER = r"[^\W\u2e80-\uffff]"
+_LETTER = re.compile(r"[^\W\u2e80-\uffff]")
 """A letter of a script that puts spaces between words."""
 _SCENE = (
     "name", "kind", "subject", "objects", "collections", "parents", "places", "lights", "glows", "sky",
@@ -149,10 +149,16 @@ def _sentence(row: CheckedTable, scenes: dict[str, LabeledScene]) -> LabeledSent
 
 def _place_of(said: str, text: str, start: int) -> int:
     """Where a word stands in a text, from a place on; -1 where it does not."""
-    before = f"(?<!{_LETTER})" if re.match(_LETTER, said) else ""
-    after = f"(?!{_LETTER})" if re.match(_LETTER, said[-1]) else ""
-    match = re.compile(before + re.escape(said) + after).search(text, start)
-    return match.start() if match else -1
+    place = text.find(said, start)
+    while place >= 0 and (_is_cut(text, place) or _is_cut(text, place + len(said))):
+        place = text.find(said, place + 1)
+    return place
+
+
+def _is_cut(text: str, place: int) -> bool:
+    """Whether a place of a text is within a word."""
+    around = text[place - 1 : place + 1] if place else ""
+    return len(around) == 2 and all(map(_LETTER.match, around))
 
 
 def _target(row: CheckedTable, text: str, scene: LabeledScene) -> LabelTarget:

@@ -14,6 +14,7 @@ from .pairs import TargetPair
 
 FILE = Path(__file__).parents[1] / "lexicon" / "binding.json"
 _LIKELY = 8
+_LEAST = 1e-300  # probability of what is next to impossible
 _SMALL = 0.02  # weights nearer to 0 are left out
 FactWeights = dict[str, float]
 
@@ -34,12 +35,20 @@ def scores(pairs: Sequence[TargetPair], weights: Mapping[str, float]) -> list[fl
 def likeliest(pairs: Sequence[TargetPair], weights: Mapping[str, float]) -> list[tuple[TargetPair, float]]:
     """The few targets of a look word that its links to others may decide between, with their scores, best first.
 
+    Pairs that come to the same, by one noun or by another, are one: the likeliest of them, as likely as all together.
+
     Args:
         pairs: All of one look word.
         weights: By feature.
     """
-    both = zip(pairs, scores(pairs, weights), strict=True)
-    return sorted(both, key=lambda each: -each[1])[:_LIKELY]
+    same: dict[object, list[tuple[TargetPair, float]]] = {}
+    for pair, score in zip(pairs, scores(pairs, weights), strict=True):
+        same.setdefault((pair.target.kind, pair.target.names, pair.becoming), []).append((pair, score))
+    pooled = []
+    for group in same.values():
+        together = math.log(sum(math.exp(score) for _, score in group) or _LEAST)
+        pooled.append((max(group, key=lambda each: each[1])[0], together))
+    return sorted(pooled, key=lambda each: -each[1])[:_LIKELY]
 
 
 @cache
