@@ -43,7 +43,7 @@ def supports(
 
     All of them hold the artist's value, but for the power of a light that is added, which has none.
     """
-    reaches = dict(_reaches(parsed, instances, sources, owners))
+    reaches = dict(_reaches(_free_regions(parsed, entries, owners), parsed, instances, sources, owners))
     free = {key for key in reaches if entries[key].priority is None and not instances[key].locked}
     found = {}
     for key in free:
@@ -53,12 +53,23 @@ def supports(
     return {key: found[key] for key in reaches if key in found} | _added_lights(instances, entries, sources)
 
 
+def _free_regions(parsed: Parsed, entries: dict[str, PlanEntry], owners: Owners) -> list[Region]:
+    """Regions whose shade no word fixes: a subject of which one part has a named color keeps the others."""
+    colors = (f"material/{name}/base_color" for name in owners.materials("subject"))
+    painted = any(key in entries and entries[key].priority is not None for key in colors)
+    regions: list[Region] = ["surroundings"] if painted else ["surroundings", "subject"]
+    return [region for region in regions if region not in parsed.colors]
+
+
 def _reaches(
-    parsed: Parsed, instances: dict[str, Instance], sources: Sources, owners: Owners
+    regions: list[Region],
+    parsed: Parsed,
+    instances: dict[str, Instance],
+    sources: Sources,
+    owners: Owners,
 ) -> Iterator[tuple[str, tuple[Range, int, str]]]:
     """Keys, and for each how far it may go, how much later than exposure it comes, and why."""
-    regions: tuple[Region, ...] = ("surroundings", "subject")
-    for region in (each for each in regions if each not in parsed.colors):
+    for region in regions:
         for name in _largest(owners.materials(region), sources):
             if (key := f"material/{name}/base_color") in instances:
                 why = "the subject stands out from its surroundings"
