@@ -65,6 +65,7 @@ def test_its_settings_are_complete(engine):
     assert Path(script).is_file()
 
 
+@pytest.mark.slow
 def test_its_tasks_apply_the_look_and_render_the_frames(engine, tmp_path):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene

@@ -107,6 +107,7 @@ def test_large_meshes_are_large(name):
     assert 180_000 < len(thing.data.loop_triangles) < 220_000
 
 
+@pytest.mark.slow
 def test_a_fingerprint_is_of_the_content():
     recipe = BY_NAME["globe"]
     first = fingerprint(build(recipe, 0)[0])

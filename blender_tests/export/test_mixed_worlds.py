@@ -138,7 +138,10 @@ def test_backdrop_and_light_are_predicted_and_change_as_predicted(studio, tmp_pa
 
 @pytest.mark.parametrize(
     ("build", "light", "backdrop"),
-    [(by_camera_rays, "color", "backdrop_color"), (by_camera_rays_and_height, "tint", "backdrop_tint")],
+    [
+        (by_camera_rays, "color", "backdrop_color"),
+        pytest.param(by_camera_rays_and_height, "tint", "backdrop_tint", marks=pytest.mark.slow),
+    ],
 )
 def test_what_the_camera_sees_and_what_lights_change_each_by_itself(scene, tmp_path, build, light, backdrop):
     fill(scene, build)

@@ -101,6 +101,7 @@ def test_a_vibe_without_room_for_its_files_and_then_one_with_room(addon, disk):
     assert difference(before, contents()) == {}
 
 
+@pytest.mark.slow
 def test_a_run_without_room_for_its_results(disk, tmp_path):
     shot, out = save_scene(tmp_path / "shot.blend"), disk.folder / "out"
     disk.fill(left=8)

@@ -22,6 +22,7 @@ def without_key(folder):
     return {p.name for p in files}
 
 
+@pytest.mark.slow
 def test_a_run_with_a_model(tmp_path):
     with serving(sensible) as model:
         report, output = run_with_model(tmp_path, model)

@@ -74,6 +74,7 @@ def test_no_round_optimizes_more_than_k(scene, encoder):
     assert all(len(r["parameters"]) <= 3 for r in outcome.rounds)
 
 
+@pytest.mark.slow
 def test_same_seed_same_values_bit_for_bit(scene, encoder, teal):
     again = vibe(scene, encoder)
     assert torch.equal(again.u, teal.u)
@@ -139,6 +140,7 @@ def test_the_authors_baseline_leaves_camera_and_fog_alone(scene, encoder):
     ]
 
 
+@pytest.mark.slow
 def test_a_baseline_takes_all_its_steps_though_they_bring_nothing(scene, encoder, monkeypatch):
     monkeypatch.setattr(
         GlobalGuidance, "__call__", lambda self, display, mask, generator: {"whole": 0.0 * display.mean()}

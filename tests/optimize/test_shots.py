@@ -40,7 +40,7 @@ def changed(outcome):
 
 
 def test_a_look_holds_in_all_shots_and_each_is_judged(views):
-    outcome = vibe(views)
+    outcome = vibe(views, rounds=1)
     first, second, other = changed(outcome)
     assert first == second
     assert {k: v for k, v in other.items() if k in first} == first
@@ -77,7 +77,7 @@ def test_a_scene_takes_a_named_value_that_the_first_has_already(views):
 
 
 def test_a_grade_for_each(views):
-    outcome = vibe(views[:2], grade_each=True)
+    outcome = vibe(views[:2], rounds=1, grade_each=True)
     assert "film/shot 2/exposure" in outcome.vector.instances
     for shot in outcome.shots:
         assert "film/exposure" in shot.vector.instances

@@ -183,7 +183,7 @@ def test_exif_turns_it_upright(tmp_path):
     assert "upright" in found.note
 
 
-@pytest.mark.parametrize("name", ["large.jpg", "large.png"])
+@pytest.mark.parametrize("name", ["large.jpg", pytest.param("large.png", marks=pytest.mark.slow)])
 def test_a_hundred_megapixels(tmp_path, name):
     halves((12500, 8000)).save(tmp_path / name)
     with warnings.catch_warnings():

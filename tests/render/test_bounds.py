@@ -72,7 +72,13 @@ def test_one_at_its_bound(proxy: Proxy, group: str) -> None:
                 _check(proxy, {**usual, key: torch.tensor(bound)})
 
 
-@pytest.mark.parametrize("scene", [SCENE, balls(2, 4, subdivisions=2)], ids=["everything", "plain"])
+@pytest.mark.parametrize(
+    "scene",
+    [
+        pytest.param(SCENE, id="everything"),
+        pytest.param(balls(2, 4, subdivisions=2), id="plain", marks=pytest.mark.slow),
+    ],
+)
 def test_all_at_bounds(scene: SceneData) -> None:
     proxy, generator = Proxy(scene, (24, 24)), torch.Generator().manual_seed(5)
     instances = scene.instances

@@ -368,6 +368,7 @@ class TestLoop:
         assert (account["calls"], account["cached"]) == (0, 2)
         assert torch.equal(first.u, again.u)
 
+    @pytest.mark.slow
     def test_a_server_that_dies_in_the_middle(self, scene, encoder):
         with serving(lambda body, n: says(plan_for(body)) if n == 1 else refuses(503, "dying")) as model:
             outcome, account, seen = vibe(scene, encoder, model, rounds=3, seed=5)
