@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import small_scenes as scenes
 import torch
+from marks import few_of
 from vibe_render.export import reading
 from vibe_render.render import anchors
 from vibe_render.scene import bindings, snapshot
@@ -98,7 +99,14 @@ def by_camera_rays_and_height(tree):
     return mix.outputs[0]
 
 
-@pytest.fixture(params=[by_height, in_a_group, by_strength, by_color])
+CAMERA_RAYS = [
+    (by_camera_rays, "color", "backdrop_color"),
+    (by_camera_rays_and_height, "tint", "backdrop_tint"),
+]
+"""Builds a world; the parameters that lights and the camera see of it."""
+
+
+@pytest.fixture(params=few_of([by_height, in_a_group, by_strength, by_color], [by_height]))
 def studio(request, scene):
     """A white ball before such a world."""
     fill(scene, request.param)
@@ -136,13 +144,7 @@ def test_backdrop_and_light_are_predicted_and_change_as_predicted(studio, tmp_pa
             assert (np.abs(a - b) < 0.06 * a.max()).all()
 
 
-@pytest.mark.parametrize(
-    ("build", "light", "backdrop"),
-    [
-        (by_camera_rays, "color", "backdrop_color"),
-        pytest.param(by_camera_rays_and_height, "tint", "backdrop_tint", marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.parametrize(("build", "light", "backdrop"), few_of(CAMERA_RAYS, CAMERA_RAYS[:1]))
 def test_what_the_camera_sees_and_what_lights_change_each_by_itself(scene, tmp_path, build, light, backdrop):
     fill(scene, build)
     before = dump.contents()

@@ -124,6 +124,7 @@ def test_progress_counts_to_the_end(scene, encoder):
     assert all(p.seconds_left >= 0 for p in watch.seen)
 
 
+@pytest.mark.slow
 def test_the_baseline_uses_everything_without_a_plan(scene, encoder):
     outcome = vibe(scene, encoder, baseline="clip-only", rounds=1, camera=True)
     assert len(outcome.optimized) > 40
