@@ -187,7 +187,7 @@ def test_leaf_cards_are_cut_out_and_cast_their_shadow(stage, tmp_path, way):
     assert not warnings
 
 
-@pytest.mark.parametrize("alpha", [0.3, 0.7])
+@pytest.mark.parametrize("alpha", few_of([0.3, 0.7], [0.3]))
 def test_half_transparent_things(stage, tmp_path, alpha):
     _ball("Ball", Base_Color=(0.6, 0.15, 0.1), Alpha=alpha)
     assert _compare(stage, tmp_path)[0].mean() < 1.5

@@ -9,7 +9,6 @@ import time
 
 import pytest
 from headless_runs import BATCH_PY, QUICK, save_scene
-from marks import few_of
 
 STAGES = {
     "looking": ('"progress"', 500),
@@ -18,7 +17,8 @@ STAGES = {
 }
 
 
-@pytest.mark.parametrize("stage", few_of(STAGES, {"looking"}))
+@pytest.mark.slow
+@pytest.mark.parametrize("stage", STAGES)
 def test_an_engine_that_dies_leaves_nothing(tmp_path, stage):
     heard, rounds = STAGES[stage]
     shot, out = save_scene(tmp_path / "shot.blend"), tmp_path / "out"

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import small_scenes as scenes
 from dump import difference, dump
+from marks import few_of
 from vibe_render.scene import bindings, snapshot
 from vibe_render.scene.nodes import layers, owned
 from vibe_render.scene.nodes.tint import TINT
@@ -305,7 +306,7 @@ SOURCES = ("ValToRGB", "HueSaturation", "Mix", "Attribute", "VertexColor", "TexG
 SHADERS = ("BsdfDiffuse", "BsdfGlossy", "BsdfGlass", "BsdfTranslucent", "BsdfToon", "SubsurfaceScattering")
 
 
-@pytest.mark.parametrize("grouped", [False, True])
+@pytest.mark.parametrize("grouped", few_of([False, True], [True]))
 @pytest.mark.parametrize("kind", SOURCES)
 def test_every_computed_color_of_every_shader_is_tinted(scene, subject, tree, kind, grouped):
     """Of shaders in a group that another material uses, too."""

@@ -77,6 +77,7 @@ def test_undo_brings_back_none_that_no_vibe_shows(addon):
     assert read(scene) == before
 
 
+@pytest.mark.slow
 def test_the_first_look_is_in_the_scene_until_cancel_and_in_no_file(addon, tmp_path):
     before = contents()
     running = advance(lambda session: session.words)

@@ -187,6 +187,7 @@ def test_nonsense_is_answered(job):
         assert "understand" in worker.until(messages.Error).message
 
 
+@pytest.mark.slow
 def test_it_ends_when_the_other_side_goes(job):
     with running() as worker:
         worker.vibe(job, ENDLESS)

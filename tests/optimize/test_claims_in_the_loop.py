@@ -129,6 +129,7 @@ def test_a_round_that_made_it_worse_is_taken_back_and_the_next_goes_half_as_far(
     assert torch.equal(began[2][0], ends[0])
 
 
+@pytest.mark.slow
 def test_a_claim_out_of_reach_of_its_words_ranges_is_earned_in_wider_ones(search, monkeypatch):
     def demanding(*told):
         """A rim that is lighter than the words' ranges make it."""

@@ -361,6 +361,7 @@ class TestLoop:
         assert account["failures"] == []
         assert seen[0] == f"asking {MODEL}"
 
+    @pytest.mark.slow
     def test_the_same_again_costs_nothing(self, scene, encoder):
         with serving(lambda body, n: says(plan_for(body))) as model:
             first, _, _ = vibe(scene, encoder, model)
