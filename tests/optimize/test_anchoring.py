@@ -8,7 +8,6 @@ import OpenEXR
 import pytest
 import torch
 from loop_parts import PROMPT, Silent
-from tiny_job import write_job
 
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import anchoring, pipeline
@@ -18,16 +17,10 @@ from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.optimize.vector import ParameterVector
 from proxy_renderer.render.cycles.pictures import CyclesPicture
 from proxy_renderer.render.proxy import Proxy
-from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import messages
 from proxy_renderer.schema.messages import Options
 
 SIZE = (32, 24)
-
-
-@pytest.fixture(scope="module")
-def scene(tmp_path_factory):
-    return load_scene(write_job(tmp_path_factory.mktemp("job")))
 
 
 class Elsewhere:

@@ -5,24 +5,11 @@ import math
 
 import pytest
 import torch
-from tiny_job import write_job
 
 from proxy_renderer.optimize.context import picture_size
 from proxy_renderer.optimize.rounds.key_start import with_key_turned
-from proxy_renderer.optimize.vector import ParameterVector
 from proxy_renderer.render.proxy import Proxy
-from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import orbit
-
-
-@pytest.fixture(scope="module")
-def scene(tmp_path_factory):
-    return load_scene(write_job(tmp_path_factory.mktemp("job")))
-
-
-@pytest.fixture(scope="module")
-def vector(scene):
-    return ParameterVector(scene.instances)
 
 
 def goal(scene, vector, **values):

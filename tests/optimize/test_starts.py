@@ -4,7 +4,6 @@
 import pytest
 import torch
 from loop_parts import Silent
-from tiny_job import write_job
 
 from proxy_renderer.engine.report import changed_values, parameter_records
 from proxy_renderer.guidance.encoder import load_encoder
@@ -12,20 +11,8 @@ from proxy_renderer.optimize import pipeline
 from proxy_renderer.optimize.drawing import draw
 from proxy_renderer.optimize.rounds import starts
 from proxy_renderer.optimize.shots import ShotInput
-from proxy_renderer.optimize.vector import ParameterVector
 from proxy_renderer.prompt.types import Plan, PlanEntry
-from proxy_renderer.scene import load_scene
 from proxy_renderer.schema.messages import Options
-
-
-@pytest.fixture(scope="module")
-def scene(tmp_path_factory):
-    return load_scene(write_job(tmp_path_factory.mktemp("job")))
-
-
-@pytest.fixture(scope="module")
-def vector(scene):
-    return ParameterVector(scene.instances)
 
 
 def plan_of(vector, **priorities):

@@ -9,13 +9,10 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
-from .picture import MeasuredPicture, largest_around
+from .picture import FEW, GRAIN, MeasuredPicture, largest_around
 
 _FLOOR = 0.004
 """Linear luminance below which differences are not seen on a display in a lit room."""
-
-_GRAIN = 192
-"""Gradients are given per pixel of a picture of this size."""
 
 _HIGHLIGHTS = (0.03, 0.06)
 """How far the sides of a highlight are, in roots of a region's area."""
@@ -28,9 +25,6 @@ _EVEN = 0.15
 
 _SPOT = 0.002
 """The share of a region that the sharpest highlight fills at least."""
-
-_FEW = 32
-"""Pixels of which no direction and no steepness is told."""
 
 
 def light_right(picture: MeasuredPicture, where: Tensor) -> Tensor:
@@ -83,12 +77,12 @@ def hardness(picture: MeasuredPicture, where: Tensor) -> Tensor:
     fade = torch.stack(torch.gradient(seen.pattern.clamp_min(_FLOOR).log2())).square().sum(0).sqrt()
     even = (largest_around(turn, 3) < 0.15) & (largest_around(fade, 3) < _EVEN)
     smooth = where & same & ~outline & even & (seen.material >= 0)
-    if smooth.sum() < _FEW:
+    if smooth.sum() < FEW:
         return picture.luminance.new_zeros(1)
     rows, columns = torch.gradient((picture.shading.clamp_min(0) + _FLOOR).log2())
     slope = (rows.square() + columns.square() + 1e-8).sqrt()[smooth].sort().values
     steepest = slope[round(0.985 * len(slope)) : max(round(0.995 * len(slope)), 1)]
-    return steepest.mean()[None] * (max(smooth.shape) / _GRAIN)
+    return steepest.mean()[None] * (max(smooth.shape) / GRAIN)
 
 
 def key_to_fill(picture: MeasuredPicture, where: Tensor) -> Tensor:
@@ -105,7 +99,7 @@ def key_to_fill(picture: MeasuredPicture, where: Tensor) -> Tensor:
     spans, counts = [], []
     for number in material.unique():
         mine = light[material == number].sort().values
-        if len(mine) >= _FEW:
+        if len(mine) >= FEW:
             tenth, most = len(mine) // 10, round(0.99 * len(mine))
             spans.append(mine[most - tenth : most].mean() - mine[:tenth].mean())
             counts.append(float(len(mine)))
@@ -124,7 +118,7 @@ def rim(picture: MeasuredPicture, where: Tensor) -> Tensor:
     light, band = picture.lab[..., 0], 2 * max(min(where.shape) // 96, 1) + 1
     inside = -largest_around(-where.float(), band) > 0
     edge = where & ~inside
-    if edge.sum() < _FEW or inside.sum() < _FEW:
+    if edge.sum() < FEW or inside.sum() < FEW:
         return light.new_zeros(1)
     brightest = light[edge].topk(max(int(edge.sum()) // 5, 1)).values.mean()
     return (brightest - light[inside].mean())[None]
@@ -144,7 +138,7 @@ def gloss(picture: MeasuredPicture, where: Tensor) -> Tensor:
         (1,) L*; 0 for a region of fewer than 32 pixels.
     """
     count = int(where.sum())
-    if count < _FEW:
+    if count < FEW:
         return picture.display.new_zeros(1)
     box = _box(where)
     light, where, seen = (
@@ -169,7 +163,7 @@ def _shading(picture: MeasuredPicture, where: Tensor) -> Tensor:
     normal = picture.seen.normal
     where = where & (normal.norm(dim=-1) > 0.5)
     light, normals = picture.luminance[where], normal[where]
-    if len(light) < _FEW:
+    if len(light) < FEW:
         return light.new_zeros(3)
     keep = light <= torch.quantile(light.detach(), 0.99)
     light, normals = light[keep], normals[keep]

@@ -15,6 +15,12 @@ from torch import Tensor
 from ...color.tensors import lab_from_srgb, linear_from_srgb, luminance, oklab_from_srgb
 from ...render.gbuffer import GBuffer
 
+FEW = 32
+"""Pixels of which nothing is told."""
+
+GRAIN = 192
+"""Slopes are given per pixel of a picture of this size."""
+
 _DARKEST = 0.05
 """Of a pattern, relative to its mean: what is darker mirrors rather than scatters light."""
 

@@ -8,10 +8,7 @@ from collections.abc import Callable, Iterator
 import torch
 from torch import Tensor
 
-from .picture import MeasuredPicture, largest_around
-
-_FEW = 32
-"""Pixels of which nothing is told."""
+from .picture import FEW, GRAIN, MeasuredPicture, largest_around
 
 _EVEN = 0.02
 """Share of the mean light by which grain makes light differ."""
@@ -21,9 +18,6 @@ _STEADY = 1e-4
 
 _STEEPEST = (0.97, 0.995)
 """Shares of a region's slopes, in order, that its sharpest edges lie between."""
-
-_GRAIN = 192
-"""Slopes are given per pixel of a picture of this size."""
 
 _GRAZING = 3.0
 """Power with which sheen grows towards the edge: it is no matter of the last pixel alone."""
@@ -97,12 +91,12 @@ def sharpness(picture: MeasuredPicture, where: Tensor) -> Tensor:
     material = picture.seen.material.float()
     same = largest_around(material, 3) == -largest_around(-material, 3)
     inside = where & same & ~(largest_around(~where, 5) > 0)
-    if inside.sum() < _FEW:
+    if inside.sum() < FEW:
         return picture.luminance.new_zeros(1)
     rows, columns = torch.gradient(picture.lab[..., 0])
     slope = (rows.square() + columns.square() + 1e-8).sqrt()[inside].sort().values
     first, last = (round(share * len(slope)) for share in _STEEPEST)
-    return slope[first : max(last, first + 1)].mean()[None] * (max(where.shape) / _GRAIN)
+    return slope[first : max(last, first + 1)].mean()[None] * (max(where.shape) / GRAIN)
 
 
 def _by_material(
@@ -122,7 +116,7 @@ def _materials(picture: MeasuredPicture, where: Tensor) -> Iterator[tuple[int, T
     where = where & (seen.normal.norm(dim=-1) > 0.5)
     for number in seen.material[where].unique():
         mine = where & (seen.material == number)
-        if (count := int(mine.sum())) >= _FEW:
+        if (count := int(mine.sum())) >= FEW:
             place = mine.nonzero().to(picture.luminance) / max(where.shape)
             yield count, picture.shading[mine], seen.normal[mine].to(place), place - place.mean(0)
 

@@ -8,13 +8,10 @@ import math
 import torch
 from torch import Tensor
 
-from .picture import MeasuredPicture, largest_around, region_of
+from .picture import FEW, MeasuredPicture, largest_around, region_of
 
 _RINGS = (0.35, 0.62, 0.82)
 """Of a vignette, in half diagonals: the middle lies between the first two, the corners beyond the third."""
-
-_FEW = 32
-"""Pixels of which no contrast is told."""
 
 
 def contrast(picture: MeasuredPicture, where: Tensor) -> Tensor:
@@ -27,7 +24,7 @@ def contrast(picture: MeasuredPicture, where: Tensor) -> Tensor:
         where: (H, W) bool, the region.
     """
     subject = region_of(picture.seen, "subject") & where
-    parts = [where, subject] if subject.sum() >= _FEW else [where]
+    parts = [where, subject] if subject.sum() >= FEW else [where]
     light = torch.stack([lightness_below(picture, part, 0.95) for part in parts]).max()
     return (light - torch.stack([lightness_below(picture, part, 0.05) for part in parts]).min())[None]
 

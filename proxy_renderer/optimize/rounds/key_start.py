@@ -9,7 +9,7 @@ picture it is lighter is compared, since exposure and grade are not known yet.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import torch
 import torch.nn.functional as F
@@ -49,17 +49,13 @@ def with_key_turned(
     if len(keys) != 1:
         return u
     look = _Look(scene, vector, keys[0].removesuffix("/azimuth"), u, goal)
-    best, here = u, look.likeness(u)
-    most = here
-    for turn, height in itertools.product(_TURNS, _HEIGHTS):
-        point = look.turned(vector.instances[keys[0]].value[0] + turn, height).clamp(lower, upper)
-        if (likeness := look.likeness(point)) > most:
-            best, most = point, likeness
+    here = look.likeness(u)
+    own = vector.instances[keys[0]].value[0]
+    coarse = [(own + turn, height) for turn, height in itertools.product(_TURNS, _HEIGHTS)]
+    best, most = look.best_of(coarse, (lower, upper), (u, here))
     azimuth, elevation = look.direction(best)
-    for turn, rise in _FINER:
-        point = look.turned(azimuth + turn, elevation + rise).clamp(lower, upper)
-        if (likeness := look.likeness(point)) > most:
-            best, most = point, likeness
+    finer = [(azimuth + turn, elevation + rise) for turn, rise in _FINER]
+    best, most = look.best_of(finer, (lower, upper), (best, most))
     return best if most > here + _BETTER else u
 
 
@@ -98,6 +94,19 @@ class _Look:
         """Azimuth and elevation at u (N,), degrees."""
         values = self._vector.plain(u)
         return values[self._keys[0]][0], values[self._keys[1]][0]
+
+    def best_of(
+        self,
+        directions: Iterable[tuple[float, float]],
+        box: tuple[Tensor, Tensor],
+        best: tuple[Tensor, float],
+    ) -> tuple[Tensor, float]:
+        """The best of some directions within a box, degrees, and of the best so far: the point, and how like it is."""
+        for azimuth, elevation in directions:
+            point = self.turned(azimuth, elevation).clamp(*box)
+            if (likeness := self.likeness(point)) > best[1]:
+                best = point, likeness
+        return best
 
     @torch.no_grad()
     def likeness(self, u: Tensor) -> float:
