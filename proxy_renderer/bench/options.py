@@ -197,7 +197,6 @@ def _binding(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--misses", action="store_true", help="show each mistaken sentence, with what was wanted"
     )
-    command_line.add_option(sub, named("reader"))
     sub.add_argument(
         "--folds",
         type=int,

@@ -11,8 +11,8 @@ from pathlib import Path
 
 from ..planning.explanation import as_dict, explain
 from ..planning.planner import plan
-from ..prompt.fitted.reader import FittedReader
-from ..prompt.fitted.why import why
+from ..prompt.binding.reader import PromptReader
+from ..prompt.binding.why import why
 from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.parser import parse, prepared
 from ..prompt.prompts import compose
@@ -31,7 +31,6 @@ def account(
     as_json: bool,
     scene: Path | None = None,
     subject: Sequence[str] = (),
-    reader: str = "rules",
     with_reasons: bool = False,
 ) -> str:
     """What the words mean, readable or as JSON.
@@ -41,13 +40,12 @@ def account(
         as_json: For programs.
         scene: A .blend or a mesh, which Blender reads; None for a subject, its surroundings and three lights.
         subject: Arguments that say what in the scene is the subject: "--subject=Cup".
-        reader: What binds the look words: one of `schema.options.READERS`.
-        with_reasons: Say why the fitted reader binds each look word as it does, and nothing else.
+        with_reasons: Say why each look word is bound as it is, and nothing else.
     """
-    words, instances, context = _read(prompt, scene, subject, reader) if scene else _plain()
+    words, instances, context = _read(prompt, scene, subject) if scene else _plain()
     if with_reasons:
         return _reasons(prompt, words)
-    parsed = parse(prompt, words, reader=reader)
+    parsed = parse(prompt, words)
     prompts = compose(parsed)
     decided = plan(parsed, prompts, instances, context)
     if as_json:
@@ -56,15 +54,15 @@ def account(
 
 
 def _reasons(prompt: str, words: SceneWords) -> str:
-    """What the fitted reader chose among, and why."""
+    """What the reader chose among, and why."""
     vocabulary = default_vocabulary()
-    reader = FittedReader(vocabulary, words)
+    reader = PromptReader(vocabulary, words)
     reader.read(prepared(prompt, words, vocabulary))
     return why(reader)
 
 
 def _read(
-    prompt: str, scene: Path, subject: Sequence[str], reader: str
+    prompt: str, scene: Path, subject: Sequence[str]
 ) -> tuple[SceneWords, dict[str, Instance], PlanContext]:
     """A scene as the first round of a vibe sees it: its names, its parameters, and the picture that they give."""
     from ..blender.launch import launch
@@ -81,7 +79,7 @@ def _read(
         from ..render.proxy import Proxy
         from ..scene import load_scene
 
-        data = with_additions([load_scene(Path(folder))], prompt, reader)[0]
+        data = with_additions([load_scene(Path(folder))], prompt)[0]
         vector = ParameterVector(lock(data.instances, (), (), scene.suffix.lower() != ".blend"))
         proxy = Proxy(data, context.picture_size(data.resolution, _LOOK), device="cpu", seed=0)
         u = vector.encode({})

@@ -16,17 +16,16 @@ from ..scene import SceneData
 from ..schema import VibeError
 
 
-def with_additions(scenes: Sequence[SceneData], prompt: str, reader: str = "rules") -> list[SceneData]:
+def with_additions(scenes: Sequence[SceneData], prompt: str) -> list[SceneData]:
     """The shots, with what is on standby for them and the words ask for.
 
     Args:
         scenes: One or several shots. The first decides on lights for all; a backdrop is for all of them or for none.
         prompt: What the artist typed; where nothing in it is understood offline, nothing is added.
-        reader: What binds the look words: one of `schema.options.READERS`.
     """
     first, vocabulary = scenes[0], default_vocabulary()
     try:
-        parsed = parse(prompt, scene_words(*scenes), vocabulary, reader)
+        parsed = parse(prompt, scene_words(*scenes), vocabulary)
     except VibeError:
         return list(scenes)
     context = PlanContext(

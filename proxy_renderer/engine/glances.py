@@ -47,12 +47,12 @@ class Glances:
             VibeError: The job cannot be read.
         """
         options = messages.Options.from_dict(request.options)
-        (scene,) = with_additions([self._scene(request.job)], request.prompt, options.reader)
+        (scene,) = with_additions([self._scene(request.job)], request.prompt)
         _, (shot,) = gathered([ShotInput(scene)], options, lambda _: self._proxy(scene, options))
         if stopped():
             return None
         looks = Looks(shot)
-        advisor = OfflineAdvisor(request.prompt, context.scene_words(scene), options.reader)
+        advisor = OfflineAdvisor(request.prompt, context.scene_words(scene))
         report.save_picture(looks.before.display, Path(request.job) / BEFORE)
         try:
             u, advice = looks.planned(advisor)

@@ -77,7 +77,7 @@ class EngineSession:
         clock.lap("load encoder")
         self._observer.stage("loading the scene")
         found = [load_scene(Path(shot.job)) for shot in self.shots]
-        scenes = with_additions(found, self.prompt, self.options.reader)
+        scenes = with_additions(found, self.prompt)
         clock.lap("load scene")
         advisor = self._advisor(scenes)
         ask, seed = self._observer.ask, self.options.seed
@@ -180,7 +180,7 @@ class EngineSession:
         if self._model is None or not self.prompt.strip():
             return None
         words = context.scene_words(*scenes)
-        return ModelAdvisor(self.prompt, words, self._model, self._observer.stage, self.options.reader)
+        return ModelAdvisor(self.prompt, words, self._model, self._observer.stage)
 
     def _judge(self, before: Image.Image, after: Image.Image) -> dict[str, Any]:
         """The model's verdict on Cycles' two pictures, or why there is none."""

@@ -53,16 +53,15 @@ class OfflineAdvisor:
     Args:
         prompt: What the artist typed.
         words: Names in the scene.
-        reader: What binds the look words: one of `schema.options.READERS`.
     """
 
-    def __init__(self, prompt: str, words: SceneWords, reader: str = "rules") -> None:
-        self.prompt, self.words, self.reader = prompt, words, reader
+    def __init__(self, prompt: str, words: SceneWords) -> None:
+        self.prompt, self.words = prompt, words
 
     def advise(self, display: Any, instances: Mapping[str, Instance], context: PlanContext) -> Advice:
         """Raises VibeError if no word of the prompt is known."""
         vocabulary = default_vocabulary()
-        parsed = parse(self.prompt, self.words, vocabulary, self.reader)
+        parsed = parse(self.prompt, self.words, vocabulary)
         if context.world_share is not None and context.world_share < SLIVER:
             forget_sky(parsed)
         forget_parts(parsed, context.material_share, vocabulary)

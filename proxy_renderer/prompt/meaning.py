@@ -26,12 +26,14 @@ _COLORED = {
 _BLACK = 12.0  # L* of a black thing whose form can be seen
 _DARKEST, _LIGHTEST = 14.0, 78.0  # L* of lit things of a strong color, navy and yellow
 _MAIN = 0.5  # share of its region above which a thing's color is the region's
+_CLEAR = 0.02  # density of air that has no color
 NamedThing = tuple[str, Region, tuple[str, ...]]
 
 
 def complete(parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[NamedThing]) -> None:
     """Fills in objects, targets, colors and conflicts of a prompt whose attributes are bound."""
-    parsed.attributes = numbered(_qualified(parsed.attributes, vocabulary), vocabulary)
+    bound = _qualified(parsed.attributes, vocabulary)
+    parsed.attributes = numbered([*bound, *_tint_of_air(bound, vocabulary)], vocabulary)
     parsed.objects = _objects(parsed.attributes, subject, things)
     parsed.overruled = overruled(parsed.attributes, vocabulary)
     _settle_targets(parsed, vocabulary)
@@ -42,6 +44,21 @@ def complete(parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[
             parsed.targets[f"{region}_color"] = color_class(named)
     parsed.ignored = list(dict.fromkeys(parsed.ignored))
     parsed.conflicts = list(dict.fromkeys(parsed.conflicts))
+
+
+def _tint_of_air(attributes: list[Attribute], vocabulary: Vocabulary) -> list[Attribute]:
+    """A tint of the picture once more, for what fills the air and has no color of its own: the water, the smoke."""
+    said = [a for a in attributes if not (a.negated or a.cause)]
+    tint = next((a for a in said if a.kind == "ambience" and a.color), None)
+    air = next((a for a in said if a.slot == "atmosphere" and _fills_the_air(a, vocabulary)), None)
+    if tint is None or air is None or any(a.kind == "fog" and a.color for a in said):
+        return []
+    return [replace(tint, kind=air.kind, thing=air.thing)]
+
+
+def _fills_the_air(attribute: Attribute, vocabulary: Vocabulary) -> bool:
+    effects = vocabulary.entries[attribute.entry].effects
+    return any(e.name == "density" and e.lower[0] > _CLEAR for e in effects)
 
 
 def _settle_targets(parsed: Parsed, vocabulary: Vocabulary) -> None:

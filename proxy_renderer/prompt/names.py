@@ -21,7 +21,9 @@ PIPELINE = _words(
     "tmp proxy collision col export inst instance part prim poly lowpoly highpoly master base body main"
 )
 """What names say about how a thing was made, not what it is."""
-_ORDER = _words("one two three four five six seven eight nine ten left right front back rear fl fr rl rr")
+COUNTED = _words("two three four five six seven eight nine ten")
+"""Numbers at the end of names of which there are several: "Tyre Two"."""
+_ORDER = COUNTED | _words("one left right front back rear fl fr rl rr")
 """What names say at their end about which one of several a thing is."""
 LIMBS = _words(
     "body bodywork hull torso head neck shoulder arm forearm leg thigh foot hand paw wing tail fin ear horn limb "
@@ -135,6 +137,21 @@ def _limbs(region: str, objects: list[SceneName], materials: list[SceneName]) ->
     every = [*near, *((plain_name(m.name).rpartition(" "), m) for m in materials if m.region == region)]
     rows = tuple((name[0], thing.materials) for name, thing in every if name[2] in LIMBS)
     return _Limbs(frozenset(heads), rows)
+
+
+def limbs_of(name: str, words: SceneWords) -> tuple[str, ...]:
+    """The materials of an object's parts that are objects of their own: the duck's head, the only teapot's lid.
+
+    Args:
+        name: Of the object.
+        words: The names in the scene.
+    """
+    spoken, region = plain_name(name), words.objects[name]
+    near = {other: plain_name(other).rpartition(" ") for other, its in words.objects.items() if its == region}
+    heads = {"".join(its) for its in near.values() if its[2] not in LIMBS | DETAILS}
+    wholes = {spoken, ""} if heads == {spoken} else {spoken}
+    limbs = (other for other, its in near.items() if other != name and its[2] in LIMBS and its[0] in wholes)
+    return _united(*(words.object_materials.get(other, ()) for other in limbs)) if spoken in heads else ()
 
 
 def _with_limbs(spoken: str, thing: SceneName, limbs: _Limbs) -> SceneName:

@@ -4,12 +4,11 @@
 from __future__ import annotations
 
 import re
-from typing import Protocol
 
 from ..schema import VibeError
 from ..schema.limits import LONGEST_PROMPT
-from .fitted.model import FactWeights
-from .fitted.reader import FittedReader
+from .binding.model import FactWeights
+from .binding.reader import PromptReader
 from .keyed import spoken, without_spared
 from .languages.gloss import Gloss, gloss
 from .languages.retell import Retelling
@@ -17,33 +16,12 @@ from .languages.unread import other_language, understood
 from .lexicon import hours, kelvins
 from .lexicon.user_words import default_vocabulary
 from .lexicon.vocabulary import Vocabulary
-from .meaning import NamedThing, complete
+from .meaning import complete
 from .names import scene_names
-from .reader import PromptReader
 from .types import Parsed, SceneWords
 
 _TAG = re.compile(r"</?[a-zA-Z][^<>]{0,200}>|\x1b\[[0-9;]*[A-Za-z]|[\x00-\x08\x0e-\x1f\x7f]")
 _THINGS_STAY = "things are not added, moved or removed, only their look changes."
-
-
-class Reader(Protocol):
-    """What binds the look words of a prompt.
-
-    Attributes:
-        beyond: Words of a picture that no value could give.
-        undone: Wishes that values cannot fulfill.
-    """
-
-    beyond: list[str]
-    undone: list[str]
-
-    @property
-    def subject(self) -> str:
-        """What the prompt, or the scene, calls the subject."""
-
-    @property
-    def mentioned(self) -> list[NamedThing]:
-        """The nouns met: name, region and materials."""
 
 
 def prepared(text: str, scene: SceneWords, vocabulary: Vocabulary) -> str:
@@ -67,7 +45,6 @@ def parse(
     prompt: str,
     scene: SceneWords,
     vocabulary: Vocabulary | None = None,
-    reader: str = "rules",
     weights: FactWeights | None = None,
 ) -> Parsed:
     """Finds the look words of a prompt and binds them to subject, surroundings, lights or the film.
@@ -76,8 +53,7 @@ def parse(
         prompt: What the artist typed.
         scene: The names in the scene.
         vocabulary: What words mean; the artist's own if None.
-        reader: One of `schema.options.READERS`.
-        weights: Of the fitted reader; those that are shipped if None.
+        weights: Of the reader; those that are shipped if None.
 
     Raises:
         VibeError: The prompt is empty, too long, or holds no look word at all.
@@ -95,8 +71,8 @@ def parse(
     if foreign == "all":
         raise VibeError(f"The prompt '{text[:60]}' is in a language that is not understood.", understood())
     said, spared = _prepared(glossed.english, scene, vocabulary)
-    fitted = FittedReader(vocabulary, scene, weights)
-    found, parsed = (fitted, fitted.read(said)) if reader == "fitted" else _by_rules(said, scene, vocabulary)
+    found = PromptReader(vocabulary, scene, weights)
+    parsed = found.read(said)
     parsed.prompt = text
     parsed.conflicts += [f"'{words}': what no word names stays as it is." for words in spared]
     if found.beyond:
@@ -125,13 +101,3 @@ def parse(
 def _in(glossed: Gloss, foreign: str) -> str:
     """The language in which no look is named."""
     return f" in {glossed.language}" if glossed.language else " in English" if foreign else ""
-
-
-def _by_rules(said: str, scene: SceneWords, vocabulary: Vocabulary) -> tuple[Reader, Parsed]:
-    """What the rules make of a prompt."""
-    rules = PromptReader(vocabulary, scene)
-    parsed = rules.read(said)
-    if not parsed.attributes and rules.named:  # "castle": if it is nothing else, it is a mood
-        rules = PromptReader(vocabulary, scene, things=False)
-        parsed = rules.read(said)
-    return rules, parsed

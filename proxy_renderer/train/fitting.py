@@ -18,9 +18,9 @@ from scipy.optimize import minimize
 from scipy.sparse import csr_matrix
 from scipy.special import logsumexp
 
-from ..prompt.fitted.assignment import link
-from ..prompt.fitted.model import FactWeights, likeliest
-from ..prompt.fitted.pairs import PromptPairs, TargetPair
+from ..prompt.binding.assignment import link
+from ..prompt.binding.model import FactWeights, likeliest
+from ..prompt.binding.pairs import PromptPairs, TargetPair
 
 _LEAST = 3  # sentences in which a fact has to be
 _WRONG = -1e9  # logarithm of a probability of nothing

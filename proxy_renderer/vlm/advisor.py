@@ -31,7 +31,6 @@ class ModelAdvisor:
         words: Names in the scene.
         client: The model.
         tell: Called with what goes on, for a status line.
-        reader: What binds the look words offline: one of `schema.options.READERS`.
     """
 
     def __init__(
@@ -40,10 +39,9 @@ class ModelAdvisor:
         words: SceneWords,
         client: Client,
         tell: Callable[[str], None],
-        reader: str = "rules",
     ) -> None:
         self._prompt, self._words, self._client, self._tell = prompt, words, client, tell
-        self._offline = OfflineAdvisor(prompt, words, reader)
+        self._offline = OfflineAdvisor(prompt, words)
         self._caption = ""  # the model's own words for the look: the vocabulary may know these at least
         self._failures: list[str] = []
         self._in_a_row = 0

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from proxy_renderer.prompt.fitted.becoming import becoming
+from proxy_renderer.prompt.binding.becoming import becoming
 from proxy_renderer.prompt.lexicon.nearest import Guess
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.prompt.tokens import Lexer, Token

@@ -448,7 +448,7 @@ def test_a_pale_tint_is_seen():
 def test_a_muted_tint_tints_less_than_a_vivid_one():
     scene = SceneWords(objects={"A": "subject", "B": "subject"})
     spread = []
-    for prompt in ("muted blue", "blue"):
+    for prompt in ("lonely, muted blue", "lonely, blue"):
         entry = make_plan(prompt, scene=scene)["light/Key/color"]
         middle = [(a + b) / 2 for a, b in zip(entry.lower, entry.upper, strict=True)]
         spread.append(max(middle) - min(middle))
@@ -459,7 +459,7 @@ def test_a_color_that_begins_a_prompt_is_that_of_all_subjects():
     scene = SceneWords(objects={"A": "subject", "B": "subject"})
     green = next(a for a in parse("emerald green, soft light from the left", scene).attributes if a.color)
     assert (green.kind, green.region) == ("subject", "subject")
-    assert next(a for a in parse("emerald green", scene).attributes if a.color).region == "whole"
+    assert next(a for a in parse("emerald green", scene).attributes if a.color).region == "subject"
 
 
 # ---- input of every kind

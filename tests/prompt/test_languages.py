@@ -77,7 +77,7 @@ def test_a_prompt_is_glossed_word_by_word(text, meant):
     ],
 )
 def test_a_color_is_bound_to_the_thing_it_is_said_of(text, entry):
-    parsed = parse(text, GARAGE, reader="fitted")
+    parsed = parse(text, GARAGE)
     (color,) = [a for a in parsed.attributes if a.color]
     assert color.entry == entry
     assert color.owners == ("CarPaint",)

@@ -117,7 +117,7 @@ def test_the_color_of_the_air_is_the_words():
 @pytest.mark.parametrize(
     ("prompt", "kind"),
     [
-        ("cottage in a snowstorm at dusk, cold blue", "ambience"),
+        ("cottage in a snowstorm at dusk, cold blue", "light"),
         ("cottage, cold blue", "subject"),
         ("cup, warm light, pale blue", "subject"),
     ],

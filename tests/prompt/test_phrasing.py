@@ -43,18 +43,18 @@ def said(prompt: str, scene: SceneWords = TABLE) -> dict[str, tuple[str, ...]]:
         ("leave the cup alone, the table should be green", {"green": ("Table",)}),
         ("cooler shadows, a greenish wall", {"cool shadows": ("shadow",), "greenish": ("Wall",)}),
         ("wihte cup, balck table", {"white": ("Cup",), "black": ("Table",)}),
-        ("everything grey-blue", {"grey blue": ("tone",)}),
+        ("everything grey-blue", {"grey blue": ("Cup", "Table", "Lemon", "Wall")}),
         ("a cup left in the desert", {"desert": ("surroundings",)}),
         (
             "sleek white product shot",
-            {"studio light": ("whole",), "glossy": ("subject",), "white": ("subject",)},
+            {"studio light": ("light",), "glossy": ("subject",), "white": ("subject",)},
         ),
         (
             "red cup, bright product shot",
-            {"red": ("Cup",), "bright": ("whole",), "studio light": ("whole",)},
+            {"red": ("Cup",), "bright light": ("light",), "studio light": ("light",)},
         ),
         ("the wall dark teal in warm light", {"dark teal": ("Wall",), "warm light": ("light",)}),
-        ("a cup in a dark garage", {"dark": ("tone",), "industrial": ("whole",)}),
+        ("a cup in a dark garage", {"dark surroundings": ("surroundings",), "industrial": ("whole",)}),
         (
             "a lantern glowing orange in a deep blue night",
             {
@@ -85,7 +85,7 @@ def said(prompt: str, scene: SceneWords = TABLE) -> dict[str, tuple[str, ...]]:
             {"jade": ("Cup",), "red": ("surroundings",), "cathedral interior": ("surroundings",)},
         ),
         ("a white cup at night", {"white": ("Cup",), "night": ("light",)}),
-        ("copper cup, glowing", {"copper metal": ("Cup",), "glowing": ("subject",)}),
+        ("copper cup, glowing", {"copper metal": ("Cup",), "glowing": ("Cup",)}),
         ("a red cup, a brass chandelier", {"red": ("Cup",)}),
         ("a brass lamp", {"brass": ("subject",)}),
         ("a toxic green cup in fog", {"toxic green": ("Cup",), "fog": ("fog",)}),

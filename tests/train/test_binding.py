@@ -6,7 +6,7 @@ import json
 import pytest
 from labeled_scene import sentence, write_folder
 
-from proxy_renderer.prompt.fitted.model import FILE, write
+from proxy_renderer.prompt.binding.model import FILE, write
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.train.binding import accuracy, examples, fit
 from proxy_renderer.train.sentences import read_folder

@@ -26,7 +26,6 @@ def run(
     sentences: str,
     kind: str = "",
     misses: bool = False,
-    reader: str = "rules",
     folds: int = 0,
 ) -> dict[str, Any]:
     """Measures, prints the tables, and writes OUT/results.json.
@@ -36,7 +35,6 @@ def run(
         sentences: Folder of scenes.toml and sentences_NN.toml.
         kind: Only sentences of this kind; "" for all.
         misses: Print each mistaken sentence, and write it into results.json.
-        reader: one of `schema.options.READERS`.
         folds: Parts into which the scenes are divided; the sentences of each are read with weights that are fitted to
             those of the others. 0 for the weights that are shipped.
 
@@ -54,7 +52,7 @@ def run(
     weights = binding.fit(binding.examples(every, vocabulary), folds=folds).without if folds else {}
 
     def reading(s: LabeledSentence) -> SentenceReading:
-        return read(s.text, s.scene, vocabulary, reader, weights.get(s.scene.name))
+        return read(s.text, s.scene, vocabulary, weights.get(s.scene.name))
 
     reading(labeled[0])  # word vectors are loaded once
     verdicts = [judge(s, reading(s), vocabulary) for s in labeled]

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from ...planning.lights.lacking import lacking
 from ...planning.owners import Owners
 from ...planning.wishes import Wishes
-from ...prompt.fitted.model import FactWeights
+from ...prompt.binding.model import FactWeights
 from ...prompt.lexicon.vocabulary import OWNERS, Effect, Vocabulary
 from ...prompt.parser import parse
 from ...prompt.types import GLOW, Attribute, Parsed
@@ -73,7 +73,6 @@ def read(
     text: str,
     scene: LabeledScene,
     vocabulary: Vocabulary,
-    reader: str = "rules",
     weights: FactWeights | None = None,
 ) -> SentenceReading:
     """Reads a sentence about a scene, and finds out what its attributes reach.
@@ -82,13 +81,12 @@ def read(
         text: The sentence.
         scene: What it is about.
         vocabulary: What words mean.
-        reader: one of `schema.options.READERS`.
-        weights: Of the fitted reader; those that are shipped if None.
+        weights: Of the reader; those that are shipped if None.
     """
     whole = stand_in(scene)
     start = time.perf_counter()
     try:
-        parsed = parse(text, whole.words, vocabulary, reader, weights)
+        parsed = parse(text, whole.words, vocabulary, weights)
     except VibeError as error:
         return SentenceReading((), {}, time.perf_counter() - start, error.message)
     own = {light.name: light.role for light in scene.lights}

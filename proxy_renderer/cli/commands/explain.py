@@ -18,11 +18,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("prompt", metavar="TEXT", help="the look")
     add_scene(parser, optional=True)
     command_line.add_option(parser, named("vocabulary"))
-    command_line.add_option(parser, named("reader"))
     parser.add_argument(
         "--why",
         action="store_true",
-        help="what the fitted reader may bind each look word to, with scores and the facts that decided",
+        help="what each look word may be bound to, with scores and the facts that decided",
     )
     parser.add_argument("--json", action="store_true", help="for programs")
 
@@ -35,5 +34,5 @@ def act(a: argparse.Namespace) -> int:
     check.vocabulary(a.vocabulary)
     scene = check.scene(a.scene) if a.scene else None
     subject = [f"--subject={name}" for name in a.subject]
-    print(account(a.prompt, a.json, scene, subject, a.reader, a.why))
+    print(account(a.prompt, a.json, scene, subject, a.why))
     return 0

@@ -126,7 +126,7 @@ class Search:
 
         self.vector, self.shots = gathered(views, options, proxy)
         words = context.scene_words(*(view.scene for view in views))
-        offline = OfflineAdvisor(prompt, words, options.reader)
+        offline = OfflineAdvisor(prompt, words)
         self.offline, self.advisor = (
             beside(self.reference, each, prompt, len(views), words.lights)
             for each in (offline, advisor or offline)

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
-from ..fitted.names import parts
+from ..binding.names import parts
 from ..lexicon.languages import TABLES, LanguageLexicon, lexicons
 from ..lexicon.nearest import table
 from ..lexicon.spelling import folded

@@ -28,9 +28,6 @@ STAGES = ("none", "floor", "cyclorama")
 INNER = ("least-squares", "adam", "none", "middle")
 """Inner loops."""
 
-READERS = ("rules", "fitted")
-"""What binds the look words of a prompt."""
-
 BASELINES = ("clip-only", "clip-authors")
 """What the method can be compared with."""
 
@@ -158,13 +155,6 @@ class Options:
             length=500,
             preferences=True,
         ),
-    )
-    reader: str = option(
-        "rules",
-        "what binds look words to what they describe: rules, or weights that are fitted to labeled sentences "
-        "(default: rules)",
-        "engine",
-        choices=READERS,
     )
     anchor: bool = option(
         True,

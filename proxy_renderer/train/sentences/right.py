@@ -6,14 +6,16 @@ from __future__ import annotations
 import re
 from difflib import SequenceMatcher
 
-from ...prompt.fitted.pairs import PromptPairs, TargetPair
-from ...prompt.fitted.targets import MATTER, TINGE
+from ...prompt.binding.pairs import PromptPairs, TargetPair
+from ...prompt.binding.targets import MATTER, TINGE
 from ...prompt.lexicon.vocabulary import as_meant
 from ...prompt.names import is_detail
 from ...prompt.types import GLOW
 from .labels import ROLES, LabeledScene, LabeledSentence, LabelTarget, LookWord
 
 _WORD = re.compile(r"[^\W_]+(?:['’][a-z]+)?")
+_NAMED = ("light", "lights", "key", "fill", "rim", "air", "surroundings")
+"""Kinds of targets that a word names by saying what there is of them."""
 _GENERAL = ("lighting", "atmosphere")
 
 
@@ -37,14 +39,21 @@ def right_pairs(sentence: LabeledSentence, read: PromptPairs) -> list[list[bool]
             label and following and _covers(label, places.get(following.index))
         ):  # one word to the artist: "fire red"
             right = [r or pair.target.kind == TINGE for r, pair in zip(right, pairs, strict=True)]
-        if not label and look.word.token.noun:  # "sunlight" may say something of light, or only name it
-            right = [r or _names_itself(pair) for r, pair in zip(right, pairs, strict=True)]
+        if not label:
+            right = _unlabeled(right, pairs, sentence)
         found.append(right)
     return found
 
 
-def _names_itself(pair: TargetPair) -> bool:
-    return pair.target.kind in ("light", "air") and pair.becoming.way == "own"
+def _unlabeled(right: list[bool], pairs: list[TargetPair], sentence: LabeledSentence) -> list[bool]:
+    """What is right for a word that needs no label: it says where a light comes from, or only names what it is ("sunlight")."""
+    if any(pair.directs for pair in pairs):
+        lit = [t for word in sentence.words for t in word.targets if t.kind in ("lights", "light", *ROLES)]
+        wanted = lit or [LabelTarget("light")]
+        return [pair.directs and any(is_right(pair, t, sentence.scene) for t in wanted) for pair in pairs]
+    themselves = [pair.names_itself and pair.target.kind in _NAMED for pair in pairs]
+    known = any(t and pair.target.names for t, pair in zip(themselves, pairs, strict=True))
+    return [t or (known and r) for t, r in zip(themselves, right, strict=True)] if any(themselves) else right
 
 
 def _covers(word: LookWord, place: tuple[int, int] | None) -> bool:
@@ -85,7 +94,11 @@ def is_right(pair: TargetPair, wanted: LabelTarget, scene: LabeledScene) -> bool
     if wanted.kind in ROLES:
         return kind == wanted.kind or names == _of_role(wanted.kind, scene)
     if wanted.kind == "light":
-        return kind in ("light", "shadow") or (kind == "lights" and names == _of_role("key", scene))
+        return kind in ("light", "shadow", "highlight") or (
+            kind == "lights" and names == _of_role("key", scene)
+        )
+    if wanted.kind == "picture" and kind in ("shadow", "highlight"):
+        return True
     if wanted.kind == "picture" and kind in ("light", "air"):
         return pair.becoming.slot in _GENERAL and pair.becoming.way == "own"
     return kind == wanted.kind

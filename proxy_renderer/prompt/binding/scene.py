@@ -4,10 +4,11 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
-from ..names import is_detail
+from ..names import in_parts, is_detail, limbs_of, plain_name
 from ..types import GLOW, SceneWords
 from .names import FITS, best, fit, guessed_fit, parts
 
@@ -55,6 +56,14 @@ class NounMention:
     named: tuple[Named, ...] = ()
     members: int = 1
 
+    def covers(self, index: int) -> bool:
+        """Whether an item is one of its own.
+
+        Args:
+            index: Of the item.
+        """
+        return self.start <= index <= self.end
+
 
 def fit_rank(named: Named) -> int:
     """How sure what is named is meant, 0 for the surest."""
@@ -75,6 +84,8 @@ class SceneIndex:
         self._objects = {name: parts(name) for name in words.objects}
         self._groups = {name: parts(name) for name in words.groups}
         self._lights = {name: parts(name) for name in words.lights}
+        self._limbs = {name: limbs_of(name, words) for name in words.objects}
+        self._worn_by_limbs = {name for worn in self._limbs.values() for name in worn}
 
     def named(self, said: tuple[str, ...], guess: bool = False) -> list[Named]:
         """All that words may name.
@@ -106,6 +117,24 @@ class SceneIndex:
         ways = {name: fit(said, p) for name, p in self._objects.items()}
         surest = best(ways.values())
         return [name for name, way in ways.items() if surest and way == surest]
+
+    @cached_property
+    def in_parts(self) -> bool:
+        """Whether the subject is one thing, of which only parts have names."""
+        return in_parts(self.words)
+
+    def has_several(self, named: Named) -> bool:
+        """Whether several objects of one name wear what is named.
+
+        Args:
+            named: Materials.
+        """
+        wearers = [
+            plain_name(o)
+            for o, worn in self.words.object_materials.items()
+            if not named.names.isdisjoint(worn)
+        ]
+        return len(wearers) > len({*wearers})
 
     def worn(self, name: str) -> frozenset[str]:
         """The materials of an object.
@@ -150,12 +179,13 @@ class SceneIndex:
         sign = f"{source} {way}"
         worn = self._worn(source, chosen)
         self._add_split(worn, sign, "whole", *signs, add=add)
-        if len({*worn}) <= _MOST_ALONE:
+        in_parts = not self._worn_by_limbs.isdisjoint(worn)  # limbs look like their whole
+        if len({*worn}) <= _MOST_ALONE and not in_parts:
             for name in {*worn}:
                 add("things", [name], sign, "alone", *signs)
         if source != "material":
             add("things", [m for m in worn if not is_detail(m)], sign, "without details", *signs)
-            objects = self._objects_of(source, chosen)
+            objects = [] if in_parts else self._objects_of(source, chosen)
             first = [self.words.object_materials[o][0] for o in objects]
             self._add_split(first, sign, "first", *signs, add=add)
 
@@ -173,8 +203,18 @@ class SceneIndex:
 
     def _worn(self, source: str, names: Iterable[str]) -> list[str]:
         if source == "material":
-            return list(names)
-        return [m for o in self._objects_of(source, names) for m in self.words.object_materials[o]]
+            return [m for name in names for m in (name, *self._limbs_of_material(name))]
+        return [
+            m
+            for o in self._objects_of(source, names)
+            for m in (*self.words.object_materials[o], *self._limbs[o])
+        ]
+
+    def _limbs_of_material(self, name: str) -> Iterator[str]:
+        """What the limbs wear of an object that is called like its material."""
+        for wearer, worn in self.words.object_materials.items():
+            if name in worn and plain_name(wearer) == plain_name(name):
+                yield from self._limbs.get(wearer, ())
 
     def _add_lights(self, fits: Callable[..., dict[str, str]], add: Callable[..., None]) -> None:
         words = self.words

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from ...schema.spec import Region
 from ..meaning import NamedThing
 from ..names import is_detail
@@ -10,9 +12,10 @@ from ..things import Thing
 from ..types import SceneWords
 from .mentions import surest
 from .pairs import PromptPairs, TargetPair
-from .targets import MATTER
+from .scene import NounMention
+from .targets import MATTER, NOWHERE
 
-_KIND_OF_SLOT = {"lighting": "light", "atmosphere": "fog", "setting": "surroundings"}
+_KIND_OF_SLOT = {"lighting": "light", "atmosphere": "fog", "grade": "tone", "setting": "surroundings"}
 """What a word about the whole picture is about."""
 
 
@@ -26,11 +29,31 @@ class Things:
 
     Attributes:
         mentioned: The nouns with a surface: name, region and materials.
+        subject: What the prompt, or the scene, calls the subject.
     """
 
     def __init__(self, found: PromptPairs, chosen: list[TargetPair], scene: SceneWords) -> None:
         self.found, self.chosen, self.scene = found, chosen, scene
         self.mentioned: list[NamedThing] = []
+        self.subject = self._called() or scene.subject
+        self._shared = dict(_shared(chosen, scene))
+
+    def _called(self) -> str:
+        """The noun by which the prompt calls a subject whose names the scene does not tell: "car" of a scene of cubes."""
+        mentions, used = (
+            self.found.mentions,
+            {p.look.index for p in self.chosen if p.target.kind not in NOWHERE},
+        )
+        said = {item.token.text for item in self.found.passage.items}
+        if self.scene.subject in said or any(self._names_subject(m) for m in mentions):
+            return ""
+        starts = {m.start for m in mentions}
+        mine = (m for m in mentions if _is_unknown(m) and m.end + 1 not in starts)
+        return next((m.text for m in mine if not any(m.covers(index) for index in used)), "")
+
+    def _names_subject(self, mention: NounMention) -> bool:
+        named = (name for n in mention.named if n.kind == "things" for name in n.names)
+        return any(self.scene.materials.get(name) == "subject" for name in named)
 
     def of(self, pair: TargetPair) -> Thing:
         """The thing that a pair binds its look word to.
@@ -57,21 +80,28 @@ class Things:
         """What the prompt calls the thing; the look word itself where no noun names it."""
         if pair.target.mention >= 0:
             return self.found.mentions[pair.target.mention].text
+        if pair.target.kind == "subject":
+            return self.subject or "subject"
         return pair.target.kind if pair.target.kind in MATTER else pair.look.word.token.text
 
     def _matter(self, pair: TargetPair, name: str) -> Thing:
         """Materials, or a whole region."""
         kind, slot = pair.target.kind, pair.becoming.slot
-        names = self._rest(pair) if kind == "others" else pair.target.names
+        names = self._rest(pair) if kind == "others" else self._shared.get(id(pair), pair.target.names)
         owners = tuple(n for n in self.scene.materials if n in names)
         regions = {self.scene.materials[n] for n in owners}
         region: Region = (
             "surroundings" if regions == {"surroundings"} or kind == "surroundings" else "subject"
         )
-        if slot == "setting":
+        if slot == "setting" or self._is_all_around(pair, owners):
             region, owners = "surroundings", ()
         self.mentioned.append((name, region, owners))
         return Thing(region, name, region, owners)
+
+    def _is_all_around(self, pair: TargetPair, owners: tuple[str, ...]) -> bool:
+        """Whether "background" means the only wall of a scene: then it is all that lies around, the sky too."""
+        around = {name for name, region in self.scene.materials.items() if region == "surroundings"}
+        return {*owners} == around and any(sign.endswith("synonym") for sign in pair.target.signs)
 
     def _rest(self, pair: TargetPair) -> frozenset[str]:
         """All materials that no word names otherwise, nor the prompt excepts; details only if nothing else is left."""
@@ -91,9 +121,28 @@ class Things:
     def _picture(self, pair: TargetPair) -> Thing:
         """The picture as a whole, or what a word about many things is about in the first place."""
         if pair.becoming.slot == "color":
-            return Thing("ambience", "tint", "whole")
+            named = pair.target.mention >= 0
+            return Thing("tone", self._name(pair), "whole") if named else Thing("ambience", "tint", "whole")
         if pair.becoming.way == "row":
             return Thing("tone", pair.look.word.token.text, "whole")
         kind = _KIND_OF_SLOT.get(pair.becoming.slot, "whole")
         region: Region = "surroundings" if kind == "surroundings" else "whole"
         return Thing(kind, pair.look.word.token.text, region)
+
+
+def _is_unknown(mention: NounMention) -> bool:
+    return mention.noun in ("unknown", "subject") and not mention.named and not mention.text[0].isdigit()
+
+
+def _shared(chosen: list[TargetPair], scene: SceneWords) -> Iterator[tuple[int, frozenset[str]]]:
+    """What each color of "red, green and blue balls" gets of the materials of the balls."""
+    by_mention: dict[int, list[TargetPair]] = {}
+    for pair in chosen:
+        if pair.target.kind == "things" and pair.becoming.slot == "color" and not pair.look.word.negated:
+            by_mention.setdefault(pair.target.mention, []).append(pair)
+    for pairs in by_mention.values():
+        names = [n for n in scene.materials if n in pairs[0].target.names]
+        plural = all("several" in pair.target.signs for pair in pairs)
+        if plural and 1 < len(pairs) <= len(names):
+            for number, pair in enumerate(pairs):
+                yield id(pair), frozenset(names[number :: len(pairs)])

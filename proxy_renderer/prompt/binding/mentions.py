@@ -8,7 +8,6 @@ from dataclasses import replace
 
 from ..lexicon.nearest import table
 from ..lexicon.vocabulary import Vocabulary
-from ..roles import light_role
 from ..tokens import Token
 from .names import FITS, parts
 from .passage import Passage
@@ -77,11 +76,28 @@ def _word(passage: Passage, start: int, index: SceneIndex, vocabulary: Vocabular
         named = [n for n in named if not n.signs.isdisjoint(_SURE)]
     plain = not (token.known or token.strength)
     if not named and plain and not token.color:
-        named = index.named(said[-1:], guess=True)
-    noun = token.noun or ("unknown" if plain and not token.near else "")
+        named = [n for n in index.named(said[-1:], guess=True) if _may_be_guessed(n, token, index)]
+    styled = any(i.filler for i in passage.items[start + 1 : start + 2])  # "castle look"
+    a_thing = "thing" in token.lists and not (styled or _is_place(passage, start))
+    noun = token.noun or ("unknown" if (plain and not token.near) or a_thing else "")
     if not (named or noun):
         return None
     return NounMention(start, start, token.text, noun, light_role(token), tuple(named))
+
+
+def _is_place(passage: Passage, start: int) -> bool:
+    """Whether a noun is where something is: "in a dark castle"."""
+    before = [
+        i for i in passage.content(0, start) if i.clause == passage.items[start].clause and not i.names_a_look
+    ]
+    return bool(before) and ("around" in before[-1].token.lists or before[-1].token.text == "in")
+
+
+def _may_be_guessed(named: Named, token: Token, index: SceneIndex) -> bool:
+    """Whether a guess may be right: "a car" is none of its four wheels, nor a boat its sail."""
+    if token.text.endswith("s") or all(sign.endswith("misspelled") for sign in named.signs):
+        return True
+    return not (index.in_parts or index.has_several(named))
 
 
 def _is_misspelled(token: Token) -> bool:
@@ -159,3 +175,14 @@ def surest(mention: NounMention, kind: str, first: str) -> Named | None:
         return fit_rank(named), not by_first, "widened" in named.signs
 
     return min((n for n in mention.named if n.kind == kind), key=rank, default=None)
+
+
+def light_role(token: Token) -> str:
+    """The light that a noun means: "key light" the key, "light" light in general ("").
+
+    Args:
+        token: Of the noun.
+    """
+    if token.noun in ("fill", "rim"):
+        return token.noun
+    return "key" if {"key", "keylight", "main"} & set(token.text.split()) else ""

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from ..lexicon.vocabulary import Vocabulary
 from ..types import GLOW
 from .becoming import Becoming
+from .clauses import ClauseForms
 from .passage import Passage, PromptLook
 from .scene import NounMention, fit_rank
 from .targets import LAMPS, MATTER, Target
@@ -27,10 +28,7 @@ class PairFeatures:
 
     def __init__(self, passage: Passage, mentions: list[NounMention], vocabulary: Vocabulary) -> None:
         self.passage, self.mentions, self.vocabulary = passage, mentions, vocabulary
-        self._look_at = {look.index for look in passage.looks}
-        self._noun_at = {i for m in mentions for i in range(m.start, m.end + 1) if m.members == 1}
-        self._style = self._order()
-        self._ends = [self._ends_of(number) for number in range(self._clauses())]
+        self.forms = ClauseForms(passage, mentions, vocabulary)
 
     def of(self, look: PromptLook, target: Target, becoming: Becoming) -> Iterator[str]:
         """The facts about one pair.
@@ -42,18 +40,24 @@ class PairFeatures:
         """
         kind, sort = _group(target.kind), self._sort(look)
         yield f"a {sort} word of {target.kind}"
-        yield f"'{look.word.token.adjective or look.word.token.entry or 'a color'}' at {kind}"
+        yield f"'{_said(look)}' at {kind}"
+        yield f"'{_said(look)}' of {target.kind}"
         yield f"{becoming.way} at {kind}"
+        if "thing" in look.word.token.lists:
+            yield f"a thing too at {kind}: led by {self.forms.lead(look.index)}"
         if becoming.slot:
             yield f"{becoming.slot} at {kind}"
+        if look.word.token.color:
+            yield from (f"{sign} at {kind}" for sign in _of_color(look))
         if look.word.negated:
             yield f"negated at {kind}"
         if look.guessed:
             yield f"guessed at {kind}"
+            yield f"guessed at {kind} by {look.confidence:.1f}"
         if target.mention < 0:
             yield from self._unnamed(look, target)
         else:
-            yield from self._named(look, target)
+            yield from self._named(look, target, becoming)
 
     def _sort(self, look: PromptLook) -> str:
         token = look.word.token
@@ -62,29 +66,6 @@ class PairFeatures:
         if token.entry:
             return self.vocabulary.entries[token.entry].slot
         return "color" if token.color else "adjective"
-
-    def _order(self) -> str:
-        """Whether clauses begin with what they are about ("hull red, wall white") or with how it looks ("red hull")."""
-        firsts = []
-        for number in range(self._clauses()):
-            places = [i for i, item in enumerate(self.passage.items) if item.clause == number]
-            both = [i for i in places if (i in self._look_at) != (i in self._noun_at)]
-            if both and both[-1] > both[0]:
-                firsts.append("noun" if both[0] in self._noun_at else "look")
-        if not firsts or len({*firsts}) > 1:
-            return "mixed"
-        return firsts[0]
-
-    def _clauses(self) -> int:
-        return self.passage.items[-1].clause + 1 if self.passage.items else 0
-
-    def _ends_of(self, clause: int) -> str:
-        """What a clause begins and ends with: "noun to look" in "hull red"."""
-        places = [i for i, item in enumerate(self.passage.items) if item.clause == clause]
-        roles = [
-            "noun" if i in self._noun_at else "look" for i in places if i in self._noun_at | self._look_at
-        ]
-        return f"{roles[0]} to {roles[-1]}" if roles else "of neither"
 
     def _rival(self, look: PromptLook, mention: NounMention, distance: int) -> str:
         """Whether a noun on the other side of a look word is nearer."""
@@ -114,8 +95,12 @@ class PairFeatures:
     def _unnamed(self, look: PromptLook, target: Target) -> Iterator[str]:
         """Of what no noun names: what the clause and the prompt name instead."""
         clause = self.passage.items[look.index].clause
-        own = [m for m in self.mentions if self.passage.items[m.start].clause == clause and not _is(m, look)]
-        rest = [m for m in self.mentions if m not in own and not _is(m, look)]
+        own = [
+            m
+            for m in self.mentions
+            if self.passage.items[m.start].clause == clause and not m.covers(look.index)
+        ]
+        rest = [m for m in self.mentions if m not in own and not m.covers(look.index)]
         yield f"{target.kind} unnamed: clause names {_kinds(own)}"
         yield f"{target.kind} unnamed: prompt names {_kinds(rest)}"
         alone = len([i for i in self.passage.items if i.clause == clause and not i.filler]) == 1
@@ -125,33 +110,41 @@ class PairFeatures:
             yield f"{target.kind} unnamed: noun too"
         after = next(iter(self.passage.content(look.index + 1, len(self.passage.items))), None)
         if after and after.clause == clause:
-            yield f"{target.kind} unnamed: before {self._role_of(after.token)}"
+            yield f"{target.kind} unnamed: before {self.forms.role_of(after.token)}"
+            yield f"{target.kind} unnamed: before '{after.token.text}'"
+            if "hour" in after.token.lists:
+                yield f"{target.kind} unnamed: a {self._sort(look)} word before an hour"
+        lead = self.forms.lead(look.index)
+        yield f"{target.kind} unnamed: led by {lead}"
+        yield f"{target.kind} unnamed: led by {lead}, prompt names {_kinds(rest)}"
+        if look.word.token.adjective and after and after.clause == clause and after.names_a_look:
+            yield f"'{look.word.token.adjective}' of {target.kind} unnamed: before a look"
+        yield f"{target.kind} unnamed: {self.forms.turn(clause)}"
+        yield f"{self._sort(look)} of {target.kind} unnamed: {self.forms.turn(clause)}"
 
     def _is_noun_too(self, look: PromptLook) -> bool:
-        return any(_is(m, look) for m in self.mentions)
+        return any(m.covers(look.index) for m in self.mentions)
 
-    def _role_of(self, token: object) -> str:
-        place = next(i for i, item in enumerate(self.passage.items) if item.token is token)
-        if place in self._noun_at:
-            return "noun"
-        if place in self._look_at:
-            return "look"
-        lists = self.passage.items[place].token.lists
-        return next((tie for tie in _TIES if tie in lists), "other")
-
-    def _named(self, look: PromptLook, target: Target) -> Iterator[str]:
+    def _named(self, look: PromptLook, target: Target, becoming: Becoming) -> Iterator[str]:
         """Of what a noun names: how the noun and the look word stand to each other, and how the noun fits."""
         mention = self.mentions[target.mention]
         kind = _group(target.kind)
-        if mention.start <= look.index <= mention.end:
+        if mention.covers(look.index):
             yield f"itself at {kind}"
             return
         yield from (f"{kind} by {sign}" for sign in target.signs)
         yield from self._placed(look, mention, kind)
+        side = "after" if mention.start > look.index else "before"
+        yield f"{becoming.way} at {kind}, {side}: led by {self.forms.lead(look.index)}"
         yield f"{target.kind} by noun {mention.noun or 'of the scene'}"
+        if look.word.token.adjective and not self.forms.look_at.isdisjoint(
+            range(mention.start, mention.end + 1)
+        ):
+            yield f"'{look.word.token.adjective}' of {target.kind} by a noun that is a look"
         yield f"{kind} {'surest' if self._is_surest(mention, target) else 'less sure'}"
         if len(target.names) > 1 and not mention.text.endswith("s") and mention.members == 1:
             yield f"several at {kind} by a singular"
+            yield from (f"several at {kind} by a singular, {sign}" for sign in target.signs)
         if mention.text.endswith("s") and len(target.names) > 1:
             yield f"plural at {kind}"
         if target.kind == "things" and target.names <= self._glows():
@@ -176,14 +169,15 @@ class PairFeatures:
         near = "same clause" if not apart else "next clause" if apart == 1 else "far clause"
         where = f"{side}, {near}"
         nouns = sum(1 for m in self.mentions if m.members == 1 and low < m.start and m.end < high)
-        looks = sum(1 for i in self._look_at if low < i < high)
+        looks = sum(1 for i in self.forms.look_at if low < i < high)
         yield where
         yield f"{where}: {kind}"
         yield f"{where}: {min(len(between), _FAR)} between"
         yield f"{where}: {min(nouns, 2)} nouns between"
         yield f"{where}: {min(looks, 2)} looks between"
-        yield f"{where}: {self._style} first"
-        yield f"{where}: clause {self._ends[items[look.index].clause]}"
+        yield f"{where}: {self.forms.order} first"
+        yield f"{where}: look led by {self.forms.lead(look.index)}"
+        yield f"{where}: clause {self.forms.ends[items[look.index].clause]}"
         yield f"{where}: {self._rival(look, mention, len(between))}"
         if not between and not apart:
             yield f"{side}: {kind} adjoins a {self._sort(look)} word"
@@ -195,9 +189,12 @@ class PairFeatures:
             yield f"{where}: joined"
         elif any(m.members > 1 and m.start <= mention.start and mention.end <= m.end for m in self.mentions):
             yield f"{where}: of a list"
-        if mention.end + 1 in self._noun_at and items[mention.end + 1].clause == items[mention.end].clause:
+        if (
+            mention.end + 1 in self.forms.noun_at
+            and items[mention.end + 1].clause == items[mention.end].clause
+        ):
             yield f"{where}: before a noun"
-        if {*range(mention.start, mention.end + 1)} & self._look_at:
+        if {*range(mention.start, mention.end + 1)} & self.forms.look_at:
             yield f"{where}: a look too"
 
     def _led(self, mention: NounMention, where: str) -> Iterator[str]:
@@ -222,13 +219,26 @@ class PairFeatures:
             yield f"{where}: first of its clause"
 
 
+def _of_color(look: PromptLook) -> Iterator[str]:
+    """How a color is said: "cold blue", "muted greens", a word that is a material too."""
+    token = look.word.token
+    first, *more = token.text.split()
+    if more:
+        yield f"color that is {first}"
+    if token.text.endswith("s") and not token.name.endswith("s"):
+        yield "plural color"
+    if token.entry:
+        yield "color and entry"
+
+
+def _said(look: PromptLook) -> str:
+    """A look word by itself; all colors are one."""
+    return look.word.token.adjective or look.word.token.entry or "a color"
+
+
 def _group(kind: str) -> str:
     """Kinds of targets that behave alike."""
     return "matter" if kind in MATTER else "lamp" if kind in LAMPS else kind
-
-
-def _is(mention: NounMention, look: PromptLook) -> bool:
-    return mention.start <= look.index <= mention.end
 
 
 def _kinds(mentions: list[NounMention]) -> str:

@@ -25,12 +25,16 @@ class TargetPair:
         target: What it may describe.
         becoming: What it would be there.
         features: What can be said of the two.
+        names_itself: The look word is in the noun that names the target: "sunlight".
+        directs: It says where the light comes from that it describes.
     """
 
     look: PromptLook
     target: Target
     becoming: Becoming
     features: tuple[str, ...]
+    names_itself: bool = False
+    directs: bool = False
 
 
 @dataclass(frozen=True)
@@ -64,5 +68,24 @@ def reading(text: str, words: SceneWords, vocabulary: Vocabulary) -> PromptPairs
     for look in found.looks:
         may_describe = [*every, Target(TINGE)] if found.tinged(look) else every
         may_be = {t: b for t in may_describe if (b := becoming(look.word.token, t.kind, vocabulary))}
-        pairs.append([TargetPair(look, t, b, tuple(facts.of(look, t, b))) for t, b in may_be.items()])
+        pairs.append(
+            [
+                TargetPair(
+                    look,
+                    t,
+                    b,
+                    tuple(facts.of(look, t, b)),
+                    names_itself=t.mention >= 0 and nouns[t.mention].covers(look.index),
+                    directs=_directs(b, vocabulary),
+                )
+                for t, b in may_be.items()
+            ]
+        )
     return PromptPairs(found, nouns, pairs)
+
+
+def _directs(becoming: Becoming, vocabulary: Vocabulary) -> bool:
+    """Whether a word says where light comes from."""
+    entry = vocabulary.entries.get(becoming.entry)
+    directing = (e for e in entry.effects if e.name in ("azimuth", "elevation")) if entry else ()
+    return any(not e.weak for e in directing)

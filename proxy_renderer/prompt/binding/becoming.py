@@ -14,7 +14,7 @@ _SURFACE = ("finish", "material", "color")
 _KINDS = {
     "things": ("thing", "subject", "surroundings"), "subject": ("thing", "subject"), "surroundings": ("surroundings", "subject", "thing"),
     "others": ("thing", "subject", "surroundings"), "lights": ("lamp", "light"), "key": ("lamp", "light"),
-    "fill": ("lamp", "fill", "light"), "rim": ("lamp", "rim", "light"), "light": ("light",), "shadow": ("shadow",),
+    "fill": ("lamp", "fill", "light"), "rim": ("lamp", "rim", "light"), "light": ("light",), "shadow": ("shadow",), "highlight": ("highlight",),
     "sky": ("sky",), "air": ("fog",), "picture": ("tone",),
 }  # fmt: skip
 """Kind of target -> kinds of things that the vocabulary's adjectives know, the first one first."""
@@ -23,7 +23,7 @@ _PAINTED = {
 }  # fmt: skip
 _SLOTS = {
     "surroundings": ("setting",), "sky": ("setting", "lighting", "atmosphere"), "air": ("atmosphere",),
-    "light": ("lighting",), "shadow": ("lighting",), "picture": ("lighting", "atmosphere", "grade", "mood", "setting"),
+    "light": ("lighting",), "shadow": ("lighting", "grade"), "highlight": ("lighting", "grade", "finish"), "picture": ("lighting", "atmosphere", "grade", "mood", "setting"),
 }  # fmt: skip
 """Kind of target -> slots of words that describe it, beside surfaces and particular lights."""
 
@@ -56,13 +56,16 @@ def becoming(token: Token, kind: str, vocabulary: Vocabulary) -> Becoming | None
     rows = vocabulary.adjectives.get(token.adjective, {})
     painted = _PAINTED.get(kind, kind) in vocabulary.painted
     said = [("row", rows.get(k, "")) for k in _KINDS[kind]] + [("own", token.entry)]
+    if kind == "picture" and token.entry and vocabulary.entries[token.entry].slot == "grade":
+        said.reverse()  # "dark" says more than "dark tones"
     if token.color and painted:
         said.append(("color", ""))
     said.append(("otherwise", rows.get("otherwise", "")))
     for way, entry in [*said, *(("elsewhere", e) for e in _elsewhere(token, kind, vocabulary))]:
         if way == "color":
             return Becoming("", "color", way)
-        if entry and _describes(entry, kind, vocabulary):
+        told = way == "row" and kind == "light" and entry == rows.get(kind)  # "a glowing light" blooms
+        if entry and (told or _describes(entry, kind, vocabulary)):
             return Becoming(entry, vocabulary.entries[entry].slot, way)
     return None
 

@@ -21,7 +21,7 @@ NOWHERE = ("none", TINGE)
 """Kinds of targets that change nothing."""
 _OF_NOUNS = {
     "surroundings": "surroundings", "sky": "sky", "light": "light", "fill": "fill", "rim": "rim", "fog": "air",
-    "shadow": "shadow", "tone": "picture", "subject": "subject", "others": "others", "unknown": "subject",
+    "shadow": "shadow", "highlight": "highlight", "tone": "picture", "subject": "subject", "others": "others", "unknown": "subject",
 }  # fmt: skip
 
 
@@ -30,7 +30,7 @@ class Target:
     """Something that a look word may describe.
 
     Attributes:
-        kind: "things", "lights", "shadow", one of the labels of `UNNAMED`, "others", "key", "fill", "rim" or `TINGE`.
+        kind: "things", "lights", "shadow", "highlight", one of the labels of `UNNAMED`, "others", "key", "fill", "rim" or `TINGE`.
         names: Of the materials or lights; empty where the kind says it all.
         mention: Number of the mention that names it; -1 if none does.
         signs: How its names were found.

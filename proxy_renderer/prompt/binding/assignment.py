@@ -81,9 +81,13 @@ def _alike(one: TargetPair, other: TargetPair) -> str:
     if nowhere:
         return "both nowhere" if nowhere == 2 else "one nowhere"
     if (a.kind, a.names) == (b.kind, b.names):
-        colors = one.becoming.slot == other.becoming.slot == "color"
-        negated = one.look.word.negated or other.look.word.negated
-        return "same, two colors" if colors and not negated else "same"
+        made = [
+            pair.becoming.slot in ("color", "material") and not pair.look.word.negated
+            for pair in (one, other)
+        ]
+        if all(made):
+            return f"same, {one.becoming.slot} and {other.becoming.slot}"
+        return "same, named by one" if one.names_itself != other.names_itself else "same"
     if a.mention >= 0 and a.mention == b.mention:
         return "same noun"
     return "same kind" if a.kind == b.kind else "others"

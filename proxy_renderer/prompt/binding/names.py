@@ -11,7 +11,7 @@ from functools import cache
 from ..lexicon.nearest import table
 from ..lexicon.things import folded, senses, singular, thing_words
 from ..lexicon.vocabulary import normalize, shipped_vocabulary
-from ..names import DETAILS, LIMBS, PIPELINE
+from ..names import COUNTED, DETAILS, LIMBS, PIPELINE
 
 FITS = (
     "exact", "all", "last", "whole", "synonym", "part", "part's synonym", "detail's whole", "alike", "misspelled",
@@ -30,6 +30,8 @@ def parts(name: str) -> tuple[str, ...]:
     words = [singular(folded(w)) for w in normalize(spaced).split()]
     letters = [w for w in words if w.isascii() and len(w) == 1]
     words = [w for w in words if len(w) > 1 or not w.isascii()]
+    while len(words) > 1 and words[-1] in COUNTED:
+        words.pop()
     return (*letters, *([w for w in words if w not in PIPELINE] or words))
 
 

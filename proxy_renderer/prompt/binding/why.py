@@ -8,12 +8,12 @@ from collections.abc import Iterator, Mapping
 
 from .model import scores
 from .pairs import TargetPair
-from .reader import FittedReader
+from .reader import PromptReader
 
 _TARGETS, _FACTS = 4, 4  # lines for each look word, and facts in each line
 
 
-def why(reader: FittedReader) -> str:
+def why(reader: PromptReader) -> str:
     """An account of a prompt, for people.
 
     Args:

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The fitted reader: what it binds in a small scene, and that its features, targets and assignment are what they say."""
+"""The reader of prompts: what it binds in a small scene, and that its features, targets and assignment are what they say."""
 
 import pytest
 
-from proxy_renderer.prompt.fitted.assignment import assigned
-from proxy_renderer.prompt.fitted.names import fit, parts
-from proxy_renderer.prompt.fitted.pairs import reading
-from proxy_renderer.prompt.fitted.reader import FittedReader
-from proxy_renderer.prompt.fitted.why import why
+from proxy_renderer.prompt.binding.assignment import assigned
+from proxy_renderer.prompt.binding.names import fit, parts
+from proxy_renderer.prompt.binding.pairs import reading
+from proxy_renderer.prompt.binding.reader import PromptReader
+from proxy_renderer.prompt.binding.why import why
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.types import LightWords, SceneWords
@@ -35,7 +35,7 @@ GARAGE = SceneWords(
 
 def bound(prompt):
     """Look word -> the attribute that it became."""
-    return {a.word: a for a in parse(prompt, GARAGE, shipped_vocabulary(), "fitted").attributes}
+    return {a.word: a for a in parse(prompt, GARAGE, shipped_vocabulary()).attributes}
 
 
 @pytest.mark.parametrize(
@@ -64,7 +64,7 @@ def test_the_rest_is_all_that_was_not_named():
 
 def test_without_the_weights_it_would_be_otherwise():
     vocabulary = shipped_vocabulary()
-    reader = FittedReader(
+    reader = PromptReader(
         vocabulary, GARAGE, {"a color word of things": -9.0, "a color word of picture": 9.0}
     )
     (red,) = reader.read("red car").attributes
@@ -90,7 +90,7 @@ def test_names_fit(said, name, way):
 @pytest.mark.parametrize(("weight", "things"), [(-3.0, 2), (3.0, 1)])
 def test_what_links_two_words_decides_between_targets_that_are_alike(weight, things):
     read = reading("red blue car crate", GARAGE, shipped_vocabulary())
-    weights = {"a color word of things": 5.0, "link side by side: same, two colors": weight}
+    weights = {"a color word of things": 5.0, "link side by side: same, color and color": weight}
     assert len({pair.target.names for pair in assigned(read, weights)}) == things
 
 
@@ -128,7 +128,7 @@ def test_a_word_may_only_say_the_shade_of_the_color_after_it():
 
 
 def test_why_names_targets_scores_and_facts():
-    reader = FittedReader(shipped_vocabulary(), GARAGE)
+    reader = PromptReader(shipped_vocabulary(), GARAGE)
     reader.read("red car, warm desk lamp")
     told = why(reader)
     assert "→" in told
@@ -139,4 +139,4 @@ def test_why_names_targets_scores_and_facts():
 
 @pytest.mark.parametrize("prompt", ["red " * 500, "red 🚗 car", "<b>red</b> car", "red car\u202e"])
 def test_odd_prompts_are_read(prompt):
-    assert any(a.color for a in parse(prompt, GARAGE, shipped_vocabulary(), "fitted").attributes)
+    assert any(a.color for a in parse(prompt, GARAGE, shipped_vocabulary()).attributes)

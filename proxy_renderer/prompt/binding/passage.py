@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 from ..lexicon.vocabulary import Vocabulary
-from ..roles import speaks_of_looks
 from ..things import Word
 from ..tokens import Token
 
@@ -61,6 +60,11 @@ class PromptLook:
     word: Word
     guessed: bool = False
 
+    @property
+    def confidence(self) -> float:
+        """How sure the guess is, in [0, 1]; 1 for known words."""
+        return self.word.token.near.confidence if self.word.token.near else 1.0
+
 
 @dataclass
 class Passage:
@@ -97,12 +101,22 @@ def passage(clauses: list[list[Token]], vocabulary: Vocabulary) -> Passage:
         vocabulary: What words mean.
     """
     found = Passage([])
-    for number, tokens in enumerate(clauses):
+    for number, tokens in _listed(clauses):
         found.items += _without_wishes(number, tokens, found)
     for number in range(len(clauses)):
         found.looks += _looks(found, number, vocabulary)
     found.beyond = [i.token.text for i in found.items if "beyond" in i.token.lists and not i.wished]
     return found
+
+
+def _listed(clauses: list[list[Token]]) -> Iterator[tuple[int, list[Token]]]:
+    """The clauses with their numbers; those of "red, green and blue balls" are one."""
+    number = 0
+    for place, tokens in enumerate(clauses):
+        yield number, tokens
+        following = clauses[place + 1] if place + 1 < len(clauses) else []
+        listed = len(tokens) == 1 and tokens[0].color and len(following) > 2 and following[0].color
+        number += not (listed and following[1].text == "and")
 
 
 def _without_wishes(number: int, tokens: list[Token], found: Passage) -> Iterator[Item]:
@@ -113,7 +127,7 @@ def _without_wishes(number: int, tokens: list[Token], found: Passage) -> Iterato
             rest = tokens[index + 1 :]
             ends = (i for i, t in enumerate(rest) if t.lists & (_WISHES | {"again"}))
             asked = rest[: next(ends, len(rest))]
-            if not speaks_of_looks(asked):
+            if not _speaks_of_looks(asked):
                 until = index + 1 + len(asked)
                 said = [t.text for t in tokens[index:until] if not t.lists & {"stop", "joiner"}]
                 found.wishes.append(said)
@@ -130,7 +144,7 @@ def _looks(found: Passage, clause: int, vocabulary: Vocabulary) -> Iterator[Prom
             continue
         following = next(iter(found.content(index + 1, len(found.items))), None)
         look = _look_token(item, negated, vocabulary)
-        if token.strength is not None and _is_intensity(item, following):
+        if token.strength is not None and _is_intensity(item, following, vocabulary):
             strength *= token.strength
             prefix.append(token.text)
         elif token.lists & {"negation", "undo"}:
@@ -158,10 +172,19 @@ def _look_token(item: Item, negated: bool, vocabulary: Vocabulary) -> Token | No
     return token if item.names_a_look and not item.ties else None
 
 
-def _is_intensity(item: Item, following: Item | None) -> bool:
-    """Whether "strong" strengthens the next look word, or is itself one ("strong light")."""
-    if not (item.token.adjective or item.token.entry or item.token.color):
+def _is_intensity(item: Item, following: Item | None, vocabulary: Vocabulary) -> bool:
+    """Whether "strong" strengthens the next look word ("strong fog"), or is itself one ("strong light")."""
+    if not item.names_a_look:
         return True
-    if following is None or following.clause != item.clause:
+    if following is None or following.clause != item.clause or not following.names_a_look:
         return False
-    return following.names_a_look and not following.token.noun
+    noun = following.token.noun
+    lamp = ("lamp",) if noun in ("light", "fill", "rim") else ()
+    return vocabulary.adjectives.get(item.token.adjective, {}).keys().isdisjoint((noun, *lamp))
+
+
+def _speaks_of_looks(tokens: list[Token]) -> bool:
+    """Whether an action is about light, fog or the like, rather than about things."""
+    if not all(t.known and "count" not in t.lists for t in tokens):
+        return False
+    return any(t.entry or t.noun in ("light", "fill", "rim", "fog") for t in tokens)

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Binds the look words of a prompt by fitted weights."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+from ..lexicon.vocabulary import Vocabulary
+from ..meaning import NamedThing
+from ..things import Thing, Word
+from ..types import Attribute, Parsed, SceneWords
+from .assignment import assigned
+from .bound import Things
+from .means import stands_for
+from .model import shipped_weights
+from .pairs import PromptPairs, TargetPair, reading
+from .targets import TINGE
+
+_LESS = 0.7  # how much of the opposite "less" asks for
+
+
+class PromptReader:
+    """Scores every look word with everything that it may describe, and takes what is likeliest together.
+
+    Args:
+        vocabulary: What is known.
+        scene: The names in the scene.
+        weights: By feature; None for those that are shipped.
+
+    Attributes:
+        mentioned: The nouns with a surface: name, region and materials.
+        subject: What the prompt, or the scene, calls the subject.
+        beyond: Words of a picture that no value could give.
+        undone: Wishes that values cannot fulfill.
+        found: The pairs of the prompt.
+        chosen: The pair of each of its look words.
+    """
+
+    def __init__(
+        self, vocabulary: Vocabulary, scene: SceneWords, weights: Mapping[str, float] | None = None
+    ) -> None:
+        self.vocabulary, self.scene = vocabulary, scene
+        self.weights = shipped_weights() if weights is None else weights
+        self.subject = scene.subject
+        self.mentioned: list[NamedThing] = []
+        self.beyond: list[str] = []
+        self.undone: list[str] = []
+
+    def read(self, text: str) -> Parsed:
+        """Binds every look word; the result lacks what `meaning.complete` adds.
+
+        Args:
+            text: The prompt, prepared.
+        """
+        self.found: PromptPairs = reading(text, self.scene, self.vocabulary)
+        self.chosen: list[TargetPair] = assigned(self.found, self.weights)
+        things = Things(self.found, self.chosen, self.scene)
+        parsed = Parsed(text)
+        for number, pair in enumerate(self.chosen):
+            if pair.target.kind == "none":
+                parsed.ignored.append(pair.look.word.text)
+            elif pair.target.kind != TINGE:
+                entry = self._entry(pair, self.chosen[number + 1 : number + 2])
+                parsed.attributes += self._attributes(pair.look.word, entry, things.of(pair))
+                self._note_guess(pair, parsed)
+        passage = self.found.passage
+        self.mentioned, self.subject = things.mentioned, things.subject
+        self.beyond, self.undone = passage.beyond, [" ".join(words) for words in passage.wishes]
+        parsed.ignored += [*(w for words in passage.wishes for w in words), *self.beyond, *self._unknown()]
+        parsed.guesses |= dict(self._guessed_names())
+        return parsed
+
+    def _entry(self, pair: TargetPair, after: list[TargetPair]) -> str:
+        """What a look word becomes; of "emerald velvet" the emerald is the color of the next material."""
+        token, becoming = pair.look.word.token, pair.becoming
+        own = token.name or token.text
+        if after and token.color and becoming.slot == after[0].becoming.slot == "material":
+            adjoins = after[0].look.index == pair.look.index + 1
+            return own if adjoins and after[0].target == pair.target else becoming.entry
+        return becoming.entry or own
+
+    def _attributes(self, word: Word, entry: str, thing: Thing) -> Iterator[Attribute]:
+        """What a look word says of a thing; a mood brings what it stands for."""
+        known = self.vocabulary.entries.get(entry)
+        if known and word.less and known.opposite and known.slot != "atmosphere":  # less fog is still fog
+            entry, word = known.opposite, replace(word, strength=_LESS)
+            known = self.vocabulary.entries[entry]
+        yield Attribute(
+            word=word.text,
+            entry=entry,
+            slot=known.slot if known else "color",
+            region=thing.region,
+            kind=thing.kind,
+            strength=word.strength,
+            negated=word.negated,
+            owners=thing.owners,
+            role=thing.role,
+            color=None if known else word.token.color,
+            thing=thing.name,
+            guess=bool(word.token.guess),
+            shades=word.token.shades if known else (),
+            lights=thing.lights,
+        )
+        if known and known.means and not word.negated:
+            for part in stands_for(entry, self.vocabulary):
+                yield replace(part, strength=part.strength * word.strength, guess=bool(word.token.guess))
+
+    def _note_guess(self, pair: TargetPair, parsed: Parsed) -> None:
+        token = pair.look.word.token
+        if token.guess:
+            parsed.guesses[token.text] = token.guess
+        if pair.look.guessed and token.near:
+            parsed.confidence[token.text] = token.near.confidence
+
+    def _unknown(self) -> Iterator[str]:
+        """Words that name nothing that is known."""
+        for mention in self.found.mentions:
+            if mention.noun == "unknown" and not mention.named and mention.text != self.subject:
+                yield mention.text
+        tokens = [item.token for item in self.found.passage.items]
+        yield from (t.text for t in tokens if "count" in t.lists or (t.text.isdigit() and not t.known))
+
+    def _guessed_names(self) -> Iterator[tuple[str, str]]:
+        """Words that stand for a thing of the scene of the same sort, or are its name with a mistake."""
+        for mention in self.found.mentions:
+            named = next((n for n in mention.named if n.signs & {"object alike", "object misspelled"}), None)
+            if named and mention.members == 1:
+                worn = self.scene.object_materials.items()
+                yield mention.text, next(name for name, mats in worn if not named.names.isdisjoint(mats))
