@@ -173,7 +173,8 @@ class Lexer:
         if len(words) < 2 or last not in self.names or " ".join(words) in self.names:
             return False
         first = " ".join(words[:-1])
-        may_be_thing = last not in v.colors and (last not in v.synonyms or first in v.colors)
+        looks = first in v.colors or (first in v.shades and " ".join(words) not in v.synonyms)
+        may_be_thing = last not in v.colors and (last not in v.synonyms or looks)
         return may_be_thing and self._phrase(first).known
 
     def _cuts_a_phrase(self, words: list[str], start: int, end: int) -> bool:

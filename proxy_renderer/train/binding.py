@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..prompt.fitted.assignment import assigned
-from ..prompt.fitted.model import FILE, FactWeights, write
-from ..prompt.fitted.pairs import reading
+from ..prompt.binding.assignment import assigned
+from ..prompt.binding.model import FILE, FactWeights, write
+from ..prompt.binding.pairs import reading
 from ..prompt.lexicon.vocabulary import Vocabulary, shipped_vocabulary
 from ..prompt.parser import prepared
 from .fitting import Example, fit_links, fit_pairs

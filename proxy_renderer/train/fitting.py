@@ -91,9 +91,11 @@ def fit_links(every: Sequence[tuple[Example, Mapping[str, float]]], l2: float) -
     rows.sort(key=lambda row: -len(row.likely))
     names = sorted({name for row in rows for step in row.links for line in step for name in line})
     column = {name: i for i, name in enumerate(names)}
-    steps = [_padded_links(links, column) for links in _by_place(row.links for row in rows)]
-    every_place = np.concatenate([step.ravel() for step in steps])
     likely = [_padded(scores) for scores in _by_place(row.likely for row in rows)]
+    widths = pairwise(scores.shape[1] for scores in likely)
+    by_place = zip(_by_place(row.links for row in rows), widths, strict=True)
+    steps = [_padded_links(links, column, both) for links, both in by_place]
+    every_place = np.concatenate([step.ravel() for step in steps])
     wanted = [_padded(scores) for scores in _by_place(row.wanted for row in rows)]
 
     def loss(weights: np.ndarray) -> tuple[float, np.ndarray]:
@@ -142,10 +144,11 @@ def _padded(scores: list[np.ndarray]) -> np.ndarray:
     return padded
 
 
-def _padded_links(links: list[list[list[str]]], column: Mapping[str, int]) -> np.ndarray:
+def _padded_links(
+    links: list[list[list[str]]], column: Mapping[str, int], widths: tuple[int, int]
+) -> np.ndarray:
     """(sentences, pairs, pairs of the next place): which fact links them; any, where there is no pair."""
-    size = (len(links), max(len(one) for one in links), max(len(one[0]) for one in links))
-    padded = np.zeros(size, dtype=int)
+    padded = np.zeros((len(links), *widths), dtype=int)
     for number, lines in enumerate(links):
         for place, line in enumerate(lines):
             padded[number, place, : len(line)] = [column[name] for name in line]

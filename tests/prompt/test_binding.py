@@ -4,11 +4,11 @@
 import pytest
 
 from proxy_renderer.prompt.binding.assignment import assigned
-from proxy_renderer.prompt.binding.names import fit, parts
 from proxy_renderer.prompt.binding.pairs import reading
 from proxy_renderer.prompt.binding.reader import PromptReader
 from proxy_renderer.prompt.binding.why import why
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.prompt.mentions.names import fit, parts
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.types import LightWords, SceneWords
 

@@ -6,9 +6,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
+from ..mentions.passage import Passage
 from .model import likeliest
 from .pairs import PromptPairs, TargetPair
-from .passage import Passage
 from .targets import NOWHERE
 
 
@@ -81,12 +81,9 @@ def _alike(one: TargetPair, other: TargetPair) -> str:
     if nowhere:
         return "both nowhere" if nowhere == 2 else "one nowhere"
     if (a.kind, a.names) == (b.kind, b.names):
-        made = [
-            pair.becoming.slot in ("color", "material") and not pair.look.word.negated
-            for pair in (one, other)
-        ]
-        if all(made):
-            return f"same, {one.becoming.slot} and {other.becoming.slot}"
+        slots = [pair.becoming.slot for pair in (one, other) if not pair.look.word.negated]
+        if ({*slots} <= {"color", "material"} and len(slots) == 2) or "lighting" in slots:
+            return f"same, {' and '.join(slots)}"
         return "same, named by one" if one.names_itself != other.names_itself else "same"
     if a.mention >= 0 and a.mention == b.mention:
         return "same noun"

@@ -7,12 +7,12 @@ from collections.abc import Iterator
 
 from ...schema.spec import Region
 from ..meaning import NamedThing
+from ..mentions.find import surest
+from ..mentions.scene import NounMention
 from ..names import is_detail
 from ..things import Thing
 from ..types import SceneWords
-from .mentions import surest
 from .pairs import PromptPairs, TargetPair
-from .scene import NounMention
 from .targets import MATTER, NOWHERE
 
 _KIND_OF_SLOT = {"lighting": "light", "atmosphere": "fog", "grade": "tone", "setting": "surroundings"}

@@ -4,8 +4,8 @@
 from __future__ import annotations
 
 from ..lexicon.vocabulary import Vocabulary
-from .passage import Passage
-from .scene import NounMention
+from ..mentions.passage import Passage
+from ..mentions.scene import NounMention
 
 _TIES = ("link", "around", "joiner", "comparison", "exception")
 _ARTICLES = ("a", "an", "the")

@@ -6,11 +6,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..lexicon.vocabulary import Vocabulary
+from ..mentions.passage import Passage, PromptLook
+from ..mentions.scene import NounMention, fit_rank
 from ..types import GLOW
 from .becoming import Becoming
 from .clauses import ClauseForms
-from .passage import Passage, PromptLook
-from .scene import NounMention, fit_rank
 from .targets import LAMPS, MATTER, Target
 
 _TIES = ("link", "around", "joiner", "comparison", "exception")
@@ -42,6 +42,7 @@ class PairFeatures:
         yield f"a {sort} word of {target.kind}"
         yield f"'{_said(look)}' at {kind}"
         yield f"'{_said(look)}' of {target.kind}"
+        yield f"{sort} said {_how(look)} of {target.kind}"
         yield f"{becoming.way} at {kind}"
         if "thing" in look.word.token.lists:
             yield f"a thing too at {kind}: led by {self.forms.lead(look.index)}"
@@ -114,6 +115,7 @@ class PairFeatures:
             yield f"{target.kind} unnamed: before '{after.token.text}'"
             if "hour" in after.token.lists:
                 yield f"{target.kind} unnamed: a {self._sort(look)} word before an hour"
+        yield from (f"{target.kind} unnamed: {beside}" for beside in self._beside(look, own))
         lead = self.forms.lead(look.index)
         yield f"{target.kind} unnamed: led by {lead}"
         yield f"{target.kind} unnamed: led by {lead}, prompt names {_kinds(rest)}"
@@ -121,6 +123,16 @@ class PairFeatures:
             yield f"'{look.word.token.adjective}' of {target.kind} unnamed: before a look"
         yield f"{target.kind} unnamed: {self.forms.turn(clause)}"
         yield f"{self._sort(look)} of {target.kind} unnamed: {self.forms.turn(clause)}"
+
+    def _beside(self, look: PromptLook, nouns: list[NounMention]) -> Iterator[str]:
+        """What the nearest nouns of the clause name, on each side: "white" of "piano in a white room" has the room after it."""
+        after = min((m for m in nouns if m.start > look.index), key=lambda m: (m.start, m.end), default=None)
+        before = max((m for m in nouns if m.end < look.index), key=lambda m: (m.end, m.start), default=None)
+        for mention, side in ((after, "after"), (before, "before")):
+            if mention:
+                low, high = sorted((look.index, mention.start if side == "after" else mention.end))
+                adjoins = all(place in self.forms.look_at for place in range(low + 1, high))
+                yield f"{_kinds([mention])} {'right ' if adjoins else ''}{side}"
 
     def _is_noun_too(self, look: PromptLook) -> bool:
         return any(m.covers(look.index) for m in self.mentions)
@@ -234,6 +246,14 @@ def _of_color(look: PromptLook) -> Iterator[str]:
 def _said(look: PromptLook) -> str:
     """A look word by itself; all colors are one."""
     return look.word.token.adjective or look.word.token.entry or "a color"
+
+
+def _how(look: PromptLook) -> str:
+    """Whether an entry is said by its name, or by another word of its: "candle" for candlelight."""
+    token = look.word.token
+    if not token.entry:
+        return "otherwise"
+    return "by name" if token.name == token.entry else "by another word"
 
 
 def _group(kind: str) -> str:

@@ -6,13 +6,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..lexicon.vocabulary import Vocabulary
+from ..mentions.find import mentions
+from ..mentions.passage import Passage, PromptLook, passage
+from ..mentions.scene import NounMention, SceneIndex
 from ..tokens import Lexer
 from ..types import SceneWords
 from .becoming import Becoming, becoming
 from .features import PairFeatures
-from .mentions import mentions
-from .passage import Passage, PromptLook, passage
-from .scene import NounMention, SceneIndex
 from .targets import TINGE, Target, targets
 
 

@@ -6,8 +6,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from ..mentions.scene import NounMention
 from ..types import SceneWords
-from .scene import NounMention
 
 MATTER = ("things", "subject", "surroundings", "others")
 """Kinds of targets that have a surface."""

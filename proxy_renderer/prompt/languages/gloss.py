@@ -8,11 +8,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
-from ..binding.names import parts
 from ..lexicon.languages import TABLES, LanguageLexicon, lexicons
 from ..lexicon.nearest import table
 from ..lexicon.spelling import folded
 from ..lexicon.vocabulary import Vocabulary, shipped_vocabulary
+from ..mentions.names import parts
 from ..types import SceneWords
 from .order import ordered
 from .pieces import Piece, pieces

@@ -11,7 +11,7 @@ from ..lexicon.vocabulary import Vocabulary
 from ..tokens import Token
 from .names import FITS, parts
 from .passage import Passage
-from .picked_mentions import with_picks
+from .picked import with_picks
 from .scene import Named, NounMention, SceneIndex, fit_rank
 
 _LONGEST = 3  # tokens of a name
@@ -71,7 +71,10 @@ def _word(passage: Passage, start: int, index: SceneIndex, vocabulary: Vocabular
     if not said or token.lists & {"negation", "comparison", "exception", "action", "undo", "beyond"}:
         return None
     named = index.named(said) or _lamps(said, index, vocabulary)
-    named = named or (index.named(said[-1:]) if len(said) > 1 else [])
+    if (
+        not named and len(said) > 1 and token.noun != "tone"
+    ):  # "the whole picture" is none that hangs on a wall
+        named = index.named(said[-1:])
     if "stop" in token.lists and not token.noun:
         named = [n for n in named if not n.signs.isdisjoint(_SURE)]
     plain = not (token.known or token.strength)
@@ -80,6 +83,8 @@ def _word(passage: Passage, start: int, index: SceneIndex, vocabulary: Vocabular
     styled = any(i.filler for i in passage.items[start + 1 : start + 2])  # "castle look"
     a_thing = "thing" in token.lists and not (styled or _is_place(passage, start))
     noun = token.noun or ("unknown" if (plain and not token.near) or a_thing else "")
+    if not named and noun in ("unknown", "") and _gives_light(passage, start):
+        noun = "light"
     if not (named or noun):
         return None
     return NounMention(start, start, token.text, noun, light_role(token), tuple(named))
@@ -91,6 +96,18 @@ def _is_place(passage: Passage, start: int) -> bool:
         i for i in passage.content(0, start) if i.clause == passage.items[start].clause and not i.names_a_look
     ]
     return bool(before) and ("around" in before[-1].token.lists or before[-1].token.text == "in")
+
+
+def _gives_light(passage: Passage, start: int) -> bool:
+    """Whether a word ends what gives the light: "firefly" of "lit by a red firefly"."""
+    clause, places = passage.items[start].clause, range(start - 1, -1, -1)
+    if any(i.clause == clause and not i.filler and not i.ties for i in passage.items[start + 1 : start + 2]):
+        return False
+    before = next(
+        (passage.items[p] for p in places if not (passage.items[p].filler or passage.items[p].names_a_look)),
+        None,
+    )
+    return before is not None and before.clause == clause and "lighting" in before.token.lists
 
 
 def _may_be_guessed(named: Named, token: Token, index: SceneIndex) -> bool:
@@ -141,7 +158,7 @@ def _joined(passage: Passage, single: list[NounMention]) -> Iterator[NounMention
 def _are_joined(passage: Passage, one: NounMention, other: NounMention) -> bool:
     between = passage.content(one.end + 1, other.start)
     apart = passage.items[other.start].clause - passage.items[one.end].clause
-    tied = all("joiner" in i.token.lists and not i.token.entry for i in between)
+    tied = all("listing" in i.token.lists for i in between)
     return tied and apart <= 1 and (apart == 1 or bool(between))
 
 
