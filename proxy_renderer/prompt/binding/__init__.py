@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The fitted reader: each look word with each target that it may have, features of the pair, a score, one assignment."""
+"""What look words describe: each look word with each target that it may have, features of the pair, a score, one assignment."""
