@@ -26,7 +26,7 @@ _INSIDE = 0.5
 """Share of half an interval's width that is left at its ends when values are sought: what only just passes as navy in a
 prediction is another blue to some who look at the picture."""
 
-_MARGIN = 1.0
+_MARGIN = 2.0
 """The same for an interval with one end, in noticeable steps."""
 
 _HARDEST = 100.0  # a miss, in noticeable steps, that nothing is worse than
