@@ -114,8 +114,6 @@ class _Planner:
             ):
                 # What glows more than words like "glowing" ask for does not get darker by them.
                 upper = max(upper, instance.value) if self._glow(instance.owner) > lower[0] else upper
-            if effect.name == "vignette" and effect.lower[0] > 0 and shown and "vignette" in shown.heads:
-                upper = instance.upper  # light surroundings swallow much of it: its claim says what is enough
             priority = effect.priority + (2 if effect.weak else 0) + (_SECOND if attribute.cause else 0)
             light = f"material/{instance.owner}" if instance.parameter.group == "material" else instance.owner
             priority += 2 * (effect.owner == "lights" and light not in self.owners.key)

@@ -217,7 +217,7 @@ def test_white_fog_is_light_and_hides_as_much() -> None:
 def test_words_that_compare_are_told_in_any_language_and_for_what_a_mood_stands_for() -> None:
     assert all(c.compares for prompt in ("colder", "warmer light", "more contrast") for c in claims(prompt))
     assert all(c.compares for c in claims("kälter"))
-    said = {c.word: c.compares for c in claims("brighter, cold light, amber glow")}
+    said = {c.word: c.compares for c in claims("brighter, cold light, low contrast")}
     assert said["brighter"]
     assert not said["cold light"]
     assert sum(said.values()) == 1

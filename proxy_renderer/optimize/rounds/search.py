@@ -218,7 +218,7 @@ class Search:
         ranges = feasible_ranges(plan, self.vector.instances, self.vector.values(u))
         lower, upper = self.vector.bounds(ranges)
         if opening:
-            named = [k for k, e in plan.items() if e.priority is not None and not (e.prior or e.usual)]
+            named = [key for key, entry in plan.items() if self._opens(key, entry)]
             lower, upper = opened(lower, upper, self.vector.mark(named), opening)
             low, high = self.vector.plain(lower), self.vector.plain(upper)
             ranges |= {key: (low[key], high[key]) for key in named}
@@ -229,6 +229,12 @@ class Search:
         for shot in self.shots[1:]:
             shot.take(plan)
         return Confined(advice, plan, ranges, lower, upper, project(u, lower, upper))
+
+    def _opens(self, key: str, entry: PlanEntry) -> bool:
+        """Whether a range may open while claims are missed: one that words name, but no finish, which is what its word says."""
+        parameter = self.vector.instances[key].parameter
+        finish = parameter.group == "material" and parameter.kind != "color"
+        return entry.priority is not None and not (entry.prior or entry.usual or finish)
 
     def _judge_by(self, advice: Advice, u: Tensor) -> None:
         """Has pictures judged as this round's advice says; what the words claim is as understood at first, at u (N,)."""
