@@ -31,6 +31,9 @@ _SLIGHT = 0.8
 _TIMELY = "light_temperature"
 """A head that times of day have too: of several words for it claims choose, not the first one of the prompt."""
 
+_DIMMEST = 24.0
+"""L* of the lightest parts of a subject in the dark, at least."""
+
 _OPPOSED = 0.5
 """Cosine between a tint and the other direction, from where a picture cannot have both."""
 
@@ -106,7 +109,11 @@ def _of_every_picture(parsed: Parsed) -> Iterator[Claim]:
     silhouette = any(a.entry == "silhouette" and not a.negated for a in parsed.attributes)
     yield _of_subject("separation", lower=10.0)
     yield _of_subject("burnt", upper=0.06)
-    if not silhouette and parsed.targets.get("brightness") != "dark":
+    if silhouette:
+        return
+    if parsed.targets.get("brightness") == "dark":  # even at night its lights are seen
+        yield _of_subject("white_point", lower=_DIMMEST)
+    else:
         yield _of_subject("drowned", upper=0.3)
 
 
