@@ -112,4 +112,6 @@ def test_wider_ranges_stay_within_the_hard_bounds_and_leave_others_alone():
     )
     low, high = opened(lower, upper, torch.tensor([True, True, False, True]), 0.5)
     torch.testing.assert_close(low, torch.tensor([0.0, 0.3, 0.4, 0.425], dtype=torch.float64))
-    torch.testing.assert_close(high, torch.tensor([0.7, 0.7, 0.6, 0.575], dtype=torch.float64))  # a single value opens too
+    torch.testing.assert_close(
+        high, torch.tensor([0.7, 0.7, 0.6, 0.575], dtype=torch.float64)
+    )  # a single value opens too
