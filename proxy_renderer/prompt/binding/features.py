@@ -193,9 +193,11 @@ class PairFeatures:
         yield f"{where}: {self._rival(look, mention, len(between))}"
         if not between and not apart:
             yield f"{side}: {kind} adjoins a {self._sort(look)} word"
-        for item in between:
-            if item.ties:
-                yield f"{where} over {item.token.text}"
+        for place in range(low + 1, high):
+            if items[place].ties:
+                yield f"{where} over {items[place].token.text}"
+                own = after and not self.forms.look_at.isdisjoint(range(place, high))
+                yield f"{where} over {items[place].token.text}, {'with' if own else 'without'} a look after it"
         yield from self._led(mention, where)
         if mention.members > 1:
             yield f"{where}: joined"
