@@ -132,25 +132,33 @@ PHRASINGS = [
 ]
 
 
-def test_what_artists_type_is_understood():
-    """A reader that is fitted is measured: it may miss one of fifty wishes, and says which."""
-    wishes = [(prompt, wish) for prompt, said in PHRASINGS for wish in said.split("; ")]
-    missed = [(prompt, wish) for prompt, wish in wishes if not _is_met(prompt, wish)]
-    assert len(missed) <= len(wishes) / 50, missed
+MISREAD = (
+    "a cosy reading corner with candlelight and dark wood",
+    "bright noon, clear blue sky, sand",
+    "golden kitchen",
+)
+"""What the weights are known to misread; who fits them anew and mends one is told so."""
 
 
-def _is_met(prompt, wish):
+def _phrasing(prompt, said):
+    marks = pytest.mark.xfail(strict=True) if prompt in MISREAD else ()
+    return pytest.param(prompt, said, id=prompt[:40], marks=marks)
+
+
+@pytest.mark.parametrize(("prompt", "said"), [_phrasing(*row) for row in PHRASINGS])
+def test_what_artists_type_is_understood(prompt, said):
     vocabulary = default_vocabulary()
     parsed = parse(prompt, SceneWords())
-    if wish.startswith("-"):
-        return wish[1:] in parsed.ignored
-    entry, kind = wish.rstrip("~!?").split("@")
-    meant = (vocabulary.synonyms.get(entry, entry), kind)
-    found = next((a for a in parsed.attributes if not a.cause and (a.entry, a.kind) == meant), None)
-    if found is None:
-        return False
-    negated, weak = ("!" in wish and "?" not in wish), ("~" in wish and "?" not in wish)
-    return negated <= found.negated and weak <= (found.strength < 1)
+    found = {(a.entry, a.kind): a for a in parsed.attributes if not a.cause}
+    for wish in said.split("; "):
+        if wish.startswith("-"):
+            assert wish[1:] in parsed.ignored
+            continue
+        entry, kind = wish.rstrip("~!?").split("@")
+        attribute = found.get((vocabulary.synonyms.get(entry, entry), kind))
+        assert attribute, wish
+        assert ("!" in wish and "?" not in wish) <= attribute.negated
+        assert ("~" in wish and "?" not in wish) <= (attribute.strength < 1)
 
 
 def test_swapping_the_words_swaps_the_regions():
