@@ -16,7 +16,7 @@ from ..schema.spec import Region
 from .claim import Claim
 from .measures.picture import Part
 
-_LIGHTNESS, _CHROMA, _LEAST_CHROMA = 8.0, 0.2, 2.5
+_LIGHTNESS, _CHROMA, _LEAST_CHROMA = 10.0, 0.25, 2.5
 """How far a color may be from the one that can be shown, OKLab times 100: lightness, and a share of its chroma but at least
 this."""
 _FAINTEST, _OFF_GRAY = 3.0, 0.6

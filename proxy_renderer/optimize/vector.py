@@ -17,7 +17,7 @@ _STRIDE, _FLAT_STRIDE = 0.01, 0.15
 """Moves of u at which a picture changes enough for a slope: usually, and near the lower end of a scale that is flat there."""
 _FLAT_FROM, _FLAT_BELOW = 2.5, 0.25  # exponent of such a scale, and where that end ends
 _TURN = 360.0
-_NARROW = 0.15  # of a whole scale: how wide a range counts at least where it opens
+_NARROW = 0.4  # of a whole scale: how wide a range counts at least where it opens
 
 
 class ParameterVector:
@@ -200,7 +200,7 @@ def around(u: Tensor, lower: Tensor, upper: Tensor, share: float) -> tuple[Tenso
 
 
 def opened(lower: Tensor, upper: Tensor, which: Tensor, share: float) -> tuple[Tensor, Tensor]:
-    """A box with wider ranges, within the hard bounds; a narrow one is widened as one of `_NARROW` is.
+    """A box with wider ranges, within the hard bounds; a narrow range is widened as one of `_NARROW` is.
 
     Args:
         lower: (N,) lower corner of the box.
