@@ -12,11 +12,9 @@ from ..mentions.scene import NounMention
 from ..names import is_detail
 from ..things import Thing
 from ..types import SceneWords
+from .means import KIND_OF_SLOT
 from .pairs import PromptPairs, TargetPair
 from .targets import MATTER, NOWHERE
-
-_KIND_OF_SLOT = {"lighting": "light", "atmosphere": "fog", "grade": "tone", "setting": "surroundings"}
-"""What a word about the whole picture is about."""
 
 
 class Things:
@@ -125,7 +123,7 @@ class Things:
             return Thing("tone", self._name(pair), "whole") if named else Thing("ambience", "tint", "whole")
         if pair.becoming.way == "row":
             return Thing("tone", pair.look.word.token.text, "whole")
-        kind = _KIND_OF_SLOT.get(pair.becoming.slot, "whole")
+        kind = KIND_OF_SLOT.get(pair.becoming.slot, "whole")
         region: Region = "surroundings" if kind == "surroundings" else "whole"
         return Thing(kind, pair.look.word.token.text, region)
 

@@ -4,11 +4,8 @@
 from __future__ import annotations
 
 from ..lexicon.vocabulary import Vocabulary
-from ..mentions.passage import Passage
+from ..mentions.passage import TIES, Passage
 from ..mentions.scene import NounMention
-
-_TIES = ("link", "around", "joiner", "comparison", "exception")
-_ARTICLES = ("a", "an", "the")
 
 
 class ClauseForms:
@@ -47,7 +44,7 @@ class ClauseForms:
             if (
                 item.ties
                 or place in self.noun_at
-                or not (place in self.look_at or item.token.text in _ARTICLES)
+                or not (place in self.look_at or "article" in item.token.lists)
             ):
                 return self._lead_word(place)
         return "nothing"
@@ -84,7 +81,7 @@ class ClauseForms:
         if place in self.look_at:
             return "look"
         lists = self.passage.items[place].token.lists
-        return next((tie for tie in _TIES if tie in lists), "other")
+        return next((tie for tie in TIES if tie in lists), "other")
 
     def _order(self) -> str:
         """Whether clauses begin with what they are about ("hull red, wall white") or with how it looks ("red hull")."""

@@ -6,14 +6,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..lexicon.vocabulary import Vocabulary
-from ..mentions.passage import Passage, PromptLook
+from ..mentions.passage import TIES, Passage, PromptLook
 from ..mentions.scene import NounMention, fit_rank
 from ..types import GLOW
 from .becoming import Becoming
 from .clauses import ClauseForms
 from .targets import LAMPS, MATTER, Target
 
-_TIES = ("link", "around", "joiner", "comparison", "exception")
 _FAR = 4  # items from which distance says no more
 
 
@@ -195,9 +194,9 @@ class PairFeatures:
             yield f"{side}: {kind} adjoins a {self._sort(look)} word"
         for place in range(low + 1, high):
             if items[place].ties:
-                yield f"{where} over {items[place].token.text}"
+                over = f"{where} over {items[place].token.text}"
                 own = after and not self.forms.look_at.isdisjoint(range(place, high))
-                yield f"{where} over {items[place].token.text}, {'with' if own else 'without'} a look after it"
+                yield from (over, f"{over}, {'with' if own else 'without'} a look after it")
         yield from self._led(mention, where)
         if mention.members > 1:
             yield f"{where}: joined"
@@ -220,7 +219,7 @@ class PairFeatures:
                 break
             if item.ties:
                 yield f"{where} led by {item.token.text}"
-                lists = item.token.lists & {*_TIES}
+                lists = item.token.lists & {*TIES}
                 yield from (f"{where} led by a {tie}" for tie in sorted(lists))
             if not item.filler:
                 break

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from functools import cache
 from math import prod
 
 from ...schema import VibeError
@@ -19,6 +18,8 @@ KIND_OF_SLOT = {
 """What a word of a slot is about, where no noun says it."""
 _LAMPS = ("fill", "rim")
 _Row = tuple[Attribute, ...]
+_READ: dict[int, tuple[Vocabulary, dict[str, _Row]]] = {}
+"""By id: a vocabulary, kept so that no other one gets its id, and the moods of it that were read."""
 
 
 def stands_for(entry: str, vocabulary: Vocabulary) -> _Row:
@@ -31,19 +32,14 @@ def stands_for(entry: str, vocabulary: Vocabulary) -> _Row:
     Raises:
         VibeError: The row says something that is not known, or another mood.
     """
-    row = _rows(id(vocabulary)).get(entry)
+    rows = _READ.setdefault(id(vocabulary), (vocabulary, {}))[1]
+    row = rows.get(entry)
     if row is None:
         lexer, row = Lexer(vocabulary, SceneWords()), ()
         for tokens in lexer.clauses(vocabulary.entries[entry].means):
             row += _part(tokens, entry, vocabulary)
-        _rows(id(vocabulary))[entry] = row
+        rows[entry] = row
     return row
-
-
-@cache
-def _rows(vocabulary: int) -> dict[str, _Row]:
-    """The moods of a vocabulary that were read."""
-    return {}
 
 
 def _part(tokens: list[Token], cause: str, vocabulary: Vocabulary) -> _Row:

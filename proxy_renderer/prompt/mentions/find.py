@@ -71,9 +71,8 @@ def _word(passage: Passage, start: int, index: SceneIndex, vocabulary: Vocabular
     if not said or token.lists & {"negation", "comparison", "exception", "action", "undo", "beyond"}:
         return None
     named = index.named(said) or _lamps(said, index, vocabulary)
-    if (
-        not named and len(said) > 1 and token.noun != "tone"
-    ):  # "the whole picture" is none that hangs on a wall
+    picture = token.noun == "tone"  # "the whole picture" is none that hangs on a wall
+    if not named and len(said) > 1 and not picture:
         named = index.named(said[-1:])
     if "stop" in token.lists and not token.noun:
         named = [n for n in named if not n.signs.isdisjoint(_SURE)]
@@ -95,7 +94,7 @@ def _is_place(passage: Passage, start: int) -> bool:
     before = [
         i for i in passage.content(0, start) if i.clause == passage.items[start].clause and not i.names_a_look
     ]
-    return bool(before) and ("around" in before[-1].token.lists or before[-1].token.text == "in")
+    return bool(before) and not before[-1].token.lists.isdisjoint(("around", "inside"))
 
 
 def _gives_light(passage: Passage, start: int) -> bool:

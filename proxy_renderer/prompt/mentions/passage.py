@@ -11,7 +11,8 @@ from ..things import Word
 from ..tokens import Token
 
 _WISHES = {"action", "undo"}
-_TIES = {"link", "around", "joiner", "comparison", "exception"}
+TIES = ("link", "around", "joiner", "comparison", "exception")
+"""Lists of words that only say how their neighbors belong together."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class Item:
     @property
     def ties(self) -> bool:
         """Whether it only says how its neighbors belong together: "of", "with", "than"."""
-        return bool(self.token.lists & _TIES) and not self.token.entry
+        return not self.token.lists.isdisjoint(TIES) and not self.token.entry
 
     @property
     def filler(self) -> bool:
