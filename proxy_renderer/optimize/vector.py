@@ -17,7 +17,7 @@ _STRIDE, _FLAT_STRIDE = 0.01, 0.15
 """Moves of u at which a picture changes enough for a slope: usually, and near the lower end of a scale that is flat there."""
 _FLAT_FROM, _FLAT_BELOW = 2.5, 0.25  # exponent of such a scale, and where that end ends
 _TURN = 360.0
-_NARROW = 0.4  # of a whole scale: how wide a range counts at least where it opens
+_NARROW = 0.15  # of a whole scale: how wide a range counts at least where it opens
 
 
 class ParameterVector:

@@ -215,17 +215,19 @@ class Search:
         plan = carry(plan, earlier)
         if self.options.baseline:
             plan = plan_everything(self.vector.instances, self.options.baseline)
+        self._judge_by(advice, u)
         ranges = feasible_ranges(plan, self.vector.instances, self.vector.values(u))
         lower, upper = self.vector.bounds(ranges)
         if opening:
             named = [key for key, entry in plan.items() if self._opens(key, entry)]
             lower, upper = opened(lower, upper, self.vector.mark(named), opening)
+            measured = self.vector.mark(key for key in named if self._is_measured(key))
+            lower, upper = lower.masked_fill(measured, 0.0), upper.masked_fill(measured, 1.0)
             low, high = self.vector.plain(lower), self.vector.plain(upper)
             ranges |= {key: (low[key], high[key]) for key in named}
         if start and start.drawn is not None:
             lower, upper = starts.corral(start.u, lower, upper, start.drawn)
         lower, upper = around(u, lower, upper, reach)
-        self._judge_by(advice, u)
         for shot in self.shots[1:]:
             shot.take(plan)
         return Confined(advice, plan, ranges, lower, upper, project(u, lower, upper))
@@ -235,6 +237,12 @@ class Search:
         parameter = self.vector.instances[key].parameter
         finish = parameter.group == "material" and parameter.kind != "color"
         return entry.priority is not None and not (entry.prior or entry.usual or finish)
+
+    def _is_measured(self, key: str) -> bool:
+        """Whether a claim measures in the picture what a value of the grade sets, as a vignette: what is enough is its to say."""
+        parameter = self.vector.instances[key].parameter
+        measured = {claim.measure for claim in self.claims if claim.word and claim.part == "picture"}
+        return parameter.group == "film" and parameter.name in measured
 
     def _judge_by(self, advice: Advice, u: Tensor) -> None:
         """Has pictures judged as this round's advice says; what the words claim is as understood at first, at u (N,)."""
