@@ -56,6 +56,7 @@ class EngineSession:
         self.shots, self.prompt, self.options, self._observer = shots, prompt, options, observer
         self._caption = prompt
         self._encoder: Encoder | None = None
+        self._outcome: pipeline.Outcome | None = None
         endpoint = find_endpoint(options, vlm_key)
         self._model = Client(endpoint, observer.stopped) if endpoint and not options.baseline else None
         self._predicted: list[list[str]] = []  # names of the predictions of each shot
@@ -64,7 +65,7 @@ class EngineSession:
         self._rows: list[list[tuple[str, Image.Image]]] = []  # of compare.png: one for each shot
 
     def run(self) -> messages.Result:
-        """Finds the values, draws the prediction and says how it went.
+        """Finds the values and says how it went; the pictures that it names are there after `draw`.
 
         Raises:
             VibeError: The job cannot be read, the words name no look, or the encoder cannot be loaded.
@@ -88,17 +89,8 @@ class EngineSession:
         ]
         outcome = pipeline.run(views, self.prompt, self.options, encoder, heads, self._observer, advisor)
         clock.lap("loop", {"wait for Blender": sum(blender.waited for blender in blenders)})
-        self._observer.stage("drawing the prediction")
-        pictures: list[list[Image.Image]] = []  # for each shot, of every variant
-        for number, shot in enumerate(outcome.shots):
-            size = context.picture_size(shot.scene.resolution, self.options.size)
-            proxy = Proxy(shot.scene, size, device, self.options.seed, fine=True)
-            job = Path(self.shots[number].job)
-            measured = not self._observer.wants_looks  # the panel renders nothing at the end
-            self._predicted.append(predictions.predict(proxy, outcome, number, job, measured))
-            pictures.append(predictions.variants(proxy, outcome, number, job))
-        variants = self._variants(outcome, pictures)
-        clock.lap("prediction")
+        self._outcome = outcome
+        variants = _variants(outcome)
         self._claims, self._reference = claims_about(outcome), outcome.reference
         self._caption = outcome.prompts.whole or self.prompt
         values = [report.changed_values(outcome, shot) for shot in outcome.shots]
@@ -122,18 +114,30 @@ class EngineSession:
             shots=values if len(values) > 1 else [],
         )
 
-    def _variants(
-        self, outcome: pipeline.Outcome, pictures: list[list[Image.Image]]
-    ) -> list[messages.Variant]:
-        """The looks to choose from, and all of them on one sheet: a column for each, a row for each shot."""
-        if not outcome.variants:
-            return []
-        rows = [
-            [(f"{number} · {shot.name}" if shot.name else f"{number}", p) for number, p in enumerate(row, 1)]
-            for shot, row in zip(self.shots, pictures, strict=True)
-        ]
-        report.save_image(report.compare(rows, self.prompt), Path(self.shots[0].job) / messages.VARIANTS)
-        return [_variant(look, number) for number, look in enumerate(outcome.variants, start=1)]
+    def draw(self) -> None:
+        """Draws the prediction and the variants of every shot.
+
+        Raises:
+            VibeError: There was no `run` before.
+        """
+        outcome, encoder = self._outcome, self._encoder
+        if outcome is None or encoder is None:
+            raise VibeError("There is nothing to draw.", "Send a vibe first.")
+        rows: list[list[tuple[str, Image.Image]]] = []  # a column for each variant
+        for number, (shot, seen) in enumerate(zip(self.shots, outcome.shots, strict=True)):
+            size = context.picture_size(seen.scene.resolution, self.options.size)
+            proxy = Proxy(seen.scene, size, str(encoder.device), self.options.seed, fine=True)
+            measured = not self._observer.wants_looks  # the panel renders nothing at the end
+            self._predicted.append(predictions.predict(proxy, outcome, number, Path(shot.job), measured))
+            pictures = predictions.variants(proxy, outcome, number, Path(shot.job))
+            rows.append(
+                [
+                    (f"{place} · {shot.name}" if shot.name else f"{place}", p)
+                    for place, p in enumerate(pictures, 1)
+                ]
+            )
+        if outcome.variants:
+            report.save_image(report.compare(rows, self.prompt), Path(self.shots[0].job) / messages.VARIANTS)
 
     def finish(self, request: messages.Finish) -> messages.Finished:
         """Measures Cycles' pictures against the prediction and the words, and composes them.
@@ -225,6 +229,11 @@ class EngineSession:
             },
             "versions": report.versions(),
         }
+
+
+def _variants(outcome: pipeline.Outcome) -> list[messages.Variant]:
+    """The looks to choose from."""
+    return [_variant(look, number) for number, look in enumerate(outcome.variants, start=1)]
 
 
 def _variant(look: pipeline.Outcome, number: int) -> messages.Variant:

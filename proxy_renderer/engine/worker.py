@@ -92,7 +92,10 @@ def _file_trouble(request: object, error: OSError) -> messages.Error:
 
 
 def _vibe(wire: Wire, request: messages.Vibe) -> EngineSession:
-    """Carries out one vibe and sends its result."""
+    """Carries out one vibe and sends its result.
+
+    Its pictures are drawn before that if they are waited for, as in the panel. Otherwise Blender renders meanwhile.
+    """
     check_schema(request.schema, "add-on")
     options = messages.Options.from_dict(request.options)
     job = Path(request.job)
@@ -102,7 +105,13 @@ def _vibe(wire: Wire, request: messages.Vibe) -> EngineSession:
 
     shots = request.shots or [messages.Shot(request.job, "", "")]
     session = EngineSession(shots, request.prompt, options, observer, request.vlm_key)
-    wire.send(session.run())
+    result = session.run()
+    if request.looks:
+        observer.stage("drawing the prediction")
+        session.draw()
+    wire.send(result)
+    if not request.looks:
+        session.draw()
     return session
 
 

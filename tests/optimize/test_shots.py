@@ -112,7 +112,9 @@ def test_every_variant_is_drawn_in_every_shot(tmp_path):
     jobs = [write_job(tmp_path / name, **values) for name, values in zip(names, sides, strict=True)]
     shots = [Shot(str(job), name, "a") for job, name in zip(jobs, names, strict=True)]
     chosen = Options(rounds=1, steps=2, size=48, variants=2, anchor=False, device="cpu")
-    found = EngineSession(shots, PROMPT, chosen, Silent()).run()
+    session = EngineSession(shots, PROMPT, chosen, Silent())
+    found = session.run()
+    session.draw()
     assert len(found.variants) == 2
     drawn = {(job / v.picture).read_bytes() for job in jobs for v in found.variants}
     assert len(drawn) == 4

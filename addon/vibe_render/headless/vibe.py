@@ -28,6 +28,9 @@ from .scenes import save_blend
 from .shots import ShotList
 from .summary import Stopwatch, numbered
 
+_SAMPLES_BEFORE = 16
+"""The most that the picture before takes: it is only compared with, and the denoiser does the rest."""
+
 
 def run(args: argparse.Namespace, reporter: Reporter) -> None:
     """Runs one vibe with an engine of its own, from opening the scene to the saved files."""
@@ -90,7 +93,7 @@ class _Run:
         self.stopwatch.lap("open and export")
         self.conversation.ask(self._request())
         for number in reversed(range(len(self.shot_list))):  # the last one is still open
-            scene = self._render(number, "before.png")
+            scene = self._render(number, "before.png", min(self.args.samples, _SAMPLES_BEFORE))
             if note := black.note(scene, self.out.path(numbered("before.png", number))):
                 self.shot_list.jobs[number].warnings.insert(0, note)
                 self.reporter.note(note)
@@ -116,12 +119,12 @@ class _Run:
                     self.args.prompt, self.shot_list.jobs[0].with_additions_of(result.values), result.values
                 )
                 self.out.write_text("preset.json", look.dumps())
-                _write_variants(self.out, self.args.prompt, self.shot_list, result.variants)
             self._save(number)
             measured.append(self.conversation.wait(messages.Finished))
             self.out.copy("compare.png", compared)
             self._copy_prediction(number, result)
             self.stopwatch.lap("save and measure")
+        _write_variants(self.out, self.args.prompt, self.shot_list, result.variants)
         return measured, skipped
 
     def _request(self) -> messages.Vibe:
@@ -148,10 +151,9 @@ class _Run:
         analysis = job.analysis
         return anchors.answer(analysis.scene, job.folder, request, analysis.objects, analysis.pivot)
 
-    def _render(self, number: int, name: str) -> bpy.types.Scene:
+    def _render(self, number: int, name: str, samples: int) -> bpy.types.Scene:
         scene, args = self.shot_list.show(number).analysis.scene, self.args
-        path = self.out.path(numbered(name, number))
-        final_render.render(scene, path, args.size, args.samples, args.seed)
+        final_render.render(scene, self.out.path(numbered(name, number)), args.size, samples, args.seed)
         return scene
 
     def _write(self, number: int, result: messages.Result) -> dict[str, str]:
@@ -167,7 +169,7 @@ class _Run:
 
     def _render_after(self, number: int) -> None:
         self.reporter.stage("rendering with Cycles")
-        self._render(number, "after.png")
+        self._render(number, "after.png", self.args.samples)
         analysis = self.shot_list.jobs[number].analysis
         mask = self.out.path(numbered("mask.png", number))
         final_render.render_mask(analysis.scene, mask, self.args.size, analysis.objects)
