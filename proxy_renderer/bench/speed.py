@@ -16,7 +16,7 @@ import torch
 from ..render.proxy import Proxy
 from ..scene import SceneData
 from ..schema import atomic
-from . import mitsuba_comparison
+from . import encoders, mitsuba_comparison
 from .scenes import balls, outdoors
 
 try:
@@ -50,7 +50,7 @@ def run(out: Path, mitsuba: bool = False) -> dict[str, Any]:
         chooses, of one material, one light, the world and the film; `..._eight_materials` the same of eight
         materials and four lights; `..._fog` these under a picture of the sky with a sun, in fog, and
         `..._fog_density` with the fog learned too; `..._everything` learns all that does not move, at once; then steps
-        with a light or the camera moving before each, and steps for few and for many triangles.
+        with a light or the camera moving before each, and steps for few and for many triangles; `encoder_ms` is what guidance by an encoder adds to a step.
     """
     if mitsuba:
         mitsuba_comparison.require()
@@ -70,6 +70,7 @@ def run(out: Path, mitsuba: bool = False) -> dict[str, Any]:
         "step_ms_by_triangles": {
             len(scene.mesh.faces): _step(scene, _ONE) for scene in (balls(2, 1, n) for n in _TRIANGLES)
         },
+        "encoder_ms": encoders.milliseconds(),
     }
     for name, value in results.items():
         print(f"{name}: {value}")

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+import torch
 from torch import Tensor
 
 from ..claims.claim import Claim, ClaimSet
@@ -23,6 +24,7 @@ from .vector import ParameterVector
 
 if TYPE_CHECKING:
     from ..guidance.guide import Guidance
+    from ..render.cycles.correction import Correction
     from ..render.gbuffer import GBuffer
     from ..render.proxy import Proxy, Render
 
@@ -67,6 +69,8 @@ class ShotState:
     guidance: Guidance | None = None
     claims: ClaimSet | None = None
     seen: GBuffer | None = None
+    _last: tuple[Tensor, Correction | None, Render] | None = None
+    """Where the last picture was drawn, how it was corrected, and it: rounds end and begin with the same one."""
 
     def draw(self, u: Tensor, free: set[str] | frozenset[str] = frozenset()) -> Render:
         """The proxy's picture of u.
@@ -75,7 +79,12 @@ class ShotState:
             u: (N,) in [0, 1].
             free: Keys of the shared vector in which the picture is differentiable.
         """
-        return draw(self.proxy, self.vector, u, {own for own, key in self.names.items() if key in free})
+        if free and torch.is_grad_enabled():
+            return draw(self.proxy, self.vector, u, {own for own, key in self.names.items() if key in free})
+        correction = self.proxy.correction
+        if not (self._last and self._last[1] is correction and torch.equal(self._last[0], u)):
+            self._last = u.detach().clone(), correction, draw(self.proxy, self.vector, u.detach())
+        return self._last[2]
 
     def seen_now(self, u: Tensor) -> GBuffer:
         """What its camera sees at u (N,)."""
@@ -115,6 +124,7 @@ class ShotState:
         }
         if named - self.vector.taken:
             self.vector.taken |= named
+            self._last = None
             self.anchoring.expire()
 
 

@@ -324,7 +324,13 @@ SUPPORT = (
         unit="FILE",
         blender=False,  # processes find it in their environment
     ),
-    Option("samples", 128, "Cycles samples of the pictures (the one before: 16 at most)", "render", bounds=(1, 65536)),
+    Option(
+        "samples",
+        128,
+        "Cycles samples of the pictures (the one before: 16 at most)",
+        "render",
+        bounds=(1, 65536),
+    ),
 )
 """What the processes around the engine need to know."""
 
