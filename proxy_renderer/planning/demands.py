@@ -10,7 +10,7 @@ from ..prompt.types import Attribute
 
 _USUAL = {
     "material": ("roughness", "specular", "coat", "coat_roughness", "sheen"),
-    "atmosphere": ("color", "temperature", "tint", "gain", "midtone"),
+    "atmosphere": ("color", "temperature", "tint", "gain", "midtone", "strength"),
 }
 """What other words may say better than a word of this slot."""
 
@@ -32,8 +32,8 @@ class Demand:
     def rank(self) -> tuple[bool, bool, bool, int]:
         """Where a demand stands; the least comes first.
 
-        Words of the prompt before those that a mood stands for, a finish or a color before the usual one of a
-        material or of an atmosphere, what a word is about before what another one implies; defaults and guessed
+        Words of the prompt before those that a mood stands for, a finish, a color or a time of day before what a
+        material, a weather or a place usually has, what a word is about before what another one implies; defaults and guessed
         moods last.
         """
         usual = self.vague or self.key.rpartition("/")[2] in _USUAL.get(self.attribute.slot, ())

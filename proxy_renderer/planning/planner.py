@@ -17,7 +17,7 @@ from .owners import BACKDROP, SEEN, Owners
 from .ranges import clip, effect_range
 from .sources import Range, Sources, WorldLook
 from .support import supports
-from .wishes import STAGES, Wishes, stage_of
+from .wishes import STAGES, Wishes, is_usual, stage_of
 
 _NOT = 0.6  # "not glossy" asks for a mild "matte"
 _SECOND = 6  # how much later a mood's own words come than the prompt's
@@ -101,7 +101,7 @@ class _Planner:
                 illumination=self._light_for(effect, instance),
                 veil=veil(instance.owner, self.instances, self.sources.context, self._planned),
             )
-            vague = is_vague(attribute, self.vocabulary)
+            vague = is_vague(attribute, self.vocabulary) or is_usual(attribute, effect)
             if instance.parameter.name.startswith("backdrop"):
                 sources = replace(sources, world=self.sources.backdrop)
                 vague = vague or attribute.kind not in SEEN  # words for what is seen come first there
