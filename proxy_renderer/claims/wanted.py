@@ -73,9 +73,16 @@ def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
     claims = {key: claim for key, claim in claims.items() if not _gives_way(claim, said_colors)}
     darkest = min((c.upper[0] for c in claims.values() if _is_brightness(c)), default=math.inf)
     claims |= _still_light(said_colors, claims.values())
-    colored = tuple((c.part, c.materials) for c in claims.values() if c.measure == "color")
-    lights = (replace(c, apart=colored) if _is_light(c) else in_the_dark(c, darkest) for c in claims.values())
+    painted = [c for attribute, row in said if attribute.slot == "setting" for c in row if _is_painted(c)]
+    colored = [c for c in claims.values() if c.measure == "color"] + painted
+    lights = (_lit(c, colored) if _is_light(c) else in_the_dark(c, darkest) for c in claims.values())
     return (*lights, *_of_every_picture(parsed))
+
+
+def _lit(claim: Claim, colored: Sequence[Claim]) -> Claim:
+    """A claim about light, measured on what has no color of its own by other words."""
+    apart = ((c.part, c.materials) for c in colored if c.measure == "color" or c.word != claim.word)
+    return replace(claim, apart=tuple(dict.fromkeys(apart)))
 
 
 def _still_light(colors: Sequence[Claim], claims: Iterable[Claim]) -> dict[tuple[object, ...], Claim]:
@@ -140,6 +147,11 @@ def _against(claim: Claim, direction: Values) -> bool:
         return sum(a * b for a, b in zip(claim.direction, direction, strict=True)) < -_OPPOSED
     asks = 1 if claim.lower[0] > 0.0 else -1 if claim.upper[0] < 0.0 else 0
     return asks * warm(*direction) < -_OPPOSED
+
+
+def _is_painted(claim: Claim) -> bool:
+    """Whether a claim of a place is its own color, which is not its light's: sand is yellow at noon, too."""
+    return claim.part == "surroundings" and claim.measure in ("tint", "accent")
 
 
 def _is_light(claim: Claim) -> bool:

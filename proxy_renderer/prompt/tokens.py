@@ -11,7 +11,6 @@ from functools import cached_property
 from ..color.shades import shade
 from ..schema import Values
 from .lexicon.nearest import Guess, nearest, table
-from .lexicon.things import english_things
 from .lexicon.tinges import compound, parted, tending, unslashed
 from .lexicon.vocabulary import Vocabulary, VocabularyEntry, normalize
 from .names import SceneName, in_parts, scene_names
@@ -123,14 +122,6 @@ class Lexer:
                     tokens.append(token if token.known else self._guess(token))
                     start += count
                     break
-        return self._placed(tokens)
-
-    def _placed(self, tokens: list[Token]) -> list[Token]:
-        """The tokens of a clause; an unknown word that says what is all around is the nearest place: "inside of a casino"."""
-        for index, token in enumerate(tokens):
-            unknown = not (token.known or token.near or token.guess)
-            if unknown and _is_around(tokens[:index]):
-                token.near = nearest(self.vocabulary).place(token.text, english_things())
         return tokens
 
     def _phrase(self, text: str) -> Token:
@@ -295,16 +286,6 @@ class Lexer:
                 meant.text, meant.guess = token.text, known
                 return meant  # a slip of the keyboard is likelier than a rare word
         return token
-
-
-def _is_around(before: list[Token]) -> bool:
-    """Whether what follows these tokens is said to be all around: "in a", "feels like the inside of an old"."""
-    for token in reversed(before):
-        if "place" in token.lists:
-            return True
-        if not (token.entry or token.color or token.adjective or "stop" in token.lists):
-            return False
-    return False
 
 
 def _is_swapped(word: str, typed: str) -> bool:

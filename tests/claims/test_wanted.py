@@ -109,6 +109,13 @@ def test_light_is_measured_on_what_no_word_colors() -> None:
     assert warm.apart == (("surroundings", ()),)
 
 
+def test_the_light_of_a_place_is_not_measured_on_what_the_place_is_made_of() -> None:
+    (noon,) = (c for c in claims("noon in the desert") if c.measure == "warmth")
+    assert noon.apart == (("surroundings", ()),)
+    (desert,) = (c for c in claims("in the desert") if c.measure == "warmth")
+    assert not desert.apart
+
+
 def test_one_of_several_lights_colors_a_part_of_the_picture() -> None:
     assert ("tint", "picture") in asked("blue light")
     for prompt in ("red light from the left, blue light from the right", "warm key light, blue rim light"):
