@@ -70,7 +70,8 @@ def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
     said_colors = [
         claim for attribute, row in said if attribute.color and not attribute.cause for claim in row
     ]
-    claims = {key: claim for key, claim in claims.items() if not _gives_way(claim, said_colors)}
+    casts = [c for c in claims.values() if c.part == "picture" and _asks(c)] + said_colors
+    claims = {key: claim for key, claim in claims.items() if not _gives_way(claim, said_colors, casts)}
     darkest = min((c.upper[0] for c in claims.values() if _is_brightness(c)), default=math.inf)
     claims |= _still_light(said_colors, claims.values())
     painted = [c for attribute, row in said if attribute.slot == "setting" for c in row if _is_painted(c)]
@@ -119,14 +120,15 @@ def _is_brightness(claim: Claim) -> bool:
     return claim.part == "picture" and claim.measure == "lightness"
 
 
-def _gives_way(claim: Claim, colors: Sequence[Claim]) -> bool:
+def _gives_way(claim: Claim, colors: Sequence[Claim], casts: Sequence[Claim]) -> bool:
     """Whether what colors claim that the prompt names rules out what a word usually is like.
 
-    A forest before a purple background is not green, and a morning of pale blue light not warm.
+    A forest before a purple background is not green, a morning of pale blue light not warm, and a gallery at sunset not gray.
 
     Args:
         claim: Of any word.
         colors: Claims of color words.
+        casts: Claims that light is warm, cool or of a color.
     """
     if claim in colors:
         return False
@@ -134,6 +136,9 @@ def _gives_way(claim: Claim, colors: Sequence[Claim]) -> bool:
         tints = [c for c in colors if (c.part, c.measure) == ("picture", "tint")]
         return any(_against(claim, c.direction) for c in tints)
     if claim.part in ("surroundings", "sky") and claim.measure in _COLORED and not claim.materials:
+        gray = (claim.part, claim.measure) == ("surroundings", "chroma")
+        if gray and any(c.part == "picture" and c.word != claim.word for c in casts):
+            return True
         same = [c for c in colors if c.part == claim.part and not c.materials]
         return any(c.measure == "color" or _against(claim, c.direction) for c in same)
     return False
@@ -145,8 +150,14 @@ def _against(claim: Claim, direction: Values) -> bool:
         return False
     if claim.direction:
         return sum(a * b for a, b in zip(claim.direction, direction, strict=True)) < -_OPPOSED
-    asks = 1 if claim.lower[0] > 0.0 else -1 if claim.upper[0] < 0.0 else 0
-    return asks * warm(*direction) < -_OPPOSED
+    return _asks(claim) * warm(*direction) < -_OPPOSED
+
+
+def _asks(claim: Claim) -> int:
+    """Whether a claim asks for warmth (1), for coolness (-1), or for neither."""
+    if claim.measure != "warmth":
+        return 0
+    return 1 if claim.lower[0] > 0.0 else -1 if claim.upper[0] < 0.0 else 0
 
 
 def _is_painted(claim: Claim) -> bool:

@@ -313,6 +313,12 @@ def test_a_named_color_of_what_lies_around_rules_out_what_a_place_is_usually_lik
     assert not [c for c in claims("underwater, orange light") if c.measure == "warmth" and c.upper[0] < 0]
 
 
+def test_a_gray_place_is_not_gray_in_light_of_a_color() -> None:
+    assert ("chroma", "surroundings") in asked("in a gallery, soft light")
+    for light in ("sunset", "blue hour", "red light"):
+        assert ("chroma", "surroundings") not in asked(f"in a gallery, {light}")
+
+
 @pytest.mark.parametrize("place", ["beach", "snowfall", "salt flats"])
 def test_night_comes_before_a_bright_place_and_a_bright_weather(place: str) -> None:
     (light,) = (c for c in claims(f"{place} at night") if (c.measure, c.part) == ("lightness", "picture"))
