@@ -18,7 +18,7 @@ from ..prompt.meaning import heads_of
 from ..prompt.types import Attribute, Parsed
 from ..schema import Values
 from .claim import Claim
-from .colored import in_the_dark, of_color, of_matter, part_of
+from .colored import as_accent, in_the_dark, of_color, of_matter, part_of
 from .comparing import compares
 from .measures.picture import Part
 from .notation import ClaimText, read_claim
@@ -59,7 +59,7 @@ def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
         VibeError: A claim in the vocabulary cannot be read.
     """
     words = [a for a in parsed.attributes if a not in parsed.overruled]
-    said = [(a, tuple(_of_word(a, parsed, vocabulary))) for a in words]
+    said = _parted([(a, tuple(_of_word(a, parsed, vocabulary))) for a in words])
     claims: dict[tuple[object, ...], Claim] = {}
     for attribute, row in sorted(said, key=lambda pair: _rank(*pair)):
         compared = compares(attribute, parsed.attributes, vocabulary)
@@ -78,6 +78,13 @@ def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
     colored = [c for c in claims.values() if c.measure == "color"] + painted
     lights = (_lit(c, colored) if _is_light(c) else in_the_dark(c, darkest) for c in claims.values())
     return (*lights, *_of_every_picture(parsed))
+
+
+def _parted(said: list[tuple[Attribute, tuple[Claim, ...]]]) -> list[tuple[Attribute, tuple[Claim, ...]]]:
+    """Words with what they claim; colors of light that no picture can have all over, magenta and cyan, have a part of it each."""
+    tints = [c for a, row in said if a.color for c in row if (c.part, c.measure) == ("picture", "tint")]
+    apart = [c for c in tints if any(_against(c, other.direction) for other in tints)]
+    return [(a, tuple(as_accent(c) if c in apart else c for c in row)) for a, row in said]
 
 
 def _lit(claim: Claim, colored: Sequence[Claim]) -> Claim:
@@ -172,7 +179,9 @@ def _is_light(claim: Claim) -> bool:
 
 def _of_word(attribute: Attribute, parsed: Parsed, vocabulary: Vocabulary) -> Iterator[Claim]:
     if attribute.color:
-        yield from () if attribute.negated else of_color(attribute, attribute.color)
+        word, weight = attribute.cause or attribute.word, _OF_MOODS if attribute.cause else 1.0
+        claims = () if attribute.negated else of_color(attribute, attribute.color)
+        yield from (replace(claim, word=word, weight=weight) for claim in claims)
         return
     entry = vocabulary.entries.get(attribute.entry)
     if entry and not attribute.negated:

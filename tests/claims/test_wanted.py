@@ -345,3 +345,10 @@ def test_colored_light_is_no_dark_light() -> None:
     assert green > 40 > blue
     assert not floor("green light at night")
     assert not floor("green vase")
+
+
+def test_the_colors_of_a_mood_are_claimed_in_its_name_and_opposed_ones_in_parts_of_the_picture() -> None:
+    lights = [c for c in claims("vaporwave") if c.measure in ("tint", "accent")]
+    assert {c.measure for c in lights} == {"accent"}
+    assert {c.word for c in claims("vaporwave")} == {"vaporwave"}
+    assert all(c.weight < 1 for c in lights)
