@@ -17,7 +17,12 @@ _USUAL = {
 
 @dataclass(frozen=True)
 class Demand:
-    """What one word wants of one parameter instance."""
+    """What one word wants of one parameter instance.
+
+    Attributes:
+        vague: What it is about is said better by other words.
+        usual: It is what a place usually has: it counts only where no other word is about the parameter.
+    """
 
     key: str
     lower: tuple[float, ...]
@@ -27,6 +32,7 @@ class Demand:
     weak: bool
     priority: int
     vague: bool = False
+    usual: bool = False
 
     @property
     def rank(self) -> tuple[bool, bool, bool, int]:
@@ -36,10 +42,10 @@ class Demand:
         material, a weather or a place usually has, what a word is about before what another one implies; defaults and guessed
         moods last.
         """
-        usual = self.vague or self.key.rpartition("/")[2] in _USUAL.get(self.attribute.slot, ())
+        vague = self.vague or self.usual or self.key.rpartition("/")[2] in _USUAL.get(self.attribute.slot, ())
         cause = bool(self.attribute.cause)
         late = self.weak or (cause and self.attribute.guess)
-        return late, cause, usual, 0 if self.weak else self.priority
+        return late, cause, vague, 0 if self.weak else self.priority
 
 
 def lacking(owner: str) -> str:

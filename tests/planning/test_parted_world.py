@@ -92,3 +92,14 @@ def test_the_sky_of_a_place_or_a_weather_at_night_is_the_nights(tmp_path, prompt
     entries = plan(parsed, compose(parsed), dict(scene.instances), PlanContext())
     assert "night" in entries["world/strength"].reason
     assert "night" in entries["world/color"].reason
+
+
+def test_a_place_does_not_narrow_what_the_time_of_day_wants(tmp_path):
+    scene = shot(tmp_path)
+
+    def range_at(prompt):
+        parsed = parse(prompt, scene_words(scene))
+        return plan(parsed, compose(parsed), dict(scene.instances), PlanContext())["world/strength"]
+
+    dusk, street = range_at("blue hour"), range_at("blue hour on a city street")
+    assert (street.lower, street.upper) == (dusk.lower, dusk.upper)
