@@ -74,7 +74,7 @@ def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
     claims = {key: claim for key, claim in claims.items() if not _gives_way(claim, said_colors, casts)}
     darkest = min((c.upper[0] for c in claims.values() if _is_brightness(c)), default=math.inf)
     claims |= _still_light(said_colors, claims.values())
-    painted = [c for attribute, row in said if attribute.slot == "setting" for c in row if _is_painted(c)]
+    painted = [c for attribute, row in said for c in row if _is_painted(c, attribute)]
     colored = [c for c in claims.values() if c.measure == "color"] + painted
     lights = (_lit(c, colored) if _is_light(c) else in_the_dark(c, darkest) for c in claims.values())
     return (*lights, *_of_every_picture(parsed))
@@ -89,7 +89,11 @@ def _parted(said: list[tuple[Attribute, tuple[Claim, ...]]]) -> list[tuple[Attri
 
 def _lit(claim: Claim, colored: Sequence[Claim]) -> Claim:
     """A claim about light, measured on what has no color of its own by other words."""
-    apart = ((c.part, c.materials) for c in colored if c.measure == "color" or c.word != claim.word)
+    apart = (
+        (c.part, c.materials)
+        for c in colored
+        if c.measure == "color" or c.part == "sky" or c.word != claim.word
+    )
     return replace(claim, apart=tuple(dict.fromkeys(apart)))
 
 
@@ -167,9 +171,13 @@ def _asks(claim: Claim) -> int:
     return 1 if claim.lower[0] > 0.0 else -1 if claim.upper[0] < 0.0 else 0
 
 
-def _is_painted(claim: Claim) -> bool:
-    """Whether a claim of a place is its own color, which is not its light's: sand is yellow at noon, too."""
-    return claim.part == "surroundings" and claim.measure in ("tint", "accent")
+def _is_painted(claim: Claim, attribute: Attribute) -> bool:
+    """Whether a claim is the color of a place or a sky, not of the light there: sand is yellow at noon, and a sunset's sky orange."""
+    if claim.part == "sky":
+        return claim.measure in ("tint", "accent", "warmth")
+    return (
+        attribute.slot == "setting" and claim.part == "surroundings" and claim.measure in ("tint", "accent")
+    )
 
 
 def _is_light(claim: Claim) -> bool:

@@ -114,6 +114,8 @@ def test_the_light_of_a_place_is_not_measured_on_what_the_place_is_made_of() -> 
     assert noon.apart == (("surroundings", ()),)
     (desert,) = (c for c in claims("in the desert") if c.measure == "warmth")
     assert not desert.apart
+    (sunset,) = (c for c in claims("sunset") if (c.measure, c.part) == ("warmth", "picture"))
+    assert sunset.apart == (("sky", ()),)  # which has its own claim, and may be all orange
 
 
 def test_one_of_several_lights_colors_a_part_of_the_picture() -> None:
