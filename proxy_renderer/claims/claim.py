@@ -37,8 +37,8 @@ class Claim:
     """What a measure of a part of the picture has to be.
 
     The measure is to lie between `lower` and `upper`. Where `change` is given, it is also enough if the measure has
-    risen (or fallen, below 0) by so much since the artist's picture and is not far from the interval; what is too much
-    there already may stay, and all of it where `change` is 0.
+    risen (or fallen, below 0) by so much since the artist's picture and, with `near`, is not far from the interval; what is
+    too much there already may stay, and all of it where `change` is 0.
 
     Attributes:
         word: As the prompt says it; "" for what holds without words, as that the subject can be seen.
@@ -58,6 +58,7 @@ class Claim:
         apart: Parts, each with its materials, that are left out: those that words color, where light is spoken of.
         weight: How much a step counts while values are sought: less, where a mood only usually stands for it.
         compares: Whether the word only compares, as "colder" does: beside a picture it is meant relative to that.
+        near: Whether a change is enough near the interval only: what words that only compare ask for is enough anywhere.
     """
 
     word: str
@@ -75,6 +76,7 @@ class Claim:
     apart: tuple[tuple[Part, tuple[str, ...]], ...] = ()
     weight: float = 1.0
     compares: bool = False
+    near: bool = True
 
     def region(self, seen: GBuffer) -> Tensor | None:
         """The pixels (H, W) bool that it speaks of; None where the thing is hardly seen."""
@@ -120,9 +122,9 @@ class Claim:
         own = float(before[0])
         rises = self.change > 0.0
         lower, upper = own + self.change if rises else own, own if rises else own + self.change
-        if rises:
+        if self.near and rises:
             lower = max(lower, self.lower[0] - _NEARLY * self.change)
-        else:
+        elif self.near:
             upper = min(upper, self.upper[0] - _NEARLY * self.change)
         return (min(self.lower[0], lower),), (max(self.upper[0], upper),)
 

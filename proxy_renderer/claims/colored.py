@@ -67,7 +67,7 @@ def of_color(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
             attribute.told_apart or attribute.role or attribute.owners
         ):  # one of several lights does not tint all
             tints = tinted(attribute.word, "picture", "picture", srgb)
-            yield from (replace(claim, measure="accent", lower=(_ACCENT,)) for claim in tints)
+            yield from map(as_accent, tints)
             return
         most = max(_DROWNED * chroma(lab_from_srgb(srgb)), _LEAST_DROWNED)
         tints = tinted(attribute.word, "picture", "picture", srgb)
@@ -77,6 +77,11 @@ def of_color(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
     elif attribute.kind == "fog":
         yield from tinted(attribute.word, thing, "surroundings", srgb)
         yield from _of_gray_air(attribute, srgb)
+
+
+def as_accent(tint: Claim) -> Claim:
+    """A tint of the picture where it is one of several: a tenth of the picture has it."""
+    return replace(tint, measure="accent", lower=(_ACCENT,), upper=(math.inf,))
 
 
 def _of_gray_air(attribute: Attribute, srgb: Values) -> Iterator[Claim]:

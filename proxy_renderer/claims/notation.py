@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Claims as text: "picture warmth 8.. or +4" in `heads.toml` and in the vocabulary."""
+"""Claims as text: "picture warmth 8.. or +4" in `heads.toml` and in the vocabulary.
+
+"PART MEASURE [#RRGGBB] LOWER..UPPER [or [any] CHANGE]". The color is the direction of measures that need one, as `tint`
+and `accent` do. A change is enough near the interval only, or, with "any", wherever it ends: "paler" is so of black, too.
+"""
 
 from __future__ import annotations
 
@@ -11,8 +15,11 @@ from ..schema import VibeError
 from .measures.registry import MEASURES
 
 PARTS = ("thing", "subject", "surroundings", "picture", "sky")
+_TINTS = ("tint", "accent")
+"""Measures of which only what lies in the direction of a color counts."""
 _CLAIM = re.compile(
-    r"(?P<part>\w+) (?P<measure>\w+) (?P<lower>-?[\d.]*\d)?\.\.(?P<upper>-?[\d.]*\d)?(?: or (?P<change>[+-][\d.]+))?"
+    r"(?P<part>\w+) (?P<measure>\w+)(?: (?P<color>#[0-9a-fA-F]{6}))? (?P<lower>-?[\d.]*\d)?\.\.(?P<upper>-?[\d.]*\d)?"
+    r"(?: or (?P<any>any )?(?P<change>[+-][\d.]+))?"
 )
 
 
@@ -26,6 +33,8 @@ class ClaimText:
         lower: Of the interval.
         upper: Of the interval.
         change: What is enough of a change since the artist's picture; None if only the interval counts.
+        near: Whether a change is enough near the interval only.
+        color: "#rrggbb" in whose direction a tint counts; "" for measures that need none.
     """
 
     part: str
@@ -33,14 +42,16 @@ class ClaimText:
     lower: float = -math.inf
     upper: float = math.inf
     change: float | None = None
+    near: bool = True
+    color: str = ""
 
 
 def read_claim(text: str) -> ClaimText:
-    """Reads "PART MEASURE LOWER..UPPER [or CHANGE]"; an end that is left out is open.
+    """Reads "PART MEASURE [#RRGGBB] LOWER..UPPER [or [any] CHANGE]"; an end that is left out is open.
 
     Example:
         >>> read_claim("picture warmth 8.. or +4")
-        ClaimText(part='picture', measure='warmth', lower=8.0, upper=inf, change=4.0)
+        ClaimText(part='picture', measure='warmth', lower=8.0, upper=inf, change=4.0, near=True, color='')
 
     Raises:
         VibeError: It is not of that form, or names a part or a measure that does not exist.
@@ -54,6 +65,11 @@ def read_claim(text: str) -> ClaimText:
     for name, kinds, kind in ((match["part"], PARTS, "part"), (match["measure"], tuple(MEASURES), "measure")):
         if name not in kinds:
             raise VibeError(f"'{text}' names no {kind} of the picture.", f"Choose from: {', '.join(kinds)}.")
+    if bool(match["color"]) != (match["measure"] in _TINTS):
+        raise VibeError(
+            f"'{text}' needs a color, or has one too many.",
+            "Write '#rrggbb' after a measure of tints, and after no other.",
+        )
     lower = float(match["lower"]) if match["lower"] else -math.inf
     upper = float(match["upper"]) if match["upper"] else math.inf
     if lower > upper:
@@ -61,4 +77,5 @@ def read_claim(text: str) -> ClaimText:
     change = float(match["change"]) if match["change"] else None
     if change is not None and not math.isfinite(lower if change > 0 else upper):
         raise VibeError(f"'{text}' asks for a change away from its interval.", "Turn the sign of the change.")
-    return ClaimText(match["part"], match["measure"], lower, upper, change)
+    near, color = not match["any"], match["color"] or ""
+    return ClaimText(match["part"], match["measure"], lower, upper, change, near, color)

@@ -10,14 +10,19 @@ from ..prompt.types import Attribute
 
 _USUAL = {
     "material": ("roughness", "specular", "coat", "coat_roughness", "sheen"),
-    "atmosphere": ("color", "temperature", "tint", "gain", "midtone"),
+    "atmosphere": ("color", "temperature", "tint", "gain", "midtone", "strength"),
 }
 """What other words may say better than a word of this slot."""
 
 
 @dataclass(frozen=True)
 class Demand:
-    """What one word wants of one parameter instance."""
+    """What one word wants of one parameter instance.
+
+    Attributes:
+        vague: What it is about is said better by other words.
+        usual: It is what a place usually has: it counts only where no other word is about the parameter.
+    """
 
     key: str
     lower: tuple[float, ...]
@@ -27,19 +32,20 @@ class Demand:
     weak: bool
     priority: int
     vague: bool = False
+    usual: bool = False
 
     @property
     def rank(self) -> tuple[bool, bool, bool, int]:
         """Where a demand stands; the least comes first.
 
-        Words of the prompt before those that a mood stands for, a finish or a color before the usual one of a
-        material or of an atmosphere, what a word is about before what another one implies; defaults and guessed
+        Words of the prompt before those that a mood stands for, a finish, a color or a time of day before what a
+        material, a weather or a place usually has, what a word is about before what another one implies; defaults and guessed
         moods last.
         """
-        usual = self.vague or self.key.rpartition("/")[2] in _USUAL.get(self.attribute.slot, ())
+        vague = self.vague or self.usual or self.key.rpartition("/")[2] in _USUAL.get(self.attribute.slot, ())
         cause = bool(self.attribute.cause)
         late = self.weak or (cause and self.attribute.guess)
-        return late, cause, usual, 0 if self.weak else self.priority
+        return late, cause, vague, 0 if self.weak else self.priority
 
 
 def lacking(owner: str) -> str:

@@ -17,7 +17,7 @@ from .owners import BACKDROP, SEEN, Owners
 from .ranges import clip, effect_range
 from .sources import Range, Sources, WorldLook
 from .support import supports
-from .wishes import STAGES, Wishes, stage_of
+from .wishes import STAGES, Wishes, is_usual, stage_of
 
 _NOT = 0.6  # "not glossy" asks for a mild "matte"
 _SECOND = 6  # how much later a mood's own words come than the prompt's
@@ -101,7 +101,7 @@ class _Planner:
                 illumination=self._light_for(effect, instance),
                 veil=veil(instance.owner, self.instances, self.sources.context, self._planned),
             )
-            vague = is_vague(attribute, self.vocabulary)
+            vague, usual = is_vague(attribute, self.vocabulary), is_usual(attribute, effect)
             if instance.parameter.name.startswith("backdrop"):
                 sources = replace(sources, world=self.sources.backdrop)
                 vague = vague or attribute.kind not in SEEN  # words for what is seen come first there
@@ -119,7 +119,7 @@ class _Planner:
             priority += 2 * (effect.owner == "lights" and light not in self.owners.key)
             reason = reason_of(attribute, shown.phrase if shown else "")
             demands.append(
-                Demand(instance.key, lower, upper, attribute, reason, effect.weak, priority, vague)
+                Demand(instance.key, lower, upper, attribute, reason, effect.weak, priority, vague, usual)
             )
         return demands
 
@@ -131,6 +131,8 @@ class _Planner:
             first, *others = sorted(self.demands[key], key=lambda d: d.rank)
             lower, upper, winners = first.lower, first.upper, [first]
             for demand in others:
+                if demand.usual and not first.usual:
+                    continue
                 low, high = tuple(map(max, lower, demand.lower)), tuple(map(min, upper, demand.upper))
                 if all(a <= b for a, b in zip(low, high, strict=True)):
                     lower, upper, winners = low, high, [*winners, demand]

@@ -113,6 +113,11 @@ class Wishes:
         ]
 
 
+def is_usual(attribute: Attribute, effect: Effect) -> bool:
+    """Whether a place only usually has it: the sky of a garden is blue, but not at night."""
+    return attribute.slot == "setting" and effect.weak and effect.priority > _MAIN
+
+
 def _is_one_light(attribute: Attribute) -> bool:
     """Whether a word is about one of several lights: what another one is like does not concern it."""
     return bool(attribute.told_apart or attribute.role or attribute.owners)

@@ -90,7 +90,7 @@ def _settles(word: Claim, claim: Claim) -> bool:
 
 def _way(word: Claim, own: float) -> float:
     """How far a word moves what a picture has."""
-    if word.compares and word.change is not None:
+    if word.change is not None and (word.compares or not word.near):
         return _SEEN * word.change
     return min(max(own, word.lower[0]), word.upper[0]) - own
 

@@ -109,6 +109,15 @@ def test_light_is_measured_on_what_no_word_colors() -> None:
     assert warm.apart == (("surroundings", ()),)
 
 
+def test_the_light_of_a_place_is_not_measured_on_what_the_place_is_made_of() -> None:
+    (noon,) = (c for c in claims("noon in the desert") if c.measure == "warmth")
+    assert noon.apart == (("surroundings", ()),)
+    (desert,) = (c for c in claims("in the desert") if c.measure == "warmth")
+    assert not desert.apart
+    (sunset,) = (c for c in claims("sunset") if (c.measure, c.part) == ("warmth", "picture"))
+    assert sunset.apart == (("sky", ()),)  # which has its own claim, and may be all orange
+
+
 def test_one_of_several_lights_colors_a_part_of_the_picture() -> None:
     assert ("tint", "picture") in asked("blue light")
     for prompt in ("red light from the left, blue light from the right", "warm key light, blue rim light"):
@@ -176,7 +185,7 @@ def test_very_asks_for_more_of_a_change_and_slightly_for_less() -> None:
 
 @pytest.mark.parametrize(
     "text", ["warm", "picture warmth", "picture warmth ..", "picture heat 1..2", "wall warmth 1..2", "picture warmth 3..1",
-             "picture warmth 8.. or -4"],
+             "picture warmth 8.. or -4", "picture tint 3..", "picture warmth #ff0000 3.."],
 )  # fmt: skip
 def test_mistakes_in_claims_are_said(text: str) -> None:
     with pytest.raises(VibeError, match="'"):
@@ -263,3 +272,85 @@ def test_a_gray_picture_is_no_sepia() -> None:
     gray, brown = torch.tensor([5.0]), torch.tensor([1.0])
     assert sepia.miss(gray, None) > 1
     assert sepia.miss(brown, None) == 0
+
+
+def test_a_change_is_enough_near_an_interval_or_with_any_wherever_it_ends() -> None:
+    """ "A warm picture" is no longer blue; "a paler wall" may still be dark."""
+    near, anywhere = (
+        Claim("", "", "warmth", "picture", (95.0,), (math.inf,), change=5.0, near=n) for n in (1, 0)
+    )
+    before, risen = torch.tensor([20.0]), torch.tensor([26.0])
+    assert near.miss(risen, before) > 1
+    assert anywhere.miss(risen, before) == 0
+    assert anywhere.miss(before, before) > 1
+
+
+@pytest.mark.parametrize("word", ["darker", "lighter", "faded", "vivid"])
+def test_what_a_surface_is_more_of_can_be_reached(word: str) -> None:
+    """A middling surface that has changed by twice what is asked for has changed enough."""
+    compared = [c for c in claims(f"the vase is {word}") if not c.near]
+    assert compared
+    for claim in compared:
+        assert claim.change
+        before = torch.tensor([40.0])
+        assert claim.miss(before + 2 * claim.change, before) == 0
+
+
+def test_places_claim_what_is_seen_of_them() -> None:
+    lush = next(c for c in claims("in a forest") if c.measure == "tint")
+    assert lush.part == "surroundings"
+    assert lush.direction[0] < 0  # green
+    assert {("tint", "picture"), ("warmth", "picture")} <= asked("in an ice cave")
+    silent = [
+        e.name
+        for e in default_vocabulary().entries.values()
+        if e.slot == "setting" and not (e.claims or e.heads)
+    ]
+    assert not silent
+
+
+def test_a_named_color_of_what_lies_around_rules_out_what_a_place_is_usually_like() -> None:
+    assert ("tint", "surroundings") not in asked("in a forest, purple background")
+    assert ("lightness", "picture") in asked("in a forest, purple background")
+    assert not [c for c in claims("underwater, orange light") if c.measure == "warmth" and c.upper[0] < 0]
+
+
+def test_a_gray_place_is_not_gray_in_light_of_a_color() -> None:
+    assert ("chroma", "surroundings") in asked("in a gallery, soft light")
+    for light in ("sunset", "blue hour", "red light"):
+        assert ("chroma", "surroundings") not in asked(f"in a gallery, {light}")
+
+
+@pytest.mark.parametrize("place", ["beach", "snowfall", "salt flats"])
+def test_night_comes_before_a_bright_place_and_a_bright_weather(place: str) -> None:
+    (light,) = (c for c in claims(f"{place} at night") if (c.measure, c.part) == ("lightness", "picture"))
+    assert light.upper[0] < 40
+
+
+def test_sunshine_is_bright_and_hard() -> None:
+    for word in ("sunny", "sunshine", "bright sun", "harsh midday"):
+        wanted = {c.measure: c for c in claims(word)}
+        assert wanted["hardness"].lower[0] > 0.3
+        assert wanted["lightness"].lower[0] > 50
+    assert {c.measure: c for c in claims("cloudy")}["hardness"].upper[0] < 0.4
+
+
+def test_colored_light_is_no_dark_light() -> None:
+    """Unless words for that are there: a tint is not had by exposing less."""
+
+    def floor(prompt: str) -> list[float]:
+        vocabulary = default_vocabulary()
+        every = claims_of(parse(prompt, SCENE, vocabulary), vocabulary)
+        return [c.lower[0] for c in every if (c.measure, c.part, c.word) == ("lightness", "picture", "")]
+
+    (green,), (blue,) = floor("toxic green light"), floor("deep blue light")
+    assert green > 40 > blue
+    assert not floor("green light at night")
+    assert not floor("green vase")
+
+
+def test_the_colors_of_a_mood_are_claimed_in_its_name_and_opposed_ones_in_parts_of_the_picture() -> None:
+    lights = [c for c in claims("vaporwave") if c.measure in ("tint", "accent")]
+    assert {c.measure for c in lights} == {"accent"}
+    assert {c.word for c in claims("vaporwave")} == {"vaporwave"}
+    assert all(c.weight < 1 for c in lights)

@@ -35,6 +35,8 @@ def shot(folder, offered=True):
         ("glossy red ball in warm light, dark blue background", True),
         ("chrome ball, dark background", True),
         ("moonlit night, white background", True),
+        ("a garden at night", False),
+        ("white cyclorama, night", True),
         ("black background", False),
         ("dark background", False),
         ("white background", False),
@@ -81,3 +83,23 @@ def test_chrome_has_light_to_mirror_before_a_dark_background(tmp_path):
     assert "dark background" in entries[STRENGTH].reason
     assert "chrome" in entries["world/strength"].reason
     assert entries[STRENGTH].upper < entries["world/strength"].lower
+
+
+@pytest.mark.parametrize("prompt", ["a garden at night", "night, in a garden", "a foggy night"])
+def test_the_sky_of_a_place_or_a_weather_at_night_is_the_nights(tmp_path, prompt):
+    (scene,) = with_additions([shot(tmp_path)], prompt)
+    parsed = parse(prompt, scene_words(scene))
+    entries = plan(parsed, compose(parsed), dict(scene.instances), PlanContext())
+    assert "night" in entries["world/strength"].reason
+    assert "night" in entries["world/color"].reason
+
+
+def test_a_place_does_not_narrow_what_the_time_of_day_wants(tmp_path):
+    scene = shot(tmp_path)
+
+    def range_at(prompt):
+        parsed = parse(prompt, scene_words(scene))
+        return plan(parsed, compose(parsed), dict(scene.instances), PlanContext())["world/strength"]
+
+    dusk, street = range_at("blue hour"), range_at("blue hour on a city street")
+    assert (street.lower, street.upper) == (dusk.lower, dusk.upper)

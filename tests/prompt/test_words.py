@@ -75,6 +75,28 @@ def test_a_guess_is_said_with_its_confidence():
     assert any(a.cause == "luxurious" for a in parsed.attributes)
 
 
+@pytest.mark.parametrize(
+    ("prompt", "word"),
+    [
+        ("a vase in a distillery", "distillery"),
+        ("should feel like an old marketplace", "marketplace"),
+        ("the inside of a winery, warm light", "winery"),
+    ],
+)
+def test_an_unknown_place_is_the_nearest_one_and_said_to_be_guessed(prompt, word):
+    parsed = parse(prompt, SceneWords())
+    (place,) = (a for a in parsed.attributes if a.word == word)
+    assert (place.slot, place.kind, place.guess) == ("setting", "surroundings", True)
+    assert word in parsed.guesses
+    assert SURE <= parsed.confidence[word] <= 1
+    assert word not in parsed.ignored
+
+
+@pytest.mark.parametrize("prompt", ["a gold ring in a drawer", "red as in a bottle", "a red distillery"])
+def test_things_are_no_places_and_places_only_where_they_are_all_around(prompt):
+    assert not [a for a in parse(prompt, SceneWords()).attributes if a.slot == "setting"]
+
+
 def test_a_matter_is_guessed_only_where_something_is_made_of_it():
     assert parse("a hat made of tinfoil", SceneWords()).guesses == {"tinfoil": "foil"}
     assert parse("tinfoil hat", SceneWords()).guesses == {"tinfoil": "foil"}

@@ -8,7 +8,7 @@ from ...prompt.lexicon.vocabulary import Effect, Vocabulary
 from ...prompt.types import Attribute, Parsed, PlanContext
 from ...schema import Instance
 from ..owners import Owners
-from ..wishes import Wishes
+from ..wishes import Wishes, is_usual
 
 _VIVID = 20.0  # chroma from which a world tints what it lights
 Wish = tuple[Attribute, Effect]
@@ -19,7 +19,8 @@ def asks_for_backdrop(
 ) -> bool:
     """Whether words give the background a color that is not to tint the scene, or a lightness that its light cannot have.
 
-    A white or pale background is a light too, as in a photographer's studio, if no other word wants less light.
+    A white or pale background is a light too, as in a photographer's studio, if no other word wants less light. What a
+    place usually has is no such wish: the sky of a garden at night is the night's.
 
     Args:
         parsed: The prompt, understood.
@@ -30,7 +31,7 @@ def asks_for_backdrop(
     owners = Owners(parsed, instances, context, vocabulary)
     wishes = Wishes(parsed, vocabulary, owners).all()
     of_world = [(a, e) for a, e in wishes if e.family == "world/strength" and owners.of(e, a)]
-    seen = [wish for wish in of_world if wish[0].kind == "surroundings"]
+    seen = [wish for wish in of_world if wish[0].kind == "surroundings" and not is_usual(*wish)]
     shed = [wish for wish in of_world if wish[0].kind not in ("surroundings", "sky")]
     return any(map(_tints, seen)) or any(_apart(one, other) for one in seen for other in shed)
 

@@ -9,6 +9,7 @@ from ..lexicon.vocabulary import Vocabulary
 from ..mentions.find import mentions
 from ..mentions.passage import Passage, PromptLook, passage
 from ..mentions.scene import NounMention, SceneIndex
+from ..places import guess_places
 from ..tokens import Lexer
 from ..types import SceneWords
 from .becoming import Becoming, becoming
@@ -60,7 +61,10 @@ def reading(text: str, words: SceneWords, vocabulary: Vocabulary) -> PromptPairs
         words: The names in the scene.
         vocabulary: What is known.
     """
-    found = passage(Lexer(vocabulary, words).clauses(text), vocabulary)
+    clauses = Lexer(vocabulary, words).clauses(text)
+    for tokens in clauses:
+        guess_places(tokens, vocabulary)
+    found = passage(clauses, vocabulary)
     nouns = mentions(found, SceneIndex(words), vocabulary)
     every = targets(nouns, words)
     facts = PairFeatures(found, nouns, vocabulary)

@@ -110,12 +110,15 @@ class PromptReader:
         token = pair.look.word.token
         if token.guess:
             parsed.guesses[token.text] = token.guess
-        if pair.look.guessed and token.near:
+        if token.near:
             parsed.confidence[token.text] = token.near.confidence
 
     def _unknown(self) -> Iterator[str]:
-        """Words that name nothing that is known."""
+        """Words that name nothing that is known, and are no look either."""
+        bound = {pair.look.index for pair in self.chosen if pair.target.kind != "none"}
         for mention in self.found.mentions:
+            if mention.start in bound:
+                continue
             if mention.noun == "unknown" and not mention.named and mention.text != self.subject:
                 yield mention.text
         tokens = [item.token for item in self.found.passage.items]

@@ -54,9 +54,24 @@ def senses(word: str) -> frozenset[str]:
 
 
 @cache
+def english_things() -> frozenset[str]:
+    """Names of things by the words that are shipped, without those of lexicons: what is no place."""
+    english = _english()
+    return frozenset(
+        normalize(word) for name, others in english.items() for word in (name, *others.split(","))
+    )
+
+
+@cache
+def _english() -> dict[str, str]:
+    rows: dict[str, str] = tomllib.loads(Path(__file__).with_name("things.toml").read_text("utf-8"))["things"]
+    return rows
+
+
+@cache
 def thing_words() -> ThingWords:
     """The words that are shipped."""
-    english = tomllib.loads(Path(__file__).with_name("things.toml").read_text("utf-8"))["things"]
+    english = _english()
     rows: dict[str, set[str]] = defaultdict(set)
     for name, others in english.items():
         for word in (name, *others.split(",")):

@@ -54,7 +54,7 @@ class PromptLook:
     Attributes:
         index: Its place among the items.
         word: The token with its intensity and negation.
-        guessed: It is unknown, and its entry is the nearest one.
+        guessed: It is unknown, and its entry is the nearest one; a place tells by where it stands what it is about.
     """
 
     index: int
@@ -155,7 +155,7 @@ def _looks(found: Passage, clause: int, vocabulary: Vocabulary) -> Iterator[Prom
             absent = look.entry != token.entry and not token.near
             said = prefix if prefix or not negated else ["no"]
             word = Word(look, " ".join([*said, token.text]), strength, negated and not absent)
-            yield PromptLook(index, word, token.near is not None)
+            yield PromptLook(index, word, token.near is not None and not token.near.place)
             prefix, strength = [], 1.0
         elif item.ties or token.lists & {"action"}:
             negated = negated and token.text == "or"
