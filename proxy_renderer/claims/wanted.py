@@ -5,21 +5,20 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import cast
 
 from ..color.floats import chroma, lab_from_srgb, srgb_from_hex
-from ..color.shades import warm
 from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.meaning import heads_of
 from ..prompt.types import Attribute, Parsed
-from ..schema import Values
 from .claim import Claim
-from .colored import as_accent, in_the_dark, of_color, of_matter, part_of
+from .colored import in_the_dark, of_color, of_matter, part_of
 from .comparing import compares
+from .conflicts import asks, gives_way, is_brightness, is_light, is_painted, lit, parted, still_light
 from .measures.picture import Part
 from .notation import ClaimText, read_claim
 
@@ -35,17 +34,8 @@ _TIMELY = "light_temperature"
 _DIMMEST = 24.0
 """L* of the lightest parts of a subject in the dark, at least."""
 
-_OPPOSED = 0.5
-"""Cosine between a tint and the other direction, from where a picture cannot have both."""
-
-_LIT, _STILL = 44.0, 0.7
-"""L* of a picture in colored light at least, and the share of the color's own lightness that is enough for dark colors."""
-
 _USUAL = ("atmosphere", "setting")
 """Slots of words that say only what is usual of other measures than their own: the later, the less."""
-
-_COLORED = ("warmth", "tint", "accent", "chroma")
-"""Measures of what lies around that a color word for it fixes."""
 
 
 def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
@@ -59,7 +49,7 @@ def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
         VibeError: A claim in the vocabulary cannot be read.
     """
     words = [a for a in parsed.attributes if a not in parsed.overruled]
-    said = _parted([(a, tuple(_of_word(a, parsed, vocabulary))) for a in words])
+    said = parted([(a, tuple(_of_word(a, parsed, vocabulary))) for a in words])
     claims: dict[tuple[object, ...], Claim] = {}
     for attribute, row in sorted(said, key=lambda pair: _rank(*pair)):
         compared = compares(attribute, parsed.attributes, vocabulary)
@@ -70,51 +60,14 @@ def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
     said_colors = [
         claim for attribute, row in said if attribute.color and not attribute.cause for claim in row
     ]
-    casts = [c for c in claims.values() if c.part == "picture" and _asks(c)] + said_colors
-    claims = {key: claim for key, claim in claims.items() if not _gives_way(claim, said_colors, casts)}
-    darkest = min((c.upper[0] for c in claims.values() if _is_brightness(c)), default=math.inf)
-    claims |= _still_light(said_colors, claims.values())
-    painted = [c for attribute, row in said for c in row if _is_painted(c, attribute)]
+    casts = [c for c in claims.values() if c.part == "picture" and asks(c)] + said_colors
+    claims = {key: claim for key, claim in claims.items() if not gives_way(claim, said_colors, casts)}
+    darkest = min((c.upper[0] for c in claims.values() if is_brightness(c)), default=math.inf)
+    claims |= still_light(said_colors, claims.values())
+    painted = [c for attribute, row in said for c in row if is_painted(c, attribute)]
     colored = [c for c in claims.values() if c.measure == "color"] + painted
-    lights = (_lit(c, colored) if _is_light(c) else in_the_dark(c, darkest) for c in claims.values())
+    lights = (lit(c, colored) if is_light(c) else in_the_dark(c, darkest) for c in claims.values())
     return (*lights, *_of_every_picture(parsed))
-
-
-def _parted(said: list[tuple[Attribute, tuple[Claim, ...]]]) -> list[tuple[Attribute, tuple[Claim, ...]]]:
-    """Words with what they claim; colors of light that no picture can have all over, magenta and cyan, have a part of it each."""
-    tints = [c for a, row in said if a.color for c in row if (c.part, c.measure) == ("picture", "tint")]
-    apart = [c for c in tints if any(_against(c, other.direction) for other in tints)]
-    return [(a, tuple(as_accent(c) if c in apart else c for c in row)) for a, row in said]
-
-
-def _lit(claim: Claim, colored: Sequence[Claim]) -> Claim:
-    """A claim about light, measured on what has no color of its own by other words."""
-    apart = (
-        (c.part, c.materials)
-        for c in colored
-        if c.measure == "color" or c.part == "sky" or c.word != claim.word
-    )
-    return replace(claim, apart=tuple(dict.fromkeys(apart)))
-
-
-def _still_light(colors: Sequence[Claim], claims: Iterable[Claim]) -> dict[tuple[object, ...], Claim]:
-    """That colored light is no dark light: where no word says how light the picture is, it stays as light as the color is.
-
-    A tint could be had by exposing less, where it would drown the other colors.
-
-    Args:
-        colors: Claims of color words.
-        claims: All of them.
-    """
-    tints = [c.color for c in colors if (c.part, c.measure) == ("picture", "tint") and c.color]
-    if not tints or any(map(_is_brightness, claims)):
-        return {}
-    least = min(_STILL * min(lab_from_srgb(color)[0] for color in tints), _LIT)
-    return {
-        ("lightness", "picture"): Claim(
-            "", "picture", "lightness", "picture", (least,), (math.inf,), change=0.0
-        )
-    }
 
 
 def _rank(attribute: Attribute, claims: Sequence[Claim]) -> tuple[bool, int, int]:
@@ -125,64 +78,6 @@ def _rank(attribute: Attribute, claims: Sequence[Claim]) -> tuple[bool, int, int
     """
     usual = _USUAL.index(attribute.slot) + 1 if attribute.slot in _USUAL else 0
     return bool(attribute.cause), usual, len({(c.measure, c.part) for c in claims})
-
-
-def _is_brightness(claim: Claim) -> bool:
-    return claim.part == "picture" and claim.measure == "lightness"
-
-
-def _gives_way(claim: Claim, colors: Sequence[Claim], casts: Sequence[Claim]) -> bool:
-    """Whether what colors claim that the prompt names rules out what a word usually is like.
-
-    A forest before a purple background is not green, a morning of pale blue light not warm, and a gallery at sunset not gray.
-
-    Args:
-        claim: Of any word.
-        colors: Claims of color words.
-        casts: Claims that light is warm, cool or of a color.
-    """
-    if claim in colors:
-        return False
-    if claim.part == "picture" and claim.measure in ("warmth", "tint"):
-        tints = [c for c in colors if (c.part, c.measure) == ("picture", "tint")]
-        return any(_against(claim, c.direction) for c in tints)
-    if claim.part in ("surroundings", "sky") and claim.measure in _COLORED and not claim.materials:
-        gray = (claim.part, claim.measure) == ("surroundings", "chroma")
-        if gray and any(c.part == "picture" and c.word != claim.word for c in casts):
-            return True
-        same = [c for c in colors if c.part == claim.part and not c.materials]
-        return any(c.measure == "color" or _against(claim, c.direction) for c in same)
-    return False
-
-
-def _against(claim: Claim, direction: Values) -> bool:
-    """Whether a color lies on the other side of what a claim about warmth or a tint asks for."""
-    if not direction:
-        return False
-    if claim.direction:
-        return sum(a * b for a, b in zip(claim.direction, direction, strict=True)) < -_OPPOSED
-    return _asks(claim) * warm(*direction) < -_OPPOSED
-
-
-def _asks(claim: Claim) -> int:
-    """Whether a claim asks for warmth (1), for coolness (-1), or for neither."""
-    if claim.measure != "warmth":
-        return 0
-    return 1 if claim.lower[0] > 0.0 else -1 if claim.upper[0] < 0.0 else 0
-
-
-def _is_painted(claim: Claim, attribute: Attribute) -> bool:
-    """Whether a claim is the color of a place or a sky, not of the light there: sand is yellow at noon, and a sunset's sky orange."""
-    if claim.part == "sky":
-        return claim.measure in ("tint", "accent", "warmth")
-    return (
-        attribute.slot == "setting" and claim.part == "surroundings" and claim.measure in ("tint", "accent")
-    )
-
-
-def _is_light(claim: Claim) -> bool:
-    """Whether a claim is about the color of light, which things that have a color of their own hide."""
-    return claim.part == "picture" and claim.measure in ("warmth", "tint", "accent")
 
 
 def _of_word(attribute: Attribute, parsed: Parsed, vocabulary: Vocabulary) -> Iterator[Claim]:

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Claims of several words beside each other: which ones give way, and where light can be measured beside what is painted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+from ..color.floats import lab_from_srgb
+from ..color.shades import warm
+from ..prompt.types import Attribute
+from ..schema import Values
+from .claim import Claim
+from .colored import as_accent
+
+_OPPOSED = 0.5
+"""Cosine between a tint and the other direction, from where a picture cannot have both."""
+
+_LIT, _STILL = 44.0, 0.7
+"""L* of a picture in colored light at least, and the share of the color's own lightness that is enough for dark colors."""
+
+_COLORED = ("warmth", "tint", "accent", "chroma")
+"""Measures of what lies around that a color word for it fixes."""
+
+
+def parted(said: list[tuple[Attribute, tuple[Claim, ...]]]) -> list[tuple[Attribute, tuple[Claim, ...]]]:
+    """Words with what they claim; colors of light that no picture can have all over, magenta and cyan, have a part of it each."""
+    tints = [c for a, row in said if a.color for c in row if (c.part, c.measure) == ("picture", "tint")]
+    apart = [c for c in tints if any(_against(c, other.direction) for other in tints)]
+    return [(a, tuple(as_accent(c) if c in apart else c for c in row)) for a, row in said]
+
+
+def lit(claim: Claim, colored: Sequence[Claim]) -> Claim:
+    """A claim about light, measured on what has no color of its own by other words."""
+    apart = (
+        (c.part, c.materials)
+        for c in colored
+        if c.measure == "color" or c.part == "sky" or c.word != claim.word
+    )
+    return replace(claim, apart=tuple(dict.fromkeys(apart)))
+
+
+def still_light(colors: Sequence[Claim], claims: Iterable[Claim]) -> dict[tuple[object, ...], Claim]:
+    """That colored light is no dark light: where no word says how light the picture is, it stays as light as the color is.
+
+    A tint could be had by exposing less, where it would drown the other colors.
+
+    Args:
+        colors: Claims of color words.
+        claims: All of them.
+    """
+    tints = [c.color for c in colors if (c.part, c.measure) == ("picture", "tint") and c.color]
+    if not tints or any(map(is_brightness, claims)):
+        return {}
+    least = min(_STILL * min(lab_from_srgb(color)[0] for color in tints), _LIT)
+    return {
+        ("lightness", "picture"): Claim(
+            "", "picture", "lightness", "picture", (least,), (math.inf,), change=0.0
+        )
+    }
+
+
+def gives_way(claim: Claim, colors: Sequence[Claim], casts: Sequence[Claim]) -> bool:
+    """Whether what colors claim that the prompt names rules out what a word usually is like.
+
+    A forest before a purple background is not green, a morning of pale blue light not warm, and a gallery at sunset not gray.
+
+    Args:
+        claim: Of any word.
+        colors: Claims of color words.
+        casts: Claims that light is warm, cool or of a color.
+    """
+    if claim in colors:
+        return False
+    if claim.part == "picture" and claim.measure in ("warmth", "tint"):
+        tints = [c for c in colors if (c.part, c.measure) == ("picture", "tint")]
+        return any(_against(claim, c.direction) for c in tints)
+    if claim.part in ("surroundings", "sky") and claim.measure in _COLORED and not claim.materials:
+        gray = (claim.part, claim.measure) == ("surroundings", "chroma")
+        if gray and any(c.part == "picture" and c.word != claim.word for c in casts):
+            return True
+        same = [c for c in colors if c.part == claim.part and not c.materials]
+        return any(c.measure == "color" or _against(claim, c.direction) for c in same)
+    return False
+
+
+def _against(claim: Claim, direction: Values) -> bool:
+    """Whether a color lies on the other side of what a claim about warmth or a tint asks for."""
+    if not direction:
+        return False
+    if claim.direction:
+        return sum(a * b for a, b in zip(claim.direction, direction, strict=True)) < -_OPPOSED
+    return asks(claim) * warm(*direction) < -_OPPOSED
+
+
+def asks(claim: Claim) -> int:
+    """Whether a claim asks for warmth (1), for coolness (-1), or for neither."""
+    if claim.measure != "warmth":
+        return 0
+    return 1 if claim.lower[0] > 0.0 else -1 if claim.upper[0] < 0.0 else 0
+
+
+def is_painted(claim: Claim, attribute: Attribute) -> bool:
+    """Whether a claim is the color of a place or a sky, not of the light there: sand is yellow at noon, and a sunset's sky orange."""
+    if claim.part == "sky":
+        return claim.measure in ("tint", "accent", "warmth")
+    return (
+        attribute.slot == "setting" and claim.part == "surroundings" and claim.measure in ("tint", "accent")
+    )
+
+
+def is_light(claim: Claim) -> bool:
+    """Whether a claim is about the color of light, which things that have a color of their own hide."""
+    return claim.part == "picture" and claim.measure in ("warmth", "tint", "accent")
+
+
+def is_brightness(claim: Claim) -> bool:
+    """Whether a claim is about how light the picture is."""
+    return claim.part == "picture" and claim.measure == "lightness"
