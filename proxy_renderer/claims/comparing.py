@@ -8,9 +8,6 @@ from collections.abc import Sequence
 from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.types import Attribute
 
-_MORE = ("more", "less")
-_ENDING = "er"
-
 
 def compares(attribute: Attribute, all_of_them: Sequence[Attribute], vocabulary: Vocabulary) -> bool:
     """Whether an attribute, or the mood that it comes from, is said by a word that compares.
@@ -31,6 +28,5 @@ def _english(attribute: Attribute) -> str:
 
 
 def _is_comparative(word: str, vocabulary: Vocabulary) -> bool:
-    base = word.removesuffix(_ENDING)
-    stems = {base, base + "e", base[:-1], base[:-1] + "y"} if base != word else set()
-    return word in _MORE or any(s in vocabulary.adjectives or s in vocabulary.synonyms for s in stems)
+    known = vocabulary.adjectives.keys() | vocabulary.synonyms.keys()
+    return word in vocabulary.lists["degree"] or not known.isdisjoint(vocabulary.stems(word, "comparative"))

@@ -152,14 +152,11 @@ class Lexer:
     def _compared(self, text: str) -> Token | None:
         """ "Cooler" and "glossiest" as what they compare: an adjective, a finish or a mood."""
         v = self.vocabulary
-        for ending in ("er", "est"):
-            base = text.removesuffix(ending)
-            stems = (base, base + "e", base[:-1], base[:-1] + "y") if base != text and len(base) > 2 else ()
-            for stem in stems:
-                entry = self._entry(stem)
-                compares = entry is not None and entry.slot in _COMPARED
-                if stem in v.adjectives or stem in v.colors or compares:
-                    return replace(self._phrase(stem), text=text)
+        for stem in (stem for degree in v.endings for stem in v.stems(text, degree)):
+            entry = self._entry(stem)
+            compares = entry is not None and entry.slot in _COMPARED
+            if stem in v.adjectives or stem in v.colors or compares:
+                return replace(self._phrase(stem), text=text)
         return None
 
     def _head_noun(self, text: str) -> str:

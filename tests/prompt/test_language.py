@@ -133,7 +133,6 @@ PHRASINGS = [
 
 
 MISREAD = (
-    "a cosy reading corner with candlelight and dark wood",
     "bright noon, clear blue sky, sand",
     "golden kitchen",
 )

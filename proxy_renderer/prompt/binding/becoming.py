@@ -10,7 +10,8 @@ from ..lexicon.vocabulary import OWNERS, Vocabulary
 from ..tokens import Token
 from .targets import LAMPS, MATTER, NOWHERE
 
-_SURFACE = ("finish", "material", "color")
+SURFACE = ("finish", "material", "color")
+"""Slots of words about a surface."""
 _KINDS = {
     "things": ("thing", "subject", "surroundings"), "subject": ("thing", "subject"), "surroundings": ("surroundings", "subject", "thing"),
     "others": ("thing", "subject", "surroundings"), "lights": ("lamp", "light"), "key": ("lamp", "light"),
@@ -94,6 +95,6 @@ def _describes(entry: str, kind: str, vocabulary: Vocabulary) -> bool:
     if kind in LAMPS:
         effects = vocabulary.entries[entry].effects
         return any(OWNERS[e.owner] == "light" and not e.weak for e in effects) and slot == "lighting"
-    if kind in MATTER and slot in _SURFACE:
+    if kind in MATTER and slot in SURFACE:
         return True
     return slot in _SLOTS.get(kind, ())

@@ -7,14 +7,12 @@ from collections.abc import Iterator
 
 from ...schema.spec import Region
 from ..meaning import NamedThing
-from ..mentions.find import surest
-from ..mentions.scene import NounMention
-from ..names import is_detail
+from ..mentions.nouns import NounMention
 from ..things import Thing
 from ..types import SceneWords
 from .means import KIND_OF_SLOT
 from .pairs import PromptPairs, TargetPair
-from .targets import MATTER, NOWHERE
+from .targets import MATTER, NOWHERE, rest
 
 
 class Things:
@@ -108,13 +106,9 @@ class Things:
             kind = other.target.kind
             if kind == "things":
                 named |= other.target.names
-            elif kind in ("subject", "surroundings") and other is not pair:
+            elif kind in ("subject", "surroundings"):
                 named |= {n for n, region in self.scene.materials.items() if region == kind}
-        for mention in self.found.mentions:
-            best = surest(mention, "things", "object") if mention.members == 1 else None
-            named |= best.names if best else frozenset()
-        left = frozenset(self.scene.materials) - named
-        return frozenset(n for n in left if not is_detail(n)) or left
+        return rest(self.found.mentions, self.scene, frozenset(named))
 
     def _picture(self, pair: TargetPair) -> Thing:
         """The picture as a whole, or what a word about many things is about in the first place."""

@@ -6,14 +6,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..lexicon.vocabulary import Vocabulary
-from ..mentions.passage import TIES, Passage, PromptLook
-from ..mentions.scene import NounMention, fit_rank
+from ..mentions.nouns import Named, NounMention, fit_rank
+from ..mentions.passage import Passage, PromptLook
 from ..types import GLOW
-from .becoming import Becoming
+from .becoming import SURFACE, Becoming
 from .clauses import ClauseForms
+from .placing import NounPlace
 from .targets import LAMPS, MATTER, Target
-
-_FAR = 4  # items from which distance says no more
 
 
 class PairFeatures:
@@ -39,14 +38,15 @@ class PairFeatures:
         """
         kind, sort = _group(target.kind), self._sort(look)
         yield f"a {sort} word of {target.kind}"
-        yield f"'{_said(look)}' at {kind}"
-        yield f"'{_said(look)}' of {target.kind}"
+        called = self._called(look)
+        yield f"'{_said(look)}'{called} at {kind}"
+        yield f"'{_said(look)}'{called} of {target.kind}"
         yield f"{sort} said {_how(look)} of {target.kind}"
         yield f"{becoming.way} at {kind}"
         if "thing" in look.word.token.lists:
             yield f"a thing too at {kind}: led by {self.forms.lead(look.index)}"
         if becoming.slot:
-            yield f"{becoming.slot} at {kind}"
+            yield f"{becoming.slot}{called} at {kind}"
         if look.word.token.color:
             yield from (f"{sign} at {kind}" for sign in _of_color(look))
         if look.word.negated:
@@ -64,33 +64,16 @@ class PairFeatures:
         if look.guessed:
             return "guessed"
         if token.entry:
-            return self.vocabulary.entries[token.entry].slot
+            return self.vocabulary.entries[token.entry].slot + self._called(look)
         return "color" if token.color else "adjective"
 
-    def _rival(self, look: PromptLook, mention: NounMention, distance: int) -> str:
-        """Whether a noun on the other side of a look word is nearer."""
-        items, after = self.passage.items, mention.start > look.index
-        clause = items[look.index].clause
-        others = [
-            len(
-                self.passage.content(m.end + 1, look.index)
-                if after
-                else self.passage.content(look.index + 1, m.start)
-            )
-            for m in self.mentions
-            if m.members == 1
-            and items[m.start].clause == clause
-            and (m.end < look.index if after else m.start > look.index)
-        ]
-        if not others:
-            return "no rival"
-        return (
-            "rival nearer"
-            if min(others) < distance
-            else "rival farther"
-            if min(others) > distance
-            else "rival"
-        )
+    def _called(self, look: PromptLook) -> str:
+        """That a look word is an object's name besides: a lake in the scene makes "lake" another word; surfaces stay what they are."""
+        entry = self.vocabulary.entries.get(look.word.token.entry)
+        if entry is None or entry.slot in SURFACE:
+            return ""
+        named = (n for m in self.mentions if m.covers(look.index) for n in m.named)
+        return " and name" if any(map(_is_of_object, named)) else ""
 
     def _unnamed(self, look: PromptLook, target: Target) -> Iterator[str]:
         """Of what no noun names: what the clause and the prompt name instead."""
@@ -106,8 +89,8 @@ class PairFeatures:
         alone = len([i for i in self.passage.items if i.clause == clause and not i.filler]) == 1
         if alone:
             yield f"{target.kind} unnamed: alone"
-        if self._is_noun_too(look):
-            yield f"{target.kind} unnamed: noun too"
+        if any(m.covers(look.index) for m in self.mentions):
+            yield f"{target.kind} unnamed: noun too{self._called(look)}"
         after = next(iter(self.passage.content(look.index + 1, len(self.passage.items))), None)
         if after and after.clause == clause:
             yield f"{target.kind} unnamed: before {self.forms.role_of(after.token)}"
@@ -133,33 +116,44 @@ class PairFeatures:
                 adjoins = all(place in self.forms.look_at for place in range(low + 1, high))
                 yield f"{_kinds([mention])} {'right ' if adjoins else ''}{side}"
 
-    def _is_noun_too(self, look: PromptLook) -> bool:
-        return any(m.covers(look.index) for m in self.mentions)
-
     def _named(self, look: PromptLook, target: Target, becoming: Becoming) -> Iterator[str]:
         """Of what a noun names: how the noun and the look word stand to each other, and how the noun fits."""
         mention = self.mentions[target.mention]
         kind = _group(target.kind)
         if mention.covers(look.index):
-            yield f"itself at {kind}"
+            yield f"itself at {kind}{self._called(look)}"
             return
         yield from (f"{kind} by {sign}" for sign in target.signs)
-        yield from self._placed(look, mention, kind)
-        side = "after" if mention.start > look.index else "before"
-        yield f"{becoming.way} at {kind}, {side}: led by {self.forms.lead(look.index)}"
+        sort = self._sort(look)
+        place = NounPlace(self.passage, self.mentions, self.forms, look.index, mention)
+        yield from place.facts(kind, sort)
+        yield from self._spared(target, mention, place.where, kind)
+        yield f"{becoming.way} at {kind}, {place.side}: led by {self.forms.lead(look.index)}"
         yield f"{target.kind} by noun {mention.noun or 'of the scene'}"
         if look.word.token.adjective and not self.forms.look_at.isdisjoint(
             range(mention.start, mention.end + 1)
         ):
             yield f"'{look.word.token.adjective}' of {target.kind} by a noun that is a look"
         yield f"{kind} {'surest' if self._is_surest(mention, target) else 'less sure'}"
-        if len(target.names) > 1 and not mention.text.endswith("s") and mention.members == 1:
+        if (
+            len(target.names) > 1
+            and target.kind != "others"
+            and not mention.text.endswith("s")
+            and mention.members == 1
+        ):
             yield f"several at {kind} by a singular"
             yield from (f"several at {kind} by a singular, {sign}" for sign in target.signs)
-        if mention.text.endswith("s") and len(target.names) > 1:
+        if mention.text.endswith("s") and target.kind != "others" and len(target.names) > 1:
             yield f"plural at {kind}"
         if target.kind == "things" and target.names <= self._glows():
-            yield f"{self._sort(look)} of a glow"
+            yield f"{sort} of a glow"
+
+    def _spared(self, target: Target, mention: NounMention, where: str, kind: str) -> Iterator[str]:
+        """What it says that the prompt leaves a noun out, or leaves something out at all."""
+        if mention.spared:
+            yield f"{where}: spared {kind}, {self.forms.spares_from}"
+        elif self.forms.spares_from:
+            yield f"{target.kind} where something is spared {self.forms.spares_from}"
 
     def _is_surest(self, mention: NounMention, target: Target) -> bool:
         """Whether nothing fits the noun better than a target."""
@@ -170,66 +164,9 @@ class PairFeatures:
         named = (n for m in self.mentions for n in m.named if n.kind == "lights")
         return frozenset(name.removeprefix(GLOW) for n in named for name in n.names if name.startswith(GLOW))
 
-    def _placed(self, look: PromptLook, mention: NounMention, kind: str) -> Iterator[str]:
-        """Side, distance, clause, and what stands between and before."""
-        items, after = self.passage.items, mention.start > look.index
-        side = "after" if after else "before"
-        low, high = (look.index, mention.start) if after else (mention.end, look.index)
-        between = self.passage.content(low + 1, high)
-        apart = abs(items[mention.start].clause - items[look.index].clause)
-        near = "same clause" if not apart else "next clause" if apart == 1 else "far clause"
-        where = f"{side}, {near}"
-        nouns = sum(1 for m in self.mentions if m.members == 1 and low < m.start and m.end < high)
-        looks = sum(1 for i in self.forms.look_at if low < i < high)
-        yield where
-        yield f"{where}: {kind}"
-        yield f"{where}: {min(len(between), _FAR)} between"
-        yield f"{where}: {min(nouns, 2)} nouns between"
-        yield f"{where}: {min(looks, 2)} looks between"
-        yield f"{where}: {self.forms.order} first"
-        yield f"{where}: look led by {self.forms.lead(look.index)}"
-        yield f"{where}: clause {self.forms.ends[items[look.index].clause]}"
-        yield f"{where}: {self._rival(look, mention, len(between))}"
-        if not between and not apart:
-            yield f"{side}: {kind} adjoins a {self._sort(look)} word"
-        for place in range(low + 1, high):
-            if items[place].ties:
-                over = f"{where} over {items[place].token.text}"
-                own = after and not self.forms.look_at.isdisjoint(range(place, high))
-                yield from (over, f"{over}, {'with' if own else 'without'} a look after it")
-        yield from self._led(mention, where)
-        if mention.members > 1:
-            yield f"{where}: joined"
-        elif any(m.members > 1 and m.start <= mention.start and mention.end <= m.end for m in self.mentions):
-            yield f"{where}: of a list"
-        if (
-            mention.end + 1 in self.forms.noun_at
-            and items[mention.end + 1].clause == items[mention.end].clause
-        ):
-            yield f"{where}: before a noun"
-        if {*range(mention.start, mention.end + 1)} & self.forms.look_at:
-            yield f"{where}: a look too"
 
-    def _led(self, mention: NounMention, where: str) -> Iterator[str]:
-        """What ties the noun to what stands before it: "than the leather"."""
-        items = self.passage.items
-        for place in range(mention.start - 1, -1, -1):
-            item = items[place]
-            if item.clause != items[mention.start].clause:
-                break
-            if item.ties:
-                yield f"{where} led by {item.token.text}"
-                lists = item.token.lists & {*TIES}
-                yield from (f"{where} led by a {tie}" for tie in sorted(lists))
-            if not item.filler:
-                break
-        first = [
-            i
-            for i, item in enumerate(items)
-            if item.clause == items[mention.start].clause and not item.filler
-        ]
-        if first and first[0] == mention.start:
-            yield f"{where}: first of its clause"
+def _is_of_object(named: Named) -> bool:
+    return named.kind == "things" and any(sign.startswith("object") for sign in named.signs)
 
 
 def _of_color(look: PromptLook) -> Iterator[str]:

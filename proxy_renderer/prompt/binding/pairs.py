@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 from ..lexicon.vocabulary import Vocabulary
 from ..mentions.find import mentions
+from ..mentions.nouns import NounMention
 from ..mentions.passage import Passage, PromptLook, passage
-from ..mentions.scene import NounMention, SceneIndex
+from ..mentions.scene import SceneIndex
 from ..places import guess_places
 from ..tokens import Lexer
 from ..types import SceneWords

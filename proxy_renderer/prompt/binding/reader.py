@@ -59,7 +59,8 @@ class PromptReader:
         parsed = Parsed(text)
         for number, pair in enumerate(self.chosen):
             if pair.target.kind == "none":
-                parsed.ignored.append(pair.look.word.text)
+                if not self._is_a_name(pair.look.index):
+                    parsed.ignored.append(pair.look.word.text)
             elif pair.target.kind != TINGE:
                 entry = self._entry(pair, self.chosen[number + 1 : number + 2])
                 parsed.attributes += self._attributes(pair.look.word, entry, things.of(pair))
@@ -70,6 +71,10 @@ class PromptReader:
         parsed.ignored += [*(w for words in passage.wishes for w in words), *self.beyond, *self._unknown()]
         parsed.guesses |= dict(self._guessed_names())
         return parsed
+
+    def _is_a_name(self, index: int) -> bool:
+        """Whether a word that could be a look names a thing of the scene: a pier where there is one."""
+        return any(m.named and m.start <= index <= m.end for m in self.found.mentions)
 
     def _entry(self, pair: TargetPair, after: list[TargetPair]) -> str:
         """What a look word becomes; of "emerald velvet" the emerald is the color of the next material."""

@@ -6,7 +6,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from ..mentions.scene import NounMention
+from ..mentions.nouns import REGIONS, NounMention, materials_of
+from ..mentions.spared import taken
+from ..names import is_detail
 from ..types import SceneWords
 
 MATTER = ("things", "subject", "surroundings", "others")
@@ -54,14 +56,56 @@ def targets(mentions: list[NounMention], words: SceneWords) -> list[Target]:
     """
     found = [Target(kind) for kind in UNNAMED]
     for number, mention in enumerate(mentions):
-        found += _of_mention(number, mention, words)
+        found += _of_mention(number, mention, mentions, words)
     return found
 
 
-def _of_mention(number: int, mention: NounMention, words: SceneWords) -> Iterator[Target]:
+def _of_mention(
+    number: int, mention: NounMention, mentions: list[NounMention], words: SceneWords
+) -> Iterator[Target]:
     for named in mention.named:
         yield Target(named.kind, named.names, number, named.signs)
     kind = mention.role or _OF_NOUNS.get(mention.noun, "")
     if kind:
         theirs = frozenset(name for name, light in words.lights.items() if light.role == kind)
-        yield Target(kind, theirs, number, frozenset({f"noun {mention.noun}"}))
+        names = rest(mentions, words) if kind == "others" else theirs
+        yield Target(kind, names, number, frozenset({f"noun {mention.noun}"}))
+    if not mention.spared:
+        yield from _without(number, mention, mentions, words)
+
+
+def _without(
+    number: int, mention: NounMention, mentions: list[NounMention], words: SceneWords
+) -> Iterator[Target]:
+    """What a noun names without what other nouns name of it: "the robot, not the cables", "the hut red, its roof black"."""
+    things = [(n.names, n.signs) for n in mention.named if n.kind == "things"]
+    spared = taken((m for m in mentions if m.spared), words)
+    whole = _region(mention, mentions, words)
+    for names, signs in (*things, (whole, frozenset({"a region"}))):
+        if names & spared and names - spared:
+            yield Target("things", names - spared, number, signs | {"without what is spared"})
+    others = [taken([m], words) for m in mentions if m.members == 1 and m is not mention and not m.spared]
+    for names, signs in things:
+        parts = frozenset().union(*(other for other in others if other < names))
+        if parts and names - parts:
+            yield Target("things", names - parts, number, signs | {"without what else is named"})
+
+
+def _region(mention: NounMention, mentions: list[NounMention], words: SceneWords) -> frozenset[str]:
+    """The part of the picture that a noun means from which something is left out later: "her outfit, not the ribbon"."""
+    before = any(m.spared and m.start > mention.end for m in mentions)
+    return materials_of(REGIONS.get(mention.noun, ""), words) if before else frozenset()
+
+
+def rest(
+    mentions: list[NounMention], words: SceneWords, described: frozenset[str] = frozenset()
+) -> frozenset[str]:
+    """All materials that a prompt neither names nor leaves out; details only if nothing else is left.
+
+    Args:
+        mentions: The prompt's.
+        words: The names in the scene.
+        described: Materials that are something else's.
+    """
+    left = frozenset(words.materials) - taken(mentions, words) - described
+    return frozenset(n for n in left if not is_detail(n)) or left

@@ -46,6 +46,9 @@ _EFFECT = re.compile(
 )
 
 
+_SHORTEST_STEM = 2  # letters; a stem has more
+
+
 @dataclass(frozen=True)
 class Effect:
     """What a word does to one family of parameters; see the head of vocabulary.toml.
@@ -111,6 +114,7 @@ class Vocabulary:
         picks: Word -> which one of several it picks out, as in `fitted.picked_mentions`.
         typed: What is typed in a hurry -> the word that is meant.
         elsewhere: Kind of thing -> entry or adjective -> entry, where words say nothing of it themselves: "a calm lamp".
+        endings: "comparative" or "superlative" -> how such words end.
     """
 
     entries: dict[str, VocabularyEntry]
@@ -126,6 +130,18 @@ class Vocabulary:
     picks: dict[str, str]
     typed: dict[str, str]
     elsewhere: dict[str, dict[str, str]]
+    endings: dict[str, str]
+
+    def stems(self, word: str, degree: str) -> tuple[str, ...]:
+        """What a word may be made of if it compares: "cold" of "colder", "dry" of "drier".
+
+        Args:
+            word: The word.
+            degree: "comparative" or "superlative".
+        """
+        base = word.removesuffix(self.endings[degree])
+        compares = base != word and len(base) > _SHORTEST_STEM
+        return (base, base + "e", base[:-1], base[:-1] + "y") if compares else ()
 
 
 def as_meant(word: str) -> str:
@@ -273,6 +289,7 @@ def load(text: str, colors: str) -> Vocabulary:
         _by_word(grammar["picks"]),
         _by_word(grammar["typed"]),
         _read_elsewhere(rows["elsewhere"], entries, adjectives),
+        grammar["endings"],
     )
 
 

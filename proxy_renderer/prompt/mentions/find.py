@@ -3,16 +3,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
+from itertools import takewhile
 
 from ..lexicon.nearest import table
 from ..lexicon.vocabulary import Vocabulary
 from ..tokens import Token
+from .joined import joined
 from .names import FITS, parts
+from .nouns import Named, NounMention
 from .passage import Passage
 from .picked import with_picks
-from .scene import Named, NounMention, SceneIndex, fit_rank
+from .scene import SceneIndex
+from .spared import with_spared
 
 _LONGEST = 3  # tokens of a name
 _SURE = (*(f"{s} {way}" for s in ("material", "object", "group", "light") for way in FITS[:2]),)
@@ -33,8 +36,25 @@ def mentions(passage: Passage, index: SceneIndex, vocabulary: Vocabulary) -> lis
         if found:
             single.append(_with_side(passage, found, index, vocabulary))
         start = found.end + 1 if found else start + 1
-    single = with_picks(passage, single, index, vocabulary)
-    return [*single, *_joined(passage, single)]
+    single = [m for m in single if not _determines(m, passage, single, vocabulary)]
+    single = with_spared(passage, with_picks(passage, single, index, vocabulary))
+    return [*single, *joined(passage, single, index.words)]
+
+
+def _determines(
+    mention: NounMention, passage: Passage, single: list[NounMention], vocabulary: Vocabulary
+) -> bool:
+    """Whether "all" only says that all of the noun after it is meant: "all bottles", "all of the fruit"."""
+    if mention.noun != "others" or not passage.items[mention.start].filler:
+        return False
+    ahead = passage.items[mention.end + 1 :]
+    skipped = sum(1 for _ in takewhile(lambda i: i.filler or "of" in i.token.lists, ahead))
+    place = mention.end + 1 + skipped
+    if not any(m.start == place and m.named for m in single):
+        return False
+    item = passage.items[place]
+    known = vocabulary.entries.get(item.token.entry)
+    return not item.names_a_look or (known is not None and known.slot == "setting")
 
 
 def _mention(passage: Passage, start: int, index: SceneIndex, vocabulary: Vocabulary) -> NounMention | None:
@@ -76,17 +96,25 @@ def _word(passage: Passage, start: int, index: SceneIndex, vocabulary: Vocabular
         named = index.named(said[-1:])
     if "stop" in token.lists and not token.noun:
         named = [n for n in named if not n.signs.isdisjoint(_SURE)]
-    plain = not (token.known or token.strength)
+    plain = not token.known
     if not named and plain and not token.color:
         named = [n for n in index.named(said[-1:], guess=True) if _may_be_guessed(n, token, index)]
     styled = any(i.filler for i in passage.items[start + 1 : start + 2])  # "castle look"
     a_thing = "thing" in token.lists and not (styled or _is_place(passage, start))
-    noun = token.noun or ("unknown" if (plain and not token.near) or a_thing else "")
+    noun = token.noun or _stands_for(token) or ("unknown" if a_thing else "")
     if not named and noun in ("unknown", "") and _gives_light(passage, start):
         noun = "light"
     if not (named or noun):
         return None
     return NounMention(start, start, token.text, noun, light_role(token), tuple(named))
+
+
+def _stands_for(token: Token) -> str:
+    """What an unknown word may be: the subject, where something of it is of the same sort."""
+    roles = token.entry or token.color or token.adjective or token.noun or token.strength or token.lists
+    if token.scene and token.guess and not roles:
+        return "subject" if token.scene.region == "subject" else "unknown"
+    return "" if token.known or token.near else "unknown"
 
 
 def _is_place(passage: Passage, start: int) -> bool:
@@ -141,56 +169,6 @@ def _with_side(
                 mention, named=(*mention.named, *index.sided(turns[0].lower[0], turns[0].upper[0]))
             )
     return mention
-
-
-def _joined(passage: Passage, single: list[NounMention]) -> Iterator[NounMention]:
-    """Those that are listed with nothing between them: "box and cup", "bezel, strap and dial"."""
-    run: list[NounMention] = []
-    for mention in [m for m in single if m.named]:
-        if run and not _are_joined(passage, run[-1], mention):
-            yield from _union(run)
-            run = []
-        run.append(mention)
-    yield from _union(run)
-
-
-def _are_joined(passage: Passage, one: NounMention, other: NounMention) -> bool:
-    between = passage.content(one.end + 1, other.start)
-    apart = passage.items[other.start].clause - passage.items[one.end].clause
-    tied = all("listing" in i.token.lists for i in between)
-    return tied and apart <= 1 and (apart == 1 or bool(between))
-
-
-def _union(run: list[NounMention]) -> Iterator[NounMention]:
-    """One mention of several: what each of them names in the surest way, once of all sources and once of materials."""
-    if len(run) < 2:
-        return
-    named = []
-    for kind in ("things", "lights"):
-        for first in ("material", "object", "first", "whole"):
-            each = [surest(m, kind, first) for m in run]
-            if all(each):
-                names = frozenset().union(*(n.names for n in each if n))
-                named.append(Named(kind, names, frozenset({"joined", f"joined {first}"})))
-    unique = {(n.kind, n.names): n for n in reversed(named)}
-    text = " and ".join(mention.text for mention in run)
-    yield NounMention(run[0].start, run[-1].end, text, named=tuple(unique.values()), members=len(run))
-
-
-def surest(mention: NounMention, kind: str, first: str) -> Named | None:
-    """The surest of what a mention names; None if it names nothing of a kind.
-
-    Args:
-        mention: The mention.
-        kind: "things" or "lights".
-        first: What is preferred: "material" or "object" for a source, "first" or "whole" for a part or all of a thing.
-    """
-
-    def rank(named: Named) -> tuple[int, bool, bool]:
-        by_first = any(sign.startswith(first) for sign in named.signs)
-        return fit_rank(named), not by_first, "widened" in named.signs
-
-    return min((n for n in mention.named if n.kind == kind), key=rank, default=None)
 
 
 def light_role(token: Token) -> str:

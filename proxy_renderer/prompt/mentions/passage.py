@@ -117,7 +117,7 @@ def _listed(clauses: list[list[Token]]) -> Iterator[tuple[int, list[Token]]]:
         yield number, tokens
         following = clauses[place + 1] if place + 1 < len(clauses) else []
         listed = len(tokens) == 1 and tokens[0].color and len(following) > 2 and following[0].color
-        number += not (listed and following[1].text == "and")
+        number += not (listed and "listing" in following[1].lists)
 
 
 def _without_wishes(number: int, tokens: list[Token], found: Passage) -> Iterator[Item]:
@@ -158,7 +158,7 @@ def _looks(found: Passage, clause: int, vocabulary: Vocabulary) -> Iterator[Prom
             yield PromptLook(index, word, token.near is not None and not token.near.place)
             prefix, strength = [], 1.0
         elif item.ties or token.lists & {"action"}:
-            negated = negated and token.text == "or"
+            negated = negated and "either" in token.lists
         elif not item.filler:
             prefix, strength = [], 1.0
 

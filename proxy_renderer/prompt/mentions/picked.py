@@ -11,8 +11,9 @@ from ..lexicon.vocabulary import Vocabulary
 from ..names import plain_name
 from ..types import SceneWords
 from .names import parts
+from .nouns import Named, NounMention
 from .passage import Passage
-from .scene import Named, NounMention, SceneIndex
+from .scene import SceneIndex
 
 _NEAR = 3  # items from a word that picks to its noun
 _MIDDLE = 0.0  # of the picture, as places count

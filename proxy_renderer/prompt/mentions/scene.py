@@ -5,70 +5,18 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import cached_property
 
 from ..names import in_parts, is_detail, limbs_of, plain_name
 from ..types import GLOW, SceneWords
 from .names import FITS, best, fit, guessed_fit, parts
+from .nouns import Named
 
 _SURE = FITS.index("part")
 _MOST_ALONE = 6  # materials of which each is looked at alone
 _SIDE = 75.0  # degrees from where words say that a light is
 _TYPES = {"SUN": "sun", "SPOT": "spot"}
 """Types of lights that people call by name."""
-
-
-@dataclass(frozen=True)
-class Named:
-    """Materials or lights that words may name.
-
-    Attributes:
-        kind: "things" or "lights".
-        names: Of materials, or of lights; glows among lights start with `GLOW`.
-        signs: How it was found: "object exact", "material part", "first", "several".
-    """
-
-    kind: str
-    names: frozenset[str]
-    signs: frozenset[str]
-
-
-@dataclass(frozen=True)
-class NounMention:
-    """A noun, or several that belong together ("box and cup").
-
-    Attributes:
-        start: Place of its first item.
-        end: Place of its last item.
-        text: As the prompt says it.
-        noun: Kind of thing by the vocabulary's nouns; "others" for what was not named, "unknown" for a word that nobody knows.
-        role: "key", "fill" or "rim", where it names one.
-        named: What it may name in the scene.
-        members: Of several nouns, how many.
-    """
-
-    start: int
-    end: int
-    text: str
-    noun: str = ""
-    role: str = ""
-    named: tuple[Named, ...] = ()
-    members: int = 1
-
-    def covers(self, index: int) -> bool:
-        """Whether an item is one of its own.
-
-        Args:
-            index: Of the item.
-        """
-        return self.start <= index <= self.end
-
-
-def fit_rank(named: Named) -> int:
-    """How sure what is named is meant, 0 for the surest."""
-    ways = [FITS.index(way) for sign in named.signs for way in FITS if sign.endswith(f" {way}")]
-    return min(ways, default=len(FITS))
 
 
 class SceneIndex:

@@ -40,18 +40,30 @@ def right_pairs(sentence: LabeledSentence, read: PromptPairs) -> list[list[bool]
         ):  # one word to the artist: "fire red"
             right = [r or pair.target.kind == TINGE for r, pair in zip(right, pairs, strict=True)]
         if not label:
-            right = _unlabeled(right, pairs, sentence)
+            right = _unlabeled(right, pairs, sentence, _names_a_thing(look.index, read))
         found.append(right)
     return found
 
 
-def _unlabeled(right: list[bool], pairs: list[TargetPair], sentence: LabeledSentence) -> list[bool]:
-    """What is right for a word that needs no label: it says where a light comes from, or only names what it is ("sunlight")."""
+def _names_a_thing(index: int, read: PromptPairs) -> bool:
+    """Whether a look word is the name of something in the scene: "lake" where there is one."""
+    named = (n for m in read.mentions if m.covers(index) and m.members == 1 for n in m.named)
+    return any(each.kind == "things" for each in named)
+
+
+def _unlabeled(
+    right: list[bool], pairs: list[TargetPair], sentence: LabeledSentence, a_thing: bool
+) -> list[bool]:
+    """What is right for a word that needs no label: it says where a light comes from, or only names what it is ("sunlight").
+
+    A word that names a thing of the scene is no setting besides: "lake" of "lake emerald" where there is a lake.
+    """
     if any(pair.directs for pair in pairs):
         lit = [t for word in sentence.words for t in word.targets if t.kind in ("lights", "light", *ROLES)]
         wanted = lit or [LabelTarget("light")]
         return [pair.directs and any(is_right(pair, t, sentence.scene) for t in wanted) for pair in pairs]
-    themselves = [pair.names_itself and pair.target.kind in _NAMED for pair in pairs]
+    may_be = [kind for kind in _NAMED if not (a_thing and kind == "surroundings")]
+    themselves = [pair.names_itself and pair.target.kind in may_be for pair in pairs]
     known = any(t and pair.target.names for t, pair in zip(themselves, pairs, strict=True))
     return [t or (known and r) for t, r in zip(themselves, right, strict=True)] if any(themselves) else right
 
