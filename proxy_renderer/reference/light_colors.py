@@ -20,8 +20,9 @@ CASTS = ("shadow_cast", "midtone_cast", "highlight_cast", "cast")
 _LIGHTNESS = 65.0  # L* at which a cast is taken for a color
 _STRONGER = 1.6
 """How much stronger than the cast a light's color may be: other light lies over it."""
-_LEEWAY = 4.0  # C* that a light may have in any case
 _FEW_HUES = math.cos(math.radians(50.0))
+_PALE, _COLORFUL = 6.0, 16.0
+"""Mean C* up to which a picture is as good as gray, and how much more it has where all paint keeps its saturation."""
 _STRONG = 6.0  # C* of a cast whose hue counts
 
 
@@ -32,12 +33,15 @@ class LightColors:
     Attributes:
         lower: Linear, in [0, 1].
         upper: Likewise.
-        any_hue: Whether they may be of any hue within, which is so where casts have several.
+        any_hue: Whether they may be of any hue within, which is so where casts have several; else all are on the line
+            between the two ends.
+        paint: Saturation that is left to paint at least: a picture with colors in it takes nobody's away.
     """
 
     lower: Values
     upper: Values
     any_hue: bool
+    paint: float
 
 
 def light_colors(claims: Sequence[Claim]) -> LightColors:
@@ -47,13 +51,13 @@ def light_colors(claims: Sequence[Claim]) -> LightColors:
         claims: Of a picture, and of the words beside it.
     """
     casts = [_middle(claim) for claim in claims if claim.measure in CASTS]
-    colors = [_color(a, b) for a, b in (*casts, (_LEEWAY, _LEEWAY), (-_LEEWAY, -_LEEWAY))]
     strong = [(a, b) for a, b in casts if math.hypot(a, b) > _STRONG]
-    return LightColors(
-        lower=tuple(map(min, zip(*colors, strict=True))),
-        upper=(1.0, 1.0, 1.0),
-        any_hue=any(_cosine(one, other) < _FEW_HUES for one in strong for other in strong),
-    )
+    any_hue = any(_cosine(one, other) < _FEW_HUES for one in strong for other in strong)
+    strongest = max(casts, key=lambda cast: math.hypot(*cast), default=(0.0, 0.0))
+    colors = [_color(a, b) for a, b in (strong if any_hue else [strongest])]
+    vivid = max((claim.upper[0] for claim in claims if claim.measure == "chroma"), default=0.0)
+    paint = min(max(vivid - _PALE, 0.0) / _COLORFUL, 1.0)
+    return LightColors(tuple(map(min, zip(*colors, strict=True))), (1.0, 1.0, 1.0), any_hue, paint)
 
 
 def _middle(claim: Claim) -> tuple[float, float]:
