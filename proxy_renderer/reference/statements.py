@@ -29,6 +29,10 @@ CLOSE, LOOSE = 1.5, 2.5
 _MIXED = 0.35
 """Share of the deviation of a*, b* in a part by which its cast may be off: of many colors it says little of light."""
 
+_PAINTED, _GRAYEST = 18.0, 0.3
+"""Mean chroma that is asked for at most, and the share of the grayest pixels that may be without it: color that a third of a
+picture lacks is paint, which a scene has or has not."""
+
 _OF_CONTENT = 0.5
 """Weight of the quarters of a picture's tones, and of the lightness of its thirds: a black helmet and a white wall are in
 them, too."""
@@ -96,7 +100,7 @@ class _Reader:
         (vivid,) = self._value("chroma", "picture")
         word = "pale" if vivid < 10 else "vivid" if vivid > 35 else "colors"
         said = self._near("grade", word, "chroma", "picture", CLOSE, f"its mean chroma is {vivid:.0f}")
-        yield _with(said, lower=(min(*said.claim.lower, math.hypot(*self._value("cast", "picture"))),))
+        yield _with(said, lower=(min(*said.claim.lower, _PAINTED, self._color_all_over()),))
         (fall,) = self._value("vignette", "picture")
         if min(corner_falls(self.picture), default=0.0) > _VIGNETTE:
             reason = f"its corners are L* {fall:.0f} darker than its middle"
@@ -169,6 +173,11 @@ class _Reader:
         where = self.told.region(part, box)
         where = self.told.counts if where is None else where
         return tuple(MEASURES[measure].take(self.picture, where).tolist())
+
+    def _color_all_over(self) -> float:
+        """C* that all but the grayest of the picture's pixels have."""
+        chroma = self.picture.lab[self.told.counts][:, 1:].norm(dim=-1)
+        return float(chroma.quantile(_GRAYEST))
 
     def _mixture(self, part: Part, box: tuple[float, float, float, float] | None) -> float:
         """How far the colors of a part deviate from its cast, in a* and b*, each as much as it counts for that."""
