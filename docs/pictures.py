@@ -6,7 +6,7 @@ python docs/pictures.py [FOLDER]     FOLDER is the commands' `out`
 demo.jpg       vibe demo --out out/demo
 dolphin.jpg    vibe run dolphin.obj --prompt "Glossy teal dolphin, white studio background." --out out/dolphin
 tree.jpg       vibe run tree.obj --prompt "Misty tree silhouette, cool blue fog, vignette." --out out/tree
-like.jpg       vibe run teapot.obj --like coffee.jpg --out out/like, coffee.jpg being skimage.data.coffee()
+like.jpg       vibe demo --like flower.jpg --out out/like, flower.jpg being sklearn.datasets.load_sample_images()
 fidelity.jpg   vibe bench fidelity --out out/fidelity
 sealed.jpg     vibe bench sealed --out out/sealed
 results/       results.json of out/sealed, out/ladder and out/materials

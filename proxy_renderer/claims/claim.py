@@ -5,12 +5,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import torch
 from torch import Tensor
 
 from ..render.gbuffer import GBuffer
 from ..schema import Values
+from .measures.flat import RegionMeans
 from .measures.picture import MeasuredPicture, Part, region_of
 from .measures.registry import MEASURES
 
@@ -29,6 +31,7 @@ prediction is another blue to some who look at the picture."""
 _MARGIN = 2.0
 """The same for an interval with one end, in noticeable steps."""
 
+_MANY = 8  # claims about mean colors that are worth being measured together
 _HARDEST = 100.0  # a miss, in noticeable steps, that nothing is worse than
 
 
@@ -140,10 +143,14 @@ class Claim:
 
     def aim(self, value: Tensor, before: Tensor | None) -> tuple[Tensor, Tensor, Tensor]:
         """As `in_steps`, by weight, with ends that lie inside of what holds: what values are sought for."""
-        value, lower, upper = self.in_steps(value, before)
+        return self.weight * value / MEASURES[self.measure].notice, *self.sought(value, before)
+
+    def sought(self, like: Tensor, before: Tensor | None) -> tuple[Tensor, Tensor]:
+        """The ends of `aim`, of the type of a value (n,) and whatever that is."""
+        _, lower, upper = self.in_steps(like, before)
         most = math.inf if self.measure == "color" else _MARGIN if self.word else 0.0
         inward = (_INSIDE * (upper - lower) / 2).clamp_max(most)
-        return self.weight * value, self.weight * (lower + inward), self.weight * (upper - inward)
+        return self.weight * (lower + inward), self.weight * (upper - inward)
 
     def miss(self, value: Tensor, before: Tensor | None) -> float:
         """The length of the residual; a claim holds if it is at most `HOLDS`."""
@@ -187,8 +194,26 @@ class ClaimSet:
 
     def values(self, picture: MeasuredPicture) -> list[Tensor | None]:
         """What a picture has of each claim: (n,), differentiable in it; None where the thing is hardly seen."""
-        pairs = zip(self.claims, self.regions, strict=True)
-        return [None if where is None else claim.value(picture, where) for claim, where in pairs]
+        means = self._means.of(picture) if self._means else {}
+        return [
+            None if where is None else means[i] if i in means else claim.value(picture, where)
+            for i, (claim, where) in enumerate(zip(self.claims, self.regions, strict=True))
+        ]
+
+    @cached_property
+    def _means(self) -> RegionMeans | None:
+        """The claims about mean colors, where there are many: a picture of this very scene has one for each place."""
+        plain = {
+            i: where
+            for i, (claim, where) in enumerate(zip(self.claims, self.regions, strict=True))
+            if where is not None and claim.measure == "mean" and not claim.direction
+        }
+        return RegionMeans(plain) if len(plain) > _MANY else None
+
+    @cached_property
+    def _sought(self) -> dict[tuple[int, torch.dtype, torch.device], tuple[Tensor, Tensor]]:
+        """Ends of `Claim.aim`, by the claim's place and the value's type: they are the same for every picture."""
+        return {}
 
     def aims(self, picture: MeasuredPicture) -> list[tuple[Tensor, Tensor, Tensor]]:
         """Of each claim that can be measured: its value, and the lower and the upper end of what is sought, see `Claim.aim`.
@@ -196,8 +221,16 @@ class ClaimSet:
         Returns:
             Each (n,), in steps that people notice; the values are differentiable in the picture.
         """
-        rows = zip(self.claims, self.values(picture), self.before, strict=True)
-        return [claim.aim(value, before) for claim, value, before in rows if value is not None]
+        rows = enumerate(zip(self.claims, self.values(picture), self.before, strict=True))
+        found = []
+        for i, (claim, value, before) in rows:
+            if value is None:
+                continue
+            kind = i, value.dtype, value.device
+            if kind not in self._sought:
+                self._sought[kind] = claim.sought(value.detach(), before)
+            found.append((claim.weight * value / MEASURES[claim.measure].notice, *self._sought[kind]))
+        return found
 
     def residuals(self, picture: MeasuredPicture) -> list[Tensor]:
         """How far a picture is from each claim that can be measured: (n,) each, see `Claim.residual`."""

@@ -51,10 +51,7 @@ class LikeAdvisor:
             advice = Advice(Parsed(""), Prompts("", "", ""), plan, "the picture")
         else:
             plan = Plan(
-                {
-                    k: own[k] if k in own and (e.priority is None or e.prior > 0.0) else e
-                    for k, e in advice.plan.items()
-                }
+                {key: own.get(key) or _alone(e) for key, e in advice.plan.items()} | _named(advice.plan)
             )
         notes = (*advice.plan.notes, self._found(), *ranges.kept(instances, own))
         return replace(advice, plan=Plan(dict(plan), notes))
@@ -98,6 +95,16 @@ def beside(
     reference.same = False if shots > 1 else reference.same
     keys = [name for name, light in lights.items() if light.role == "key"]
     return LikeAdvisor(reference, words if prompt.strip() else None, keys)
+
+
+def _named(plan: Plan) -> dict[str, PlanEntry]:
+    """What words name, by key."""
+    return {key: entry for key, entry in plan.items() if entry.priority is not None and entry.prior == 0.0}
+
+
+def _alone(entry: PlanEntry) -> PlanEntry:
+    """What words do not name: what only supports them, as a material that is to stand out, is the picture's to say."""
+    return entry if entry.priority is None else replace(entry, priority=None, reason=_UNTOUCHED)
 
 
 def _untouched(instance: Instance) -> PlanEntry:

@@ -68,7 +68,7 @@ _ANOTHER_SCENE = {
     "film/midtone": _from("grade", 0.75, 1.3, 2),
     "film/gain": _from("grade", 0.7, 1.3, 2),
     "film/contrast": _from("grade", 0.7, 1.4, 2),
-    "film/saturation": _from("grade", 0.0, 1.7, 2),
+    "film/saturation": _from("grade", 0.0, 1.4, 2),
     "film/grade_gamma": _from("grade", 0.6, 1.7, 3),
     "film/vignette": Leeway("grade", 0.0, 1.0, 3, whole=True, needs=("vignette",)),
     "material/base_color": _from("materials", 0.0, 1.0, 2),
@@ -104,6 +104,18 @@ _SAME_SCENE = {
 }
 """The same for a picture of this very scene. What does the same as exposure, in the compositor, stays."""
 
+_LIT = ("light/color", "world/color")
+"""Families of what colors light: they take the hues of the picture's casts."""
+
+_BESIDE_LIGHT = {
+    "film/lift": _from("grade", 0.98, 1.08, 2),
+    "film/midtone": _from("grade", 0.85, 1.2, 2),
+    "film/gain": _from("grade", 0.8, 1.25, 2),
+    "film/contrast": _from("grade", 0.7, 1.3, 2),
+}
+"""The grade where the light's color may change, too: what tints gray things is light. A grade that cancels it tints paint, and
+a lift that cuts off more colors the shadows."""
+
 _STAYS = {
     "film/exposure": "exposure looks like more or less light in the scene",
     "film/gamma": "gamma looks like the grade's own",
@@ -136,6 +148,11 @@ def entries_of(
     table = dict(_SAME_SCENE if same else _ANOTHER_SCENE)
     if same:
         table.pop("film/grade_exposure")
+    elif any(
+        i.parameter.family in _LIT and not i.locked and _serves("light", i, traits)
+        for i in instances.values()
+    ):
+        table |= _BESIDE_LIGHT
     entries = {}
     for key, instance in instances.items():
         reach = table.get(instance.parameter.family)
@@ -143,10 +160,13 @@ def entries_of(
         if reach is None or instance.locked or not (needed and _serves(reach.trait, instance, traits)):
             continue
         lower, upper = _range(reach, instance)
-        if instance.parameter.family == "light/color" and not same:
-            lower, upper = _around(colors.lower, colors.upper, instance)
+        lit = instance.parameter.family in _LIT and not same
+        if lit:
+            lower, upper = _lit(colors, instance)
+        elif instance.parameter.family == "film/saturation" and not same:
+            lower, upper = _around((colors.paint,), upper, instance)
         reason = f"free to come to look like {name}"
-        any_hue = same or instance.parameter.family != "light/color" or colors.any_hue
+        any_hue = not lit or colors.any_hue
         entries[key] = PlanEntry(lower, upper, reach.priority, reason, HELD_LIGHTLY, any_hue=any_hue)
     return entries
 
@@ -167,6 +187,16 @@ def _serves(trait: str, instance: Instance, traits: Collection[str]) -> bool:
     """Whether a value serves what is taken over; the colors of light serve a palette, too."""
     colors = instance.parameter.group in ("light", "world") or instance.parameter.family == "film/saturation"
     return trait in traits or ("palette" in traits and colors and trait != "materials")
+
+
+def _lit(colors: LightColors, instance: Instance) -> tuple[Values, Values]:
+    """Ends for a color of light, as dark as the artist's or lighter; the artist's own hue is not among them.
+
+    It would open the range to hues between the two, which neither has.
+    """
+    level = max(instance.value)
+    lower = tuple(max(level * v, least) for v, least in zip(colors.lower, instance.lower, strict=True))
+    return lower, tuple(map(min, colors.upper, instance.upper))
 
 
 def _range(reach: Leeway, instance: Instance) -> tuple[Values, Values]:

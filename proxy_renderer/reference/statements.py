@@ -18,6 +18,7 @@ from ..claims.claim import Claim
 from ..claims.measures.flat import grayness
 from ..claims.measures.picture import Part
 from ..claims.measures.registry import MEASURES
+from ..claims.measures.tone import corner_falls
 from ..schema import Values
 from .regions import Told
 from .wording import hue
@@ -28,15 +29,20 @@ CLOSE, LOOSE = 1.5, 2.5
 _MIXED = 0.35
 """Share of the deviation of a*, b* in a part by which its cast may be off: of many colors it says little of light."""
 
-_PAINTED = 18.0
-"""Mean chroma that is asked for at most: more is the picture's paint, which a scene has or has not."""
+_PAINTED, _GRAYEST = 18.0, 0.3
+"""Mean chroma that is asked for at most, and the share of the grayest pixels that may be without it: color that a third of a
+picture lacks is paint, which a scene has or has not."""
 
 _OF_CONTENT = 0.5
-"""Weight of the quarters of a picture's tones: a black helmet and a white wall are in them, too."""
+"""Weight of the quarters of a picture's tones, and of the lightness of its thirds: a black helmet and a white wall are in
+them, too."""
+_BLACK, _WHITE = 12.0, 80.0
+"""L* that looks black, and white: a picture with a black helmet in it asks no scene for more than that, which would only
+press its shadows."""
 
 _TONES = ("black_point", "lower_quartile", "median", "upper_quartile", "white_point")
 _CASTS = {"shadow_cast": "shadows", "midtone_cast": "midtones", "highlight_cast": "lights"}
-_VIGNETTE = 8.0  # L* by which corners are darker before it is called a vignette
+_VIGNETTE = 8.0  # L* by which every corner is darker before it is called a vignette
 _VEILED, _DARKEST = 35.0, 20.0
 """Percent of light over everything, and L* of the darkest, from where it is haze."""
 _SIDED = 8.0  # L* between two sides of a subject from where light comes from one of them
@@ -81,7 +87,7 @@ class _Reader:
             (light,) = self._value(measure, "picture")
             says = MEASURES[measure].says
             said = self._near("grade", "tones", measure, "picture", CLOSE, f"{says} is L* {light:.0f}")
-            yield _with(said, weight=_OF_CONTENT) if "quartile" in measure else said
+            yield _of_content(said)
         for measure, what in _CASTS.items():
             yield self._near(
                 "grade",
@@ -94,9 +100,9 @@ class _Reader:
         (vivid,) = self._value("chroma", "picture")
         word = "pale" if vivid < 10 else "vivid" if vivid > 35 else "colors"
         said = self._near("grade", word, "chroma", "picture", CLOSE, f"its mean chroma is {vivid:.0f}")
-        yield _with(said, lower=(min(*said.claim.lower, _PAINTED),))
+        yield _with(said, lower=(min(*said.claim.lower, _PAINTED, self._color_all_over()),))
         (fall,) = self._value("vignette", "picture")
-        if fall > _VIGNETTE:
+        if min(corner_falls(self.picture), default=0.0) > _VIGNETTE:
             reason = f"its corners are L* {fall:.0f} darker than its middle"
             yield self._near("grade", "vignette", "vignette", "picture", LOOSE, reason)
 
@@ -158,7 +164,8 @@ class _Reader:
             yield _spanned(said, all_over) if box else said
         (light,) = self._value("lightness", part, box)
         reason = f"the mean lightness of its {what} is L* {light:.0f}"
-        yield self._near("palette", word, "lightness", part, LOOSE, reason, box)
+        said = self._near("palette", word, "lightness", part, LOOSE, reason, box)
+        yield _with(said, weight=_OF_CONTENT) if box else said
 
     def _value(
         self, measure: str, part: Part, box: tuple[float, float, float, float] | None = None
@@ -166,6 +173,11 @@ class _Reader:
         where = self.told.region(part, box)
         where = self.told.counts if where is None else where
         return tuple(MEASURES[measure].take(self.picture, where).tolist())
+
+    def _color_all_over(self) -> float:
+        """C* that all but the grayest of the picture's pixels have."""
+        chroma = self.picture.lab[self.told.counts][:, 1:].norm(dim=-1)
+        return float(chroma.quantile(_GRAYEST))
 
     def _mixture(self, part: Part, box: tuple[float, float, float, float] | None) -> float:
         """How far the colors of a part deviate from its cast, in a* and b*, each as much as it counts for that."""
@@ -209,6 +221,16 @@ class _Reader:
 def _with(statement: Statement, **changes: Any) -> Statement:
     """A statement with other fields of its claim."""
     return replace(statement, claim=replace(statement.claim, **changes))
+
+
+def _of_content(statement: Statement) -> Statement:
+    """A statement about tones, as far as it tells light and grade, and not that there are black and white things."""
+    measure, lower, upper = statement.claim.measure, statement.claim.lower, statement.claim.upper
+    if measure == "black_point":
+        return _with(statement, upper=(max(*upper, _BLACK),))
+    if measure == "white_point":
+        return _with(statement, lower=(min(*lower, _WHITE),))
+    return _with(statement, weight=_OF_CONTENT) if "quartile" in measure else statement
 
 
 def _spanned(statement: Statement, other: Values) -> Statement:

@@ -365,3 +365,17 @@ def test_paint_is_no_metal_however_glossy_and_whatever_pattern_it_has() -> None:
     for painted in (spotted(0.07), tiled):
         assert float(taken("unscattered", painted, "subject")) < 0.1
     assert float(taken("unscattered", mirroring(0.2), "subject")) > 0.2
+
+
+def test_many_means_at_once_are_what_each_is_alone():
+    shown = darkened_corners(0.7)
+    boxes = [(i / 4, j / 3, (i + 1) / 4, (j + 1) / 3) for i in range(4) for j in range(3)]
+    claims = tuple(Claim("", "picture", "mean", "picture", (0.0,) * 3, (50.0,) * 3, box=b) for b in boxes)
+    together = ClaimSet.about((*claims, replace(claims[0], measure="median")), shown)
+    for claim, where, value, aim in zip(
+        together.claims, together.regions, together.values(shown), together.aims(shown), strict=True
+    ):
+        alone = claim.value(shown, where)
+        assert torch.allclose(value, alone, atol=1e-4)
+        for one, other in zip(aim, claim.aim(alone, None), strict=True):
+            assert torch.allclose(one, other, atol=1e-4)

@@ -97,6 +97,24 @@ def test_haze_and_a_vignette_are_said_only_where_they_are():
     assert "veil" in {s.claim.measure for s in said(hazy)}
 
 
+def test_a_dark_thing_in_two_corners_is_no_vignette():
+    display, _ = ball(ground=(0.6, 0.6, 0.6))
+    x, y = grid()
+    for corners in (x < 0.2, (x < 0.25) | ((x > 0.75) & (y > 0.6))):
+        painted = np.where((corners & (abs(y - 0.5) > 0.3))[..., None], 0.1, display).astype(np.float32)
+        assert "vignette" not in {s.claim.measure for s in said(painted)}
+
+
+def test_black_and_white_things_ask_no_scene_for_more_than_what_looks_so():
+    x, _ = grid()
+    ramp = np.repeat(x[..., None], 3, -1).astype(np.float32)
+    assert one(ramp, "black_point").claim.upper[0] == pytest.approx(12.0)
+    assert one(ramp, "white_point").claim.lower[0] == pytest.approx(80.0)
+    faded = 0.35 + 0.3 * ramp
+    assert one(faded, "black_point").claim.lower[0] > 30.0
+    assert one(faded, "white_point").claim.upper[0] < 75.0
+
+
 def test_a_picture_keeps_all_that_is_said_of_it_and_another_one_does_not():
     display, _ = ball(side=0.5)
     told = tell(display)
@@ -165,9 +183,10 @@ def test_the_light_on_a_subject_is_that_of_the_picture_and_its_paint_is_not_copi
 
 
 def test_vivid_paint_asks_for_no_vivid_light_and_pale_colors_for_pale_ones():
-    vivid = one(room(share=0.9), "chroma").claim
+    vivid = one(room(share=0.6), "chroma").claim
     assert "vivid" in vivid.word
-    assert vivid.lower[0] < 20.0
+    assert vivid.lower[0] < 8.0  # what of it is light, and not paint
+    assert one(np.full((HEIGHT, WIDTH, 3), (0.7, 0.4, 0.2), np.float32), "chroma").claim.lower[0] > 15.0
     pale = one(room((0.5, 0.5, 0.5)), "chroma").claim
     assert pale.upper[0] < 8.0
 

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import torch
 import torch.nn.functional as F
@@ -33,6 +33,27 @@ def mean(picture: MeasuredPicture, where: Tensor) -> Tensor:
         where: (H, W) bool, the region.
     """
     return picture.oklab[where].mean(0)
+
+
+class RegionMeans:
+    """The measure `mean` of many regions at once.
+
+    Args:
+        regions: (H, W) bool each, of at least one pixel, by any number.
+    """
+
+    def __init__(self, regions: Mapping[int, Tensor]) -> None:
+        self._numbers = tuple(regions)
+        pixels = [where.flatten().nonzero(as_tuple=True)[0] for where in regions.values()]
+        self._pixels = torch.cat(pixels)
+        self._counts = self._pixels.new_tensor([len(each) for each in pixels])
+        self._owners = torch.arange(len(pixels), device=self._pixels.device).repeat_interleave(self._counts)
+
+    def of(self, picture: MeasuredPicture) -> dict[int, Tensor]:
+        """What a picture has, each (3,) OKLab, times 100, by the regions' numbers."""
+        colors = picture.oklab.flatten(0, 1)[self._pixels]
+        sums = colors.new_zeros(len(self._counts), 3).index_add(0, self._owners, colors)
+        return dict(zip(self._numbers, (sums / self._counts[:, None]).unbind(), strict=True))
 
 
 def tone(share: float) -> Callable[[MeasuredPicture, Tensor], Tensor]:

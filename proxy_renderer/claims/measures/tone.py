@@ -61,6 +61,16 @@ def vignette(picture: MeasuredPicture, where: Tensor) -> Tensor:
     Returns:
         (1,) L*; 0 if no corner can be measured.
     """
+    falls = corner_falls(picture)
+    return falls[min(1, len(falls) - 1)][None] if len(falls) else picture.lab.new_zeros(1)
+
+
+def corner_falls(picture: MeasuredPicture) -> Tensor:
+    """How much darker each corner is than the middle ring, the subject left out: (n,) L*, n at most 4, the least first.
+
+    Args:
+        picture: The picture.
+    """
     light, free = picture.lab[..., 0], region_of(picture.seen, "surroundings")
     height, width = light.shape
     y, x = torch.meshgrid(_middles(height, light), _middles(width, light), indexing="ij")
@@ -72,9 +82,7 @@ def vignette(picture: MeasuredPicture, where: Tensor) -> Tensor:
             middle, corner = here & (radius > _RINGS[0]) & (radius < _RINGS[1]), here & (radius > _RINGS[2])
             if middle.sum() > 8 and corner.sum() > 8:
                 falloffs.append(light[middle].mean() - light[corner].mean())
-    if not falloffs:
-        return light.new_zeros(1)
-    return torch.stack(falloffs).sort().values[min(1, len(falloffs) - 1)][None]
+    return torch.stack(falloffs).sort().values if falloffs else light.new_zeros(0)
 
 
 def standing_out(picture: MeasuredPicture, where: Tensor) -> Tensor:
