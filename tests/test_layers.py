@@ -20,7 +20,7 @@ LAYERS = {
         render.film render.geometry render.material render.lights=render.lights.types render.transport render.edges render.surface
         render.cycles render claims.measures claims reference.files reference
         train.sentences train.pictures train.text guidance train optimize=optimize.inner=optimize.rounds engine
-        bench.mitsuba bench bench.encoder bench.paper bench.ladder bench.wild bench.sealed bench.scale bench.materials bench.binding bench.like cli=cli.commands
+        bench.mitsuba bench bench.speed bench.encoder bench.paper bench.ladder bench.wild bench.sealed bench.scale bench.materials bench.binding bench.like cli=cli.commands
     """,
     "vibe_render": """
         core engine scene.geometry scene.lights scene.nodes scene scene.stage render export session.notes session looks

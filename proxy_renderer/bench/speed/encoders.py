@@ -11,8 +11,8 @@ from collections.abc import Callable
 import torch
 from torch import Tensor
 
-from ..guidance.encoder import load_encoder
-from ..guidance.regions import Views
+from ...guidance.encoder import load_encoder
+from ...guidance.regions import Views
 
 _PAPER = "ViT-B-32"
 _STEPS = 6

@@ -19,16 +19,16 @@ from typing import Any
 import numpy as np
 import torch
 
-from ..blender.launch import environment
-from ..engine.report import load_picture, save_picture
-from ..render.proxy import Proxy
-from ..scene import SceneData, load_scene
-from ..schema import VibeError
-from . import blender, cache
-from .fidelity import rounded
-from .metrics import difference
-from .mitsuba.steps import VARIANT
-from .mitsuba.twin import DEPTH, learned
+from ...blender.launch import environment
+from ...engine.report import load_picture, save_picture
+from ...render.proxy import Proxy
+from ...scene import SceneData, load_scene
+from ...schema import VibeError
+from .. import blender, cache
+from ..fidelity import rounded
+from ..metrics import difference
+from ..mitsuba.steps import VARIANT
+from ..mitsuba.twin import DEPTH, learned
 
 SCENES = ("clay_head", "steel_bolts")
 _SAMPLES = 192

@@ -13,11 +13,11 @@ from typing import Any
 
 import torch
 
-from ..render.proxy import Proxy
-from ..scene import SceneData
-from ..schema import atomic
+from ...render.proxy import Proxy
+from ...scene import SceneData
+from ...schema import atomic
+from ..scenes import balls, outdoors
 from . import encoders, mitsuba_comparison
-from .scenes import balls, outdoors
 
 try:
     import resource
