@@ -20,6 +20,7 @@ from ..folders import cache_folder
 from ..optimize.progress import BEFORE
 from ..schema import VibeError, faults, messages, schema_hash
 from ..schema.wire import check_schema
+from .allocator import keep_freed_memory
 from .remote_observer import RemoteObserver, look_message
 from .wire import Wire
 
@@ -174,6 +175,7 @@ def main() -> None:
     os.environ.setdefault(
         "TORCHINDUCTOR_CACHE_DIR", str(cache_folder("compiled"))
     )  # not the temporary folder
+    keep_freed_memory()
     sink = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # whatever else prints must not break the protocol
     serve(sys.stdin.buffer, sink)

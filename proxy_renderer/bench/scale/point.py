@@ -21,6 +21,7 @@ from pathlib import Path
 import torch
 from torch import Tensor
 
+from ...engine.allocator import keep_freed_memory
 from ...guidance.encoder import load_encoder
 from ...optimize import pipeline
 from ...optimize.looks import EarlyLook
@@ -99,6 +100,7 @@ def measure(jobs: Sequence[Path], size: int) -> dict[str, dict[str, float]]:
         size: Side of the pictures, pixels.
     """
     torch.set_num_threads(1)
+    keep_freed_memory()  # as the engine's worker does
     encoder, watch = load_encoder(None), CostMeter()
     with watch.phase("load"):
         scenes = [load_scene(job) for job in jobs]
