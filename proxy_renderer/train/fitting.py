@@ -194,7 +194,7 @@ def _least(
 
 def _matrix(words: list[list[TargetPair]], column: dict[str, int]) -> csr_matrix:
     """(pairs, facts): which pair has which fact."""
-    rows = [[column[n] for n in {*pair.features} if n in column] for pairs in words for pair in pairs]
+    rows = [[column[n] for n in pair.features if n in column] for pairs in words for pair in pairs]
     ends = np.cumsum([0, *map(len, rows)])
     columns = np.array([c for row in rows for c in row])
     return csr_matrix((np.ones(len(columns)), columns, ends), shape=(len(rows), len(column)))

@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The reader of prompts: what it binds in a small scene, and that its features, targets and assignment are what they say."""
 
+import os
+import subprocess
+import sys
+
 import pytest
 
 from proxy_renderer.prompt.binding.assignment import assigned
@@ -11,6 +15,23 @@ from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.prompt.mentions.names import fit, parts
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.types import LightWords, SceneWords
+
+_READS = """
+from proxy_renderer.prompt.binding.pairs import reading
+from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.prompt.types import SceneWords
+
+words = SceneWords(
+    objects={"Armchair": "subject", "Side Table": "surroundings", "Floor": "surroundings"},
+    materials={"Velvet": "subject", "Oak": "subject", "Glass": "surroundings", "Parquet": "surroundings"},
+    object_materials={"Armchair": ("Velvet", "Oak"), "Side Table": ("Glass", "Oak"), "Floor": ("Parquet",)},
+)
+for prompt in ("navy armchair, oak table darker than the floor", "everything white but the armchair and the floor"):
+    for pairs in reading(prompt, words, shipped_vocabulary()).pairs:
+        for pair in pairs:
+            print(pair.target.kind, sorted(pair.target.names), pair.target.mention, pair.features)
+"""
+"""Prints what words may describe, in the order in which it is looked at."""
 
 GARAGE = SceneWords(
     objects={"carShell": "subject", "Brake_FL": "subject", "Boden": "surroundings", "Crate": "surroundings"},
@@ -140,3 +161,18 @@ def test_why_names_targets_scores_and_facts():
 @pytest.mark.parametrize("prompt", ["red " * 500, "red 🚗 car", "<b>red</b> car", "red car\u202e"])
 def test_odd_prompts_are_read(prompt):
     assert any(a.color for a in parse(prompt, GARAGE, shipped_vocabulary()).attributes)
+
+
+def test_a_prompt_is_read_alike_in_every_process():
+    """Python orders sets anew in each process: what is likely must not depend on it."""
+    told = {
+        subprocess.run(
+            [sys.executable, "-c", _READS],
+            env={**os.environ, "PYTHONHASHSEED": seed},
+            capture_output=True,
+            check=True,
+        ).stdout
+        for seed in ("1", "2", "3")
+    }
+    assert len(told) == 1
+    assert told.pop().strip()

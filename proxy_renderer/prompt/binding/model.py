@@ -26,7 +26,7 @@ def scores(pairs: Sequence[TargetPair], weights: Mapping[str, float]) -> list[fl
         pairs: All of one look word.
         weights: By feature.
     """
-    raw = [sum(weights.get(name, 0.0) for name in {*pair.features}) for pair in pairs]
+    raw = [sum(weights.get(name, 0.0) for name in pair.features) for pair in pairs]
     most = max(raw)
     whole = most + math.log(sum(math.exp(r - most) for r in raw))
     return [r - whole for r in raw]

@@ -26,7 +26,7 @@ class TargetPair:
         look: The look word.
         target: What it may describe.
         becoming: What it would be there.
-        features: What can be said of the two.
+        features: What can be said of the two, each once, in order: sums are the same in every process.
         names_itself: The look word is in the noun that names the target: "sunlight".
         directs: It says where the light comes from that it describes.
     """
@@ -79,7 +79,7 @@ def reading(text: str, words: SceneWords, vocabulary: Vocabulary) -> PromptPairs
                     look,
                     t,
                     b,
-                    tuple(facts.of(look, t, b)),
+                    tuple(sorted({*facts.of(look, t, b)})),
                     names_itself=t.mention >= 0 and nouns[t.mention].covers(look.index),
                     directs=_directs(b, vocabulary),
                 )

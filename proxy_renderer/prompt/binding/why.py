@@ -32,6 +32,8 @@ def _targets(pairs: list[TargetPair], chosen: TargetPair, weights: Mapping[str, 
     shown = ranked[:_TARGETS] + [each for each in ranked[_TARGETS:] if each[1] is chosen]
     for score, pair in shown:
         arrow = "→" if pair is chosen else " "
-        facts = sorted({*pair.features} & weights.keys(), key=lambda name: -abs(weights[name]))[:_FACTS]
+        facts = sorted(filter(weights.__contains__, pair.features), key=lambda name: -abs(weights[name]))[
+            :_FACTS
+        ]
         said = ", ".join(f"{name} {weights[name]:+.1f}" for name in facts)
         yield f"   {arrow} {math.exp(score):4.0%}  {pair.target}  ({said})"

@@ -113,7 +113,7 @@ class SceneIndex:
         for source, names in sources:
             ways = fits(names)
             surest = best(ways.values())
-            for way in {*ways.values()}:
+            for way in dict.fromkeys(ways.values()):  # in an order that is the same in every process
                 chosen = [name for name, its in ways.items() if its == way]
                 self._add_worn(source, way, chosen, *(() if way == surest else ("less sure",)), add=add)
             sure = [name for name, way in ways.items() if FITS.index(way) <= _SURE]
@@ -129,7 +129,7 @@ class SceneIndex:
         self._add_split(worn, sign, "whole", *signs, add=add)
         in_parts = not self._worn_by_limbs.isdisjoint(worn)  # limbs look like their whole
         if len({*worn}) <= _MOST_ALONE and not in_parts:
-            for name in {*worn}:
+            for name in dict.fromkeys(worn):
                 add("things", [name], sign, "alone", *signs)
         if source != "material":
             add("things", [m for m in worn if not is_detail(m)], sign, "without details", *signs)
@@ -140,7 +140,7 @@ class SceneIndex:
     def _add_split(self, names: list[str], *signs: str, add: Callable[..., None]) -> None:
         """Materials, and apart from each other those of subject and surroundings."""
         add("things", names, *signs)
-        for region in {self.words.materials.get(n) for n in names}:
+        for region in dict.fromkeys(self.words.materials.get(n) for n in names):
             mine = [n for n in names if self.words.materials.get(n) == region]
             if len(mine) < len(names):
                 add("things", mine, *signs, f"only {region}")

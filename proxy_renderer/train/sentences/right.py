@@ -56,7 +56,8 @@ def _unlabeled(
 ) -> list[bool]:
     """What is right for a word that needs no label: it says where a light comes from, or only names what it is ("sunlight").
 
-    A word that names a thing of the scene is no setting besides: "lake" of "lake emerald" where there is a lake.
+    A word that names a thing of the scene is no setting besides: "lake" of "lake emerald" where there is a lake. Other
+    settings may have been no look word yet when the sentence was labeled: neither reading of them is wrong.
     """
     if any(pair.directs for pair in pairs):
         lit = [t for word in sentence.words for t in word.targets if t.kind in ("lights", "light", *ROLES)]
@@ -65,7 +66,13 @@ def _unlabeled(
     may_be = [kind for kind in _NAMED if not (a_thing and kind == "surroundings")]
     themselves = [pair.names_itself and pair.target.kind in may_be for pair in pairs]
     known = any(t and pair.target.names for t, pair in zip(themselves, pairs, strict=True))
-    return [t or (known and r) for t, r in zip(themselves, right, strict=True)] if any(themselves) else right
+    if any(themselves):
+        return [t or (known and r) for t, r in zip(themselves, right, strict=True)]
+    around = [
+        not a_thing and pair.becoming.slot == "setting" and pair.target.kind == "surroundings"
+        for pair in pairs
+    ]
+    return [r or a for r, a in zip(right, around, strict=True)]
 
 
 def _covers(word: LookWord, place: tuple[int, int] | None) -> bool:
