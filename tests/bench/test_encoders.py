@@ -5,7 +5,7 @@ import logging
 
 import pytest
 
-from proxy_renderer.bench import encoders
+from proxy_renderer.bench.speed import encoders
 
 
 @pytest.mark.slow
