@@ -36,7 +36,7 @@ def chosen(priorities, slopes, misses, k=8, gains=None, high=1.0, sharing=True):
     model = LinearModel(here, rows, rest, torch.diag(torch.zeros_like(rest)), 1.0)
     parts = {name: slice(i, i + 1) for i, name in enumerate(names)}
     low, up = torch.zeros_like(rest), torch.full_like(rest, high)
-    return choose(plan, k, model, parts, low, up, sharing)
+    return choose(plan, k, model, parts, low, up, sharing=sharing)
 
 
 def test_the_most_important_come_first_where_nothing_tells_them_apart():

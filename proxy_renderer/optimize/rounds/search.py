@@ -78,6 +78,7 @@ class Confined:
         lower: (N,) lower corner of the feasible box in u.
         upper: (N,) upper corner.
         u: (N,) the point, projected into the box.
+        opening: By how much ranges are wider than the plan's, since claims are missed; 0 in the first round.
     """
 
     advice: Advice
@@ -86,6 +87,7 @@ class Confined:
     lower: Tensor
     upper: Tensor
     u: Tensor
+    opening: float = 0.0
 
 
 class Search:
@@ -230,7 +232,7 @@ class Search:
         lower, upper = around(u, lower, upper, reach)
         for shot in self.shots[1:]:
             shot.take(plan)
-        return Confined(advice, plan, ranges, lower, upper, project(u, lower, upper))
+        return Confined(advice, plan, ranges, lower, upper, project(u, lower, upper), opening)
 
     def _opens(self, key: str, entry: PlanEntry) -> bool:
         """Whether a range may open while claims are missed: one that words name, but no finish, which is what its word says."""
@@ -292,7 +294,15 @@ class Search:
             shots: Those that judge; all if there are none.
         """
         return select(
-            now.plan, self.vector, shots or self.shots, u, now.lower, now.upper, self.options, self.weights
+            now.plan,
+            self.vector,
+            shots or self.shots,
+            u,
+            now.lower,
+            now.upper,
+            self.options,
+            self.weights,
+            now.opening,
         )
 
     def descend(self, now: Confined, chosen: Selection) -> Descent:

@@ -26,8 +26,9 @@ from ..objective import RoundObjective
 from ..shots import ShotState
 from ..vector import ParameterVector
 
-_HALF = 1.5
-"""Places in the order of priorities that half the gain costs."""
+_HALF, _MISSED = 1.5, 3.0
+"""Places in the order of priorities that half the gain costs, and how many more where claims are missed for long: what words
+name goes first, but what it cannot earn is left to what can."""
 
 _FAINTEST = 2.0**-20
 
@@ -71,6 +72,7 @@ def select(
     upper: Tensor,
     options: Options,
     weights: Weights,
+    opening: float = 0.0,
 ) -> Selection:
     """S_K (equation 7): the K parameters that receive gradients; for the baseline all that can move.
 
@@ -83,6 +85,7 @@ def select(
         upper: (N,) upper corner.
         options: K is `top_k`.
         weights: Of the loss.
+        opening: In [0, 1]: for how long claims have been missed, see `search.Confined`.
 
     Raises:
         VibeError: Nothing that the words name may change.
@@ -105,7 +108,8 @@ def select(
     if options.baseline:
         return Selection(sorted(relevant), objective)
     model, parts, low, high = _probe(objective, vector, probed, u, lower, upper)
-    keys, shared = choose(plan, options.top_k, model, parts, low, high, "sharing" not in options.leave_out)
+    half, sharing = _HALF + _MISSED * opening, "sharing" not in options.leave_out
+    keys, shared = choose(plan, options.top_k, model, parts, low, high, half, sharing)
     mine = torch.zeros(len(low), dtype=torch.bool)
     for key in keys:
         mine[parts[key]] = True
@@ -119,11 +123,12 @@ def choose(
     parts: Mapping[str, slice],
     low: Tensor,
     high: Tensor,
+    half: float = _HALF,
     sharing: bool = True,
 ) -> tuple[list[str], dict[str, str]]:
     """The K most important parameters, refined by how much each can still lower the loss beside those before it.
 
-    Half the gain costs one and a half places: a parameter at the right end of its range, or one that the loss does not
+    Half the gain costs some places: a parameter at the right end of its range, or one that the loss does not
     depend on, makes room for one that still helps.
 
     Args:
@@ -133,6 +138,7 @@ def choose(
         parts: Key -> its components in the model.
         low: (n,) least that each component may be moved.
         high: (n,) most.
+        half: Places in the order of priorities that half the gain costs.
         sharing: Whether parameters that do the same as a chosen one are held.
 
     Returns:
@@ -147,7 +153,7 @@ def choose(
 
     def rank(key: str) -> tuple[float, str]:
         share = gains[key] / most if most > 0.0 else 1.0
-        return (plan[key].priority or 0) - _HALF * math.log2(max(share, _FAINTEST)), key
+        return (plan[key].priority or 0) - half * math.log2(max(share, _FAINTEST)), key
 
     while left and len(keys) < k:
         keys.append(best := min(left, key=rank))
