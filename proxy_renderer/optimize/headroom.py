@@ -1,14 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How low and how high lamps may go before a floor or a ceiling keeps their light from the subject."""
+"""How far lamps may go, and how large they may get, before they stand in a floor, a ceiling or a wall."""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
+import torch
+from torch import Tensor
 
-from ..render.lights.types import light_type
+from ..render.geometry.visibility import RayGeometry
+from ..render.lights.types import light_sources, light_type
+from ..render.lights.types.area import AreaLight
+from ..render.lights.types.light_source import LightSource
 from ..scene import Light, SceneData
+from ..scene.values import RenderValues
 
 _KEPT = 0.8  # share of the way to a floor or ceiling that a lamp may go: it has a size
 _FLAT = 1e-12  # twice the area, seen from above, below which a triangle is a wall
@@ -23,6 +29,38 @@ def elevations(scene: SceneData) -> dict[str, tuple[float, float]]:
         if limits != (-90.0, 90.0):
             ranges[light.name] = limits
     return ranges
+
+
+@torch.no_grad()
+def sizes(scene: SceneData, geometry: RayGeometry) -> dict[str, float]:
+    """Key of a lamp's size -> the size at which it meets a surface, meters; no less than it has.
+
+    Args:
+        scene: Its lamps are looked at where they stand.
+        geometry: The surfaces.
+    """
+    widest: dict[str, float] = {}
+    for lamp in light_sources(scene, RenderValues(scene, {}, geometry.device)):
+        key = f"light/{lamp.light.name}/size"
+        if lamp.at_infinity or key not in scene.instances:
+            continue
+        arms = _arms(lamp)
+        length = arms.norm(dim=0)
+        origin = lamp.position[:, None].expand_as(arms)
+        free = geometry.nearest(origin, arms / length, "shadow").distance
+        growth = max(float((_KEPT * free / length).min()), 1.0)
+        widest[key] = min(widest.get(key, math.inf), growth * scene.value(key)[0])
+    return widest
+
+
+def _arms(lamp: LightSource) -> Tensor:
+    """(3, n) from the middle of a lamp to its outline."""
+    if isinstance(lamp, AreaLight):
+        u, v = lamp.half_axes()
+        half = torch.cat((u, v, u + v, u - v), 1)
+    else:
+        half = torch.eye(3, device=lamp.position.device) * lamp.size
+    return torch.cat((half, -half), 1)
 
 
 def _limits(

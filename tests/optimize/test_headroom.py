@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Lamps stay above the floor and below the ceiling that they shine between."""
+"""Lamps stay above the floor and below the ceiling that they shine between, and do not grow through them."""
 
 import math
 from dataclasses import replace
@@ -7,9 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from plan_parts import CONTEXT, make_plan
+from tiny_job import KEY_LIGHT, write_job
 
 from proxy_renderer.bench.scenes import balls
-from proxy_renderer.optimize.headroom import elevations
+from proxy_renderer.optimize.headroom import elevations, sizes
+from proxy_renderer.render.proxy import Proxy
+from proxy_renderer.scene import load_scene
 
 FLOOR, CEILING, FAR = 1.0, 2.0, 4.0
 
@@ -60,3 +63,12 @@ def test_light_from_below_stays_above_the_floor():
     assert make_plan("lit from below")["light/Key/elevation"].upper[0] < -12.0
     entry = make_plan("lit from below", context=limited)["light/Key/elevation"]
     assert entry.lower[0] == pytest.approx(-12.0)
+
+
+@pytest.mark.parametrize("size", [KEY_LIGHT["size"], 9.0])
+def test_a_lamp_grows_until_its_lower_edge_is_near_the_floor_and_never_shrinks(tmp_path, size):
+    scene = load_scene(write_job(tmp_path / "job", **{"light/Key/size": [size]}))
+    tilt = math.radians(KEY_LIGHT["elevation"])
+    height = scene.pivot[2] + KEY_LIGHT["distance"] * math.sin(tilt)
+    widest = sizes(scene, Proxy(scene, (16, 12)).geometry)
+    assert widest == {"light/Key/size": pytest.approx(max(0.8 * 2 * height / math.cos(tilt), size), rel=1e-3)}

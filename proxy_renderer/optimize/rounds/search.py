@@ -24,7 +24,7 @@ from ...render.proxy import Proxy, Render
 from ...scene import SceneData
 from ...schema import Values, VibeError
 from ...schema.messages import Options
-from .. import context
+from .. import context, headroom
 from ..baseline import plan_everything, step_settings
 from ..inner.adam import descend
 from ..inner.descent import Descent
@@ -127,6 +127,7 @@ class Search:
             return Proxy(scene, size, device=str(encoder.device), seed=options.seed)
 
         self.vector, self.shots = gathered(views, options, proxy)
+        self._widest = self._sizes()
         words = context.scene_words(*(view.scene for view in views))
         offline = OfflineAdvisor(prompt, words)
         self.offline, self.advisor = (
@@ -218,21 +219,38 @@ class Search:
         if self.options.baseline:
             plan = plan_everything(self.vector.instances, self.options.baseline)
         self._judge_by(advice, u)
-        ranges = feasible_ranges(plan, self.vector.instances, self.vector.values(u))
+        ranges = self._ranges(plan, u, opening)
         lower, upper = self.vector.bounds(ranges)
-        if opening:
-            named = [key for key, entry in plan.items() if self._opens(key, entry)]
-            lower, upper = opened(lower, upper, self.vector.mark(named), opening)
-            measured = self.vector.mark(key for key in named if self._is_measured(key))
-            lower, upper = lower.masked_fill(measured, 0.0), upper.masked_fill(measured, 1.0)
-            low, high = self.vector.plain(lower), self.vector.plain(upper)
-            ranges |= {key: (low[key], high[key]) for key in named}
         if start and start.drawn is not None:
             lower, upper = starts.corral(start.u, lower, upper, start.drawn)
         lower, upper = around(u, lower, upper, reach)
         for shot in self.shots[1:]:
             shot.take(plan)
         return Confined(advice, plan, ranges, lower, upper, project(u, lower, upper), opening)
+
+    def _ranges(self, plan: Plan, u: Tensor, opening: float) -> dict[str, tuple[Values, Values]]:
+        """The plan's ranges at u (N,), those that words name opened; lamps stay so small that they touch nothing."""
+        ranges = feasible_ranges(plan, self.vector.instances, self.vector.values(u))
+        if opening:
+            named = [key for key, entry in plan.items() if self._opens(key, entry)]
+            lower, upper = opened(*self.vector.bounds(ranges), self.vector.mark(named), opening)
+            measured = self.vector.mark(key for key in named if self._is_measured(key))
+            low = self.vector.plain(lower.masked_fill(measured, 0.0))
+            high = self.vector.plain(upper.masked_fill(measured, 1.0))
+            ranges |= {key: (low[key], high[key]) for key in named}
+        for key, widest in self._widest.items():
+            low_end, high_end = ((min(end[0], widest),) for end in ranges[key])
+            ranges[key] = low_end, high_end
+        return ranges
+
+    def _sizes(self) -> dict[str, float]:
+        """Key of a lamp's size -> the most that it may be in any shot."""
+        widest: dict[str, float] = {}
+        for shot in self.shots:
+            for own, size in headroom.sizes(shot.scene, shot.proxy.geometry).items():
+                key = shot.names[own]
+                widest[key] = min(widest.get(key, size), size)
+        return widest
 
     def _opens(self, key: str, entry: PlanEntry) -> bool:
         """Whether a range may open while claims are missed: one that words name, but no finish, which is what its word says."""
