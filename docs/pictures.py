@@ -6,7 +6,7 @@ python docs/pictures.py [FOLDER]     FOLDER is the commands' `out`
 demo.jpg       vibe demo --out out/demo
 dolphin.jpg    vibe run dolphin.obj --prompt "Glossy teal dolphin, white studio background." --out out/dolphin
 tree.jpg       vibe run tree.obj --prompt "Misty tree silhouette, cool blue fog, vignette." --out out/tree
-like.jpg       vibe demo --like flower.jpg --out out/like, flower.jpg being sklearn.datasets.load_sample_images()
+like.jpg       vibe demo --like coffee.png --out out/like, coffee.png being skimage.data.coffee()
 fidelity.jpg   vibe bench fidelity --out out/fidelity
 sealed.jpg     vibe bench sealed --out out/sealed
 results/       results.json of out/sealed, out/ladder and out/materials
