@@ -141,12 +141,20 @@ class Claim:
         lower, upper = (value.new_tensor(end) / notice for end in self.interval(before))
         return value / notice, lower, upper
 
-    def aim(self, value: Tensor, before: Tensor | None) -> tuple[Tensor, Tensor, Tensor]:
-        """As `in_steps`, by weight, with ends that lie inside of what holds: what values are sought for."""
-        return self.weight * value / MEASURES[self.measure].notice, *self.sought(value, before)
+    def aim(
+        self, value: Tensor, before: Tensor | None, ends: tuple[Tensor, Tensor] | None = None
+    ) -> tuple[Tensor, Tensor, Tensor]:
+        """As `in_steps`, by weight, with ends that lie inside of what holds: what values are sought for.
 
-    def sought(self, like: Tensor, before: Tensor | None) -> tuple[Tensor, Tensor]:
-        """The ends of `aim`, of the type of a value (n,) and whatever that is."""
+        Args:
+            value: (n,) what a picture has.
+            before: What the artist's had.
+            ends: As it has returned them before: they are the same for every value of a type.
+        """
+        lower, upper = ends or self._sought(value.detach(), before)
+        return self.weight * value / MEASURES[self.measure].notice, lower, upper
+
+    def _sought(self, like: Tensor, before: Tensor | None) -> tuple[Tensor, Tensor]:
         _, lower, upper = self.in_steps(like, before)
         most = math.inf if self.measure == "color" else _MARGIN if self.word else 0.0
         inward = (_INSIDE * (upper - lower) / 2).clamp_max(most)
@@ -211,7 +219,7 @@ class ClaimSet:
         return RegionMeans(plain) if len(plain) > _MANY else None
 
     @cached_property
-    def _sought(self) -> dict[tuple[int, torch.dtype, torch.device], tuple[Tensor, Tensor]]:
+    def _ends(self) -> dict[tuple[int, torch.dtype, torch.device], tuple[Tensor, Tensor]]:
         """Ends of `Claim.aim`, by the claim's place and the value's type: they are the same for every picture."""
         return {}
 
@@ -221,15 +229,15 @@ class ClaimSet:
         Returns:
             Each (n,), in steps that people notice; the values are differentiable in the picture.
         """
-        rows = enumerate(zip(self.claims, self.values(picture), self.before, strict=True))
         found = []
-        for i, (claim, value, before) in rows:
-            if value is None:
-                continue
-            kind = i, value.dtype, value.device
-            if kind not in self._sought:
-                self._sought[kind] = claim.sought(value.detach(), before)
-            found.append((claim.weight * value / MEASURES[claim.measure].notice, *self._sought[kind]))
+        for i, (claim, value, before) in enumerate(
+            zip(self.claims, self.values(picture), self.before, strict=True)
+        ):
+            if value is not None:
+                kind = i, value.dtype, value.device
+                aim = claim.aim(value, before, self._ends.get(kind))
+                self._ends[kind] = aim[1:]
+                found.append(aim)
         return found
 
     def residuals(self, picture: MeasuredPicture) -> list[Tensor]:

@@ -24,8 +24,10 @@ def milliseconds() -> dict[str, float]:
 
     embedded = load_encoder(None, "cpu")
     logging.disable(logging.WARNING)  # that the weights are random
-    paper = open_clip.create_model(_PAPER, pretrained=None).eval().requires_grad_(False)
-    logging.disable(logging.NOTSET)
+    try:
+        paper = open_clip.create_model(_PAPER, pretrained=None).eval().requires_grad_(False)
+    finally:
+        logging.disable(logging.NOTSET)
     side = paper.visual.image_size
     return {
         "embedded": _step(embedded.encode_images, embedded.size),

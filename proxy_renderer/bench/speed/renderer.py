@@ -50,7 +50,8 @@ def run(out: Path, mitsuba: bool = False) -> dict[str, Any]:
         chooses, of one material, one light, the world and the film; `..._eight_materials` the same of eight
         materials and four lights; `..._fog` these under a picture of the sky with a sun, in fog, and
         `..._fog_density` with the fog learned too; `..._everything` learns all that does not move, at once; then steps
-        with a light or the camera moving before each, and steps for few and for many triangles; `encoder_ms` is what guidance by an encoder adds to a step.
+        with a light or the camera moving before each, and steps for few and for many triangles; `encoder_ms` is what guidance by
+        an encoder adds to a step.
     """
     if mitsuba:
         mitsuba_comparison.require()

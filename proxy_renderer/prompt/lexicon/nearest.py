@@ -30,9 +30,6 @@ _ENDINGS = (
 )  # fmt: skip
 _DENIALS, _LACK = ("non", "anti", "un"), "less"
 _SAME_SORT = 0.45  # cosine of two things that may stand for each other
-_PLACE = (
-    0.5  # cosine of a place with one that the vocabulary knows, and more than with any thing that is none
-)
 _SHORTEST = 4  # letters of a stem
 
 
@@ -199,7 +196,6 @@ class Nearest:
         known = [(w, e, self._table.vector(w)) for w, e in vocabulary.synonyms.items()]
         self._known = [(word, entry) for word, entry, vector in known if vector is not None]
         self._places = np.stack([vector for _, _, vector in known if vector is not None])
-        self._vocabulary = vocabulary
 
     def guess(self, word: str) -> Guess | None:
         """The entry that a word is nearest to; None for words that say nothing about looks."""
@@ -227,32 +223,6 @@ class Nearest:
         first = next(i for i in best if self._known[i][1] == entry)
         agreement = votes[entry] / sum(votes.values())
         return entry, self._known[first][0], float(likeness[first]) * (0.5 + 0.5 * agreement)
-
-    def place(self, word: str, things: Iterable[str]) -> Guess | None:
-        """The setting of the same sort as an unknown place: a casino is one like a tavern; None for what is no place.
-
-        Args:
-            word: Of a prompt, where it says what is all around.
-            things: Names of things, of which those that are no setting tell what is no place.
-        """
-        import numpy as np
-
-        own = self._table.sort(word)
-        if own is None:
-            return None
-        entries = self._vocabulary.entries
-        named = {w: e for w, e in self._vocabulary.synonyms.items() if entries[e].slot == "setting"}
-        around = {w for w, kind in self._vocabulary.nouns.items() if kind == "surroundings"}
-        places = {w: v for w in named if " " not in w and (v := self._table.sort(w)) is not None}
-        others = [
-            v for w in things if w not in named and w not in around and (v := self._table.sort(w)) is not None
-        ]
-        likeness = {w: float(v @ own) for w, v in places.items()}
-        near = max(likeness, key=likeness.__getitem__)
-        least = max(_PLACE, float((np.stack(others) @ own).max()))
-        if likeness[near] < least:
-            return None
-        return Guess(named[near], near, round(likeness[near], 2), place=True)
 
     def choices(self, word: str, count: int) -> list[str]:
         """Known words that a word may be taken for, each of another entry, the nearest first; none where it has no vector."""
