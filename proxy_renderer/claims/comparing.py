@@ -19,7 +19,7 @@ def compares(attribute: Attribute, all_of_them: Sequence[Attribute], vocabulary:
     """
     if not attribute.cause:
         return any(_is_comparative(word, vocabulary) for word in _english(attribute).split())
-    moods = [a for a in all_of_them if not a.cause and attribute.cause in (a.entry, *a.word.split())]
+    moods = [a for a in all_of_them if not a.cause and attribute.cause == a.word]
     return any(compares(mood, (), vocabulary) for mood in moods)
 
 

@@ -73,7 +73,7 @@ class Attribute:
         role: The lights that are meant: "key", "fill", "rim" or "others"; "" for light in general.
         color: The named color, sRGB in [0, 1]; None unless the slot is "color".
         thing: What the prompt calls the thing that it describes: "teapot", "wall", "key light".
-        cause: The mood or style word that stands for this one; "" when the prompt says it itself.
+        cause: The mood or style word that stands for this one, as the prompt says it; "" when the prompt says this one itself.
         guess: Not a known word, but this is the nearest one.
         shades: How a material's own color is changed ("dark oak"): arguments of `color.shade`, one after the other.
         lights: Names of the lights that are meant, where the words single them out; of a glow "material/NAME".

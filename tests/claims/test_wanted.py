@@ -161,8 +161,8 @@ def test_a_material_has_its_color_or_not_but_light_may_be_a_change() -> None:
     assert blue.change
 
 
-def test_what_a_mood_means_is_claimed_in_its_name() -> None:
-    assert {c.word for c in claims("cozy")} == {"cosy"}
+def test_what_a_mood_means_is_claimed_in_the_words_of_the_prompt() -> None:
+    assert {c.word for c in claims("very cozy")} == {"very cozy"}
 
 
 def test_no_claims_its_opposite_and_no_color_claims_nothing() -> None:

@@ -109,7 +109,8 @@ class PromptReader:
         )
         if known and known.means and not word.negated:
             for part in stands_for(entry, self.vocabulary):
-                yield replace(part, strength=part.strength * word.strength, guess=bool(word.token.guess))
+                strength = part.strength * word.strength
+                yield replace(part, cause=word.text, strength=strength, guess=bool(word.token.guess))
 
     def _note_guess(self, pair: TargetPair, parsed: Parsed) -> None:
         token = pair.look.word.token
