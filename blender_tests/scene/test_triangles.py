@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Triangles of copies of a mesh: many at once are what each is alone."""
 
+from types import SimpleNamespace
+
+import bpy
 import numpy as np
 import pytest
+from vibe_render.scene.geometry import meshes
 from vibe_render.scene.geometry.triangles import PlacedMesh, SourceMesh, assembled
 
 TURN = np.array([[0.0, -1.0, 0.0, 2.0], [1.0, 0.0, 0.0, 0.5], [0.0, 0.0, 1.5, -1.0], [0.0, 0.0, 0.0, 1.0]])
@@ -62,3 +66,18 @@ def test_a_mirrored_copy_is_seen_from_outside(mesh):
         a, b, c = scene.vertices[scene.faces].transpose(1, 0, 2)
         middle = scene.vertices.mean(0)
         assert (np.einsum("fi,fi->f", np.cross(b - a, c - a), a - middle) > 0).all()
+
+
+def test_a_layer_that_a_file_names_and_has_lost_reads_as_zeros():
+    lost = meshes.array((), "vector", (3, 2), np.float32)
+    assert lost.shape == (3, 2)
+    assert not lost.any()
+
+
+def test_corners_of_a_mesh_whose_attributes_a_file_does_not_list_are_read_all_the_same():
+    mesh = bpy.data.meshes.new("Pyramid")
+    mesh.from_pydata([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [], [(0, 1, 2), (1, 3, 2)])
+    unlisted = SimpleNamespace(attributes={})
+    for each in (mesh, unlisted):
+        corners = meshes.attribute(each, ".corner_vert", mesh.loops, "vertex_index")
+        assert corners.tolist() == [0, 1, 2, 1, 3, 2]

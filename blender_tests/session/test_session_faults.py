@@ -13,6 +13,8 @@ from vibe_render.render import final_render
 from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.color.differences import mean_difference
+from proxy_renderer.optimize.context import scene_words
+from proxy_renderer.prompt.mentions.scene import SceneIndex
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import SceneData, load_scene
 from proxy_renderer.schema import VibeError
@@ -41,7 +43,16 @@ def render(scene: SceneData, size: tuple[int, int]) -> torch.Tensor:
 @pytest.mark.parametrize(
     "name",
     few_of(
-        FAULTS, {"no_lights", "nan_texture", "zero_scale", "geometry_nodes", "broken_texture", "shape_keys"}
+        FAULTS,
+        {
+            "glow_in_an_unused_slot",
+            "no_lights",
+            "nan_texture",
+            "zero_scale",
+            "geometry_nodes",
+            "broken_texture",
+            "shape_keys",
+        },
     ),
 )
 def test_fault(scene, tmp_path, name):
@@ -53,6 +64,7 @@ def test_fault(scene, tmp_path, name):
     assert fault.warns or fault.near is None or not warnings
     longest = max(scene.render.resolution_x, scene.render.resolution_y)
     size = scene.render.resolution_x, scene.render.resolution_y
+    SceneIndex(scene_words(read)).named(("lamp",))  # what a prompt may name can be looked up
     picture = render(read, size)
     if fault.near is not None:
         final_render.render(scene, tmp_path / "cycles.png", longest, SAMPLES)

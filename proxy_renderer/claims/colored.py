@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 from ..color.floats import chroma, lab_from_srgb, oklab_from_srgb, srgb_from_hex, srgb_from_lab
@@ -45,8 +45,8 @@ _DROWNED, _LEAST_DROWNED = 0.5, 25.0
 
 _TONED = {"shadow": "shadow_warmth", "highlight": "highlight_warmth"}
 """Kinds of things whose color is a warmth of the picture's darks or lights -> its measure."""
-_WARM = (4.0, 4.0)
-"""How warm or cold they are, or by how much more than before; b*."""
+_WARM = (4.0, 4.0, 22.0)
+"""How warm or cold they are, or by how much more than before, and where there is too much of it; b*."""
 
 _LIGHTING = ("light", "fill", "rim", "ambience", "tone")
 """Kinds of things whose color is a tint of the picture."""
@@ -95,10 +95,10 @@ def _of_gray_air(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
 
 def _toned(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
     """ "Orange highlights": warm ones; nothing for a color that is neither warm nor cold."""
-    warmth, (least, change) = lab_from_srgb(srgb)[2], _WARM
+    warmth, (least, change, most) = lab_from_srgb(srgb)[2], _WARM
     if abs(warmth) >= _COLORED:
         sign = math.copysign(1.0, warmth)
-        ends = ((least,), (math.inf,)) if sign > 0 else ((-math.inf,), (-least,))
+        ends = ((least,), (most,)) if sign > 0 else ((-most,), (-least,))
         measure = _TONED[attribute.kind]
         yield Claim(attribute.word, "picture", measure, "picture", *ends, change=sign * change)
 
@@ -144,23 +144,31 @@ def in_the_dark(claim: Claim, darkest: float) -> Claim:
     )
 
 
-def of_matter(attribute: Attribute, vocabulary: Vocabulary) -> Iterator[Claim]:
-    """A material with a color of its own, as gold has: the thing is tinted by it."""
-    entry = vocabulary.entries[attribute.entry]
-    part = part_of(attribute)
+def of_matter(attribute: Attribute, beside: Iterable[Attribute], vocabulary: Vocabulary) -> Iterator[Claim]:
+    """A material with a color of its own, as gold has: the thing is tinted by it.
+
+    Args:
+        attribute: Names a material.
+        beside: All of the prompt: a color that is named for the same thing is the color of what may have any, as leather.
+        vocabulary: Knows the material.
+    """
+    entry, part = vocabulary.entries[attribute.entry], part_of(attribute)
     if entry.slot != "material" or part == "picture":
         return
+    painted = any(_paints(other, attribute) for other in beside)
     for effect in entry.effects:
-        if (
-            effect.family == "material/tint"
-            and effect.mode == "color"
-            and not effect.weak
-            and effect.color[0] == "#"
-        ):
-            own = srgb_from_hex(effect.color)
-            claims = tinted(attribute.word, attribute.thing or part, part, own, attribute.owners)
+        own = effect.family == "material/tint" and effect.mode == "color" and effect.color[0] == "#"
+        if own and not (effect.weak and painted):
+            srgb = srgb_from_hex(effect.color)
+            claims = tinted(attribute.word, attribute.thing or part, part, srgb, attribute.owners)
             # Gold that is blue is none, however much less blue than before.
             yield from (replace(claim, change=None) for claim in claims)
+
+
+def _paints(color: Attribute, matter: Attribute) -> bool:
+    """Whether one of two attributes is the color of what the other says is the material."""
+    same = not (color.owners and matter.owners) or not {*color.owners}.isdisjoint(matter.owners)
+    return color.color is not None and not color.negated and color.region == matter.region and same
 
 
 def tinted(

@@ -14,11 +14,17 @@ from ..schema import Values
 from .claim import Claim
 from .colored import as_accent
 
+USUAL = ("atmosphere", "setting")
+"""Slots of words that say only what is usual of other measures than their own: the later, the less."""
+
 _OPPOSED = 0.5
 """Cosine between a tint and the other direction, from where a picture cannot have both."""
 
 _LIT, _STILL = 44.0, 0.7
 """L* of a picture in colored light at least, and the share of the color's own lightness that is enough for dark colors."""
+
+_MUTED = 0.7
+"""Share of a named color's chroma that a picture keeps in which colors are muted."""
 
 _COLORED = ("warmth", "tint", "accent", "chroma")
 """Measures of what lies around that a color word for it fixes."""
@@ -29,6 +35,28 @@ def parted(said: list[tuple[Attribute, tuple[Claim, ...]]]) -> list[tuple[Attrib
     tints = [c for a, row in said if a.color for c in row if (c.part, c.measure) == ("picture", "tint")]
     apart = [c for c in tints if any(_against(c, other.direction) for other in tints)]
     return [(a, tuple(as_accent(c) if c in apart else c for c in row)) for a, row in said]
+
+
+def beside_painted(claim: Claim, attribute: Attribute, colors: Sequence[Claim]) -> Claim:
+    """A claim about the whole picture as far as the colors leave it that words name for what fills it.
+
+    Muted colors are still colors, and a gallery with a dark backdrop is no light picture, though galleries are.
+
+    Args:
+        claim: Of a word.
+        attribute: The word.
+        colors: Claims of color words.
+    """
+    named = [lab_from_srgb(c.color) for c in colors if c.measure == "color" and c.color and not c.materials]
+    if claim.part != "picture" or not named:
+        return claim
+    if claim.measure == "chroma":
+        kept = _MUTED * max(math.hypot(a, b) for _, a, b in named)
+        return replace(claim, upper=(max(claim.upper[0], kept),))
+    if claim.measure == "lightness" and attribute.slot in USUAL:
+        light = [lab[0] for lab in named]
+        return replace(claim, lower=(min(claim.lower[0], *light),), upper=(max(claim.upper[0], *light),))
+    return claim
 
 
 def lit(claim: Claim, colored: Sequence[Claim]) -> Claim:

@@ -18,7 +18,18 @@ from ..prompt.types import Attribute, Parsed
 from .claim import Claim
 from .colored import in_the_dark, of_color, of_matter, part_of
 from .comparing import compares
-from .conflicts import asks, gives_way, is_brightness, is_light, is_painted, lit, parted, still_light
+from .conflicts import (
+    USUAL,
+    asks,
+    beside_painted,
+    gives_way,
+    is_brightness,
+    is_light,
+    is_painted,
+    lit,
+    parted,
+    still_light,
+)
 from .measures.picture import Part
 from .notation import ClaimText, read_claim
 
@@ -34,9 +45,6 @@ _TIMELY = "light_temperature"
 _DIMMEST = 24.0
 """L* of the lightest parts of a subject in the dark, at least."""
 
-_USUAL = ("atmosphere", "setting")
-"""Slots of words that say only what is usual of other measures than their own: the later, the less."""
-
 
 def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
     """The claims of a prompt, and what holds of every picture: that its subject can be seen.
@@ -50,16 +58,16 @@ def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
     """
     words = [a for a in parsed.attributes if a not in parsed.overruled]
     said = parted([(a, tuple(_of_word(a, parsed, vocabulary))) for a in words])
+    said_colors = [
+        claim for attribute, row in said if attribute.color and not attribute.cause for claim in row
+    ]
     claims: dict[tuple[object, ...], Claim] = {}
     for attribute, row in sorted(said, key=lambda pair: _rank(*pair)):
         compared = compares(attribute, parsed.attributes, vocabulary)
         for claim in row:
             hue = () if claim.measure == "color" else claim.direction
             key = (claim.measure, claim.part, claim.materials, hue)
-            claims.setdefault(key, replace(claim, compares=compared))
-    said_colors = [
-        claim for attribute, row in said if attribute.color and not attribute.cause for claim in row
-    ]
+            claims.setdefault(key, replace(beside_painted(claim, attribute, said_colors), compares=compared))
     casts = [c for c in claims.values() if c.part == "picture" and asks(c)] + said_colors
     claims = {key: claim for key, claim in claims.items() if not gives_way(claim, said_colors, casts)}
     darkest = min((c.upper[0] for c in claims.values() if is_brightness(c)), default=math.inf)
@@ -76,7 +84,7 @@ def _rank(attribute: Attribute, claims: Sequence[Claim]) -> tuple[bool, int, int
     The prompt's own before what another one stands for, light before weather and that before a setting, and what is about
     nothing else before what has it among other things: dusk is cool, but not in the light of a warm lamp.
     """
-    usual = _USUAL.index(attribute.slot) + 1 if attribute.slot in _USUAL else 0
+    usual = USUAL.index(attribute.slot) + 1 if attribute.slot in USUAL else 0
     return bool(attribute.cause), usual, len({(c.measure, c.part) for c in claims})
 
 
@@ -89,7 +97,7 @@ def _of_word(attribute: Attribute, parsed: Parsed, vocabulary: Vocabulary) -> It
     entry = vocabulary.entries.get(attribute.entry)
     if entry and not attribute.negated:
         yield from (_bound(read_claim(text), attribute) for text in entry.claims)
-        yield from of_matter(attribute, vocabulary)
+        yield from of_matter(attribute, parsed.attributes, vocabulary)
     for head, value in heads_of(attribute, vocabulary).items():
         if attribute.owners or head == _TIMELY or parsed.targets.get(head) == value:
             yield from (_bound(text, attribute) for text in _of_heads().get((head, value), ()))

@@ -354,3 +354,28 @@ def test_the_colors_of_a_mood_are_claimed_in_its_name_and_opposed_ones_in_parts_
     assert {c.measure for c in lights} == {"accent"}
     assert {c.word for c in claims("vaporwave")} == {"vaporwave"}
     assert all(c.weight < 1 for c in lights)
+
+
+@pytest.mark.parametrize("matter", ["walnut", "leather", "green glass"])
+def test_a_material_with_a_color_of_its_own_is_tinted_by_it_unless_another_one_is_named(matter: str) -> None:
+    assert ("tint", "subject") in asked(f"a {matter} vase")
+    assert ("tint", "subject") not in asked("a concrete vase")
+    assert ("color", "subject") in asked("a blue leather vase")
+    assert ("tint", "subject") not in asked("a blue leather vase")
+    assert ("tint", "subject") in asked("a leather vase, blue background")
+
+
+def test_the_backdrop_that_is_named_says_how_light_a_place_is() -> None:
+    (usual,) = [c for c in claims("in a gallery") if c.measure == "lightness" and c.part == "picture"]
+    (beside,) = [
+        c
+        for c in claims("in a gallery, black background")
+        if c.measure == "lightness" and c.part == "picture"
+    ]
+    assert usual.lower[0] > 30.0 > beside.lower[0]
+
+
+def test_muted_colors_are_still_colors() -> None:
+    (alone,) = [c for c in claims("muted colors") if c.measure == "chroma"]
+    (beside,) = [c for c in claims("muted colors, crimson background") if c.measure == "chroma"]
+    assert beside.upper[0] > 2 * alone.upper[0]

@@ -110,7 +110,7 @@ def test_several_things_of_a_name_share_a_list_of_colors():
         "white": ("B",),
     }
     assert said("red balls, white background", scene) == {"red": ("A", "B", "C"), "white": ("surroundings",)}
-    assert said("red, white and black background", scene)["red"] == ("subject",)
+    assert said("red, white and black background", scene)["black"] == ("surroundings",)
 
 
 def test_colors_between_colors_are_mixed():

@@ -14,9 +14,9 @@ _MOST = 1.0  # a surface that glows all around gives white surfaces its own radi
 
 
 def glowing(scene: SceneData) -> list[str]:
-    """Names of the materials that emit light."""
-    lit = (i for i in scene.instances.values() if i.parameter.name == "emission" and i.value[0] > 0)
-    return list(dict.fromkeys(i.owner for i in lit))
+    """Names of the materials that emit light, without those that are in slots which no face has."""
+    lit = {i.owner for i in scene.instances.values() if i.parameter.name == "emission" and i.value[0] > 0}
+    return [material.name for material in scene.materials if material.name in lit]
 
 
 def glows(scene: SceneData) -> dict[str, Glow]:

@@ -95,9 +95,10 @@ class Things:
         return Thing(region, name, region, owners)
 
     def _is_all_around(self, pair: TargetPair, owners: tuple[str, ...]) -> bool:
-        """Whether "background" means the only wall of a scene: then it is all that lies around, the sky too."""
+        """Whether "background" means the only wall of a scene, or "the rest" all of them: then it is all that lies around, the sky too."""
+        by_kind = pair.target.kind == "others" or any(s.endswith("synonym") for s in pair.target.signs)
         around = {name for name, region in self.scene.materials.items() if region == "surroundings"}
-        return {*owners} == around and any(sign.endswith("synonym") for sign in pair.target.signs)
+        return by_kind and {*owners} == around
 
     def _rest(self, pair: TargetPair) -> frozenset[str]:
         """All materials that no word names otherwise, nor the prompt excepts; details only if nothing else is left."""

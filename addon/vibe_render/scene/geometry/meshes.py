@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import bpy
 import numpy as np
@@ -103,14 +104,15 @@ def _read(mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None], uv_of: U
     """Copies a mesh. It reads attributes as blocks of memory, a hundred times faster than loops and triangles."""
     mesh.calc_loop_triangles()
     count, corners = len(mesh.loop_triangles), len(mesh.loops)
-    polygon = _array(mesh.loop_triangle_polygons, "value", (count,), np.int32)
+    polygon = array(mesh.loop_triangle_polygons, "value", (count,), np.int32)
     # Blender shows faces whose slot does not exist in the last one.
-    slot = np.clip(_attribute(mesh, "material_index", (len(mesh.polygons),)), 0, len(slots) - 1)[polygon]
+    slot = attribute(mesh, "material_index", mesh.polygons, "material_index")
+    slot = np.clip(slot, 0, len(slots) - 1)[polygon]
     return SourceMesh(
-        vertices=_array(mesh.vertices, "co", (len(mesh.vertices), 3), np.float32),
-        corners=_attribute(mesh, ".corner_vert", (corners,)),
-        normals=_array(mesh.corner_normals, "vector", (corners, 3), np.float32),
-        triangles=_array(mesh.loop_triangles, "loops", (count, 3), np.int32),
+        vertices=array(mesh.vertices, "co", (len(mesh.vertices), 3), np.float32),
+        corners=attribute(mesh, ".corner_vert", mesh.loops, "vertex_index"),
+        normals=array(mesh.corner_normals, "vector", (corners, 3), np.float32),
+        triangles=array(mesh.loop_triangles, "loops", (count, 3), np.int32),
         slot=slot,
         solid=np.array([has_surface(m) for m in slots]),
         uvs=_uvs(mesh, slots, uv_of),
@@ -126,17 +128,19 @@ def _uvs(
     active = next((layer for layer in mesh.uv_layers if layer.active_render), mesh.uv_layers[0])
     wanted = [uv_of(material) if material else ("", np.eye(3)) for material in slots]
     layers = [mesh.uv_layers.get(name) or active for name, _ in wanted]
-    read = {each.name: _array(each.uv, "vector", (len(mesh.loops), 2), np.float32) for each in layers}
+    read = {each.name: array(each.uv, "vector", (len(mesh.loops), 2), np.float32) for each in layers}
     return [(read[each.name], matrix) for each, (_, matrix) in zip(layers, wanted, strict=True)]
 
 
-def _attribute(mesh: bpy.types.Mesh, name: str, shape: tuple[int, ...]) -> np.ndarray:
-    """Whole numbers of an attribute; zeros where the mesh has none of that name."""
+def attribute(mesh: bpy.types.Mesh, name: str, items: Any, same: str) -> np.ndarray:
+    """Whole numbers of an attribute, one for each item; by the items' own property where the mesh lists none of that name."""
     layer = mesh.attributes.get(name)
-    return _array(layer.data, "value", shape, np.int32) if layer else np.zeros(shape, np.int32)
+    return array(layer.data if layer else items, "value" if layer else same, (len(items),), np.int32)
 
 
-def _array(collection, attribute: str, shape: tuple[int, ...], kind: type) -> np.ndarray:
-    flat: np.ndarray = np.empty(int(np.prod(shape)), kind)
-    collection.foreach_get(attribute, flat)
+def array(collection, attribute: str, shape: tuple[int, ...], kind: type) -> np.ndarray:
+    """An attribute of all items of a collection of Blender's; zeros where the collection is empty."""
+    flat: np.ndarray = np.zeros(int(np.prod(shape)), kind)
+    if len(collection):  # some files name a layer, and have lost what was in it
+        collection.foreach_get(attribute, flat)
     return flat.reshape(shape)

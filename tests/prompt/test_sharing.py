@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Several looks of a subject that is made of several materials with names that say nothing."""
+
+import pytest
+
+from proxy_renderer.prompt.parser import parse
+from proxy_renderer.prompt.types import SceneWords
+
+PARTS = {"Cylinder": "M1", "Cube": "M2", "Torus": "M3"}
+SCENE = SceneWords(
+    objects=dict.fromkeys(PARTS, "subject") | {"Plane": "surroundings"},
+    materials=dict.fromkeys(PARTS.values(), "subject") | {"M4": "surroundings"},
+    object_materials={name: (worn,) for name, worn in PARTS.items()} | {"Plane": ("M4",)},
+    places={"Cylinder": (0.0, 0.5, 0.1), "Cube": (0.0, 0.5, 0.6), "Torus": (0.0, 0.5, 0.3)},
+)
+
+
+def owners(prompt: str, scene: SceneWords = SCENE) -> dict[str, tuple[str, ...]]:
+    return {a.word: a.owners for a in parse(prompt, scene).attributes if a.kind == "subject" and not a.cause}
+
+
+@pytest.mark.parametrize(
+    ("prompt", "meant"),
+    [
+        ("walnut and brushed steel", {"walnut": ("M2", "M1"), "brushed steel": ("M3",)}),
+        ("a lime green car with chrome wheels", {"lime green": ("M2", "M1"), "chrome": ("M3",)}),
+        (
+            "glossy walnut, brushed steel",
+            {"glossy": ("M2", "M1"), "walnut": ("M2", "M1"), "brushed steel": ("M3",)},
+        ),
+        ("glossy red leather", {"glossy": (), "red": (), "leather": ()}),
+        ("worn, scratched, walnut", {"worn": (), "scratched": (), "walnut": ()}),
+        (
+            "walnut, marble, gold and brushed steel",
+            {"walnut": (), "marble": (), "gold": (), "brushed steel": ()},
+        ),
+    ],
+)
+def test_each_look_has_materials_of_its_own_where_there_are_enough(prompt, meant):
+    assert owners(prompt) == meant
+
+
+def test_how_looks_are_shared_out_is_told():
+    told = parse("walnut and brushed steel", SCENE).conflicts
+    assert any("'walnut' is M2, M1" in text for text in told)
+
+
+def test_the_rest_of_a_scene_is_the_sky_too():
+    found = parse("a red machine, the rest is blue", SCENE).attributes
+    (rest,) = [a for a in found if a.word == "blue"]
+    assert (rest.kind, rest.owners) == ("surroundings", ())
