@@ -9,12 +9,13 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
+from ..planning.advice import understood
 from ..planning.explanation import as_dict, explain
 from ..planning.planner import plan
 from ..prompt.binding.reader import PromptReader
 from ..prompt.binding.why import why
 from ..prompt.lexicon.user_words import default_vocabulary
-from ..prompt.parser import parse, prepared
+from ..prompt.parser import prepared
 from ..prompt.prompts import compose
 from ..prompt.types import PlanContext, SceneWords
 from ..scene.plain import plain_instances
@@ -45,7 +46,7 @@ def account(
     words, instances, context = _read(prompt, scene, subject) if scene else _plain()
     if with_reasons:
         return _reasons(prompt, words)
-    parsed = parse(prompt, words)
+    parsed = understood(prompt, words, context)
     prompts = compose(parsed)
     decided = plan(parsed, prompts, instances, context)
     if as_json:

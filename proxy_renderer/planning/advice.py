@@ -60,10 +60,25 @@ class OfflineAdvisor:
 
     def advise(self, display: Any, instances: Mapping[str, Instance], context: PlanContext) -> Advice:
         """Raises VibeError if no word of the prompt is known."""
-        vocabulary = default_vocabulary()
-        parsed = parse(self.prompt, self.words, vocabulary)
-        if context.world_share is not None and context.world_share < SLIVER:
-            forget_sky(parsed)
-        forget_parts(parsed, context.material_share, vocabulary)
+        parsed = understood(self.prompt, self.words, context)
         prompts = compose(parsed)
         return Advice(parsed, prompts, plan(parsed, prompts, dict(instances), context))
+
+
+def understood(prompt: str, words: SceneWords, context: PlanContext) -> Parsed:
+    """What the words mean where the camera sees this much of the sky, and of each material.
+
+    Args:
+        prompt: What the artist typed.
+        words: Names in the scene.
+        context: What is known about the scene and its picture.
+
+    Raises:
+        VibeError: No word of the prompt is known.
+    """
+    vocabulary = default_vocabulary()
+    parsed = parse(prompt, words, vocabulary)
+    if context.world_share is not None and context.world_share < SLIVER:
+        forget_sky(parsed)
+    forget_parts(parsed, context.material_share, vocabulary)
+    return parsed
