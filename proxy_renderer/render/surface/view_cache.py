@@ -127,10 +127,12 @@ class ViewCache:
         self._view = view.detached()
         self._through: dict[tuple[int, int], tuple[float, object, RefractedHits]] = {}
         self._worlds: tuple[object, tuple[Tensor, ...]] | None = None
+        self._aside = False
 
     def aside(self) -> Self:
-        """A copy for one picture, whose moved lights leave nothing behind in this one."""
+        """A copy for one picture nearby: lights that move leave nothing behind in this one, and bounce as they did."""
         other = copy(self)
+        other._aside = True
         other._direct_lights, other._bounced = dict(self._direct_lights), dict(self._bounced)
         other._through, other.indirect = dict(self._through), self.indirect.aside()
         return other
@@ -242,7 +244,8 @@ class ViewCache:
         place = torch.tensor(lamp.signature())
         last = self._bounced.get(index)
         scale = place.abs().amax() * _SMALL_STEP
-        if lamp.moving and last is not None and bool((place - last).abs().amax() < scale):
+        near = self._aside or (lamp.moving and last is not None and bool((place - last).abs().amax() < scale))
+        if last is not None and near:
             return
         self._bounced[index] = place
         with torch.no_grad():
