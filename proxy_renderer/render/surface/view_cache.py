@@ -127,12 +127,10 @@ class ViewCache:
         self._view = view.detached()
         self._through: dict[tuple[int, int], tuple[float, object, RefractedHits]] = {}
         self._worlds: tuple[object, tuple[Tensor, ...]] | None = None
-        self._aside = False
 
     def aside(self) -> Self:
-        """A copy for one picture nearby: lights that move leave nothing behind in this one, and bounce as they did."""
+        """A copy for one picture, whose moved lights leave nothing behind in this one."""
         other = copy(self)
-        other._aside = True
         other._direct_lights, other._bounced = dict(self._direct_lights), dict(self._bounced)
         other._through, other.indirect = dict(self._through), self.indirect.aside()
         return other
@@ -244,8 +242,7 @@ class ViewCache:
         place = torch.tensor(lamp.signature())
         last = self._bounced.get(index)
         scale = place.abs().amax() * _SMALL_STEP
-        near = self._aside or (lamp.moving and last is not None and bool((place - last).abs().amax() < scale))
-        if last is not None and near:
+        if lamp.moving and last is not None and bool((place - last).abs().amax() < scale):
             return
         self._bounced[index] = place
         with torch.no_grad():
