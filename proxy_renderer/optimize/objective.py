@@ -15,6 +15,7 @@ from .forward import forward_slopes, pictures_for
 from .inner.assessment import Assessment
 from .inner.descent import fixed_views
 from .inner.slopes import Slopes, backward_slopes, difference_slopes
+from .neighbors import Neighbors
 from .shots import ShotState
 from .vector import ParameterVector
 
@@ -138,7 +139,10 @@ class RoundObjective:
         if self._differences:
             stride = self.vector.strides(u)
             inside = u + stride <= self._lower + self._span
-            return difference_slopes(self.assess, u, chosen, torch.where(inside, stride, -stride))
+            strides = torch.where(inside, stride, -stride)
+            with torch.no_grad():
+                nearby = Neighbors(self.seen, self._judge, u, strides)
+            return difference_slopes(nearby.assess, u, chosen, strides)
         keys = {key for key in self.free if chosen[self.vector.slices[key]].any()}
         moves = any(self.vector.instances[key].parameter.group == "camera" for key in keys)
         values = 1 + sum(len(shot.claims.claims) for shot in self.seen if shot.claims)

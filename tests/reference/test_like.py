@@ -71,6 +71,24 @@ def test_what_is_transparent_does_not_count(tmp_path, scene):
     assert ends != first
 
 
+def test_what_is_transparent_in_linear_light_does_not_count(tmp_path, scene):
+    ramp = np.linspace(0.02, 3.0, 60, dtype=np.float32)[None, :, None] * np.array(
+        (1.0, 0.8, 0.5, 0.0), np.float32
+    )
+    said = []
+    for number, around in enumerate(
+        [(8.0, 0.0, 8.0, 0.0), (0.0, 0.0, 0.0, 0.0)]
+    ):  # light of a flame has no alpha
+        pixels = np.full((90, 120, 4), around, np.float32)
+        pixels[20:70, 30:90] = ramp + np.array((0, 0, 0, 1), np.float32)
+        with OpenEXR.File({"type": OpenEXR.scanlineimage}, {"RGBA": pixels}) as file:
+            file.write(str(tmp_path / f"{number}.exr"))
+        said.append(reference(tmp_path / f"{number}.exr", scene).of_any_scene(()))
+    assert "midtone_cast" in {claim.measure for claim in said[0]}
+    for one, other in zip(*said, strict=True):
+        assert np.allclose((one.lower, one.upper), (other.lower, other.upper), atol=0.1)
+
+
 def test_of_this_scene_only_what_is_seen_is_compared(tmp_path, scene):
     proxy = Proxy(scene, picture_size(scene.resolution, 96))
     with torch.no_grad():

@@ -163,6 +163,26 @@ def test_inks_with_and_without_a_profile(tmp_path):
     assert "Gray inks" in found.note
 
 
+def test_what_is_transparent_in_an_animation_does_not_count(tmp_path):
+    frames = [Image.new("RGBA", (20, 20), (0, 255, 0, 0)) for _ in range(2)]
+    frames[0].paste((255, 0, 0, 255), (10, 0, 20, 20))
+    for name in ("a.gif", "a.webp"):
+        frames[0].save(tmp_path / name, save_all=True, append_images=frames[1:], lossless=True)
+        found = read_reference(tmp_path / name)
+        assert (found.alpha[:, :10] == 0.0).all()
+        assert (found.alpha[:, 10:] == 1.0).all()
+        assert np.allclose(found.display[10, 15], (1, 0, 0), atol=0.01)
+
+
+def test_16_bits_with_a_profile_and_alpha(tmp_path):
+    pixel = struct.pack(">4H", 150 * 257, 110 * 257, 90 * 257, 32768)
+    profile = b"P3\0\0" + zlib.compress(display_p3())
+    found = read_reference(png(tmp_path / "a.png", 2, 1, 16, 6, [pixel * 2], (b"iCCP", profile)))
+    assert found.display[0, 0, 0] > 150 / 255 + 0.01
+    assert found.alpha[0, 0] == pytest.approx(0.5, abs=0.01)
+    assert "Display P3" in found.note
+
+
 @pytest.mark.parametrize("name", ["a.gif", "a.webp", "a.png"])
 def test_of_animations_the_first_frame(tmp_path, name):
     frames = [Image.new("RGB", (20, 20), color) for color in ((255, 0, 0), (0, 255, 0), (0, 0, 255))]
@@ -172,11 +192,12 @@ def test_of_animations_the_first_frame(tmp_path, name):
     assert "first of its 3 frames" in found.note
 
 
-def test_exif_turns_it_upright(tmp_path):
+@pytest.mark.parametrize("name", ["phone.jpg", "phone.png", "phone.webp", "phone.tif"])
+def test_exif_turns_it_upright(tmp_path, name):
     exif = Image.Exif()
     exif[0x0112] = 6  # the camera was turned: left becomes top
-    halves().save(tmp_path / "phone.jpg", exif=exif, quality=95)
-    found = read_reference(tmp_path / "phone.jpg")
+    halves().save(tmp_path / name, exif=exif, quality=95)
+    found = read_reference(tmp_path / name)
     assert found.display.shape == (40, 30, 3)
     assert found.display[2, 15, 0] > 0.9
     assert found.display[-3, 15, 2] > 0.9

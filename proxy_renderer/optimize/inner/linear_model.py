@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import torch
@@ -15,7 +16,8 @@ from .assessment import Assessment
 _DAMPING = 1e-3
 """Curvature that every component gets: of two moves that do the same, the shorter one (Levenberg 1944)."""
 
-_ITERATIONS = 200
+_ITERATIONS, _STILL = 200, 1e-5
+"""Of a step's search, at most, and the share of all ranges below which one no longer moves anything."""
 
 _NOTHING = 1e-3
 """Noticeable steps of all values together, for a component's whole range: so little changes nothing."""
@@ -65,6 +67,8 @@ class LinearModel:
             missed = outside(values, self.here.lower, self.here.upper)
             slope = self.slopes.T @ (weights * missed) + self.rest_slope + curvature @ ahead
             earlier, move = move, project(ahead - rate * slope, low, high)
+            if float((move - earlier).abs().max()) < _STILL:
+                break
             ahead = move + number / (number + 3) * (move - earlier)
         return move
 
@@ -77,25 +81,32 @@ class LinearModel:
             stiffness=self.stiffness[components][:, components],
         )
 
-    def gain(self, move: Tensor, part: slice, low: Tensor, high: Tensor) -> float:
-        """How much lower the loss would be, if components moved on alone from x + move: by one damped Newton step.
+    def gains(self, move: Tensor, parts: Mapping[str, slice], low: Tensor, high: Tensor) -> dict[str, float]:
+        """How much lower the loss would be, if some components moved on alone from x + move: by one damped Newton step.
 
         Args:
             move: (n,).
-            part: The components.
+            parts: The components, by any name.
             low: (n,) least that may be moved.
             high: (n,) most.
+
+        Returns:
+            By the parts' names.
         """
-        values = self.here.values + self.slopes @ move
+        values, held = self.here.values + self.slopes @ move, self.stiffness @ move
         far = self.here.misses(values).clamp_min(1.0)[self.here.claim]
         missed = outside(values, self.here.lower, self.here.upper)
-        slopes, weights = self.slopes[:, part], self.weight / far * (missed != 0)
-        damping = _DAMPING * torch.eye(slopes.shape[1])
-        curvature = slopes.T @ (weights[:, None] * slopes) + self.stiffness[part, part] + damping
-        slope = slopes.T @ (weights * missed) + self.rest_slope[part] + (self.stiffness @ move)[part]
-        there = move.clone()
-        there[part] = (move[part] - torch.linalg.solve(curvature, slope)).clamp(low[part], high[part])
-        return max(self.loss(move) - self.loss(there), 0.0)
+        weights, pull, loss = self.weight / far * (missed != 0), self.rest_slope + held, self.loss(move)
+        found = {}
+        for name, part in parts.items():
+            slopes, stiffness = self.slopes[:, part], self.stiffness[part, part]
+            curvature = slopes.T @ (weights[:, None] * slopes) + stiffness
+            slope = slopes.T @ (weights * missed) + pull[part]
+            newton = torch.linalg.solve(curvature + _DAMPING * torch.eye(len(stiffness)), slope)
+            there = move.clone()
+            there[part] = (move[part] - newton).clamp(low[part], high[part])
+            found[name] = max(loss - self.loss(there), 0.0)
+        return found
 
     def alike(self, part: slice, other: slice) -> float:
         """The share of what components do to the values that others could do, in [0, 1].

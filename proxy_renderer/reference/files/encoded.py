@@ -95,9 +95,10 @@ def _contents(picture: Image.Image, path: Path) -> FileContents:
     icc = picture.info.get("icc_profile", b"")
     full = picture.size
     picture.draft(None, (LONGEST, LONGEST))  # a JPEG is decoded at an eighth, if that is large enough
+    turned = picture.getexif().get(0x0112, 1) != 1  # Pillow turns a TIFF itself, and then says nothing of it
     picture.load()
     upright = ImageOps.exif_transpose(picture)
-    if picture.getexif().get(0x0112, 1) != 1:
+    if turned:
         notes.append("It was turned upright, as its EXIF data say.")
     if max(full) > LONGEST:
         notes.append(f"It was reduced from {full[0]} × {full[1]} pixels.")
