@@ -214,8 +214,19 @@ def test_a_color_is_that_of_most_of_a_thing() -> None:
     shown = picture(color=(0.1, 0.5, 0.5))
     light, a, b = taken("color", shown, "subject").tolist()
     assert 20 < light < 55
-    assert a < -4
+    assert a < -3
     assert abs(b) < 3
+
+
+def test_highlights_of_another_color_do_not_change_the_color_of_a_thing() -> None:
+    """Warm reflections on a third of a glossy teal thing: a bluer paint would not make it more teal."""
+    plain = picture(torch.full((SIZE, SIZE, 3), 0.2) * torch.tensor([0.4, 1.0, 1.0]))
+    mirrored = plain.display.clone()
+    mirrored[:, : SIZE // 3] = torch.tensor([0.8, 0.7, 0.5])
+    glossy = MeasuredPicture(mirrored, replace(plain.seen, subject=torch.ones(SIZE, SIZE)))
+    matte = MeasuredPicture(plain.display, glossy.seen)
+    hues = [taken("color", shown, "subject")[1:] for shown in (matte, glossy)]
+    assert torch.allclose(*hues, atol=0.5)
 
 
 def test_a_small_thing_in_the_light_gives_a_black_picture_contrast() -> None:
@@ -329,7 +340,7 @@ def test_residuals_know_what_is_missing_and_fall_towards_it() -> None:
 def test_values_are_sought_inside_of_what_holds() -> None:
     """A color nearer to its middle, others two noticeable steps from the end; what a mood stands for counts less."""
     color = Claim("navy", "ball", "color", "subject", (20.0, -4.0, -16.0), (40.0, 4.0, -8.0))
-    _, lower, upper = (3.0 * end for end in color.aim(torch.zeros(3), None))
+    _, lower, upper = (MEASURES["color"].notice * end for end in color.aim(torch.zeros(3), None))
     assert torch.allclose(lower, torch.tensor([25.0, -2.0, -14.0]))
     assert torch.allclose(upper, torch.tensor([35.0, 2.0, -10.0]))
     dark = Claim("dark", "picture", "lightness", "picture", (-float("inf"),), (30.0,))

@@ -48,7 +48,7 @@ def run(scene, source, prompt=PROMPT, **options):
 def test_every_round_starts_from_a_picture_and_so_does_the_prediction(scene, monkeypatch):
     monkeypatch.setattr(Refinement, "_goes_on", lambda self: self._see_end() or True)
     source = Elsewhere(scene)
-    outcome = run(scene, source, "red ball, bright background, high contrast")
+    outcome = run(scene, source, "red ball, bright background")
     assert source.asked[0] == {}
     assert {r["round"] for r in outcome.shots[0].anchoring.records} == {1, 2}
     last = {

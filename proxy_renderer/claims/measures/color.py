@@ -11,6 +11,9 @@ from .picture import MeasuredPicture
 _REST = 0.1
 """Share of a region's darkest pixels, and of its lightest, that say nothing of its color: shadows and highlights."""
 
+_MIRRORED = 0.4
+"""Share of its lightest pixels that say little of its hue and chroma: where it is glossy, they have those of the lights."""
+
 _ACCENT = 0.1
 """Share of a region that one of several colors of light has to tint."""
 
@@ -19,7 +22,7 @@ _ENDS = 0.3
 
 
 def color(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Mean color of a region without its deepest shadows and its highlights.
+    """Mean color of a region without its deepest shadows and its highlights; hue and chroma are those of its darker part.
 
     Args:
         picture: The picture.
@@ -28,9 +31,10 @@ def color(picture: MeasuredPicture, where: Tensor) -> Tensor:
     Returns:
         (3,) OKLab, times 100.
     """
-    light = picture.oklab[..., 0].detach()[where]
-    low, high = torch.quantile(light, light.new_tensor([_REST, 1 - _REST]))
-    return picture.oklab[where][(light >= low) & (light <= high)].mean(0)
+    light, seen = picture.oklab[..., 0].detach()[where], picture.oklab[where]
+    low, matte, high = torch.quantile(light, light.new_tensor([_REST, 1 - _MIRRORED, 1 - _REST]))
+    lightness = seen[(light >= low) & (light <= high), :1].mean(0)
+    return torch.cat([lightness, seen[(light >= low) & (light <= matte), 1:].mean(0)])
 
 
 def tint(picture: MeasuredPicture, where: Tensor) -> Tensor:

@@ -31,7 +31,7 @@ class Measure:
 
 
 MEASURES: dict[str, Measure] = {
-    "color": Measure(color.color, "OKLab", 3.0, "color"),
+    "color": Measure(color.color, "OKLab", 2.0, "color"),
     "tint": Measure(color.tint, "ab", 2.0, "tint"),
     "accent": Measure(color.accent, "ab", 2.0, "tint of a tenth", directed=True),
     "lightness": Measure(color.lightness, "L*", 2.0, "lightness"),

@@ -33,7 +33,7 @@ CONVERGED = 0.005
 
 OPENING, WIDEST = 0.5, 1.0
 """Share of their ranges by which the ranges of a round are wider on either side than those of the one before, while
-claims are missed; and the most that it comes to."""
+claims are missed; and the most that it comes to. After a round that went astray in wider ranges they are the plan's again."""
 
 PATIENCE = 2
 """Rounds that come no nearer to what the words claim, after which one begins elsewhere, or none."""
@@ -118,8 +118,8 @@ class Refinement:
 
     Where the paper writes θ, this is u: θ on perceptual scales. Comments name the algorithm's lines. A round begins
     with a picture of Cycles of where the one before ended. There is no other round when it shows all that the words
-    claim. A round that ended farther from them than an earlier one is taken back, and the next may go half as far. When
-    that does not help either, one round begins in the middle of all ranges. The best end of all is the result.
+    claim. A round that ended farther from them than an earlier one is taken back, and the next has the plan's own ranges again,
+    or may go half as far. When that does not help either, one round begins in the middle of all ranges. The best end of all is the result.
 
     Args:
         search: What all starts share.
@@ -153,15 +153,17 @@ class Refinement:
         self._see_end()
         if self._search.claims_words and self._ends[-1].missed.claims == 0:
             return False
-        if self._search.claims_words and self._start.drawn is None:
-            self._opening = min(self._opening + OPENING, WIDEST)
         nearest = _nearest(self._ends)
+        astray = nearest is not self._ends[-1]
+        widely = astray and self._opening > 0.0
+        if self._search.claims_words and self._start.drawn is None:
+            self._opening = 0.0 if widely else min(self._opening + OPENING, WIDEST)
         stuck = self._settled or all(end.missed > nearest.missed for end in self._ends[-PATIENCE:])
         self._elsewhere = stuck and self._search.claims_words and not self._tried_elsewhere
         if stuck and not self._elsewhere:
             return False
-        if nearest is not self._ends[-1]:
-            self._u, self._reach = nearest.u, 0.5 * self._reach
+        if astray:
+            self._u, self._reach = nearest.u, self._reach * (1.0 if widely else 0.5)
             recall(self._search.shots, nearest.anchors)
         if self._elsewhere:
             self._tried_elsewhere, self._reach = True, 1.0
