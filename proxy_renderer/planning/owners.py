@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from ..prompt.lexicon.vocabulary import OWNERS, Effect, Vocabulary
+from ..prompt.lexicon.entries import OWNERS, Effect
+from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.names import is_detail, kind_of
 from ..prompt.types import GLOW, Attribute, Parsed, PlanContext
 from ..schema import Instance

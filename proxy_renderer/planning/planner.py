@@ -6,8 +6,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..color.floats import srgb_from_linear
+from ..prompt.lexicon.entries import Effect
 from ..prompt.lexicon.user_words import default_vocabulary
-from ..prompt.lexicon.vocabulary import Effect, Vocabulary
+from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.meaning import is_vague
 from ..prompt.types import Attribute, Parsed, Plan, PlanContext, PlanEntry, Prompts
 from ..schema import Instance, Values, labels

@@ -131,7 +131,7 @@ def test_light_of_gold_is_no_metal():
 def test_of_two_materials_of_one_name_the_subjects_is_meant():
     """After Make Single-User the subject has "Monkey.001", and the floor keeps "Monkey"."""
     words = SceneWords(materials={"Monkey": "surroundings", "Monkey.001": "subject"})
-    assert scene_names(words)["monkey"].materials == ("Monkey.001",)
+    assert scene_names(words)["monkey"].name == "Monkey.001"
 
 
 def test_a_color_before_a_thing_of_the_scene_is_its_color_though_both_are_a_place():

@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 from ...color.floats import chroma, lab_from_srgb
-from ...prompt.lexicon.vocabulary import Effect, Vocabulary
+from ...prompt.lexicon.entries import Effect
+from ...prompt.lexicon.vocabulary import Vocabulary
 from ...prompt.types import Attribute, Parsed, PlanContext
 from ...schema import Instance
 from ..owners import Owners

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ...prompt.lexicon.vocabulary import OWNERS, Effect, Vocabulary
+from ...prompt.lexicon.entries import OWNERS, Effect
+from ...prompt.lexicon.vocabulary import Vocabulary
 from ...prompt.lights.described import side
 from ...prompt.types import Attribute, Parsed, PlanContext
 from ...schema import Instance

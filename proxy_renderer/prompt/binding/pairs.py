@@ -5,13 +5,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ..lexer import Lexer
 from ..lexicon.vocabulary import Vocabulary
 from ..mentions.find import mentions
 from ..mentions.nouns import NounMention
 from ..mentions.passage import Passage, PromptLook, passage
 from ..mentions.scene import SceneIndex
 from ..places import guess_places
-from ..tokens import Lexer
 from ..types import SceneWords
 from .becoming import Becoming, becoming
 from .features import PairFeatures

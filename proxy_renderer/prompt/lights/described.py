@@ -9,7 +9,8 @@ from dataclasses import dataclass, field, replace
 from ...color.floats import srgb_from_hex
 from ...color.shades import hue_apart
 from ...schema import Values
-from ..lexicon.vocabulary import Effect, Vocabulary
+from ..lexicon.entries import Effect
+from ..lexicon.vocabulary import Vocabulary
 from ..types import Attribute
 
 _KINDS = ("light", "fill", "rim")
