@@ -43,25 +43,25 @@ class PairFeatures:
         yield f"'{_said(look)}'{called} of {target.kind}"
         yield f"{sort} said {_how(look)} of {target.kind}"
         yield f"{becoming.way} at {kind}"
-        if "thing" in look.word.token.lists:
+        if "thing" in look.token.lists:
             yield f"a thing too at {kind}: led by {self.forms.lead(look.index)}"
         if becoming.slot:
             yield f"{becoming.slot}{called} at {kind}"
-        if look.word.token.color:
+        if look.token.color:
             yield from (f"{sign} at {kind}" for sign in _of_color(look))
-        if look.word.negated:
+        if look.negated:
             yield f"negated at {kind}"
-        if look.guessed:
+        if look.guess:
             yield f"guessed at {kind}"
-            yield f"guessed at {kind} by {look.confidence:.1f}"
+            yield f"guessed at {kind} by {look.guess.confidence:.1f}"
         if target.mention < 0:
             yield from self._unnamed(look, target)
         else:
             yield from self._named(look, target, becoming)
 
     def _sort(self, look: PromptLook) -> str:
-        token = look.word.token
-        if look.guessed:
+        token = look.token
+        if look.guess:
             return "guessed"
         if token.entry:
             return self.vocabulary.entries[token.entry].slot + self._called(look)
@@ -69,7 +69,7 @@ class PairFeatures:
 
     def _called(self, look: PromptLook) -> str:
         """That a look word is an object's name besides: a lake in the scene makes "lake" another word; surfaces stay what they are."""
-        entry = self.vocabulary.entries.get(look.word.token.entry)
+        entry = self.vocabulary.entries.get(look.token.entry)
         if entry is None or entry.slot in SURFACE:
             return ""
         named = (n for m in self.mentions if m.covers(look.index) for n in m.named)
@@ -101,8 +101,8 @@ class PairFeatures:
         lead = self.forms.lead(look.index)
         yield f"{target.kind} unnamed: led by {lead}"
         yield f"{target.kind} unnamed: led by {lead}, prompt names {_kinds(rest)}"
-        if look.word.token.adjective and after and after.clause == clause and after.names_a_look:
-            yield f"'{look.word.token.adjective}' of {target.kind} unnamed: before a look"
+        if look.token.adjective and after and after.clause == clause and after.names_a_look:
+            yield f"'{look.token.adjective}' of {target.kind} unnamed: before a look"
         yield f"{target.kind} unnamed: {self.forms.turn(clause)}"
         yield f"{self._sort(look)} of {target.kind} unnamed: {self.forms.turn(clause)}"
 
@@ -130,10 +130,8 @@ class PairFeatures:
         yield from self._spared(target, mention, place.where, kind)
         yield f"{becoming.way} at {kind}, {place.side}: led by {self.forms.lead(look.index)}"
         yield f"{target.kind} by noun {mention.noun or 'of the scene'}"
-        if look.word.token.adjective and not self.forms.look_at.isdisjoint(
-            range(mention.start, mention.end + 1)
-        ):
-            yield f"'{look.word.token.adjective}' of {target.kind} by a noun that is a look"
+        if look.token.adjective and not self.forms.look_at.isdisjoint(range(mention.start, mention.end + 1)):
+            yield f"'{look.token.adjective}' of {target.kind} by a noun that is a look"
         yield f"{kind} {'surest' if self._is_surest(mention, target) else 'less sure'}"
         if (
             len(target.names) > 1
@@ -171,7 +169,7 @@ def _is_of_object(named: Named) -> bool:
 
 def _of_color(look: PromptLook) -> Iterator[str]:
     """How a color is said: "cold blue", "muted greens", a word that is a material too."""
-    token = look.word.token
+    token = look.token
     first, *more = token.text.split()
     if more:
         yield f"color that is {first}"
@@ -183,12 +181,12 @@ def _of_color(look: PromptLook) -> Iterator[str]:
 
 def _said(look: PromptLook) -> str:
     """A look word by itself; all colors are one."""
-    return look.word.token.adjective or look.word.token.entry or "a color"
+    return look.token.adjective or look.token.entry or "a color"
 
 
 def _how(look: PromptLook) -> str:
     """Whether an entry is said by its name, or by another word of its: "candle" for candlelight."""
-    token = look.word.token
+    token = look.token
     if not token.entry:
         return "otherwise"
     return "by name" if token.name == token.entry else "by another word"

@@ -72,7 +72,7 @@ def reading(text: str, words: SceneWords, vocabulary: Vocabulary) -> PromptPairs
     pairs = []
     for look in found.looks:
         may_describe = [*every, Target(TINGE)] if found.tinged(look) else every
-        may_be = {t: b for t in may_describe if (b := becoming(look.word.token, t.kind, vocabulary))}
+        may_be = {t: b for t in may_describe if (b := becoming(look.token, t.kind, vocabulary))}
         pairs.append(
             [
                 TargetPair(
