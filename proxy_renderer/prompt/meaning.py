@@ -10,7 +10,7 @@ from ..color.floats import chroma, lab_from_srgb
 from ..color.shades import basic, shade
 from ..schema import Values
 from ..schema.spec import Region
-from .lexicon.attributes import ATTRIBUTES, COLORS
+from .lexicon.attributes import COLORS
 from .lexicon.vocabulary import Vocabulary
 from .lights.described import numbered
 from .moods import overruled
@@ -27,6 +27,10 @@ _BLACK = 12.0  # L* of a black thing whose form can be seen
 _DARKEST, _LIGHTEST = 14.0, 78.0  # L* of lit things of a strong color, navy and yellow
 _MAIN = 0.5  # share of its region above which a thing's color is the region's
 _CLEAR = 0.02  # density of air that has no color
+_REGIONS: dict[str, Region] = {
+    "subject": "subject", "surroundings": "surroundings", "sky": "surroundings", "fog": "surroundings",
+}  # fmt: skip
+"""Kind of thing -> the region that has its color, fog last."""
 NamedThing = tuple[str, Region, tuple[str, ...]]
 
 
@@ -38,10 +42,6 @@ def complete(parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[
     parsed.overruled = overruled(parsed.attributes, vocabulary)
     _settle_targets(parsed, vocabulary)
     _region_colors(parsed, parsed.attributes)
-    for region in ("subject", "surroundings"):
-        if region in parsed.colors and f"{region}_color" not in parsed.targets:
-            named = next(a for a in parsed.attributes if a.color and _region_of(a) == region)
-            parsed.targets[f"{region}_color"] = color_class(named)
     parsed.ignored = list(dict.fromkeys(parsed.ignored))
     parsed.conflicts = list(dict.fromkeys(parsed.conflicts))
 
@@ -138,12 +138,6 @@ def _readable(head: str) -> str:
     return head.replace("_", " ")
 
 
-def _region_of(attribute: Attribute) -> Region | None:
-    if attribute.kind == "subject":
-        return "subject"
-    return "surroundings" if attribute.kind in ("surroundings", "sky", "fog") else None
-
-
 def heads_of(attribute: Attribute, vocabulary: Vocabulary) -> dict[str, str]:
     """The attribute classes that one word asks for: head -> class."""
     if attribute.entry not in vocabulary.entries:
@@ -199,7 +193,7 @@ def forget_parts(parsed: Parsed, shares: dict[str, float], vocabulary: Vocabular
     parts = [a for a in parsed.attributes if a.owners and sum(shares.get(n, 1.0) for n in a.owners) < _MAIN]
     mine: set[str] = set()
     for attribute in parts:
-        region = _region_of(attribute)
+        region = _REGIONS.get(attribute.kind)
         heads = {h for h in heads_of(attribute, vocabulary) if h.startswith("subject_")}
         mine |= heads | ({f"{region}_color"} if attribute.color else set())
         if region and attribute.color:
@@ -211,23 +205,21 @@ def forget_parts(parsed: Parsed, shares: dict[str, float], vocabulary: Vocabular
 
 
 def _region_colors(parsed: Parsed, attributes: list[Attribute]) -> None:
-    """Lab targets: from the color words of the subject and of what lies around it, fog last."""
-    for kind in ("subject", "surroundings", "sky", "fog"):
-        named = [a for a in attributes if a.kind == kind and a.color and not a.negated]
-        named.sort(key=lambda a: (bool(a.cause), bool(a.owners) and kind == "subject"))
-        for attribute in named:
-            region = _region_of(attribute)
-            if region and attribute.color and region not in parsed.colors:
-                shown = fog_color(attribute.color) if kind == "fog" else attribute.color
-                parsed.colors[region] = display_color(shown, region)
+    """Lab targets: from the color words of the subject and of what lies around it."""
+    for kind, region in _REGIONS.items():
+        named = [(a, a.color) for a in attributes if a.kind == kind and a.color and not a.negated]
+        named.sort(key=lambda each: (bool(each[0].cause), bool(each[0].owners) and kind == "subject"))
+        for attribute, color in named:
+            first = named[0][0]
+            if region not in parsed.colors:
+                parsed.colors[region] = display_color(fog_color(color) if kind == "fog" else color, region)
                 parsed.targets[f"{region}_color"] = color_class(attribute)
-            elif kind != "fog" and not attribute.cause and not attribute.owners:
-                first = next(a for a in named if not a.negated)
-                if first.entry != attribute.entry:
-                    parsed.conflicts.append(
-                        f"'{attribute.word}' gives way to '{first.word}', which was named first."
-                    )
-    assert all(head in ATTRIBUTES for head in parsed.targets)
+            elif first.entry != attribute.entry and not (
+                kind == "fog" or attribute.cause or attribute.owners
+            ):
+                parsed.conflicts.append(
+                    f"'{attribute.word}' gives way to '{first.word}', which was named first."
+                )
 
 
 def _objects(attributes: list[Attribute], subject: str, things: list[NamedThing]) -> list[PromptObject]:

@@ -110,16 +110,12 @@ def _negatives(
 ) -> tuple[str, ...]:
     """What must not happen to a region: the other region's colors and matter, and its own words' opposites."""
     mine = {a.entry for a in own}
+    meant = {pair for a in own for pair in _heads(a, vocabulary)}
     swapped = [a for a in other if a.slot in ("color", "material") and a.entry not in mine]
     negatives = [_caption([a], noun, vocabulary) for a in swapped]
-    for attribute in own:
+    for attribute in (a for a in own if a.slot in ("finish", "material", "color", "setting")):
         opposite = _opposite(attribute, vocabulary)
-        meant = {pair for a in own for pair in _heads(a, vocabulary)}
-        if (
-            opposite
-            and attribute.slot in ("finish", "material", "color", "setting")
-            and not (meant & {*opposite.heads.items()})
-        ):
+        if opposite and meant.isdisjoint(opposite.heads.items()):
             negatives.append(f"a {opposite.phrase.partition(',')[0]} {noun}")
     return tuple(dict.fromkeys(negatives))
 
@@ -128,20 +124,12 @@ def _unwanted(attributes: list[Attribute], vocabulary: Vocabulary) -> tuple[str,
     """For the whole picture: what negated words describe, and the opposites of the others."""
     negatives = []
     for attribute in attributes:
-        entry = vocabulary.entries.get(attribute.entry)
-        if attribute.negated:
-            negatives.append(
-                _words(attribute, vocabulary)
-                if attribute.color
-                else entry.phrase
-                if entry
-                else attribute.entry
-            )
-        elif (
-            attribute.region == "whole"
-            and not attribute.cause
-            and (opposite := _opposite(attribute, vocabulary))
-        ):
+        entry, opposite = vocabulary.entries.get(attribute.entry), _opposite(attribute, vocabulary)
+        if attribute.negated and attribute.color:
+            negatives.append(_words(attribute, vocabulary))
+        elif attribute.negated:
+            negatives.append(entry.phrase if entry else attribute.entry)
+        elif opposite and attribute.region == "whole" and not attribute.cause:
             negatives.append(opposite.phrase)
     wanted = {_words(a, vocabulary) for a in attributes if not a.negated}
     return tuple(n for n in dict.fromkeys(negatives) if n not in wanted)

@@ -114,27 +114,18 @@ class WordTable:
 
     def same_sort(self, thing: str, names: Iterable[str]) -> str:
         """The name of the thing that is of the same sort, judged by last words; "" if none is, by far enough."""
-        row = self._thing(thing)
-        if row is None:
+        own = self.sort(thing)
+        if own is None:
             return ""
-        near = sorted(
-            (
-                (float(self.sorts[row] @ self.sorts[other]), name)
-                for name in names
-                if (other := self._thing(name)) is not None
-            ),
-            reverse=True,
-        )
-        return near[0][1] if near and near[0][0] > _SAME_SORT else ""
+        rows = [(self.sort(name), name) for name in names]
+        near = max(((float(own @ sort), name) for sort, name in rows if sort is not None), default=(0.0, ""))
+        return near[1] if near[0] > _SAME_SORT else ""
 
     def sort(self, name: str) -> np.ndarray | None:
         """Unit vector of the sort of a thing, by its last word; None where that is not known."""
-        row = self._thing(name)
-        return None if row is None else self.sorts[row]
-
-    def _thing(self, name: str) -> int | None:
         last = name.rpartition(" ")[2]
-        return self.things.get(last, self.things.get(last.removesuffix("s")))
+        row = self.things.get(last, self.things.get(last.removesuffix("s")))
+        return None if row is None else self.sorts[row]
 
 
 @cache
