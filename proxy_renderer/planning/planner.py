@@ -10,7 +10,7 @@ from ..prompt.lexicon.entries import Effect
 from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.meaning import is_vague
-from ..prompt.types import Attribute, Parsed, Plan, PlanContext, PlanEntry, Prompts
+from ..prompt.types import Attribute, Parsed, Prompts
 from ..schema import Instance, Values, labels
 from .demands import Demand, lacking, reason_of
 from .illumination import cast, expected, facing_radiance, veil, warmth
@@ -18,6 +18,7 @@ from .owners import BACKDROP, SEEN, Owners
 from .ranges import clip, effect_range
 from .sources import Range, Sources, WorldLook
 from .support import supports
+from .types import Plan, PlanContext, PlanEntry
 from .wishes import STAGES, Wishes, is_usual, stage_of
 
 _NOT = 0.6  # "not glossy" asks for a mild "matte"

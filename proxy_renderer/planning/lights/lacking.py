@@ -8,9 +8,10 @@ from collections.abc import Mapping
 from ...prompt.lexicon.entries import OWNERS, Effect
 from ...prompt.lexicon.vocabulary import Vocabulary
 from ...prompt.lights.described import side
-from ...prompt.types import Attribute, Parsed, PlanContext
+from ...prompt.types import Attribute, Parsed
 from ...schema import Instance
 from ..owners import Owners
+from ..types import PlanContext
 from ..wishes import Wishes
 from .meant import role_of
 

@@ -12,8 +12,7 @@ from pathlib import Path
 from .entries import normalize
 from .languages import lexicons
 from .nearest import table
-from .spelling import folded as folded
-from .spelling import singular as singular
+from .spelling import folded, singular
 from .vocabulary import shipped_vocabulary
 
 _SHORTEST = 4  # letters of a word that may be a part of a compound ("Obermaterial")

@@ -10,7 +10,8 @@ from functools import cache
 
 from ..lexicon.entries import normalize
 from ..lexicon.nearest import table
-from ..lexicon.things import folded, senses, singular, thing_words
+from ..lexicon.spelling import folded, singular
+from ..lexicon.things import senses, thing_words
 from ..lexicon.vocabulary import shipped_vocabulary
 from ..names import name_words
 
