@@ -104,6 +104,11 @@ class Passage:
         """The items from start to end that say something, without `end`."""
         return [item for item in self.items[max(start, 0) : end] if not item.filler]
 
+    def ahead(self, place: int) -> list[Item]:
+        """What an item's clause says after it."""
+        clause = self.items[place].clause
+        return [item for item in self.content(place + 1, len(self.items)) if item.clause == clause]
+
 
 def passage(clauses: list[list[Token]], vocabulary: Vocabulary) -> Passage:
     """Finds the look words.
