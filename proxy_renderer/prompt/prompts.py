@@ -67,12 +67,8 @@ def _words(attribute: Attribute, vocabulary: Vocabulary) -> str:
     """What the encoder is told for a word: its expansion, with the intensity kept."""
     entry = vocabulary.entries.get(attribute.entry)
     if attribute.color or not entry:
-        thing = (
-            f" {attribute.thing}"
-            if attribute.kind in ("light", "fill", "rim", "shadow", "highlight", "glow", "ambience")
-            else ""
-        )
-        return attribute.entry + thing if thing else _shade(attribute)
+        named = attribute.kind in ("light", "fill", "rim", "shadow", "highlight", "glow", "ambience")
+        return f"{attribute.entry} {attribute.thing}" if named else _shade(attribute)
     if attribute.shades:
         return attribute.english or attribute.word
     degree = "slightly " if attribute.strength < 0.8 else "very " if attribute.strength > 1.3 else ""
@@ -89,10 +85,9 @@ def _caption(attributes: list[Attribute], noun: str, vocabulary: Vocabulary) -> 
     """ "a glossy teal dolphin": what fits before the noun stands there, longer phrases follow it."""
     before: list[str] = []
     after: list[str] = []
-    own_noun = [
-        a for a in attributes if a.slot == "setting" and (a.english or a.word) in noun
+    said = [
+        a for a in attributes if a.slot != "setting" or (a.english or a.word) not in noun
     ]  # "a studio studio"
-    said = [a for a in attributes if a not in own_noun]
     for attribute in sorted(said, key=lambda a: _ORDER.index(a.slot) if a.slot in _ORDER else 0):
         adjective, _, more = _words(attribute, vocabulary).partition(", ")
         (after if adjective.count(" ") > 1 and not attribute.color else before).append(adjective)
