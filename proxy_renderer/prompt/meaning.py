@@ -12,7 +12,7 @@ from ..schema import Values
 from ..schema.spec import Region
 from .lexicon.attributes import COLORS
 from .lexicon.vocabulary import Vocabulary
-from .lights.described import numbered
+from .lights import numbered
 from .moods import overruled
 from .types import Attribute, Parsed, PromptObject
 

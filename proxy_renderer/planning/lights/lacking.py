@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from ...prompt.lexicon.entries import OWNERS, Effect
 from ...prompt.lexicon.vocabulary import Vocabulary
-from ...prompt.lights.described import side
+from ...prompt.lights import side
 from ...prompt.types import Attribute, Parsed
 from ...schema import Instance
 from ..owners import Owners

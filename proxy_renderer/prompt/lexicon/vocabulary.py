@@ -33,6 +33,7 @@ class Vocabulary:
         absent: Kind of thing -> entry that the lack of it means: "no shadows".
         picks: Word -> which one of several it picks out, as in `mentions.picked`.
         lightness: Shades that say how light a thing is, and nothing that a light or a finish could mean too.
+        off: Values of a key that say that there is none: "fog: off".
         roles: Word of a light's name -> the role of that light.
         typed: What is typed in a hurry -> the word that is meant.
         elsewhere: Kind of thing -> entry or adjective -> entry, where words say nothing of it themselves: "a calm lamp".
@@ -51,6 +52,7 @@ class Vocabulary:
     absent: dict[str, str]
     picks: dict[str, str]
     lightness: frozenset[str]
+    off: frozenset[str]
     roles: dict[str, str]
     typed: dict[str, str]
     elsewhere: dict[str, dict[str, str]]
@@ -122,6 +124,7 @@ def load(text: str, colors: str) -> Vocabulary:
         grammar.get("absent", {}),
         _by_word(grammar["picks"]),
         _words(grammar["lightness"]),
+        _words(grammar["off"]),
         _by_word(grammar["roles"]),
         _by_word(grammar["typed"]),
         _read_elsewhere(rows["elsewhere"], entries, adjectives),
