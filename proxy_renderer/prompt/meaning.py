@@ -88,7 +88,7 @@ def _settle_targets(parsed: Parsed, vocabulary: Vocabulary) -> None:
             if settled != value and not (attribute.cause or usual or apart or head.endswith("_color")):
                 lost += 1
                 parsed.conflicts.append(
-                    f"'{attribute.word}' contradicts '{first.cause or first.word}' on {_readable(head)}: "
+                    f"'{attribute.word}' contradicts '{first.cause or first.word}' on {head.replace('_', ' ')}: "
                     f"'{first.cause or first.word}' counts."
                 )
         if heads and lost == len(heads):
@@ -132,10 +132,6 @@ def display_color(color: tuple[float, ...], region: Region) -> Lab:
 def fog_color(srgb: Values) -> Values:
     """The display color of fog that is called this: scattering makes it paler, and neither dark nor white."""
     return shade(srgb, lightness=0.4, chroma=0.6, towards=70.0)
-
-
-def _readable(head: str) -> str:
-    return head.replace("_", " ")
 
 
 def heads_of(attribute: Attribute, vocabulary: Vocabulary) -> dict[str, str]:

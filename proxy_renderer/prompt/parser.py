@@ -78,11 +78,11 @@ def parse(
     share_out(parsed, said, scene)
     parsed.conflicts += [f"'{words}': what no word names stays as it is." for words in spared]
     if found.beyond:
-        said = ", ".join(f"'{text}'" for text in dict.fromkeys(found.beyond))
-        parsed.conflicts.append(f"{said}: no value of a material, light, world, fog or film gives that.")
+        parsed.conflicts.append(
+            f"{_quoted(found.beyond)}: no value of a material, light, world, fog or film gives that."
+        )
     if found.undone:
-        said = ", ".join(f"'{text}'" for text in dict.fromkeys(found.undone))
-        parsed.conflicts.append(f"{said}: {_THINGS_STAY}")
+        parsed.conflicts.append(f"{_quoted(found.undone)}: {_THINGS_STAY}")
     if foreign:
         parsed.conflicts.append(f"Some of the prompt is in a language that is not understood. {understood()}")
     if not parsed.attributes or (foreign and all(a.guess or a.cause for a in parsed.attributes)):
@@ -95,9 +95,14 @@ def parse(
     complete(parsed, vocabulary, found.subject, found.mentioned)
     if glossed.language:
         Retelling(glossed).retell(parsed)
-        if unknown := ", ".join(f"'{word}'" for word in dict.fromkeys(glossed.unknown)):
-            parsed.conflicts.append(f"The prompt was read as {glossed.language}, which lacks: {unknown}.")
+        if unknown := glossed.unknown:
+            lacks = f"The prompt was read as {glossed.language}, which lacks: {_quoted(unknown)}."
+            parsed.conflicts.append(lacks)
     return parsed
+
+
+def _quoted(words: list[str]) -> str:
+    return ", ".join(f"'{word}'" for word in dict.fromkeys(words))
 
 
 def _in(glossed: Gloss, foreign: str) -> str:

@@ -105,7 +105,8 @@ def _negatives(
 ) -> tuple[str, ...]:
     """What must not happen to a region: the other region's colors and matter, and its own words' opposites."""
     mine = {a.entry for a in own}
-    meant = {pair for a in own for pair in _heads(a, vocabulary)}
+    entries = (vocabulary.entries.get(a.entry) for a in own)
+    meant = {pair for entry in entries if entry for pair in entry.heads.items()}
     swapped = [a for a in other if a.slot in ("color", "material") and a.entry not in mine]
     negatives = [_caption([a], noun, vocabulary) for a in swapped]
     for attribute in (a for a in own if a.slot in ("finish", "material", "color", "setting")):
@@ -128,11 +129,6 @@ def _unwanted(attributes: list[Attribute], vocabulary: Vocabulary) -> tuple[str,
             negatives.append(opposite.phrase)
     wanted = {_words(a, vocabulary) for a in attributes if not a.negated}
     return tuple(n for n in dict.fromkeys(negatives) if n not in wanted)
-
-
-def _heads(attribute: Attribute, vocabulary: Vocabulary) -> set[tuple[str, str]]:
-    entry = vocabulary.entries.get(attribute.entry)
-    return {*entry.heads.items()} if entry else set()
 
 
 def _opposite(attribute: Attribute, vocabulary: Vocabulary) -> VocabularyEntry | None:
