@@ -42,6 +42,18 @@ def _prepared(text: str, scene: SceneWords, vocabulary: Vocabulary) -> tuple[str
     return without_spared(spoken(told, vocabulary, scene_names(scene)))
 
 
+def _checked(prompt: str) -> str:
+    """A prompt without tags and needless white space; VibeError where it is empty or too long."""
+    text = " ".join(_TAG.sub(" ", prompt).split())
+    if not text:
+        raise VibeError(
+            "The prompt is empty.", "Describe a look, for example: 'glossy teal, white studio background'."
+        )
+    if len(text) > LONGEST_PROMPT:
+        raise VibeError(f"The prompt has {len(text)} characters.", f"Say it in {LONGEST_PROMPT} or less.")
+    return text
+
+
 def parse(
     prompt: str,
     scene: SceneWords,
@@ -59,14 +71,7 @@ def parse(
     Raises:
         VibeError: The prompt is empty, too long, or holds no look word at all.
     """
-    text = " ".join(_TAG.sub(" ", prompt).split())
-    if not text:
-        raise VibeError(
-            "The prompt is empty.", "Describe a look, for example: 'glossy teal, white studio background'."
-        )
-    if len(text) > LONGEST_PROMPT:
-        raise VibeError(f"The prompt has {len(text)} characters.", f"Say it in {LONGEST_PROMPT} or less.")
-    vocabulary = vocabulary or default_vocabulary()
+    text, vocabulary = _checked(prompt), vocabulary or default_vocabulary()
     glossed = gloss(text, scene, vocabulary)
     foreign = "" if glossed.language else other_language(text)
     if foreign == "all":

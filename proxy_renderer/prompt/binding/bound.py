@@ -93,7 +93,7 @@ class Things:
     def _matter(self, pair: TargetPair, name: str) -> Thing:
         """Materials, or a whole region."""
         kind, slot = pair.target.kind, pair.becoming.slot
-        names = self._rest(pair) if kind == "others" else self._shared.get(id(pair), pair.target.names)
+        names = self._rest() if kind == "others" else self._shared.get(id(pair), pair.target.names)
         owners = tuple(n for n in self.scene.materials if n in names)
         regions = {self.scene.materials[n] for n in owners}
         region: Region = (
@@ -110,7 +110,7 @@ class Things:
         around = {name for name, region in self.scene.materials.items() if region == "surroundings"}
         return by_kind and {*owners} == around
 
-    def _rest(self, pair: TargetPair) -> frozenset[str]:
+    def _rest(self) -> frozenset[str]:
         """All materials that no word names otherwise, nor the prompt excepts; details only if nothing else is left."""
         named: set[str] = set()
         for other in self.chosen:

@@ -41,14 +41,12 @@ class Guess:
         entry: Name of a vocabulary entry.
         near: The known word that it is nearest to.
         confidence: In [0, 1]: how near, and how much the nearest known words agree.
-        noun: Whether it names a matter, so that it describes only what is "made of" it or stands behind it.
         place: Whether it is a place, and stands where the prompt says what is all around: what it describes is known.
     """
 
     entry: str
     near: str
     confidence: float
-    noun: bool = False
     place: bool = False
 
 
@@ -194,9 +192,7 @@ class Nearest:
         if found is None or found[2] < SURE:
             return None
         entry, near, confidence = found
-        row = self._table.find(word)
-        noun = row is None or KINDS[self._table.kinds[row]] == "noun"  # compounds name things: "candlestick"
-        return Guess(entry, near, round(confidence, 2), noun)
+        return Guess(entry, near, round(confidence, 2))
 
     def meant(self, word: str) -> tuple[str, str, float] | None:
         """Entry, nearest known word and confidence of a word; None where it has no vector."""
