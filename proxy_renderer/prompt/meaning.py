@@ -1,16 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What bound look words add up to: objects, attribute targets, and the colors that regions should have."""
+"""What bound look words add up to: objects, and attribute targets."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from ..color.constants import Lab
-from ..color.floats import chroma, lab_from_srgb
-from ..color.shades import basic, shade
-from ..schema import Values
 from ..schema.spec import Region
-from .lexicon.attributes import COLORS
+from .colors import COLOR_REGIONS, color_regions
 from .lexicon.vocabulary import Vocabulary
 from .lights import numbered
 from .moods import overruled
@@ -23,14 +19,9 @@ _COLORED = {
     "fog": "atmosphere",
     "glow": "material",
 }
-_BLACK = 12.0  # L* of a black thing whose form can be seen
-_DARKEST, _LIGHTEST = 14.0, 78.0  # L* of lit things of a strong color, navy and yellow
+"""Kind of thing -> slot that a color word about it counts for."""
 _MAIN = 0.5  # share of its region above which a thing's color is the region's
 _CLEAR = 0.02  # density of air that has no color
-_REGIONS: dict[str, Region] = {
-    "subject": "subject", "surroundings": "surroundings", "sky": "surroundings", "fog": "surroundings",
-}  # fmt: skip
-"""Kind of thing -> the region that has its color, fog last."""
 NamedThing = tuple[str, Region, tuple[str, ...]]
 
 
@@ -41,7 +32,7 @@ def complete(parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[
     parsed.objects = _objects(parsed.attributes, subject, things)
     parsed.overruled = overruled(parsed.attributes, vocabulary)
     _settle_targets(parsed, vocabulary)
-    _region_colors(parsed, parsed.attributes)
+    color_regions(parsed, parsed.attributes)
     parsed.ignored = list(dict.fromkeys(parsed.ignored))
     parsed.conflicts = list(dict.fromkeys(parsed.conflicts))
 
@@ -110,30 +101,6 @@ def _qualified(attributes: list[Attribute], vocabulary: Vocabulary) -> list[Attr
     return [a for a in kept if a.negated or a.cause or a.color or (a.kind, heads.get(a.entry)) not in much]
 
 
-def color_class(attribute: Attribute) -> str:
-    """The basic color of a color word: its own last word where that is one ("light blue")."""
-    last = attribute.entry.rpartition(" ")[2].replace("gray", "grey")
-    return last if last in COLORS else basic(attribute.color or (0.5, 0.5, 0.5))
-
-
-def display_color(color: tuple[float, ...], region: Region) -> Lab:
-    """A Lab value that a lit region of a color can reach on the display.
-
-    Shading and the view transform's shoulder keep saturated colors from the gamut's corners, and
-    nothing lit is as black as its name.
-    """
-    light, a, b = lab_from_srgb(color)
-    if chroma((light, a, b)) > 20:
-        return min(max(light, _DARKEST), _LIGHTEST), 0.8 * a, 0.8 * b
-    ceiling = 95.0 if region == "surroundings" else 86.0
-    return min(max(light, _BLACK), ceiling), a, b
-
-
-def fog_color(srgb: Values) -> Values:
-    """The display color of fog that is called this: scattering makes it paler, and neither dark nor white."""
-    return shade(srgb, lightness=0.4, chroma=0.6, towards=70.0)
-
-
 def heads_of(attribute: Attribute, vocabulary: Vocabulary) -> dict[str, str]:
     """The attribute classes that one word asks for: head -> class."""
     if attribute.entry not in vocabulary.entries:
@@ -175,7 +142,7 @@ def forget_sky(parsed: Parsed) -> None:
         attributes[:] = map(its_light, attributes)
     parsed.colors.pop("surroundings", None)
     parsed.targets.pop("surroundings_color", None)
-    _region_colors(parsed, parsed.attributes)
+    color_regions(parsed, parsed.attributes)
 
 
 def forget_parts(parsed: Parsed, shares: dict[str, float], vocabulary: Vocabulary) -> None:
@@ -189,7 +156,7 @@ def forget_parts(parsed: Parsed, shares: dict[str, float], vocabulary: Vocabular
     parts = [a for a in parsed.attributes if a.owners and sum(shares.get(n, 1.0) for n in a.owners) < _MAIN]
     mine: set[str] = set()
     for attribute in parts:
-        region = _REGIONS.get(attribute.kind)
+        region = COLOR_REGIONS.get(attribute.kind)
         heads = {h for h in heads_of(attribute, vocabulary) if h.startswith("subject_")}
         mine |= heads | ({f"{region}_color"} if attribute.color else set())
         if region and attribute.color:
@@ -197,25 +164,7 @@ def forget_parts(parsed: Parsed, shares: dict[str, float], vocabulary: Vocabular
     kept = [a for a in parsed.attributes if a not in parts]
     spoken = {h for a in kept for h in heads_of(a, vocabulary)}
     parsed.targets = {head: value for head, value in parsed.targets.items() if head not in mine - spoken}
-    _region_colors(parsed, kept)
-
-
-def _region_colors(parsed: Parsed, attributes: list[Attribute]) -> None:
-    """Lab targets: from the color words of the subject and of what lies around it."""
-    for kind, region in _REGIONS.items():
-        named = [(a, a.color) for a in attributes if a.kind == kind and a.color and not a.negated]
-        named.sort(key=lambda each: (bool(each[0].cause), bool(each[0].owners) and kind == "subject"))
-        for attribute, color in named:
-            first = named[0][0]
-            if region not in parsed.colors:
-                parsed.colors[region] = display_color(fog_color(color) if kind == "fog" else color, region)
-                parsed.targets[f"{region}_color"] = color_class(attribute)
-            elif first.entry != attribute.entry and not (
-                kind == "fog" or attribute.cause or attribute.owners
-            ):
-                parsed.conflicts.append(
-                    f"'{attribute.word}' gives way to '{first.word}', which was named first."
-                )
+    color_regions(parsed, kept)
 
 
 def _objects(attributes: list[Attribute], subject: str, things: list[NamedThing]) -> list[PromptObject]:

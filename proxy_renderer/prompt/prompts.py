@@ -7,10 +7,10 @@ a caption of its own, negatives are positive descriptions of the mistake, and ne
 
 from __future__ import annotations
 
+from .colors import color_class
 from .lexicon.entries import VocabularyEntry
 from .lexicon.user_words import default_vocabulary
 from .lexicon.vocabulary import Vocabulary
-from .meaning import color_class
 from .types import Attribute, Parsed, Prompts
 
 _ORDER = ("mood", "finish", "color", "material")

@@ -15,8 +15,8 @@ from ..color.constants import Lab
 from ..color.floats import srgb_from_hex
 from ..planning.ranges import clip
 from ..planning.types import PlanEntry
+from ..prompt.colors import display_color
 from ..prompt.lexicon.attributes import ATTRIBUTES
-from ..prompt.meaning import display_color
 from ..prompt.types import PromptObject, Prompts
 from ..schema import Instance, Values
 from ..schema.spec import Region
