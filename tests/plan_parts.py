@@ -6,9 +6,10 @@ from __future__ import annotations
 import random
 
 from proxy_renderer.planning.planner import plan
+from proxy_renderer.planning.types import Plan, PlanContext
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.prompts import compose
-from proxy_renderer.prompt.types import Plan, PlanContext, SceneWords
+from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.schema import PARAMETERS, Instance
 
 LIGHTS = (("Key", "AREA", "key", -40.0), ("Fill", "AREA", "fill", 60.0), ("Back", "POINT", "rim", 160.0))

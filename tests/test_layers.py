@@ -16,7 +16,7 @@ PACKAGES = {"proxy_renderer": ROOT / "proxy_renderer", "vibe_render": ROOT / "ad
 LAYERS = {
     "proxy_renderer": """
         schema=schema.options . blender color scene
-        prompt.lexicon prompt=prompt.lights=prompt.mentions=prompt.binding=prompt.languages planning=planning.lights vlm inputs batch.manifest batch
+        prompt.lexicon prompt=prompt.mentions=prompt.binding=prompt.languages planning=planning.lights vlm inputs batch.manifest batch
         render.film render.geometry render.material render.lights=render.lights.types render.transport render.edges render.surface
         render.cycles render claims.measures claims reference.files reference
         train.sentences train.pictures train.text guidance train optimize=optimize.inner=optimize.rounds engine

@@ -12,9 +12,10 @@ from vibe_render.scene.subject import SubjectChoice
 from proxy_renderer.engine.additions import with_additions
 from proxy_renderer.planning.lights.glow import glows
 from proxy_renderer.planning.planner import plan
+from proxy_renderer.planning.types import PlanContext
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.prompts import compose
-from proxy_renderer.prompt.types import PlanContext, SceneWords
+from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.scene import load_scene
 
 

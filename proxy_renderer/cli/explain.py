@@ -12,12 +12,13 @@ from pathlib import Path
 from ..planning.advice import understood
 from ..planning.explanation import as_dict, explain
 from ..planning.planner import plan
+from ..planning.types import PlanContext
 from ..prompt.binding.reader import PromptReader
 from ..prompt.binding.why import why
 from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.parser import prepared
 from ..prompt.prompts import compose
-from ..prompt.types import PlanContext, SceneWords
+from ..prompt.types import SceneWords
 from ..scene.plain import plain_instances
 from ..schema import Instance
 from ..schema.spec import Region

@@ -9,9 +9,9 @@ from ..optimize.context import scene_words
 from ..planning.lights.backdrop import asks_for_backdrop
 from ..planning.lights.glow import glows
 from ..planning.lights.lacking import lacking
+from ..planning.types import PlanContext
 from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.parser import parse
-from ..prompt.types import PlanContext
 from ..scene import SceneData
 from ..schema import VibeError
 

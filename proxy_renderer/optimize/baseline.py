@@ -16,7 +16,7 @@ from torch import Tensor
 from ..guidance import regions
 from ..guidance.encoder import Encoder
 from ..guidance.losses import positive_loss
-from ..prompt.types import Plan, PlanEntry
+from ..planning.types import Plan, PlanEntry
 from ..schema import Instance
 from ..schema.messages import Options
 from .inner.adam import StepSettings

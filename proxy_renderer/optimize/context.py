@@ -14,7 +14,8 @@ from ..color.tensors import lab_from_srgb
 from ..guidance import regions
 from ..guidance.encoder import Encoder
 from ..planning.lights.glow import glowing, glows
-from ..prompt.types import LightWords, PictureStats, PlanContext, SceneWords
+from ..planning.types import PictureStats, PlanContext
+from ..prompt.types import LightWords, SceneWords
 from ..render.geometry.camera import view_of
 from ..scene import SceneData
 from ..scene.data import Light

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from ..prompt.types import Plan
+from ..planning.types import Plan
 from ..schema import GROUPS, Instance, Values, VibeError, labels, matches
 from .vector import nearest_turn
 

@@ -13,7 +13,7 @@ from torch import Tensor
 
 from ..claims.claim import Claim, ClaimSet
 from ..claims.measures.picture import MeasuredPicture
-from ..prompt.types import Plan
+from ..planning.types import Plan
 from ..scene import SceneData
 from ..schema import Instance
 from ..schema.messages import Options

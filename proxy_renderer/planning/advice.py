@@ -11,10 +11,11 @@ from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.meaning import forget_parts, forget_sky
 from ..prompt.parser import parse
 from ..prompt.prompts import compose
-from ..prompt.types import Parsed, Plan, PlanContext, Prompts, SceneWords
+from ..prompt.types import Parsed, Prompts, SceneWords
 from ..schema import Instance
 from .owners import SLIVER
 from .planner import plan
+from .types import Plan, PlanContext
 
 
 @dataclass(frozen=True)

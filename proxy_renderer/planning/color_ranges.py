@@ -5,9 +5,9 @@ from __future__ import annotations
 
 from ..color.floats import chroma, lab_from_srgb, linear_from_srgb, luminance, srgb_from_hex, srgb_from_linear
 from ..color.shades import hue_apart, shade
+from ..prompt.colors import fog_color
+from ..prompt.lexicon.entries import Effect
 from ..prompt.lexicon.user_words import default_vocabulary
-from ..prompt.lexicon.vocabulary import Effect
-from ..prompt.meaning import fog_color
 from ..prompt.types import Attribute
 from ..schema import Instance, Values
 from .display import radiance, reachable

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..prompt.lexicon.vocabulary import OWNERS
+from ..prompt.lexicon.entries import OWNERS
 from ..prompt.types import Attribute
 
 _USUAL = {

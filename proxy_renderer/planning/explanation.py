@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
-from ..prompt.types import Parsed, Plan, Prompts
+from ..prompt.types import Parsed, Prompts
 from ..schema import Values, labels
+from .types import Plan
 
 
 def explain(parsed: Parsed, prompts: Prompts, plan: Plan) -> str:

@@ -7,10 +7,10 @@ import math
 from collections.abc import Callable, Collection, Iterator
 
 from ..color.floats import luminance
-from ..prompt.types import PlanContext
 from ..schema import Instance, Values, radiometry
 from ..schema.spec import Region
 from .display import radiance
+from .types import PlanContext
 
 _FACING = 0.45  # mean cosine over the lit side, times the share of what is seen that is lit
 _MIRRORED = 0.05  # of a dielectric at an index of 1.5, grazing angles included

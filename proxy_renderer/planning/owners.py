@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
-from ..prompt.lexicon.vocabulary import OWNERS, Effect, Vocabulary
+from ..prompt.lexicon.entries import OWNERS, Effect
+from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.names import is_detail, kind_of
-from ..prompt.types import GLOW, Attribute, Parsed, PlanContext
+from ..prompt.types import GLOW, Attribute, Parsed
 from ..schema import Instance
 from .illumination import facing_radiance
 from .lights.meant import KnownLight, assigned, named
+from .types import PlanContext
 
 _PART = 0.12  # materials on less of their region are parts: tyres, eyes, screws
 _LIKE = 0.25  # where all are parts, share of the largest that those have which make it up: a shelf of a hundred books

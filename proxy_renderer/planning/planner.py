@@ -6,10 +6,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..color.floats import srgb_from_linear
+from ..prompt.lexicon.entries import Effect
 from ..prompt.lexicon.user_words import default_vocabulary
-from ..prompt.lexicon.vocabulary import Effect, Vocabulary
+from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.meaning import is_vague
-from ..prompt.types import Attribute, Parsed, Plan, PlanContext, PlanEntry, Prompts
+from ..prompt.types import Attribute, Parsed, Prompts
 from ..schema import Instance, Values, labels
 from .demands import Demand, lacking, reason_of
 from .illumination import cast, expected, facing_radiance, veil, warmth
@@ -17,6 +18,7 @@ from .owners import BACKDROP, SEEN, Owners
 from .ranges import clip, effect_range
 from .sources import Range, Sources, WorldLook
 from .support import supports
+from .types import Plan, PlanContext, PlanEntry
 from .wishes import STAGES, Wishes, is_usual, stage_of
 
 _NOT = 0.6  # "not glossy" asks for a mild "matte"

@@ -7,7 +7,7 @@ import math
 
 from ..color.floats import lab_from_srgb, linear_from_srgb, luminance, srgb_from_lab, srgb_from_linear
 from ..color.shades import hue_apart, shade
-from ..prompt.lexicon.vocabulary import Effect
+from ..prompt.lexicon.entries import Effect
 from ..prompt.types import Attribute
 from ..schema import Instance, Values
 from .color_ranges import OWN_COLOR, color_range, shaded

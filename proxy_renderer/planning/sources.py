@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..prompt.types import PlanContext
 from ..schema import Values
+from .types import PlanContext
 
 Range = tuple[Values, Values]
 

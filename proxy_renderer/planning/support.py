@@ -10,12 +10,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..color.floats import lab_from_srgb, srgb_from_linear
-from ..prompt.types import Parsed, PlanEntry
+from ..prompt.types import Parsed
 from ..schema import Instance, Values
 from ..schema.spec import Region
 from .owners import BACKDROP, Owners
 from .ranges import clip, facing_white
 from .sources import Range, Sources
+from .types import PlanEntry
 
 _LATE = 12
 """Priority of exposure; what words name comes first."""

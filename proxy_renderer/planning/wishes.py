@@ -7,7 +7,8 @@ from dataclasses import replace
 
 from ..color.floats import chroma, lab_from_srgb
 from ..color.shades import hue_apart, warm
-from ..prompt.lexicon.vocabulary import OWNERS, Effect, Vocabulary
+from ..prompt.lexicon.entries import OWNERS, Effect
+from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.types import Attribute, Parsed
 from ..schema import FAMILIES, Values
 from .owners import Owners

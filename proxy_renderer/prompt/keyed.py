@@ -11,7 +11,6 @@ from .lexicon.vocabulary import Vocabulary
 _PAIR = re.compile(
     r"""["']?(\w[\w -]{0,30}?)["']?\s*[:=]\s*["']?([^:=,;.{}"'\n]{1,40}?)["']?(?=\s*(?:[,;.}]|$))"""
 )
-_OFF = ("none", "no", "off", "false", "0", "zero", "null", "disabled", "without")
 _SPARED = re.compile(
     r"\b(?:leave|keep|do not touch|don't touch|don't change|do not change)\b[^,.;:]*?"
     r"\b(?:alone|unchanged|untouched|as is|as (?:it|they) (?:is|are|was|were)|the same)\b",
@@ -37,7 +36,7 @@ def spoken(text: str, vocabulary: Vocabulary, names: Container[str] = ()) -> str
 
     def said(pair: re.Match[str]) -> str:
         key, value = pair[1].strip().lower(), pair[2].strip()
-        if value.lower() in _OFF:
+        if value.lower() in vocabulary.off:
             return f"no {key}"
         if key in names:
             return f"the {key} is {value}"

@@ -1,18 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What bound look words add up to: objects, attribute targets, and the colors that regions should have."""
+"""What bound look words add up to: objects, and attribute targets."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from ..color.constants import Lab
-from ..color.floats import chroma, lab_from_srgb
-from ..color.shades import basic, shade
-from ..schema import Values
 from ..schema.spec import Region
-from .lexicon.attributes import ATTRIBUTES, COLORS
+from .colors import COLOR_REGIONS, color_regions
 from .lexicon.vocabulary import Vocabulary
-from .lights.described import numbered
+from .lights import numbered
 from .moods import overruled
 from .types import Attribute, Parsed, PromptObject
 
@@ -23,8 +19,7 @@ _COLORED = {
     "fog": "atmosphere",
     "glow": "material",
 }
-_BLACK = 12.0  # L* of a black thing whose form can be seen
-_DARKEST, _LIGHTEST = 14.0, 78.0  # L* of lit things of a strong color, navy and yellow
+"""Kind of thing -> slot that a color word about it counts for."""
 _MAIN = 0.5  # share of its region above which a thing's color is the region's
 _CLEAR = 0.02  # density of air that has no color
 NamedThing = tuple[str, Region, tuple[str, ...]]
@@ -37,11 +32,7 @@ def complete(parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[
     parsed.objects = _objects(parsed.attributes, subject, things)
     parsed.overruled = overruled(parsed.attributes, vocabulary)
     _settle_targets(parsed, vocabulary)
-    _region_colors(parsed, parsed.attributes)
-    for region in ("subject", "surroundings"):
-        if region in parsed.colors and f"{region}_color" not in parsed.targets:
-            named = next(a for a in parsed.attributes if a.color and _region_of(a) == region)
-            parsed.targets[f"{region}_color"] = color_class(named)
+    color_regions(parsed, parsed.attributes)
     parsed.ignored = list(dict.fromkeys(parsed.ignored))
     parsed.conflicts = list(dict.fromkeys(parsed.conflicts))
 
@@ -88,7 +79,7 @@ def _settle_targets(parsed: Parsed, vocabulary: Vocabulary) -> None:
             if settled != value and not (attribute.cause or usual or apart or head.endswith("_color")):
                 lost += 1
                 parsed.conflicts.append(
-                    f"'{attribute.word}' contradicts '{first.cause or first.word}' on {_readable(head)}: "
+                    f"'{attribute.word}' contradicts '{first.cause or first.word}' on {head.replace('_', ' ')}: "
                     f"'{first.cause or first.word}' counts."
                 )
         if heads and lost == len(heads):
@@ -108,40 +99,6 @@ def _qualified(attributes: list[Attribute], vocabulary: Vocabulary) -> list[Attr
     heads = {name: entry.heads for name, entry in vocabulary.entries.items() if entry.heads}
     much = [(a.kind, heads[a.entry]) for a in kept if a.word.startswith("too ") and a.entry in heads]
     return [a for a in kept if a.negated or a.cause or a.color or (a.kind, heads.get(a.entry)) not in much]
-
-
-def color_class(attribute: Attribute) -> str:
-    """The basic color of a color word: its own last word where that is one ("light blue")."""
-    last = attribute.entry.rpartition(" ")[2].replace("gray", "grey")
-    return last if last in COLORS else basic(attribute.color or (0.5, 0.5, 0.5))
-
-
-def display_color(color: tuple[float, ...], region: Region) -> Lab:
-    """A Lab value that a lit region of a color can reach on the display.
-
-    Shading and the view transform's shoulder keep saturated colors from the gamut's corners, and
-    nothing lit is as black as its name.
-    """
-    light, a, b = lab_from_srgb(color)
-    if chroma((light, a, b)) > 20:
-        return min(max(light, _DARKEST), _LIGHTEST), 0.8 * a, 0.8 * b
-    ceiling = 95.0 if region == "surroundings" else 86.0
-    return min(max(light, _BLACK), ceiling), a, b
-
-
-def fog_color(srgb: Values) -> Values:
-    """The display color of fog that is called this: scattering makes it paler, and neither dark nor white."""
-    return shade(srgb, lightness=0.4, chroma=0.6, towards=70.0)
-
-
-def _readable(head: str) -> str:
-    return head.replace("_", " ")
-
-
-def _region_of(attribute: Attribute) -> Region | None:
-    if attribute.kind == "subject":
-        return "subject"
-    return "surroundings" if attribute.kind in ("surroundings", "sky", "fog") else None
 
 
 def heads_of(attribute: Attribute, vocabulary: Vocabulary) -> dict[str, str]:
@@ -185,7 +142,7 @@ def forget_sky(parsed: Parsed) -> None:
         attributes[:] = map(its_light, attributes)
     parsed.colors.pop("surroundings", None)
     parsed.targets.pop("surroundings_color", None)
-    _region_colors(parsed, parsed.attributes)
+    color_regions(parsed, parsed.attributes)
 
 
 def forget_parts(parsed: Parsed, shares: dict[str, float], vocabulary: Vocabulary) -> None:
@@ -199,7 +156,7 @@ def forget_parts(parsed: Parsed, shares: dict[str, float], vocabulary: Vocabular
     parts = [a for a in parsed.attributes if a.owners and sum(shares.get(n, 1.0) for n in a.owners) < _MAIN]
     mine: set[str] = set()
     for attribute in parts:
-        region = _region_of(attribute)
+        region = COLOR_REGIONS.get(attribute.kind)
         heads = {h for h in heads_of(attribute, vocabulary) if h.startswith("subject_")}
         mine |= heads | ({f"{region}_color"} if attribute.color else set())
         if region and attribute.color:
@@ -207,27 +164,7 @@ def forget_parts(parsed: Parsed, shares: dict[str, float], vocabulary: Vocabular
     kept = [a for a in parsed.attributes if a not in parts]
     spoken = {h for a in kept for h in heads_of(a, vocabulary)}
     parsed.targets = {head: value for head, value in parsed.targets.items() if head not in mine - spoken}
-    _region_colors(parsed, kept)
-
-
-def _region_colors(parsed: Parsed, attributes: list[Attribute]) -> None:
-    """Lab targets: from the color words of the subject and of what lies around it, fog last."""
-    for kind in ("subject", "surroundings", "sky", "fog"):
-        named = [a for a in attributes if a.kind == kind and a.color and not a.negated]
-        named.sort(key=lambda a: (bool(a.cause), bool(a.owners) and kind == "subject"))
-        for attribute in named:
-            region = _region_of(attribute)
-            if region and attribute.color and region not in parsed.colors:
-                shown = fog_color(attribute.color) if kind == "fog" else attribute.color
-                parsed.colors[region] = display_color(shown, region)
-                parsed.targets[f"{region}_color"] = color_class(attribute)
-            elif kind != "fog" and not attribute.cause and not attribute.owners:
-                first = next(a for a in named if not a.negated)
-                if first.entry != attribute.entry:
-                    parsed.conflicts.append(
-                        f"'{attribute.word}' gives way to '{first.word}', which was named first."
-                    )
-    assert all(head in ATTRIBUTES for head in parsed.targets)
+    color_regions(parsed, kept)
 
 
 def _objects(attributes: list[Attribute], subject: str, things: list[NamedThing]) -> list[PromptObject]:

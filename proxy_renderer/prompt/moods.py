@@ -12,11 +12,8 @@ from .lexicon.vocabulary import Vocabulary
 from .types import Attribute
 
 _DARK, _LIGHT = 38.0, 72.0  # L* of surroundings that leave no bright picture, and no dark one
-_COLORED, _VIVID, _GRAY = (
-    12.0,
-    35.0,
-    8.0,
-)  # C* from which light has a color, a color is vivid, and below which it is none
+_COLORED, _VIVID, _GRAY = 12.0, 35.0, 8.0
+"""C* from which light has a color, and a color is vivid, and below which it is none."""
 _OPPOSED = 0.3  # cosine with warm or cool light from which a color is of the other kind
 _AIR = ("light", "fog", "tone", "ambience", "sky")
 """Kinds of things whose color all that is seen takes on."""

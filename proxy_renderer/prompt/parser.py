@@ -42,6 +42,18 @@ def _prepared(text: str, scene: SceneWords, vocabulary: Vocabulary) -> tuple[str
     return without_spared(spoken(told, vocabulary, scene_names(scene)))
 
 
+def _checked(prompt: str) -> str:
+    """A prompt without tags and needless white space; VibeError where it is empty or too long."""
+    text = " ".join(_TAG.sub(" ", prompt).split())
+    if not text:
+        raise VibeError(
+            "The prompt is empty.", "Describe a look, for example: 'glossy teal, white studio background'."
+        )
+    if len(text) > LONGEST_PROMPT:
+        raise VibeError(f"The prompt has {len(text)} characters.", f"Say it in {LONGEST_PROMPT} or less.")
+    return text
+
+
 def parse(
     prompt: str,
     scene: SceneWords,
@@ -59,14 +71,7 @@ def parse(
     Raises:
         VibeError: The prompt is empty, too long, or holds no look word at all.
     """
-    text = " ".join(_TAG.sub(" ", prompt).split())
-    if not text:
-        raise VibeError(
-            "The prompt is empty.", "Describe a look, for example: 'glossy teal, white studio background'."
-        )
-    if len(text) > LONGEST_PROMPT:
-        raise VibeError(f"The prompt has {len(text)} characters.", f"Say it in {LONGEST_PROMPT} or less.")
-    vocabulary = vocabulary or default_vocabulary()
+    text, vocabulary = _checked(prompt), vocabulary or default_vocabulary()
     glossed = gloss(text, scene, vocabulary)
     foreign = "" if glossed.language else other_language(text)
     if foreign == "all":
@@ -78,11 +83,11 @@ def parse(
     share_out(parsed, said, scene)
     parsed.conflicts += [f"'{words}': what no word names stays as it is." for words in spared]
     if found.beyond:
-        said = ", ".join(f"'{text}'" for text in dict.fromkeys(found.beyond))
-        parsed.conflicts.append(f"{said}: no value of a material, light, world, fog or film gives that.")
+        parsed.conflicts.append(
+            f"{_quoted(found.beyond)}: no value of a material, light, world, fog or film gives that."
+        )
     if found.undone:
-        said = ", ".join(f"'{text}'" for text in dict.fromkeys(found.undone))
-        parsed.conflicts.append(f"{said}: {_THINGS_STAY}")
+        parsed.conflicts.append(f"{_quoted(found.undone)}: {_THINGS_STAY}")
     if foreign:
         parsed.conflicts.append(f"Some of the prompt is in a language that is not understood. {understood()}")
     if not parsed.attributes or (foreign and all(a.guess or a.cause for a in parsed.attributes)):
@@ -95,9 +100,14 @@ def parse(
     complete(parsed, vocabulary, found.subject, found.mentioned)
     if glossed.language:
         Retelling(glossed).retell(parsed)
-        if unknown := ", ".join(f"'{word}'" for word in dict.fromkeys(glossed.unknown)):
-            parsed.conflicts.append(f"The prompt was read as {glossed.language}, which lacks: {unknown}.")
+        if unknown := glossed.unknown:
+            lacks = f"The prompt was read as {glossed.language}, which lacks: {_quoted(unknown)}."
+            parsed.conflicts.append(lacks)
     return parsed
+
+
+def _quoted(words: list[str]) -> str:
+    return ", ".join(f"'{word}'" for word in dict.fromkeys(words))
 
 
 def _in(glossed: Gloss, foreign: str) -> str:

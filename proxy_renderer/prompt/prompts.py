@@ -7,9 +7,10 @@ a caption of its own, negatives are positive descriptions of the mistake, and ne
 
 from __future__ import annotations
 
+from .colors import color_class
+from .lexicon.entries import VocabularyEntry
 from .lexicon.user_words import default_vocabulary
-from .lexicon.vocabulary import Vocabulary, VocabularyEntry
-from .meaning import color_class
+from .lexicon.vocabulary import Vocabulary
 from .types import Attribute, Parsed, Prompts
 
 _ORDER = ("mood", "finish", "color", "material")
@@ -66,12 +67,8 @@ def _words(attribute: Attribute, vocabulary: Vocabulary) -> str:
     """What the encoder is told for a word: its expansion, with the intensity kept."""
     entry = vocabulary.entries.get(attribute.entry)
     if attribute.color or not entry:
-        thing = (
-            f" {attribute.thing}"
-            if attribute.kind in ("light", "fill", "rim", "shadow", "highlight", "glow", "ambience")
-            else ""
-        )
-        return attribute.entry + thing if thing else _shade(attribute)
+        named = attribute.kind in ("light", "fill", "rim", "shadow", "highlight", "glow", "ambience")
+        return f"{attribute.entry} {attribute.thing}" if named else _shade(attribute)
     if attribute.shades:
         return attribute.english or attribute.word
     degree = "slightly " if attribute.strength < 0.8 else "very " if attribute.strength > 1.3 else ""
@@ -88,10 +85,9 @@ def _caption(attributes: list[Attribute], noun: str, vocabulary: Vocabulary) -> 
     """ "a glossy teal dolphin": what fits before the noun stands there, longer phrases follow it."""
     before: list[str] = []
     after: list[str] = []
-    own_noun = [
-        a for a in attributes if a.slot == "setting" and (a.english or a.word) in noun
+    said = [
+        a for a in attributes if a.slot != "setting" or (a.english or a.word) not in noun
     ]  # "a studio studio"
-    said = [a for a in attributes if a not in own_noun]
     for attribute in sorted(said, key=lambda a: _ORDER.index(a.slot) if a.slot in _ORDER else 0):
         adjective, _, more = _words(attribute, vocabulary).partition(", ")
         (after if adjective.count(" ") > 1 and not attribute.color else before).append(adjective)
@@ -109,16 +105,13 @@ def _negatives(
 ) -> tuple[str, ...]:
     """What must not happen to a region: the other region's colors and matter, and its own words' opposites."""
     mine = {a.entry for a in own}
+    entries = (vocabulary.entries.get(a.entry) for a in own)
+    meant = {pair for entry in entries if entry for pair in entry.heads.items()}
     swapped = [a for a in other if a.slot in ("color", "material") and a.entry not in mine]
     negatives = [_caption([a], noun, vocabulary) for a in swapped]
-    for attribute in own:
+    for attribute in (a for a in own if a.slot in ("finish", "material", "color", "setting")):
         opposite = _opposite(attribute, vocabulary)
-        meant = {pair for a in own for pair in _heads(a, vocabulary)}
-        if (
-            opposite
-            and attribute.slot in ("finish", "material", "color", "setting")
-            and not (meant & {*opposite.heads.items()})
-        ):
+        if opposite and meant.isdisjoint(opposite.heads.items()):
             negatives.append(f"a {opposite.phrase.partition(',')[0]} {noun}")
     return tuple(dict.fromkeys(negatives))
 
@@ -127,28 +120,15 @@ def _unwanted(attributes: list[Attribute], vocabulary: Vocabulary) -> tuple[str,
     """For the whole picture: what negated words describe, and the opposites of the others."""
     negatives = []
     for attribute in attributes:
-        entry = vocabulary.entries.get(attribute.entry)
-        if attribute.negated:
-            negatives.append(
-                _words(attribute, vocabulary)
-                if attribute.color
-                else entry.phrase
-                if entry
-                else attribute.entry
-            )
-        elif (
-            attribute.region == "whole"
-            and not attribute.cause
-            and (opposite := _opposite(attribute, vocabulary))
-        ):
+        entry, opposite = vocabulary.entries.get(attribute.entry), _opposite(attribute, vocabulary)
+        if attribute.negated and attribute.color:
+            negatives.append(_words(attribute, vocabulary))
+        elif attribute.negated:
+            negatives.append(entry.phrase if entry else attribute.entry)
+        elif opposite and attribute.region == "whole" and not attribute.cause:
             negatives.append(opposite.phrase)
     wanted = {_words(a, vocabulary) for a in attributes if not a.negated}
     return tuple(n for n in dict.fromkeys(negatives) if n not in wanted)
-
-
-def _heads(attribute: Attribute, vocabulary: Vocabulary) -> set[tuple[str, str]]:
-    entry = vocabulary.entries.get(attribute.entry)
-    return {*entry.heads.items()} if entry else set()
 
 
 def _opposite(attribute: Attribute, vocabulary: Vocabulary) -> VocabularyEntry | None:

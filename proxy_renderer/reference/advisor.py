@@ -9,8 +9,9 @@ from typing import Any
 
 from ..claims.wanted import claims_of
 from ..planning.advice import Advice, Advisor
+from ..planning.types import Plan, PlanContext, PlanEntry
 from ..prompt.lexicon.user_words import default_vocabulary
-from ..prompt.types import LightWords, Parsed, Plan, PlanContext, PlanEntry, Prompts
+from ..prompt.types import LightWords, Parsed, Prompts
 from ..schema import Instance, VibeError
 from . import light_probe, ranges
 from .light_colors import light_colors

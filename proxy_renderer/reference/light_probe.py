@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..color.arrays import luminance
-from ..prompt.types import PlanEntry
+from ..planning.types import PlanEntry
 from ..schema import Instance, Values
 
 _BRIGHT = 6.0  # times the mean: what is brighter belongs to the key

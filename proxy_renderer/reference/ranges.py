@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
-from ..prompt.types import PlanEntry
+from ..planning.types import PlanEntry
 from ..schema import Instance, Values
 from .light_colors import LightColors
 

@@ -9,9 +9,10 @@ from typing import Any
 
 from ..planning.advice import Advice, OfflineAdvisor
 from ..planning.planner import plan as confine
+from ..planning.types import Plan, PlanContext, PlanEntry
 from ..prompt.parser import parse
 from ..prompt.prompts import compose
-from ..prompt.types import Parsed, Plan, PlanContext, PlanEntry, PromptObject, Prompts, SceneWords
+from ..prompt.types import Parsed, PromptObject, Prompts, SceneWords
 from ..schema import Instance, VibeError
 from .aliases import AliasTable
 from .client import Client

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ..color.floats import decode, encode
-from ..prompt.types import PlanContext
+from ..planning.types import PlanContext
 from ..schema import Instance, Values
 from ..schema.spec import SRGB
 

@@ -14,9 +14,10 @@ from typing import Any
 from ..color.constants import Lab
 from ..color.floats import srgb_from_hex
 from ..planning.ranges import clip
+from ..planning.types import PlanEntry
+from ..prompt.colors import display_color
 from ..prompt.lexicon.attributes import ATTRIBUTES
-from ..prompt.meaning import display_color
-from ..prompt.types import PlanEntry, PromptObject, Prompts
+from ..prompt.types import PromptObject, Prompts
 from ..schema import Instance, Values
 from ..schema.spec import Region
 from .aliases import AliasTable

@@ -7,8 +7,9 @@ import json
 from typing import Any
 
 from ..color.floats import hex_from_srgb, srgb_from_lab
+from ..planning.types import Plan, PlanContext
 from ..prompt.lexicon.attributes import ATTRIBUTES
-from ..prompt.types import Parsed, Plan, PlanContext, Prompts
+from ..prompt.types import Parsed, Prompts
 from ..schema import FAMILIES
 from ..schema.spec import SRGB
 from .aliases import AliasTable

@@ -17,7 +17,7 @@ from proxy_renderer.optimize.rounds import search as rounds
 from proxy_renderer.optimize.rounds.refinement import Refinement
 from proxy_renderer.optimize.rounds.search import Missed, Search, Start
 from proxy_renderer.optimize.shots import ShotInput
-from proxy_renderer.prompt.types import Plan
+from proxy_renderer.planning.types import Plan
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import VibeError
 from proxy_renderer.schema.messages import Options

@@ -10,7 +10,7 @@ from proxy_renderer.optimize.forward import forward_slopes, pictures_for
 from proxy_renderer.optimize.inner.slopes import backward_slopes
 from proxy_renderer.optimize.rounds.search import Search, Start
 from proxy_renderer.optimize.shots import ShotInput
-from proxy_renderer.prompt.types import Plan
+from proxy_renderer.planning.types import Plan
 from proxy_renderer.schema.messages import Options
 
 PROMPT = "glossy deep red ball, warm soft light from the left, thin fog, vignette, high contrast"

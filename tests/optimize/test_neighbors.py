@@ -9,7 +9,7 @@ from proxy_renderer.optimize.inner.slopes import difference_slopes
 from proxy_renderer.optimize.neighbors import Neighbors
 from proxy_renderer.optimize.rounds.search import Search, Start
 from proxy_renderer.optimize.shots import ShotInput
-from proxy_renderer.prompt.types import Plan
+from proxy_renderer.planning.types import Plan
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.schema.messages import Options
 

@@ -4,7 +4,7 @@
 import pytest
 
 from proxy_renderer.optimize.plan import carry, feasible_ranges, lock
-from proxy_renderer.prompt.types import Plan, PlanEntry
+from proxy_renderer.planning.types import Plan, PlanEntry
 from proxy_renderer.schema import FAMILIES, Instance, VibeError
 
 

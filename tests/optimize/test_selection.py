@@ -9,7 +9,7 @@ import torch
 from proxy_renderer.optimize.inner.assessment import Assessment
 from proxy_renderer.optimize.inner.linear_model import LinearModel
 from proxy_renderer.optimize.rounds.selection import choose
-from proxy_renderer.prompt.types import Plan, PlanEntry
+from proxy_renderer.planning.types import Plan, PlanEntry
 
 
 def doubles(values):

@@ -11,7 +11,7 @@ from proxy_renderer.optimize import pipeline
 from proxy_renderer.optimize.drawing import draw
 from proxy_renderer.optimize.rounds import starts
 from proxy_renderer.optimize.shots import ShotInput
-from proxy_renderer.prompt.types import Plan, PlanEntry
+from proxy_renderer.planning.types import Plan, PlanEntry
 from proxy_renderer.schema.messages import Options
 
 

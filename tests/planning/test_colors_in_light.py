@@ -11,11 +11,12 @@ from proxy_renderer.planning.advice import OfflineAdvisor
 from proxy_renderer.planning.display import reachable
 from proxy_renderer.planning.illumination import cast, warmth
 from proxy_renderer.planning.planner import plan
+from proxy_renderer.planning.types import PictureStats, PlanContext
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.meaning import forget_parts, forget_sky
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.prompts import compose
-from proxy_renderer.prompt.types import PictureStats, PlanContext, SceneWords
+from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.schema import FAMILIES, Instance
 
 COLOR = Instance(FAMILIES["material/base_color"], "Body", (0.5, 0.5, 0.5), 1.0, "subject")

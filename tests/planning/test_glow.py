@@ -4,9 +4,10 @@
 import pytest
 
 from proxy_renderer.planning.planner import plan
+from proxy_renderer.planning.types import PlanContext
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.prompts import compose
-from proxy_renderer.prompt.types import PlanContext, SceneWords
+from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.schema import FAMILIES, Instance
 
 COLOR = "material/Body/emission_color"

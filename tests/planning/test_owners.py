@@ -4,9 +4,10 @@
 import pytest
 
 from proxy_renderer.planning.owners import Owners
+from proxy_renderer.planning.types import PlanContext
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import PlanContext, SceneWords
+from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.schema import FAMILIES, Instance
 from proxy_renderer.schema.radiometry import unit_energy
 

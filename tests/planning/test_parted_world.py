@@ -9,9 +9,9 @@ from tiny_job import write_job
 from proxy_renderer.engine.additions import with_additions
 from proxy_renderer.optimize.context import scene_words
 from proxy_renderer.planning.planner import plan
+from proxy_renderer.planning.types import PlanContext
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.prompts import compose
-from proxy_renderer.prompt.types import PlanContext
 from proxy_renderer.scene import load_scene
 
 STRENGTH, COLOR = "world/backdrop_strength", "world/backdrop_color"

@@ -6,8 +6,9 @@ import pytest
 from proxy_renderer.color.floats import chroma, lab_from_srgb, srgb_from_linear
 from proxy_renderer.planning.ranges import effect_range
 from proxy_renderer.planning.sources import Sources
-from proxy_renderer.prompt.lexicon.vocabulary import parse_effect
-from proxy_renderer.prompt.types import Attribute, PlanContext
+from proxy_renderer.planning.types import PlanContext
+from proxy_renderer.prompt.lexicon.entries import parse_effect
+from proxy_renderer.prompt.types import Attribute
 from proxy_renderer.schema import FAMILIES, Instance
 
 RED = (0.4, 0.02, 0.03)

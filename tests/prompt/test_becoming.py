@@ -6,9 +6,10 @@ from dataclasses import replace
 import pytest
 
 from proxy_renderer.prompt.binding.becoming import becoming
+from proxy_renderer.prompt.lexer import Lexer
 from proxy_renderer.prompt.lexicon.nearest import Guess
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.tokens import Lexer, Token
+from proxy_renderer.prompt.tokens import Token
 from proxy_renderer.prompt.types import SceneWords
 
 VOCABULARY = shipped_vocabulary()

@@ -16,13 +16,15 @@ from proxy_renderer.color.shades import basic
 from proxy_renderer.planning.display import lightness, radiance
 from proxy_renderer.planning.explanation import as_dict, explain
 from proxy_renderer.planning.planner import plan
+from proxy_renderer.planning.types import PictureStats, PlanContext
+from proxy_renderer.prompt.lexer import Lexer
 from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES, COLORS
+from proxy_renderer.prompt.lexicon.entries import COLOR_MODES, parse_effect
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
-from proxy_renderer.prompt.lexicon.vocabulary import COLOR_MODES, load, parse_effect
+from proxy_renderer.prompt.lexicon.vocabulary import load
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.prompts import compose
-from proxy_renderer.prompt.tokens import Lexer
-from proxy_renderer.prompt.types import PictureStats, PlanContext, SceneWords
+from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.schema import FAMILIES, Instance, VibeError
 
 PROMPTS = (

@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 
 from proxy_renderer.prompt.languages.gloss import gloss
+from proxy_renderer.prompt.lexer import Lexer
 from proxy_renderer.prompt.lexicon.languages import lexicons, load
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.prompts import compose
-from proxy_renderer.prompt.tokens import Lexer
 from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.schema import VibeError
 from proxy_renderer.train import sentences

@@ -67,7 +67,7 @@ def test_a_list_is_one_noun_besides_its_own():
 
 
 def test_a_list_over_a_comma_is_in_the_clause_that_it_ends_in():
-    white = next(row for row in read("hut, ferry and pier white").pairs if row[0].look.word.text == "white")
+    white = next(row for row in read("hut, ferry and pier white").pairs if row[0].look.text == "white")
     facts = {
         f
         for pair in white

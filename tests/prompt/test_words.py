@@ -10,12 +10,14 @@ import pytest
 from proxy_renderer import bench
 from proxy_renderer.cli.main import main
 from proxy_renderer.planning.planner import plan
+from proxy_renderer.planning.types import PlanContext
+from proxy_renderer.prompt.lexicon.entries import normalize
 from proxy_renderer.prompt.lexicon.nearest import SURE, nearest
 from proxy_renderer.prompt.lexicon.user_words import VARIABLE, default_vocabulary, extend
-from proxy_renderer.prompt.lexicon.vocabulary import normalize, shipped_vocabulary
+from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.prompts import compose
-from proxy_renderer.prompt.types import PlanContext, SceneWords
+from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.schema import VibeError
 
 UNSEEN = [

@@ -15,8 +15,9 @@ from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import context, pipeline
 from proxy_renderer.optimize.rounds.refinement import Refinement
 from proxy_renderer.optimize.shots import ShotInput
+from proxy_renderer.planning.types import Plan, PlanContext
 from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
-from proxy_renderer.prompt.types import Parsed, Plan, PlanContext, Prompts, SceneWords
+from proxy_renderer.prompt.types import Parsed, Prompts, SceneWords
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import FAMILIES, Instance, VibeError
 from proxy_renderer.schema.messages import Options

@@ -6,7 +6,8 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 
-from ...prompt.lexicon.vocabulary import as_meant, normalize
+from ...prompt.lexicon.entries import normalize
+from ...prompt.lexicon.vocabulary import as_meant
 from ...train.sentences.labels import LabeledSentence, LookWord
 from .reading import Reach
 

@@ -11,7 +11,8 @@ from ...planning.lights.lacking import lacking
 from ...planning.owners import Owners
 from ...planning.wishes import Wishes
 from ...prompt.binding.model import FactWeights
-from ...prompt.lexicon.vocabulary import OWNERS, Effect, Vocabulary
+from ...prompt.lexicon.entries import OWNERS, Effect
+from ...prompt.lexicon.vocabulary import Vocabulary
 from ...prompt.parser import parse
 from ...prompt.types import GLOW, Attribute, Parsed
 from ...schema import VibeError

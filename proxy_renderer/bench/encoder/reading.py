@@ -24,8 +24,9 @@ from rich.table import Table
 
 from ...guidance.encoder import JUDGE, Encoder, load_encoder
 from ...prompt.lexicon.attributes import ATTRIBUTES
+from ...prompt.lexicon.entries import normalize
 from ...prompt.lexicon.nearest import nearest
-from ...prompt.lexicon.vocabulary import normalize, shipped_vocabulary
+from ...prompt.lexicon.vocabulary import shipped_vocabulary
 from ...prompt.parser import parse
 from ...prompt.prompts import compose
 from ...prompt.types import SceneWords

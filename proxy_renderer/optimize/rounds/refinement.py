@@ -15,7 +15,8 @@ from typing import Any
 from torch import Tensor
 
 from ...claims.claim import Claim
-from ...prompt.types import Parsed, Plan, Prompts
+from ...planning.types import Plan
+from ...prompt.types import Parsed, Prompts
 from ...reference.like import Reference
 from ...schema import Values
 from ..anchoring import AnchorState

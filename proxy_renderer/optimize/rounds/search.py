@@ -16,8 +16,9 @@ from ...claims.wanted import claims_of
 from ...guidance.encoder import Encoder
 from ...guidance.losses import claims_loss
 from ...planning.advice import Advice, Advisor, OfflineAdvisor
+from ...planning.types import Plan, PlanEntry
 from ...prompt.lexicon.user_words import default_vocabulary
-from ...prompt.types import Parsed, Plan, PlanEntry
+from ...prompt.types import Parsed
 from ...reference.advisor import beside
 from ...reference.like import Reference
 from ...render.proxy import Proxy, Render

@@ -17,7 +17,7 @@ import torch
 from torch import Tensor
 
 from ...guidance.guide import Weights
-from ...prompt.types import Plan
+from ...planning.types import Plan
 from ...schema import VibeError
 from ...schema.messages import Options
 from ..inner.least_squares import linearize

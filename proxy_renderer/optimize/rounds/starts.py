@@ -12,7 +12,7 @@ import torch.nn.functional as F
 from torch import Tensor
 
 from ...color.tensors import lab_from_srgb
-from ...prompt.types import Plan, PlanEntry
+from ...planning.types import Plan, PlanEntry
 from ...schema import Instance
 from ..vector import ParameterVector, around
 

@@ -10,7 +10,7 @@ import torch
 from torch import Tensor
 
 from ...guidance.regions import Views
-from ...prompt.types import Plan
+from ...planning.types import Plan
 from ...render.proxy import Render
 from ..inner.adam import StepSettings, descend
 from ..inner.descent import fixed_views

@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 from ...color.floats import chroma, lab_from_srgb
-from ...prompt.lexicon.vocabulary import Effect, Vocabulary
-from ...prompt.types import Attribute, Parsed, PlanContext
+from ...prompt.lexicon.entries import Effect
+from ...prompt.lexicon.vocabulary import Vocabulary
+from ...prompt.types import Attribute, Parsed
 from ...schema import Instance
 from ..owners import Owners
+from ..types import PlanContext
 from ..wishes import Wishes, is_usual
 
 _VIVID = 20.0  # chroma from which a world tints what it lights

@@ -5,11 +5,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ...prompt.lexicon.vocabulary import OWNERS, Effect, Vocabulary
-from ...prompt.lights.described import side
-from ...prompt.types import Attribute, Parsed, PlanContext
+from ...prompt.lexicon.entries import OWNERS, Effect
+from ...prompt.lexicon.vocabulary import Vocabulary
+from ...prompt.lights import side
+from ...prompt.types import Attribute, Parsed
 from ...schema import Instance
 from ..owners import Owners
+from ..types import PlanContext
 from ..wishes import Wishes
 from .meant import role_of
 

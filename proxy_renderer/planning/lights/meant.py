@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ...prompt.lexicon.vocabulary import Vocabulary
-from ...prompt.lights.described import fixture, side
+from ...prompt.lights import fixture, side
 from ...prompt.names import plain_name
 from ...prompt.types import Attribute
 

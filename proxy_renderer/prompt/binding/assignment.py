@@ -81,7 +81,7 @@ def _alike(one: TargetPair, other: TargetPair) -> str:
     if nowhere:
         return "both nowhere" if nowhere == 2 else "one nowhere"
     if (a.kind, a.names) == (b.kind, b.names):
-        slots = [pair.becoming.slot for pair in (one, other) if not pair.look.word.negated]
+        slots = [pair.becoming.slot for pair in (one, other) if not pair.look.negated]
         if ({*slots} <= {"color", "material"} and len(slots) == 2) or "lighting" in slots:
             return f"same, {' and '.join(slots)}"
         return "same, named by one" if one.names_itself != other.names_itself else "same"

@@ -6,7 +6,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ..lexicon.vocabulary import OWNERS, Vocabulary
+from ..lexicon.entries import OWNERS
+from ..lexicon.vocabulary import Vocabulary
 from ..tokens import Token
 from .targets import LAMPS, MATTER, NOWHERE
 

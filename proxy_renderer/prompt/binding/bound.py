@@ -4,15 +4,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 from ...schema.spec import Region
 from ..meaning import NamedThing
 from ..mentions.nouns import NounMention
-from ..things import Thing
 from ..types import SceneWords
 from .means import KIND_OF_SLOT
 from .pairs import PromptPairs, TargetPair
 from .targets import MATTER, NOWHERE, rest
+
+
+@dataclass(frozen=True)
+class Thing:
+    """What look words are bound to; `kind` as in the vocabulary's nouns, or "whole"; the rest as in `types.Attribute`."""
+
+    kind: str
+    name: str
+    region: Region
+    owners: tuple[str, ...] = ()
+    role: str = ""
+    lights: tuple[str, ...] = ()
 
 
 class Things:
@@ -36,10 +48,8 @@ class Things:
 
     def _called(self) -> str:
         """The noun by which the prompt calls a subject whose names the scene does not tell: "car" of a scene of cubes."""
-        mentions, used = (
-            self.found.mentions,
-            {p.look.index for p in self.chosen if p.target.kind not in NOWHERE},
-        )
+        mentions = self.found.mentions
+        used = {p.look.index for p in self.chosen if p.target.kind not in NOWHERE}
         said = {item.token.text for item in self.found.passage.items}
         if self.scene.subject in said or any(self._names_subject(m) for m in mentions):
             return ""
@@ -78,12 +88,12 @@ class Things:
             return self.found.mentions[pair.target.mention].text
         if pair.target.kind == "subject":
             return self.subject or "subject"
-        return pair.target.kind if pair.target.kind in MATTER else pair.look.word.token.text
+        return pair.target.kind if pair.target.kind in MATTER else pair.look.token.text
 
     def _matter(self, pair: TargetPair, name: str) -> Thing:
         """Materials, or a whole region."""
         kind, slot = pair.target.kind, pair.becoming.slot
-        names = self._rest(pair) if kind == "others" else self._shared.get(id(pair), pair.target.names)
+        names = self._rest() if kind == "others" else self._shared.get(id(pair), pair.target.names)
         owners = tuple(n for n in self.scene.materials if n in names)
         regions = {self.scene.materials[n] for n in owners}
         region: Region = (
@@ -100,7 +110,7 @@ class Things:
         around = {name for name, region in self.scene.materials.items() if region == "surroundings"}
         return by_kind and {*owners} == around
 
-    def _rest(self, pair: TargetPair) -> frozenset[str]:
+    def _rest(self) -> frozenset[str]:
         """All materials that no word names otherwise, nor the prompt excepts; details only if nothing else is left."""
         named: set[str] = set()
         for other in self.chosen:
@@ -117,10 +127,10 @@ class Things:
             named = pair.target.mention >= 0
             return Thing("tone", self._name(pair), "whole") if named else Thing("ambience", "tint", "whole")
         if pair.becoming.way == "row":
-            return Thing("tone", pair.look.word.token.text, "whole")
+            return Thing("tone", pair.look.token.text, "whole")
         kind = KIND_OF_SLOT.get(pair.becoming.slot, "whole")
         region: Region = "surroundings" if kind == "surroundings" else "whole"
-        return Thing(kind, pair.look.word.token.text, region)
+        return Thing(kind, pair.look.token.text, region)
 
 
 def _is_unknown(mention: NounMention) -> bool:
@@ -131,7 +141,7 @@ def _shared(chosen: list[TargetPair], scene: SceneWords) -> Iterator[tuple[int, 
     """What each color of "red, green and blue balls" gets of the materials of the balls."""
     by_mention: dict[int, list[TargetPair]] = {}
     for pair in chosen:
-        if pair.target.kind == "things" and pair.becoming.slot == "color" and not pair.look.word.negated:
+        if pair.target.kind == "things" and pair.becoming.slot == "color" and not pair.look.negated:
             by_mention.setdefault(pair.target.mention, []).append(pair)
     for pairs in by_mention.values():
         names = [n for n in scene.materials if n in pairs[0].target.names]

@@ -8,6 +8,10 @@ from collections.abc import Iterable
 from ..lexicon.vocabulary import Vocabulary
 from ..mentions.nouns import NounMention
 from ..mentions.passage import TIES, Passage
+from ..tokens import Token
+
+_SPARES = ("exception", "save", "refusal")
+"""Lists of words that leave out what follows them."""
 
 
 class ClauseForms:
@@ -21,6 +25,7 @@ class ClauseForms:
     Attributes:
         look_at: Places of look words.
         noun_at: Places of nouns.
+        places: Of each clause, those of its items.
         order: Whether clauses begin with a noun or with a look, or some so and some so.
         ends: Of each clause, what it begins and ends with.
         spares_from: Whether a look stands before what the prompt leaves out; "" if it leaves nothing out.
@@ -30,9 +35,37 @@ class ClauseForms:
         self.passage, self.mentions, self.vocabulary = passage, mentions, vocabulary
         self.look_at = {look.index for look in passage.looks}
         self.noun_at = {i for m in mentions for i in range(m.start, m.end + 1) if m.members == 1}
+        self.places: list[list[int]] = [
+            [] for _ in range(passage.items[-1].clause + 1 if passage.items else 0)
+        ]
+        for place, item in enumerate(passage.items):
+            self.places[item.clause].append(place)
         self.order = self._order()
-        self.ends = [self._ends_of(number) for number in range(self._clauses())]
+        self.ends = [self._ends_of(places) for places in self.places]
         self.spares_from = self._spares_from()
+
+    def role(self, place: int) -> str:
+        """What an item is in its clause: "noun", "look", a tie, or "other".
+
+        Args:
+            place: Of the item.
+        """
+        if place in self.noun_at:
+            return "noun"
+        if place in self.look_at:
+            return "look"
+        lists = self.passage.items[place].token.lists
+        return next((tie for tie in TIES if tie in lists), "other")
+
+    def sort_of(self, token: Token) -> str:
+        """The slot of what a look word means; "adjective" where that depends on what it describes.
+
+        Args:
+            token: Of the look word.
+        """
+        if token.entry:
+            return self.vocabulary.entries[token.entry].slot
+        return "color" if token.color else "adjective"
 
     def lead(self, index: int) -> str:
         """The word before a look word and its neighbors that are looks too: "on" of "on a glossy black floor".
@@ -40,18 +73,20 @@ class ClauseForms:
         Args:
             index: Place of the look word.
         """
-        clause = self.passage.items[index].clause
-        for place in range(index - 1, -1, -1):
-            item = self.passage.items[place]
-            if item.clause != clause:
-                break
-            if (
-                item.ties
-                or place in self.noun_at
-                or not (place in self.look_at or "article" in item.token.lists)
-            ):
-                return self._lead_word(place)
-        return "nothing"
+        before = [p for p in self.places[self.passage.items[index].clause] if p < index]
+        while before and self._is_led(before[-1]):
+            before.pop()
+        if not before:
+            return "nothing"
+        place, item = before[-1], self.passage.items[before[-1]]
+        if item.ties:
+            return f"'{item.token.text}' after {'a look' if place - 1 in self.look_at else 'others'}"
+        return f"'{item.token.text}'" if item.filler else "a noun" if place in self.noun_at else "others"
+
+    def _is_led(self, place: int) -> bool:
+        item = self.passage.items[place]
+        passed = place in self.look_at or "article" in item.token.lists
+        return passed and not (item.ties or place in self.noun_at)
 
     def turn(self, clause: int) -> str:
         """What the clause before another ends with: "after a clause that ends in light".
@@ -59,19 +94,14 @@ class ClauseForms:
         Args:
             clause: Number of the other.
         """
-        before = [i for i, item in enumerate(self.passage.items) if item.clause == clause - 1]
-        for place in reversed(before):
-            token = self.passage.items[place].token
-            if place in self.noun_at or place in self.look_at:
-                slot = (
-                    self.vocabulary.entries[token.entry].slot
-                    if token.entry
-                    else "color"
-                    if token.color
-                    else "adjective"
-                )
-                return f"after a clause that ends in {token.noun or ('a name' if place in self.noun_at else slot)}"
-        return "after nothing" if clause == 0 else "after a clause of neither"
+        if clause == 0:
+            return "after nothing"
+        last = next((p for p in reversed(self.places[clause - 1]) if p in self.noun_at | self.look_at), None)
+        if last is None:
+            return "after a clause of neither"
+        token = self.passage.items[last].token
+        what = token.noun or ("a name" if last in self.noun_at else self.sort_of(token))
+        return f"after a clause that ends in {what}"
 
     def around(self, mention: NounMention) -> str:
         """Where looks adjoin a list of nouns, and whether it goes over commas: "looks after, over commas".
@@ -80,80 +110,44 @@ class ClauseForms:
             mention: Of all the nouns.
         """
         items = self.passage.items
-        last = items[mention.end].clause
-        before = self._adjoins(range(mention.start - 1, -1, -1), items[mention.start].clause)
-        after = self._adjoins(range(mention.end + 1, len(items)), last)
+        first, last = items[mention.start].clause, items[mention.end].clause
+        before = self._adjoins(p for p in reversed(self.places[first]) if p < mention.start)
+        after = self._adjoins(p for p in self.places[last] if p > mention.end)
         if not after and "look to look" in self.ends[last + 1 : last + 2]:  # "hat, boots: black"
-            after = all(item.clause > last for item in self.passage.content(mention.end + 1, len(items)))
+            after = not self.passage.ahead(mention.end)
         sides = " and ".join(side for side, is_so in (("before", before), ("after", after)) if is_so)
-        commas = items[mention.start].clause != last
-        return f"looks {sides or 'nowhere'}{', over commas' if commas else ''}"
+        return f"looks {sides or 'nowhere'}{', over commas' if first != last else ''}"
 
-    def _adjoins(self, places: Iterable[int], clause: int) -> bool:
+    def _adjoins(self, places: Iterable[int]) -> bool:
         """Whether a look is the first of some items that is neither filler nor a tie."""
         for place in places:
             item = self.passage.items[place]
-            if item.clause != clause or place in self.look_at or place in self.noun_at:
-                return item.clause == clause and place in self.look_at
-            if not (item.filler or item.ties):
-                return False
+            if place in self.noun_at | self.look_at or not (item.filler or item.ties):
+                return place in self.look_at
         return False
 
     def _spares_from(self) -> str:
         """Whether "everything" of "everything grey but the floor" is described before the floor is left out."""
-        spared = next((m for m in self.mentions if m.spared), None)
-        if spared is None:
+        start = next((m.start for m in self.mentions if m.spared), None)
+        if start is None:
             return ""
-        clause = self.passage.items[spared.start].clause
-        tied = next((p for p in range(spared.start - 1, -1, -1) if self._spares(p)), spared.start)
-        looks = [
-            place
-            for place in self.look_at
-            if place < tied and self.passage.items[place].clause in (clause, clause - 1)
-        ]
+        items = self.passage.items
+        ties = (p for p in range(start - 1, -1, -1) if not items[p].token.lists.isdisjoint(_SPARES))
+        tied = next(ties, start)
+        near = (items[start].clause - 1, items[start].clause)
+        looks = any(place < tied and items[place].clause in near for place in self.look_at)
         return "after a look" if looks else "before any look"
-
-    def _spares(self, place: int) -> bool:
-        return not self.passage.items[place].token.lists.isdisjoint(("exception", "save", "refusal"))
-
-    def role_of(self, token: object) -> str:
-        """What a token is in its clause: "noun", "look", a tie, or "other".
-
-        Args:
-            token: Of the passage.
-        """
-        place = next(i for i, item in enumerate(self.passage.items) if item.token is token)
-        if place in self.noun_at:
-            return "noun"
-        if place in self.look_at:
-            return "look"
-        lists = self.passage.items[place].token.lists
-        return next((tie for tie in TIES if tie in lists), "other")
 
     def _order(self) -> str:
         """Whether clauses begin with what they are about ("hull red, wall white") or with how it looks ("red hull")."""
-        firsts = []
-        for number in range(self._clauses()):
-            places = [i for i, item in enumerate(self.passage.items) if item.clause == number]
-            both = [i for i in places if (i in self.look_at) != (i in self.noun_at)]
-            if both and both[-1] > both[0]:
-                firsts.append("noun" if both[0] in self.noun_at else "look")
-        if not firsts or len({*firsts}) > 1:
-            return "mixed"
-        return firsts[0]
+        firsts = set()
+        for places in self.places:
+            both = [p for p in places if (p in self.look_at) != (p in self.noun_at)]
+            if len(both) > 1:
+                firsts.add("noun" if both[0] in self.noun_at else "look")
+        return firsts.pop() if len(firsts) == 1 else "mixed"
 
-    def _clauses(self) -> int:
-        return self.passage.items[-1].clause + 1 if self.passage.items else 0
-
-    def _ends_of(self, clause: int) -> str:
+    def _ends_of(self, places: list[int]) -> str:
         """What a clause begins and ends with: "noun to look" in "hull red"."""
-        places = [i for i, item in enumerate(self.passage.items) if item.clause == clause]
-        roles = ["noun" if i in self.noun_at else "look" for i in places if i in self.noun_at | self.look_at]
+        roles = [self.role(p) for p in places if p in self.noun_at | self.look_at]
         return f"{roles[0]} to {roles[-1]}" if roles else "of neither"
-
-    def _lead_word(self, place: int) -> str:
-        item = self.passage.items[place]
-        if item.ties:
-            after = "a look" if place - 1 in self.look_at else "others"
-            return f"'{item.token.text}' after {after}"
-        return f"'{item.token.text}'" if item.filler else "a noun" if place in self.noun_at else "others"

@@ -7,8 +7,9 @@ from math import prod
 
 from ...schema import VibeError
 from ...schema.spec import Region
+from ..lexer import Lexer
 from ..lexicon.vocabulary import Vocabulary
-from ..tokens import Lexer, Token
+from ..tokens import Token
 from ..types import Attribute, SceneWords
 
 KIND_OF_SLOT = {

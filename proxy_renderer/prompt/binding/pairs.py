@@ -5,15 +5,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ..lexer import Lexer
 from ..lexicon.vocabulary import Vocabulary
 from ..mentions.find import mentions
 from ..mentions.nouns import NounMention
 from ..mentions.passage import Passage, PromptLook, passage
 from ..mentions.scene import SceneIndex
 from ..places import guess_places
-from ..tokens import Lexer
 from ..types import SceneWords
 from .becoming import Becoming, becoming
+from .clauses import ClauseForms
 from .features import PairFeatures
 from .targets import TINGE, Target, targets
 
@@ -68,18 +69,19 @@ def reading(text: str, words: SceneWords, vocabulary: Vocabulary) -> PromptPairs
     found = passage(clauses, vocabulary)
     nouns = mentions(found, SceneIndex(words), vocabulary)
     every = targets(nouns, words)
-    facts = PairFeatures(found, nouns, vocabulary)
+    forms = ClauseForms(found, nouns, vocabulary)
     pairs = []
     for look in found.looks:
+        facts = PairFeatures(look, forms)
         may_describe = [*every, Target(TINGE)] if found.tinged(look) else every
-        may_be = {t: b for t in may_describe if (b := becoming(look.word.token, t.kind, vocabulary))}
+        may_be = {t: b for t in may_describe if (b := becoming(look.token, t.kind, vocabulary))}
         pairs.append(
             [
                 TargetPair(
                     look,
                     t,
                     b,
-                    tuple(sorted({*facts.of(look, t, b)})),
+                    tuple(sorted({*facts.of(t, b)})),
                     names_itself=t.mention >= 0 and nouns[t.mention].covers(look.index),
                     directs=_directs(b, vocabulary),
                 )
@@ -92,5 +94,5 @@ def reading(text: str, words: SceneWords, vocabulary: Vocabulary) -> PromptPairs
 def _directs(becoming: Becoming, vocabulary: Vocabulary) -> bool:
     """Whether a word says where light comes from."""
     entry = vocabulary.entries.get(becoming.entry)
-    directing = (e for e in entry.effects if e.name in ("azimuth", "elevation")) if entry else ()
-    return any(not e.weak for e in directing)
+    effects = entry.effects if entry else ()
+    return any(e.name in ("azimuth", "elevation") and not e.weak for e in effects)

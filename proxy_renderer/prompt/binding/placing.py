@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..mentions.nouns import NounMention
-from ..mentions.passage import TIES, Passage
+from ..mentions.passage import TIES
 from .clauses import ClauseForms
 
 _FAR = 4  # items from which distance says no more
@@ -17,9 +17,7 @@ class NounPlace:
     """A noun as seen from a look word.
 
     Args:
-        passage: The prompt.
-        mentions: Its nouns.
-        forms: Its clauses.
+        forms: The clauses of the prompt.
         look: Place of the look word.
         mention: The noun.
 
@@ -28,21 +26,14 @@ class NounPlace:
         where: The side, and how many clauses the nearer ends of the two are apart.
     """
 
-    def __init__(
-        self,
-        passage: Passage,
-        mentions: list[NounMention],
-        forms: ClauseForms,
-        look: int,
-        mention: NounMention,
-    ) -> None:
-        self.passage, self.mentions, self.forms = passage, mentions, forms
+    def __init__(self, forms: ClauseForms, look: int, mention: NounMention) -> None:
+        self.passage, self.mentions, self.forms = forms.passage, forms.mentions, forms
         self.look, self.mention = look, mention
         after = mention.start > look
         self.side = "after" if after else "before"
         self._low, self._high = (look, mention.start) if after else (mention.end, look)
-        self._between = passage.content(self._low + 1, self._high)
-        items = passage.items
+        self._between = self.passage.content(self._low + 1, self._high)
+        items = self.passage.items
         self._apart = items[self._high].clause - items[self._low].clause
         self.where = f"{self.side}, {_NEAR.get(self._apart, 'far clause')}"
 
@@ -74,16 +65,15 @@ class NounPlace:
 
     def _rival(self) -> str:
         """Whether a noun on the other side of the look word is nearer."""
-        items, after, look = self.passage.items, self.side == "after", self.look
-        content, clause = self.passage.content, items[self.look].clause
-        near = [m for m in self.mentions if m.members == 1 and items[m.start].clause == clause]
-        if after:
-            others = [len(content(m.end + 1, look)) for m in near if m.end < look]
+        items, content, look = self.passage.items, self.passage.content, self.look
+        near = [m for m in self.mentions if m.members == 1 and items[m.start].clause == items[look].clause]
+        if self.side == "after":
+            others = [content(m.end + 1, look) for m in near if m.end < look]
         else:
-            others = [len(content(look + 1, m.start)) for m in near if m.start > look]
+            others = [content(look + 1, m.start) for m in near if m.start > look]
         if not others:
             return "no rival"
-        difference = min(others) - len(self._between)
+        difference = min(map(len, others)) - len(self._between)
         return "rival nearer" if difference < 0 else "rival farther" if difference > 0 else "rival"
 
     def _ties(self) -> Iterator[str]:
@@ -98,16 +88,13 @@ class NounPlace:
     def _led(self) -> Iterator[str]:
         """What ties the noun to what stands before it: "than the leather"."""
         items, start = self.passage.items, self.mention.start
-        clause = items[start].clause
-        for item in reversed([i for i in items[:start] if i.clause == clause]):
+        for item in (items[p] for p in reversed(self.forms.places[items[start].clause]) if p < start):
             if item.ties:
                 yield f"{self.where} led by {item.token.text}"
-                lists = item.token.lists & {*TIES}
-                yield from (f"{self.where} led by a {tie}" for tie in sorted(lists))
+                yield from (f"{self.where} led by a {tie}" for tie in TIES if tie in item.token.lists)
             if not item.filler:
-                break
-        first = next((i for i, its in enumerate(items) if its.clause == clause and not its.filler), -1)
-        if first == start:
+                return
+        if not items[start].filler:
             yield f"{self.where}: first of its clause"
 
     def _of_noun(self) -> Iterator[str]:

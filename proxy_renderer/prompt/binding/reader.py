@@ -8,10 +8,10 @@ from dataclasses import replace
 
 from ..lexicon.vocabulary import Vocabulary
 from ..meaning import NamedThing
-from ..things import Thing, Word
+from ..mentions.passage import PromptLook
 from ..types import Attribute, Parsed, SceneWords
 from .assignment import assigned
-from .bound import Things
+from .bound import Thing, Things
 from .means import stands_for
 from .model import shipped_weights
 from .pairs import PromptPairs, TargetPair, reading
@@ -60,10 +60,10 @@ class PromptReader:
         for number, pair in enumerate(self.chosen):
             if pair.target.kind == "none":
                 if not self._is_a_name(pair.look.index):
-                    parsed.ignored.append(pair.look.word.text)
+                    parsed.ignored.append(pair.look.text)
             elif pair.target.kind != TINGE:
                 entry = self._entry(pair, self.chosen[number + 1 : number + 2])
-                parsed.attributes += self._attributes(pair.look.word, entry, things.of(pair))
+                parsed.attributes += self._attributes(pair.look, entry, things.of(pair))
                 self._note_guess(pair, parsed)
         passage = self.found.passage
         self.mentioned, self.subject = things.mentioned, things.subject
@@ -78,14 +78,14 @@ class PromptReader:
 
     def _entry(self, pair: TargetPair, after: list[TargetPair]) -> str:
         """What a look word becomes; of "emerald velvet" the emerald is the color of the next material."""
-        token, becoming = pair.look.word.token, pair.becoming
+        token, becoming = pair.look.token, pair.becoming
         own = token.name or token.text
         if after and token.color and becoming.slot == after[0].becoming.slot == "material":
             adjoins = after[0].look.index == pair.look.index + 1
             return own if adjoins and after[0].target == pair.target else becoming.entry
         return becoming.entry or own
 
-    def _attributes(self, word: Word, entry: str, thing: Thing) -> Iterator[Attribute]:
+    def _attributes(self, word: PromptLook, entry: str, thing: Thing) -> Iterator[Attribute]:
         """What a look word says of a thing; a mood brings what it stands for."""
         known = self.vocabulary.entries.get(entry)
         if known and word.less and known.opposite and known.slot != "atmosphere":  # less fog is still fog
@@ -113,7 +113,7 @@ class PromptReader:
                 yield replace(part, cause=word.text, strength=strength, guess=bool(word.token.guess))
 
     def _note_guess(self, pair: TargetPair, parsed: Parsed) -> None:
-        token = pair.look.word.token
+        token = pair.look.token
         if token.guess:
             parsed.guesses[token.text] = token.guess
         if token.near:

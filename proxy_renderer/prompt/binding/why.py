@@ -21,7 +21,7 @@ def why(reader: PromptReader) -> str:
     """
     lines = ["Why (each look word with its likeliest targets, and the facts that weigh most)"]
     for pairs, chosen in zip(reader.found.pairs, reader.chosen, strict=True):
-        lines.append(f"  {chosen.look.word.text}")
+        lines.append(f"  {chosen.look.text}")
         lines += _targets(pairs, chosen, reader.weights)
     return "\n".join(lines)
 

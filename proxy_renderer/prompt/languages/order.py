@@ -60,7 +60,7 @@ def _units(found: list[Piece], start: int, vocabulary: Vocabulary) -> list[list[
     place = start
     while place < len(found):
         end = place
-        if units and found[end].english in ("and",):
+        if units and found[end].english == "and":
             end += 1
         while end < len(found) and _is_intensity(found[end], vocabulary):
             end += 1
@@ -89,19 +89,17 @@ def _led_by_looks(found: list[Piece], vocabulary: Vocabulary) -> list[Piece]:
             placed += found[start : start + taken]  # looks before a noun stay there
             start += taken
             continue
-        placed += [piece for unit in _reversed(units) for piece in unit] + found[start:end]
+        placed += _reversed(units) + found[start:end]
         start = end + taken
     return placed
 
 
-def _reversed(units: list[list[Piece]]) -> list[list[Piece]]:
+def _reversed(units: list[list[Piece]]) -> list[Piece]:
     """The last look first, with what joins two of them between them."""
-    joined = [unit[0] if unit[0].english == "and" else None for unit in units]
-    bare = [unit[1:] if join else unit for unit, join in zip(units, joined, strict=True)]
-    turned: list[list[Piece]] = []
-    for number in range(len(units) - 1, -1, -1):
-        join = joined[number]
-        turned.append(bare[number] + ([join] if join else []))
+    turned: list[Piece] = []
+    for unit in reversed(units):
+        joins = [piece for piece in unit[:1] if piece.english == "and"]
+        turned += [*unit[len(joins) :], *joins]
     return turned
 
 
@@ -188,5 +186,4 @@ def _shaded(found: list[Piece], vocabulary: Vocabulary) -> list[Piece]:
 
 
 def _is_colored(english: str, vocabulary: Vocabulary) -> bool:
-    entry = vocabulary.entries.get(vocabulary.synonyms.get(english, ""))
-    return english in vocabulary.colors or (entry is not None and entry.slot == "material")
+    return english in vocabulary.colors or vocabulary.slot(english) == "material"

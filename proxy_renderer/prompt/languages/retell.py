@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
-from ..lexicon.vocabulary import normalize
+from ..lexicon.entries import normalize
 from ..types import Attribute, Parsed
 from .gloss import Gloss
 from .pieces import Piece

@@ -41,14 +41,12 @@ class Guess:
         entry: Name of a vocabulary entry.
         near: The known word that it is nearest to.
         confidence: In [0, 1]: how near, and how much the nearest known words agree.
-        noun: Whether it names a matter, so that it describes only what is "made of" it or stands behind it.
         place: Whether it is a place, and stands where the prompt says what is all around: what it describes is known.
     """
 
     entry: str
     near: str
     confidence: float
-    noun: bool = False
     place: bool = False
 
 
@@ -114,27 +112,18 @@ class WordTable:
 
     def same_sort(self, thing: str, names: Iterable[str]) -> str:
         """The name of the thing that is of the same sort, judged by last words; "" if none is, by far enough."""
-        row = self._thing(thing)
-        if row is None:
+        own = self.sort(thing)
+        if own is None:
             return ""
-        near = sorted(
-            (
-                (float(self.sorts[row] @ self.sorts[other]), name)
-                for name in names
-                if (other := self._thing(name)) is not None
-            ),
-            reverse=True,
-        )
-        return near[0][1] if near and near[0][0] > _SAME_SORT else ""
+        rows = [(self.sort(name), name) for name in names]
+        near = max(((float(own @ sort), name) for sort, name in rows if sort is not None), default=(0.0, ""))
+        return near[1] if near[0] > _SAME_SORT else ""
 
     def sort(self, name: str) -> np.ndarray | None:
         """Unit vector of the sort of a thing, by its last word; None where that is not known."""
-        row = self._thing(name)
-        return None if row is None else self.sorts[row]
-
-    def _thing(self, name: str) -> int | None:
         last = name.rpartition(" ")[2]
-        return self.things.get(last, self.things.get(last.removesuffix("s")))
+        row = self.things.get(last, self.things.get(last.removesuffix("s")))
+        return None if row is None else self.sorts[row]
 
 
 @cache
@@ -203,9 +192,7 @@ class Nearest:
         if found is None or found[2] < SURE:
             return None
         entry, near, confidence = found
-        row = self._table.find(word)
-        noun = row is None or KINDS[self._table.kinds[row]] == "noun"  # compounds name things: "candlestick"
-        return Guess(entry, near, round(confidence, 2), noun)
+        return Guess(entry, near, round(confidence, 2))
 
     def meant(self, word: str) -> tuple[str, str, float] | None:
         """Entry, nearest known word and confidence of a word; None where it has no vector."""

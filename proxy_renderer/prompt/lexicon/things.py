@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from .entries import normalize
 from .languages import lexicons
 from .nearest import table
-from .spelling import folded as folded
-from .spelling import singular as singular
-from .vocabulary import normalize, shipped_vocabulary
+from .spelling import folded, singular
+from .vocabulary import shipped_vocabulary
 
 _SHORTEST = 4  # letters of a word that may be a part of a compound ("Obermaterial")
 

@@ -11,11 +11,8 @@ from ...schema import Values
 from .attributes import COLORS
 
 _ALONE = 0.7  # chroma of what is only "greenish"
-_TINGE, _HALF, _KIND = (
-    0.4,
-    0.5,
-    2 / 3,
-)  # share of the first color in "greenish blue", "green blue", "khaki green"
+_TINGE, _HALF, _KIND = 0.4, 0.5, 2 / 3
+"""Share of the first color in "greenish blue", "green blue", "khaki green"."""
 _SLASHED = re.compile(r"\b([A-Za-z]+)/([A-Za-z]+)\b")
 _BASIC = frozenset([*COLORS, "gray"])
 _KINDS = _BASIC - {"white", "black"}

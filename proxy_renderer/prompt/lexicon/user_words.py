@@ -26,7 +26,8 @@ from typing import Any
 from ...color.floats import srgb_from_hex
 from ...folders import config_folder
 from ...schema import VibeError
-from .vocabulary import Vocabulary, VocabularyEntry, normalize, read_entry, shipped_vocabulary
+from .entries import VocabularyEntry, normalize, read_entry
+from .vocabulary import Vocabulary, shipped_vocabulary
 
 VARIABLE = "VIBE_VOCABULARY"
 _TABLES = {"look": "entries", "colors": "color names"}

@@ -8,10 +8,12 @@ from collections.abc import Iterable
 from difflib import SequenceMatcher, get_close_matches
 from functools import cache
 
+from ..lexicon.entries import normalize
 from ..lexicon.nearest import table
-from ..lexicon.things import folded, senses, singular, thing_words
-from ..lexicon.vocabulary import normalize, shipped_vocabulary
-from ..names import COUNTED, DETAILS, LIMBS, PIPELINE
+from ..lexicon.spelling import folded, singular
+from ..lexicon.things import senses, thing_words
+from ..lexicon.vocabulary import shipped_vocabulary
+from ..names import name_words
 
 FITS = (
     "exact", "all", "last", "whole", "synonym", "part", "part's synonym", "detail's whole", "alike", "misspelled",
@@ -30,9 +32,9 @@ def parts(name: str) -> tuple[str, ...]:
     words = [singular(folded(w)) for w in normalize(spaced).split()]
     letters = [w for w in words if w.isascii() and len(w) == 1]
     words = [w for w in words if len(w) > 1 or not w.isascii()]
-    while len(words) > 1 and words[-1] in COUNTED:
+    while len(words) > 1 and words[-1] in name_words("counted"):
         words.pop()
-    return (*letters, *([w for w in words if w not in PIPELINE] or words))
+    return (*letters, *([w for w in words if w not in name_words("pipeline")] or words))
 
 
 @cache
@@ -78,15 +80,14 @@ def _head(name: tuple[str, ...]) -> tuple[str, ...]:
 def _is_of_surfaces(word: str) -> bool:
     """Whether a word of a name says what a thing is made of, or its color or finish."""
     vocabulary = shipped_vocabulary()
-    entry = vocabulary.synonyms.get(word, "")
-    return word in vocabulary.colors or (entry != "" and vocabulary.entries[entry].slot in _SURFACE)
+    return word in vocabulary.colors or vocabulary.slot(word) in _SURFACE
 
 
 def _as_part(name: tuple[str, ...], otherwise: str) -> str:
     """Of "car" in "car shell" and in "car wheel": a limb stands for the whole, a detail does not."""
-    if name[-1] in DETAILS:
+    if name[-1] in name_words("details"):
         return "detail's whole"
-    return "whole" if name[-1] in LIMBS and otherwise == "part" else otherwise
+    return "whole" if name[-1] in name_words("limbs") and otherwise == "part" else otherwise
 
 
 @cache

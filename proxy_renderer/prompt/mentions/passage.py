@@ -6,8 +6,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
+from ..lexicon.nearest import Guess
 from ..lexicon.vocabulary import Vocabulary
-from ..things import Word
 from ..tokens import Token
 
 _WISHES = {"action", "undo"}
@@ -53,18 +53,29 @@ class PromptLook:
 
     Attributes:
         index: Its place among the items.
-        word: The token with its intensity and negation.
-        guessed: It is unknown, and its entry is the nearest one; a place tells by where it stands what it is about.
+        token: The word itself.
+        text: As the prompt says it, with its intensity and negation.
+        strength: Of the intensities before it.
+        negated: "no", "without", "not".
     """
 
     index: int
-    word: Word
-    guessed: bool = False
+    token: Token
+    text: str
+    strength: float
+    negated: bool
 
     @property
-    def confidence(self) -> float:
-        """How sure the guess is, in [0, 1]; 1 for known words."""
-        return self.word.token.near.confidence if self.word.token.near else 1.0
+    def guess(self) -> Guess | None:
+        """What an unknown word was taken for, but a place, which tells by where it stands what it is about; None for the others."""
+        near = self.token.near
+        return near if near and not near.place else None
+
+    @property
+    def less(self) -> bool:
+        """Whether it is to be there in a smaller degree than now: a step towards its opposite."""
+        itself = self.token.text.startswith("less ")  # "less contrast" is a word of its own
+        return self.text.startswith("less ") and not (itself or self.negated)
 
 
 @dataclass
@@ -85,13 +96,18 @@ class Passage:
 
     def tinged(self, look: PromptLook) -> PromptLook | None:
         """The color right after a look word, whose shade the word may say."""
-        following = next((other for other in self.looks if other.index == look.index + 1), None)
-        same = following and self.items[following.index].clause == self.items[look.index].clause
-        return following if same and following and following.word.token.color else None
+        clause = self.items[look.index].clause
+        following = (other for other in self.looks if other.index == look.index + 1 and other.token.color)
+        return next((other for other in following if self.items[other.index].clause == clause), None)
 
     def content(self, start: int, end: int) -> list[Item]:
         """The items from start to end that say something, without `end`."""
         return [item for item in self.items[max(start, 0) : end] if not item.filler]
+
+    def ahead(self, place: int) -> list[Item]:
+        """What an item's clause says after it."""
+        clause = self.items[place].clause
+        return [item for item in self.content(place + 1, len(self.items)) if item.clause == clause]
 
 
 def passage(clauses: list[list[Token]], vocabulary: Vocabulary) -> Passage:
@@ -154,8 +170,8 @@ def _looks(found: Passage, clause: int, vocabulary: Vocabulary) -> Iterator[Prom
         elif look is not None:
             absent = look.entry != token.entry and not token.near
             said = prefix if prefix or not negated else ["no"]
-            word = Word(look, " ".join([*said, token.text]), strength, negated and not absent)
-            yield PromptLook(index, word, token.near is not None and not token.near.place)
+            text = " ".join([*said, token.text])
+            yield PromptLook(index, look, text, strength, negated and not absent)
             prefix, strength = [], 1.0
         elif item.ties or token.lists & {"action"}:
             negated = negated and "either" in token.lists

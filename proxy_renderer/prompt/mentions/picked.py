@@ -4,8 +4,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import replace
 
 from ..lexicon.vocabulary import Vocabulary
 from ..names import plain_name
@@ -16,34 +16,12 @@ from .passage import Passage
 from .scene import SceneIndex
 
 _NEAR = 3  # items from a word that picks to its noun
-_MIDDLE = 0.0  # of the picture, as places count
-Group = list[str]
-
-
-@dataclass(frozen=True)
-class Pick:
-    """A way to tell one of several.
-
-    Attributes:
-        key: What makes it the one, from the least to the greatest; None for the order of names.
-        index: Its place in that order.
-    """
-
-    key: Callable[[tuple[float, float, float]], float] | None
-    index: int
-
-
-_PICKS = {
-    "left": Pick(lambda place: place[0], 0),
-    "right": Pick(lambda place: place[0], -1),
-    "middle": Pick(lambda place: abs(place[0] - _MIDDLE), 0),
-    "near": Pick(lambda place: place[1], 0),
-    "far": Pick(lambda place: place[1], -1),
-    "big": Pick(lambda place: place[2], -1),
-    "small": Pick(lambda place: place[2], 0),
-    "last": Pick(None, -1),
-    **{name: Pick(None, n) for n, name in enumerate(("first", "second", "third", "fourth", "fifth"))},
-}
+_RANKS = {
+    "left": ("x", 0), "right": ("x", -1), "middle": ("off", 0), "near": ("depth", 0), "far": ("depth", -1),
+    "big": ("size", -1), "small": ("size", 0), "first": ("name", 0), "second": ("name", 1), "third": ("name", 2),
+    "fourth": ("name", 3), "fifth": ("name", 4), "last": ("name", -1),
+}  # fmt: skip
+"""A way to pick one of several -> by what these are ordered, and the place of the one."""
 
 
 def with_picks(
@@ -120,54 +98,48 @@ def _noun_of(passage: Passage, place: int, single: list[NounMention]) -> NounMen
     return None
 
 
-def _picked(way: str, group: Group, words: SceneWords) -> str:
+def _picked(way: str, group: list[str], words: SceneWords) -> str:
     """The one of a group of objects that a word picks; "" where it cannot be told.
 
     Args:
-        way: A key of the vocabulary's picks: "left", "second", "big".
+        way: A key of `_RANKS`.
         group: Names of objects.
         words: The names in the scene, and where the objects are.
     """
-    pick = _PICKS[way]
-    if len(group) < 2:
-        return ""
-    if pick.key is None:
-        order = sorted(group, key=_number)
-        return order[pick.index] if pick.index < len(order) else ""
-    key = pick.key
-    order = sorted((n for n in group if n in words.places), key=lambda name: key(words.places[name]))
-    if len(order) < 2:
-        return ""
-    first, last = (key(words.places[name]) for name in (order[0], order[-1]))
-    return order[pick.index] if first != last else ""
+    by, index = _RANKS[way]
+    ranks = {name: _rank(by, name, words) for name in group if by == "name" or name in words.places}
+    order = sorted(ranks, key=lambda name: ranks[name])
+    told = len(order) > max(index, 1) and ranks[order[0]] != ranks[order[-1]]
+    return order[index] if told else ""
 
 
-def _numbered(said: str, group: Group) -> str:
+def _rank(by: str, name: str, words: SceneWords) -> tuple[float, str]:
+    """Where an object stands among others, from left to right, from near to far, by its size, or by its name: "Ball", "Ball.001"."""
+    if by == "name":
+        return int((re.findall(r"\d+", name) or [0])[-1]), name
+    x, depth, size = words.places[name]
+    return {"x": x, "off": abs(x), "depth": depth, "size": size}[by], ""
+
+
+def _numbered(said: str, group: list[str]) -> str:
     """The object whose name ends in a number or letter: "cube 2" is Cube.002, "ribbon B" Ribbon_B; "" for none.
 
     Args:
         said: What stands after the noun.
         group: Names of objects.
     """
-    ends = {name: re.split(r"[\W_]+", name)[-1].lower() for name in group}
-    same = [
-        n
-        for n, end in ends.items()
-        if end == said or (said.isdigit() and end.isdigit() and int(end) == int(said))
-    ]
+    same = [name for name in group if _bare(re.split(r"[\W_]+", name)[-1].lower()) == _bare(said)]
     return same[0] if len(same) == 1 else ""
 
 
-def _number(name: str) -> tuple[int, str]:
-    """Order of names: "Ball", "Ball.001", "Ball.002"; by letters where there are no numbers."""
-    numbers = re.findall(r"\d+", name)
-    return (int(numbers[-1]) if numbers else 0, name)
+def _bare(number: str) -> str:
+    return str(int(number)) if number.isdecimal() else number
 
 
-def _alike(words: SceneWords) -> Iterator[Group]:
+def _alike(words: SceneWords) -> Iterator[list[str]]:
     """The subject's objects of one name, most of them first; then all of the subject's, and all of the scene's."""
     subject = [name for name, region in words.objects.items() if region == "subject"]
-    kinds: dict[str, Group] = {}
+    kinds: dict[str, list[str]] = {}
     for name in subject:
         kinds.setdefault(plain_name(name), []).append(name)
     yield from sorted((kind for kind in kinds.values() if len(kind) > 1), key=len, reverse=True)

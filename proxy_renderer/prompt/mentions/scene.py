@@ -17,6 +17,9 @@ _MOST_ALONE = 6  # materials of which each is looked at alone
 _SIDE = 75.0  # degrees from where words say that a light is
 _TYPES = {"SUN": "sun", "SPOT": "spot"}
 """Types of lights that people call by name."""
+_Fits = Callable[[Mapping[str, tuple[str, ...]]], dict[str, str]]
+_Found = tuple[Iterable[str], tuple[str, ...]]
+"""Names, and the signs by which they were found."""
 
 
 class SceneIndex:
@@ -42,18 +45,16 @@ class SceneIndex:
             said: Words of the prompt, as `parts` gives them.
             guess: Whether things of the same sort, or of nearly the same spelling, count.
         """
-        found: dict[tuple[str, frozenset[str]], set[str]] = defaultdict(set)
-
-        def add(kind: str, names: Iterable[str], *signs: str) -> None:
-            if every := frozenset(names):
-                found[kind, every] |= {*signs, *(("several",) if len(every) > 1 else ())}
 
         def fits(names: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
             each = ((name, (guessed_fit(said[0], p) if guess else fit(said, p))) for name, p in names.items())
             return {name: way for name, way in each if way}
 
-        self._add_things(fits, add)
-        self._add_lights(fits, add)
+        found: dict[tuple[str, frozenset[str]], set[str]] = defaultdict(set)
+        for kind, named in (("things", self._of_things(fits)), ("lights", self._of_lights(fits))):
+            for names, signs in named:
+                if every := frozenset(names):
+                    found[kind, every] |= {*signs, *(("several",) if len(every) > 1 else ())}
         return [Named(kind, names, frozenset(signs)) for (kind, names), signs in found.items()]
 
     def objects(self, said: tuple[str, ...]) -> list[str]:
@@ -102,48 +103,42 @@ class SceneIndex:
         turns = {name: x.turn for name, x in self.words.lights.items() if x.turn is not None}
         middle = (low + high) / 2.0
         near = sorted((abs((turn - middle + 180.0) % 360.0 - 180.0), name) for name, turn in turns.items())
-        return (
-            [Named("lights", frozenset({near[0][1]}), frozenset({"side"}))]
-            if near and near[0][0] < _SIDE
-            else []
-        )
+        beside = [name for apart, name in near[:1] if apart < _SIDE]
+        return [Named("lights", frozenset({name}), frozenset({"side"})) for name in beside]
 
-    def _add_things(self, fits: Callable[..., dict[str, str]], add: Callable[..., None]) -> None:
+    def _of_things(self, fits: _Fits) -> Iterator[_Found]:
         sources = (("material", self._materials), ("object", self._objects), ("group", self._groups))
         for source, names in sources:
             ways = fits(names)
             surest = best(ways.values())
             for way in dict.fromkeys(ways.values()):  # in an order that is the same in every process
                 chosen = [name for name, its in ways.items() if its == way]
-                self._add_worn(source, way, chosen, *(() if way == surest else ("less sure",)), add=add)
+                signs = (f"{source} {way}", *(() if way == surest else ("less sure",)))
+                yield from self._chosen(source, chosen, signs)
             sure = [name for name, way in ways.items() if FITS.index(way) <= _SURE]
             if len(sure) > len([way for way in ways.values() if way == surest]):
-                self._add_split(self._worn(source, sure), f"{source} {surest}", "widened", add=add)
+                yield from self._split(self._worn(source, sure), (f"{source} {surest}", "widened"))
 
-    def _add_worn(
-        self, source: str, way: str, chosen: list[str], *signs: str, add: Callable[..., None]
-    ) -> None:
+    def _chosen(self, source: str, chosen: list[str], signs: tuple[str, ...]) -> Iterator[_Found]:
         """The materials of what was chosen: all of them, without details, the first one of each, and each alone."""
-        sign = f"{source} {way}"
         worn = self._worn(source, chosen)
-        self._add_split(worn, sign, "whole", *signs, add=add)
+        yield from self._split(worn, (*signs, "whole"))
         in_parts = not self._worn_by_limbs.isdisjoint(worn)  # limbs look like their whole
         if len({*worn}) <= _MOST_ALONE and not in_parts:
             for name in dict.fromkeys(worn):
-                add("things", [name], sign, "alone", *signs)
+                yield [name], (*signs, "alone")
         if source != "material":
-            add("things", [m for m in worn if not is_detail(m)], sign, "without details", *signs)
+            yield [m for m in worn if not is_detail(m)], (*signs, "without details")
             objects = [] if in_parts else self._objects_of(source, chosen)
-            first = [self.words.object_materials[o][0] for o in objects]
-            self._add_split(first, sign, "first", *signs, add=add)
+            yield from self._split([self.words.object_materials[o][0] for o in objects], (*signs, "first"))
 
-    def _add_split(self, names: list[str], *signs: str, add: Callable[..., None]) -> None:
+    def _split(self, names: list[str], signs: tuple[str, ...]) -> Iterator[_Found]:
         """Materials, and apart from each other those of subject and surroundings."""
-        add("things", names, *signs)
+        yield names, signs
         for region in dict.fromkeys(self.words.materials.get(n) for n in names):
             mine = [n for n in names if self.words.materials.get(n) == region]
             if len(mine) < len(names):
-                add("things", mine, *signs, f"only {region}")
+                yield mine, (*signs, f"only {region}")
 
     def _objects_of(self, source: str, names: Iterable[str]) -> list[str]:
         every = names if source == "object" else (o for g in names for o in self.words.groups[g])
@@ -164,18 +159,17 @@ class SceneIndex:
             if name in worn and plain_name(wearer) == plain_name(name):
                 yield from self._limbs.get(wearer, ())
 
-    def _add_lights(self, fits: Callable[..., dict[str, str]], add: Callable[..., None]) -> None:
-        words = self.words
-        lamps = fits(self._lights)
+    def _of_lights(self, fits: _Fits) -> Iterator[_Found]:
+        words, lamps, shown = self.words, fits(self._lights), fits(self._objects)
         if surest := best(lamps.values()):
-            add("lights", [n for n, way in lamps.items() if way == surest], f"light {surest}")
-            add("lights", lamps, f"light {surest}", "widened")
-        types = {n: (_TYPES[x.type],) for n, x in words.lights.items() if x.type in _TYPES}
-        if by_type := fits(types):
-            add("lights", by_type, "light type")
+            yield [n for n, way in lamps.items() if way == surest], (f"light {surest}",)
+            yield lamps, (f"light {surest}", "widened")
+        yield (
+            fits({n: (_TYPES[x.type],) for n, x in words.lights.items() if x.type in _TYPES}),
+            ("light type",),
+        )
         glows = fits({n: self._materials[n] for n in words.glows})
-        shown = fits(self._objects)
-        add("lights", [GLOW + n for n in glows], f"glow {best(glows.values())}")
+        yield [GLOW + n for n in glows], (f"glow {best(glows.values())}",)
         lit = [n for n in words.glows if any(n in words.object_materials[o] for o in shown)]
-        add("lights", [GLOW + n for n in lit], f"glow on object {best(shown.values())}")
-        add("lights", [n for n, x in words.lights.items() if {*x.objects} & {*shown}], "lights it")
+        yield [GLOW + n for n in lit], (f"glow on object {best(shown.values())}",)
+        yield [n for n, x in words.lights.items() if {*x.objects} & {*shown}], ("lights it",)

@@ -75,8 +75,7 @@ def _takes_from_all(passage: Passage, place: int, single: list[NounMention]) -> 
     noun = next((m for m in single if m.start > place and items[m.start].clause == clause), None)
     if noun is None or not any(of_all):
         return False
-    behind = (i for i in items[noun.end + 1 :] if i.clause == clause)
-    return of_all[-1] or not any(i.names_a_look for i in behind)
+    return of_all[-1] or not any(i.names_a_look for i in passage.ahead(noun.end))
 
 
 def _is_listed_on(passage: Passage, mention: NounMention) -> bool:
@@ -97,13 +96,7 @@ def _goes_on(item: Item, leads: str) -> bool:
 def _before_refusals(passage: Passage, single: list[NounMention]) -> Iterator[int]:
     """Places of nouns that are left out by what follows: "the buckle excepted", "the grid not"."""
     for mention in single:
-        rest = [
-            i
-            for i in passage.content(mention.end + 1, len(passage.items))
-            if i.clause == passage.items[mention.end].clause
-        ]
-        refused = rest and (
-            "spared" in rest[0].token.lists or (len(rest) == 1 and "refusal" in rest[0].token.lists)
-        )
+        ahead = [item.token.lists for item in passage.ahead(mention.end)]
+        refused = ahead and ("spared" in ahead[0] or (len(ahead) == 1 and "refusal" in ahead[0]))
         if refused and _is_a_thing(mention):
             yield mention.start

@@ -6,7 +6,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from ...prompt.types import Glow, LightWords, PlanContext, SceneWords
+from ...planning.types import Glow, PlanContext
+from ...prompt.types import LightWords, SceneWords
 from ...scene.plain import plain_instances
 from ...schema import Instance, radiometry
 from .labels import LabeledScene

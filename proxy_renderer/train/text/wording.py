@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from functools import cache
 
 from ...color.shades import basic
-from ...prompt.lexicon.vocabulary import VocabularyEntry, shipped_vocabulary
+from ...prompt.lexicon.entries import VocabularyEntry
+from ...prompt.lexicon.vocabulary import shipped_vocabulary
 
 AttributeClasses = dict[str, str]
 """Attribute name → class, for those that a picture shows or a caption mentions."""

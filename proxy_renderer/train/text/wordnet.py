@@ -8,8 +8,8 @@ from collections.abc import Container, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ...prompt.lexicon.entries import normalize
 from ...prompt.lexicon.nearest import KINDS
-from ...prompt.lexicon.vocabulary import normalize
 
 SENSES = 3
 """Of a word, the most frequent ones are looked at."""

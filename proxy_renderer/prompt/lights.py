@@ -6,11 +6,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
-from ...color.floats import srgb_from_hex
-from ...color.shades import hue_apart
-from ...schema import Values
-from ..lexicon.vocabulary import Effect, Vocabulary
-from ..types import Attribute
+from ..color.floats import srgb_from_hex
+from ..color.shades import hue_apart
+from ..schema import Values
+from .lexicon.entries import Effect
+from .lexicon.vocabulary import Vocabulary
+from .types import Attribute
 
 _KINDS = ("light", "fill", "rim")
 _WARM, _COOL = (1.0, 0.7, 0.35), (0.5, 0.7, 1.0)

@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Cuts a prompt into clauses of tokens."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from difflib import get_close_matches
+from functools import cached_property
+
+from .lexicon.entries import normalize
+from .lexicon.nearest import nearest, table
+from .lexicon.tinges import parted, tending, unslashed
+from .lexicon.vocabulary import Vocabulary
+from .names import in_parts, scene_names
+from .tokens import Token, composed
+from .types import SceneWords
+
+_LONGEST = 5  # words in a phrase
+_COMPARED = ("finish", "grade", "mood", "atmosphere")
+"""Slots of words of which there can be more: "glossier", "moodier", "drier"."""
+_NAME_ALIKE, _ALIKE = 0.86, 0.84  # share of letters that a mistyped name, and any other word, has right
+_BREAK = re.compile(r"[.,;:!?()\[\]{}<>|\n\"*#=+]|\s[-–—/]\s|/")
+
+
+class Lexer:
+    """Finds the longest known phrases; built once per prompt, as scenes bring their own names."""
+
+    def __init__(self, vocabulary: Vocabulary, words: SceneWords) -> None:
+        self.vocabulary = vocabulary
+        self.names, self._in_parts = scene_names(words), in_parts(words)
+
+    @cached_property
+    def _spelling(self) -> list[str]:
+        v = self.vocabulary
+        return sorted(w for w in {*v.synonyms, *v.colors, *v.adjectives} if " " not in w and len(w) > 3)
+
+    def clauses(self, prompt: str) -> list[list[Token]]:
+        """Tokens of each clause of a prompt."""
+        text = unslashed(re.sub(r"\s*&\s*", " and ", prompt), self.vocabulary.colors)
+        text = normalize(text)
+        words = [re.findall(r"[^\W_]+(?:'[a-z]+)?", part) for part in _BREAK.split(text)]
+        return [self._tokens(self._gathered(self._parted(self._spelled(part)))) for part in words if part]
+
+    def _spelled(self, words: list[str]) -> list[str]:
+        """The words that are meant by those typed in a hurry."""
+        return [w if w in self._in_names else self.vocabulary.typed.get(w, w) for w in words]
+
+    @cached_property
+    def _in_names(self) -> frozenset[str]:
+        """All words of names in the scene."""
+        return frozenset(word for name in self.names for word in name.split())
+
+    def _parted(self, words: list[str]) -> list[str]:
+        """The words, with a space in "bluegreen" and "lightblue"."""
+        v = self.vocabulary
+        known = v.synonyms.keys() | v.nouns.keys() | self.names.keys()
+        return [
+            part for word in words for part in ([word] if word in known else parted(word, v.colors, v.shades))
+        ]
+
+    def _gathered(self, words: list[str]) -> list[str]:
+        """ "Deep glossy blue" as "glossy deep blue": a shade is its color's, whatever stands between them."""
+        v, words = self.vocabulary, list(words)
+        for i in range(len(words) - 2):
+            shade_, between, color = words[i : i + 3]
+            finish = v.slot(between) in ("finish", "material") and between not in v.colors
+            if shade_ in v.shades and finish and color in v.colors:
+                words[i : i + 2] = between, shade_
+        return words
+
+    def _tokens(self, words: list[str]) -> list[Token]:
+        tokens: list[Token] = []
+        start = 0
+        while start < len(words):
+            for count in range(min(_LONGEST, len(words) - start), 0, -1):
+                part = words[start : start + count]
+                if self._ends_in_thing(part):
+                    continue
+                cuts = self._cuts_a_phrase(words, start, start + count)
+                token = (None if cuts else composed(part, self.vocabulary)) or self._phrase(" ".join(part))
+                if token.known or count == 1:
+                    tokens.append(token if token.known else self._guess(token))
+                    start += count
+                    break
+        return tokens
+
+    def _phrase(self, text: str) -> Token:
+        v = self.vocabulary
+        for spelling in (text, text.removesuffix("s"), text.removesuffix("es"), text.removesuffix("ed")):
+            short = len(spelling) < 3 and spelling != text
+            if short or (text == spelling + "ed" and (" " in text or spelling in v.nouns)):
+                continue  # "car parked" is no car park
+            token = Token(
+                text,
+                v.synonyms.get(spelling, ""),
+                v.colors.get(spelling),
+                spelling if spelling in v.adjectives else "",
+                v.nouns.get(spelling, "") or self._head_noun(spelling),
+                self.names.get(spelling),
+                v.intensity.get(spelling),
+                frozenset(kind for kind, phrases in v.lists.items() if spelling in phrases),
+            )
+            if token.known:
+                token.name = spelling
+                token.color = token.color or tending(text, v.colors)
+                return token
+        return self._compared(text) or Token(text, color=tending(text, v.colors))
+
+    def _compared(self, text: str) -> Token | None:
+        """ "Cooler" and "glossiest" as what they compare: an adjective, a finish or a mood."""
+        v = self.vocabulary
+        for stem in (stem for degree in v.endings for stem in v.stems(text, degree)):
+            if stem in v.adjectives or stem in v.colors or v.slot(stem) in _COMPARED:
+                return replace(self._phrase(stem), text=text)
+        return None
+
+    def _head_noun(self, text: str) -> str:
+        """Phrases for a setting end in the thing itself: "minimal backdrop"."""
+        is_setting = self.vocabulary.slot(text) == "setting"
+        return self.vocabulary.nouns.get(text.rpartition(" ")[2], "") if is_setting else ""
+
+    def _ends_in_thing(self, words: list[str]) -> bool:
+        """Whether a phrase is a look and a thing of this scene: "terracotta pot", or "turquoise water" where water is."""
+        v, last = self.vocabulary, words[-1]
+        if len(words) < 2 or last not in self.names or " ".join(words) in self.names:
+            return False
+        first = " ".join(words[:-1])
+        looks = first in v.colors or (first in v.shades and " ".join(words) not in v.synonyms)
+        may_be_thing = last not in v.colors and (last not in v.synonyms or looks)
+        return may_be_thing and self._phrase(first).known
+
+    def _cuts_a_phrase(self, words: list[str], start: int, end: int) -> bool:
+        """Whether words from start to end take the first word of a listed phrase: "warm golden" of "golden hour"."""
+        later = range(end + 1, min(end + _LONGEST, len(words) + 1))
+        synonyms = self.vocabulary.synonyms
+        return any(" ".join(words[i:j]) in synonyms for i in range(start + 1, end) for j in later)
+
+    def _may_be_called(self, word: str) -> list[str]:
+        """Names of what a thing may be: "a red car" is none of its four wheels, nor its bonnet."""
+        if word.endswith("s"):
+            return list(self.names)
+        return [
+            name
+            for name, thing in self.names.items()
+            if not (thing.several or (self._in_parts and thing.region == "subject"))
+        ]
+
+    def _guess(self, token: Token) -> Token:
+        """The nearest known word, where it can only be a slip of the keyboard."""
+        if same := table().same_sort(token.text, self._may_be_called(token.text)):
+            token.scene, token.guess, token.name = self.names[same], self.names[same].name, same
+            return token
+        token.near = nearest(self.vocabulary).guess(token.text)
+        if len(token.text) < 4 or table().is_english(token.text):
+            return token
+        near = (
+            [w for w in self._spelling if _is_swapped(w, token.text)]
+            or get_close_matches(token.text, self.names, 1, _NAME_ALIKE)
+            or get_close_matches(token.text, self._spelling, 3, _ALIKE)
+        )
+        known = next((w for w in near if w[0] == token.text[0]), "")  # likelier than a rare word
+        return replace(self._phrase(known), text=token.text, guess=known) if known else token
+
+
+def _is_swapped(word: str, typed: str) -> bool:
+    """Whether two letters inside a word changed places: "wihte", "balck"."""
+    if len(word) != len(typed):
+        return False
+    return sum(a != b for a, b in zip(word, typed, strict=True)) == 2 and sorted(word) == sorted(typed)
