@@ -45,7 +45,6 @@ def render(scene: SceneData, size: tuple[int, int]) -> torch.Tensor:
     few_of(
         FAULTS,
         {
-            "glow_in_an_unused_slot",
             "no_lights",
             "nan_texture",
             "zero_scale",
