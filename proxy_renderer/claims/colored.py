@@ -45,8 +45,8 @@ _DROWNED, _LEAST_DROWNED = 0.5, 25.0
 
 _TONED = {"shadow": "shadow_warmth", "highlight": "highlight_warmth"}
 """Kinds of things whose color is a warmth of the picture's darks or lights -> its measure."""
-_WARM = (4.0, 4.0, 22.0)
-"""How warm or cold they are, or by how much more than before, and where there is too much of it; b*."""
+_WARM = (4.0, 22.0)
+"""How warm or cold they are at least, and at most; b*. Less cold ones than before are not orange yet."""
 
 _LIGHTING = ("light", "fill", "rim", "ambience", "tone")
 """Kinds of things whose color is a tint of the picture."""
@@ -95,12 +95,10 @@ def _of_gray_air(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
 
 def _toned(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
     """ "Orange highlights": warm ones; nothing for a color that is neither warm nor cold."""
-    warmth, (least, change, most) = lab_from_srgb(srgb)[2], _WARM
+    warmth, (least, most) = lab_from_srgb(srgb)[2], _WARM
     if abs(warmth) >= _COLORED:
-        sign = math.copysign(1.0, warmth)
-        ends = ((least,), (most,)) if sign > 0 else ((-most,), (-least,))
-        measure = _TONED[attribute.kind]
-        yield Claim(attribute.word, "picture", measure, "picture", *ends, change=sign * change)
+        ends = ((least,), (most,)) if warmth > 0 else ((-most,), (-least,))
+        yield Claim(attribute.word, "picture", _TONED[attribute.kind], "picture", *ends)
 
 
 def _around(shown: Values, named: float) -> tuple[Values, Values, Values]:
