@@ -43,15 +43,7 @@ def render(scene: SceneData, size: tuple[int, int]) -> torch.Tensor:
 @pytest.mark.parametrize(
     "name",
     few_of(
-        FAULTS,
-        {
-            "no_lights",
-            "nan_texture",
-            "zero_scale",
-            "geometry_nodes",
-            "broken_texture",
-            "shape_keys",
-        },
+        FAULTS, {"no_lights", "nan_texture", "zero_scale", "geometry_nodes", "broken_texture", "shape_keys"}
     ),
 )
 def test_fault(scene, tmp_path, name):

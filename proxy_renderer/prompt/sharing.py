@@ -24,8 +24,7 @@ def share_out(parsed: Parsed, said: str, scene: SceneWords) -> None:
         scene: Its materials, and how large the things are that wear them.
     """
     looks = _looks([a for a in parsed.attributes if _is_of_subject(a)], said)
-    materials = _by_size(scene)
-    if not 1 < len(looks) <= len(materials):
+    if len(looks) < 2 or len(looks) > len(materials := _by_size(scene)):
         return
     shares = {id(a): tuple(materials[n :: len(looks)]) for n, look in enumerate(looks) for a in look}
     parsed.attributes = [replace(a, owners=shares.get(id(a), a.owners)) for a in parsed.attributes]
@@ -71,10 +70,8 @@ def _painted(looks: list[list[Attribute]]) -> list[list[Attribute]]:
 
 def _by_size(scene: SceneWords) -> list[str]:
     """The subject's materials without details, those of the largest things first."""
-    mine = [name for name, region in scene.materials.items() if region == "subject" and not is_detail(name)]
-
-    def size(name: str) -> float:
-        wearers = [o for o, worn in scene.object_materials.items() if name in worn]
-        return sum(scene.places[o][2] ** 2 for o in wearers if o in scene.places)
-
-    return sorted(mine, key=size, reverse=True)
+    sizes = {n: 0.0 for n, region in scene.materials.items() if region == "subject" and not is_detail(n)}
+    for wearer, worn in scene.object_materials.items():
+        for name in sizes.keys() & {*worn}:
+            sizes[name] += scene.places[wearer][2] ** 2 if wearer in scene.places else 0.0
+    return sorted(sizes, key=lambda name: -sizes[name])

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """What does not glow is not made to: files of Blender before 4 have an emission strength of 1 and a black emission color."""
 
+from types import SimpleNamespace
+
 import pytest
 
+from proxy_renderer.planning.lights.glow import glowing
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import PlanContext
 from proxy_renderer.prompt.parser import parse
@@ -53,3 +56,14 @@ def test_what_glows_more_than_a_word_asks_for_is_not_dimmed(prompt, strength, ke
 def test_what_does_not_glow_yet_glows_as_the_word_says():
     found = entry("glowing", (0.0, 0.0, 0.0), 50.0, "material/Body/emission")
     assert found.upper[0] < 5.0
+
+
+def test_only_materials_that_some_face_has_are_lights():
+    emitting = [
+        Instance(FAMILIES["material/emission"], name, (5.0,), 1.0, "subject") for name in ("Lamp", "Unused")
+    ]
+    scene = SimpleNamespace(
+        instances={row.key: row for row in emitting},
+        materials=[SimpleNamespace(name="Lamp"), SimpleNamespace(name="Wall")],
+    )
+    assert glowing(scene) == ["Lamp"]

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cached_property
 
 from ..mentions.nouns import Named, NounMention, fit_rank
 from ..mentions.passage import PromptLook
@@ -56,7 +57,7 @@ class PairFeatures:
             yield f"guessed at {kind}"
             yield f"guessed at {kind} by {self.look.guess.confidence:.1f}"
         if target.mention < 0:
-            yield from (f"{target.kind} unnamed: {fact}" for fact in self._unnamed())
+            yield from (f"{target.kind} unnamed: {fact}" for fact in self._unnamed)
             yield f"{self._sort} of {target.kind} unnamed: {self._turn()}"
             if self._is_before_a_look():
                 yield f"'{token.adjective}' of {target.kind} unnamed: before a look"
@@ -70,8 +71,13 @@ class PairFeatures:
         named = (n for m in self.mentions if m.covers(self.look.index) for n in m.named)
         return " and name" if any(map(_is_of_object, named)) else ""
 
-    def _unnamed(self) -> Iterator[str]:
-        """Of what no noun names: what the clause and the prompt name instead."""
+    @cached_property
+    def _unnamed(self) -> tuple[str, ...]:
+        """Facts about all that no noun names: the same for each."""
+        return tuple(self._named_instead())
+
+    def _named_instead(self) -> Iterator[str]:
+        """What the clause and the prompt name instead, and where the look word stands."""
         items, look = self.passage.items, self.look.index
         clause = items[look].clause
         others = [m for m in self.mentions if not m.covers(look)]
