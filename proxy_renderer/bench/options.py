@@ -166,6 +166,13 @@ def _sealed(sub: argparse.ArgumentParser) -> None:
         choices=BASELINES,
         help="one that gets the same jobs, and as many seconds; who shows more is counted (default: none)",
     )
+    sub.add_argument(
+        "--rate",
+        type=int,
+        default=0,
+        metavar="N",
+        help="the baseline's greatest step, in thousandths of a range (default: its own)",
+    )
     _small_pictures(sub)
 
 

@@ -353,18 +353,23 @@ def test_the_one_that_shows_more_wins_and_a_tie_is_half_a_win():
     contest.show("clip-only", figures)
 
 
-@pytest.mark.parametrize(("loop", "asked"), [(20.0, [240]), (60.0, [240, 528])])
+@pytest.mark.parametrize(("loop", "asked"), [(2.0, [12]), (20.0, [12, 76, 152])])
 def test_a_baseline_has_as_many_seconds_as_the_product(loop, asked):
-    """A stand-in for runs: eight steps a second."""
+    """A stand-in for runs: one second for anything, and eight steps a second."""
     steps = []
 
     def carry_out(options):
         steps.append(int(options[-1].partition("=")[2]))
-        return row([True], loop_seconds=steps[-1] / 8)
+        return row([True], loop_seconds=1 + steps[-1] / 8)
 
-    last = contest.rival("clip-only", row([True], loop_seconds=loop), carry_out)
-    assert steps == asked
+    last = contest.rival("clip-only", 10, row([True], loop_seconds=loop), carry_out)
+    assert steps[: len(asked)] == asked
     assert last["loop_seconds"] >= loop
+
+
+def test_a_baseline_that_fails_is_not_tried_for_ever():
+    failed = {"prompt": "f", "code": 2, "error": "vibe: no.", "seconds": 1.0, "asked": 2}
+    assert contest.rival("clip-only", 10, row([True], loop_seconds=20.0), lambda _: failed) == failed
 
 
 def test_a_contest_puts_both_before_the_same_judge(tmp_path, monkeypatch, capsys):

@@ -13,28 +13,28 @@ from rich.console import Console
 from ..paper.verdict import tally
 from .table import JobResult, share
 
-STEPS = 240
-"""The fewest of a baseline, in one round: those of the authors' code."""
+_FEWEST = 12
+"""A baseline's first steps, in one round; they tell how long a step takes."""
 
 _SPARE = 1.1
 """How many more steps a baseline that had fewer seconds gets than their ratio says, as two runs never take the same time."""
 
 
-def rival(baseline: str, ours: JobResult, carry_out: Callable[[Sequence[str]], JobResult]) -> JobResult:
-    """The baseline's row of a job; done again with more steps if it had fewer seconds than the product.
+def rival(baseline: str, rate: int, ours: JobResult, carry_out: Callable[[Sequence[str]], JobResult]) -> JobResult:
+    """The baseline's row of a job: of a run that had at least as many seconds in the loop as the product.
 
     Args:
         baseline: As for `vibe run`.
+        rate: Its greatest step, as for `vibe run`.
         ours: The product's row.
         carry_out: Takes options of `vibe run`, and returns the row of a run with them.
     """
-
-    def run(steps: int) -> JobResult:
-        return carry_out([f"--baseline={baseline}", "--rounds=1", f"--steps={steps}"])
-
-    row = run(STEPS)
-    behind = _seconds(ours) / _seconds(row) if _seconds(row) else 0.0
-    return run(math.ceil(_SPARE * behind * STEPS)) if behind > 1.0 else row
+    steps = _FEWEST
+    while True:
+        row = carry_out([f"--baseline={baseline}", f"--rate={rate}", "--rounds=1", f"--steps={steps}"])
+        if not 0.0 < _seconds(row) < _seconds(ours):
+            return row
+        steps = math.ceil(_SPARE * steps * _seconds(ours) / _seconds(row))
 
 
 def summary(ours: Sequence[JobResult], theirs: Sequence[JobResult]) -> dict[str, Any]:

@@ -22,7 +22,13 @@ _MOST = 100_000
 
 
 def run(
-    out: Path, jobs: int = 24, drawn_from: str = "", size: int = 160, samples: int = 32, baseline: str = ""
+    out: Path,
+    jobs: int = 24,
+    drawn_from: str = "",
+    size: int = 160,
+    samples: int = 32,
+    baseline: str = "",
+    rate: int = 0,
 ) -> dict[str, Any]:
     """Draws, carries out what is missing, judges, and writes OUT/results.json and contact sheets.
 
@@ -33,6 +39,7 @@ def run(
         size: Longer side of the pictures, pixels.
         samples: Of Cycles.
         baseline: One that gets the same jobs, as for `vibe run`; "" for none.
+        rate: The baseline's, as for `vibe run`.
 
     Returns:
         The content of results.json; see `table.summary`, and `contest.summary` for `contest`. Beside that `seed`, and `changed_files`: whether the clone has
@@ -58,10 +65,10 @@ def run(
         rows.append(row)
         strips.append(_strip(row, out))
         if baseline:
-            rivals.append(contest.rival(baseline, row, carried_out))
+            rivals.append(contest.rival(baseline, rate, row, carried_out))
             print(f"    {baseline}: {table.line(rivals[-1])}", flush=True)
             strips.append(_strip(rivals[-1], out))
-    budget = {"size": size, "samples": samples, "baseline": baseline}
+    budget = {"size": size, "samples": samples, "baseline": baseline, "rate": rate}
     results = table.summary(rows) | {"seed": chosen, "changed_files": changed, **budget}
     if baseline:
         results["contest"] = contest.summary(rows, rivals)
