@@ -353,7 +353,7 @@ def test_the_one_that_shows_more_wins_and_a_tie_is_half_a_win():
     contest.show("clip-only", figures)
 
 
-@pytest.mark.parametrize(("loop", "asked"), [(2.0, [12]), (20.0, [12, 76, 152])])
+@pytest.mark.parametrize(("loop", "asked"), [(2.0, [12]), (20.0, [12, 106, 164])])
 def test_a_baseline_has_as_many_seconds_as_the_product(loop, asked):
     """A stand-in for runs: one second for anything, and eight steps a second."""
     steps = []
