@@ -37,6 +37,34 @@ def parted(said: list[tuple[Attribute, tuple[Claim, ...]]]) -> list[tuple[Attrib
     return [(a, tuple(as_accent(c) if c in apart else c for c in row)) for a, row in said]
 
 
+def adds(claim: Claim, attribute: Attribute, first: Claim) -> bool:
+    """Whether a claim says anything beside one that goes first.
+
+    Of one measure of one thing, what is said and goes further in the same sense: an old detective movie is as gray as the
+    movie, not as the old one. What is usual of a place, or what a mood stands for, gives way, also around the subject to what
+    is said of the picture: a toy shop is no gray shop. Of several colors of a thing the first counts.
+
+    Args:
+        claim: Of a later word.
+        attribute: The word.
+        first: Of an earlier one.
+    """
+    implied = bool(attribute.cause) or attribute.slot in USUAL
+    low, high = max(claim.lower[0], first.lower[0]), min(claim.upper[0], first.upper[0])
+    if _measured(claim) != _measured(first):
+        around = (claim.measure, claim.part, first.part) == (first.measure, "surroundings", "picture")
+        return not (implied and around and low > high)
+    if first.color or claim.word == first.word or implied:
+        return False
+    return low <= high and (low, high) != (first.lower[0], first.upper[0])
+
+
+def _measured(claim: Claim) -> tuple[object, ...]:
+    """What a claim is measured on: of colors the hue is what is claimed."""
+    hue = () if claim.measure == "color" else claim.direction
+    return claim.measure, claim.part, claim.materials, hue
+
+
 def beside_painted(claim: Claim, attribute: Attribute, colors: Sequence[Claim]) -> Claim:
     """A claim about the whole picture as far as the colors leave it that words name for what fills it.
 
@@ -69,7 +97,7 @@ def lit(claim: Claim, colored: Sequence[Claim]) -> Claim:
     return replace(claim, apart=tuple(dict.fromkeys(apart)))
 
 
-def still_light(colors: Sequence[Claim], claims: Iterable[Claim]) -> dict[tuple[object, ...], Claim]:
+def still_light(colors: Sequence[Claim], claims: Iterable[Claim]) -> list[Claim]:
     """That colored light is no dark light: where no word says how light the picture is, it stays as light as the color is.
 
     A tint could be had by exposing less, where it would drown the other colors.
@@ -80,13 +108,9 @@ def still_light(colors: Sequence[Claim], claims: Iterable[Claim]) -> dict[tuple[
     """
     tints = [c.color for c in colors if (c.part, c.measure) == ("picture", "tint") and c.color]
     if not tints or any(map(is_brightness, claims)):
-        return {}
+        return []
     least = min(_STILL * min(lab_from_srgb(color)[0] for color in tints), _LIT)
-    return {
-        ("lightness", "picture"): Claim(
-            "", "picture", "lightness", "picture", (least,), (math.inf,), change=0.0
-        )
-    }
+    return [Claim("", "picture", "lightness", "picture", (least,), (math.inf,), change=0.0)]
 
 
 def gives_way(claim: Claim, colors: Sequence[Claim], casts: Sequence[Claim]) -> bool:

@@ -20,6 +20,7 @@ from .colored import in_the_dark, of_color, of_matter, part_of
 from .comparing import compares
 from .conflicts import (
     USUAL,
+    adds,
     asks,
     beside_painted,
     gives_way,
@@ -61,20 +62,20 @@ def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
     said_colors = [
         claim for attribute, row in said if attribute.color and not attribute.cause for claim in row
     ]
-    claims: dict[tuple[object, ...], Claim] = {}
+    claims: list[Claim] = []
     for attribute, row in sorted(said, key=lambda pair: _rank(*pair)):
         compared = compares(attribute, parsed.attributes, vocabulary)
         for claim in row:
-            hue = () if claim.measure == "color" else claim.direction
-            key = (claim.measure, claim.part, claim.materials, hue)
-            claims.setdefault(key, replace(beside_painted(claim, attribute, said_colors), compares=compared))
-    casts = [c for c in claims.values() if c.part == "picture" and asks(c)] + said_colors
-    claims = {key: claim for key, claim in claims.items() if not gives_way(claim, said_colors, casts)}
-    darkest = min((c.upper[0] for c in claims.values() if is_brightness(c)), default=math.inf)
-    claims |= still_light(said_colors, claims.values())
+            claim = replace(beside_painted(claim, attribute, said_colors), compares=compared)
+            if all(adds(claim, attribute, first) for first in claims):
+                claims.append(claim)
+    casts = [c for c in claims if c.part == "picture" and asks(c)] + said_colors
+    claims = [claim for claim in claims if not gives_way(claim, said_colors, casts)]
+    darkest = min((c.upper[0] for c in claims if is_brightness(c)), default=math.inf)
+    claims += still_light(said_colors, claims)
     painted = [c for attribute, row in said for c in row if is_painted(c, attribute)]
-    colored = [c for c in claims.values() if c.measure == "color"] + painted
-    lights = (lit(c, colored) if is_light(c) else in_the_dark(c, darkest) for c in claims.values())
+    colored = [c for c in claims if c.measure == "color"] + painted
+    lights = (lit(c, colored) if is_light(c) else in_the_dark(c, darkest) for c in claims)
     return (*lights, *_of_every_picture(parsed))
 
 

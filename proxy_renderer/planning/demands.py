@@ -35,17 +35,17 @@ class Demand:
     usual: bool = False
 
     @property
-    def rank(self) -> tuple[bool, bool, bool, int]:
+    def rank(self) -> tuple[bool, bool, bool, int, bool]:
         """Where a demand stands; the least comes first.
 
         Words of the prompt before those that a mood stands for, a finish, a color or a time of day before what a
         material, a weather or a place usually has, what a word is about before what another one implies; defaults and guessed
         moods last.
         """
-        vague = self.vague or self.usual or self.key.rpartition("/")[2] in _USUAL.get(self.attribute.slot, ())
+        usual = self.usual or self.key.rpartition("/")[2] in _USUAL.get(self.attribute.slot, ())
         cause = bool(self.attribute.cause)
         late = self.weak or (cause and self.attribute.guess)
-        return late, cause, vague, 0 if self.weak else self.priority
+        return late, cause, usual, self.priority, self.vague
 
 
 def lacking(owner: str) -> str:
