@@ -12,6 +12,9 @@ from ..schema.options.table import BASELINES, named
 HALVES = ("development", "held-out", "all")
 """Of a corpus of scenes: where faults may be looked for, where not, and both."""
 
+PROJECTION = "projection"
+"""The rival that has the words' ranges and no gradients: the artist's values, projected."""
+
 
 def _speed(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
@@ -161,17 +164,18 @@ def _sealed(sub: argparse.ArgumentParser) -> None:
         help="draw from this (default: the hash of the clone's commit)",
     )
     sub.add_argument(
-        "--baseline",
+        "--rival",
         default="",
-        choices=BASELINES,
-        help="one that gets the same jobs, and as many seconds; who shows more is counted (default: none)",
+        choices=(*BASELINES, PROJECTION),
+        help="who gets the same jobs: a baseline, with as many seconds, or the plan alone; who shows more is counted "
+        "(default: none)",
     )
     sub.add_argument(
         "--rate",
         type=int,
         default=0,
         metavar="N",
-        help="the baseline's greatest step, in thousandths of a range (default: its own)",
+        help="a baseline's greatest step, in thousandths of a range (default: its own)",
     )
     _small_pictures(sub)
 

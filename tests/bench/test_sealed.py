@@ -362,14 +362,22 @@ def test_a_baseline_has_as_many_seconds_as_the_product(loop, asked):
         steps.append(int(options[-1].partition("=")[2]))
         return row([True], loop_seconds=1 + steps[-1] / 8)
 
-    last = contest.rival("clip-only", 10, row([True], loop_seconds=loop), carry_out)
+    last = contest.rival_row("clip-only", 10, row([True], loop_seconds=loop), carry_out)
     assert steps[: len(asked)] == asked
     assert last["loop_seconds"] >= loop
 
 
+def test_the_plan_alone_is_a_rival_without_steps():
+    options = []
+    contest.rival_row(
+        "projection", 0, row([True], loop_seconds=9.0), lambda told: options.extend(told) or row([True])
+    )
+    assert options == ["--inner=none"]
+
+
 def test_a_baseline_that_fails_is_not_tried_for_ever():
     failed = {"prompt": "f", "code": 2, "error": "vibe: no.", "seconds": 1.0, "asked": 2}
-    assert contest.rival("clip-only", 10, row([True], loop_seconds=20.0), lambda _: failed) == failed
+    assert contest.rival_row("clip-only", 10, row([True], loop_seconds=20.0), lambda _: failed) == failed
 
 
 def test_a_contest_puts_both_before_the_same_judge(tmp_path, monkeypatch, capsys):
@@ -380,7 +388,7 @@ def test_a_contest_puts_both_before_the_same_judge(tmp_path, monkeypatch, capsys
         return row([not baseline] * len(trial.job.asks), loop_seconds=9.0)
 
     monkeypatch.setattr(experiment.SealedTrial, "row", vibed)
-    results = experiment.run(tmp_path, jobs=3, drawn_from="a", baseline="clip-authors")
+    results = experiment.run(tmp_path, jobs=3, drawn_from="a", rival="clip-authors")
     assert results["contest"]["wins"]["win"] == 3
     assert results["asks"]["share"] == 1.0
     assert len({each["run"] for each in [*results["rows"], *results["contest"]["rows"]]}) == 6

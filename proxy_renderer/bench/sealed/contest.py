@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The product against a baseline on the same jobs, with as many seconds in the loop or more for the baseline."""
+"""The product against a rival on the same jobs: a baseline with as many seconds in the loop or more, or its own plan alone."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ from typing import Any
 
 from rich.console import Console
 
+from ..options import PROJECTION
 from ..paper.verdict import tally
-from .table import JobResult, share
+from .table import JobResult, claims_of, share
 
 _FEWEST = 12
 """A baseline's first steps, in one round; they tell how long a step takes."""
@@ -20,18 +21,22 @@ _SPARE = 1.1
 """How many more steps a baseline that had fewer seconds gets than their ratio says, as two runs never take the same time."""
 
 
-def rival(baseline: str, rate: int, ours: JobResult, carry_out: Callable[[Sequence[str]], JobResult]) -> JobResult:
-    """The baseline's row of a job: of a run that had at least as many seconds in the loop as the product.
+def rival_row(
+    rival: str, rate: int, ours: JobResult, carry_out: Callable[[Sequence[str]], JobResult]
+) -> JobResult:
+    """The rival's row of a job; a baseline's is of a run that had at least as many seconds in the loop as the product.
 
     Args:
-        baseline: As for `vibe run`.
-        rate: Its greatest step, as for `vibe run`.
+        rival: A baseline, as for `vibe run`, or `PROJECTION`.
+        rate: A baseline's greatest step, as for `vibe run`.
         ours: The product's row.
         carry_out: Takes options of `vibe run`, and returns the row of a run with them.
     """
+    if rival == PROJECTION:
+        return carry_out(["--inner=none"])
     steps = _FEWEST
     while True:
-        row = carry_out([f"--baseline={baseline}", f"--rate={rate}", "--rounds=1", f"--steps={steps}"])
+        row = carry_out([f"--baseline={rival}", f"--rate={rate}", "--rounds=1", f"--steps={steps}"])
         if not 0.0 < _seconds(row) < _seconds(ours):
             return row
         steps = math.ceil(_SPARE * steps * _seconds(ours) / _seconds(row))
@@ -42,12 +47,12 @@ def summary(ours: Sequence[JobResult], theirs: Sequence[JobResult]) -> dict[str,
 
     Args:
         ours: The product's rows.
-        theirs: The baseline's rows of the same jobs.
+        theirs: The rival's rows of the same jobs.
 
     Returns:
         `wins` by asks that hold, and `wins_seen` where none holds in a picture whose subject cannot be seen: each `win`, `tie`,
-        `loss`, `win_rate`, in which a tie is half a win, and its `interval`; `asks`: those that the baseline holds;
-        `seconds` and `baseline_seconds`, the medians in the loop; `rows`, the baseline's.
+        `loss`, `win_rate`, in which a tie is half a win, and its `interval`; `asks`: those that the rival holds, and `claims`, of the
+        words' claims; `seconds` and `rival_seconds`, the medians in the loop; `rows`, the rival's.
     """
     pairs = list(zip(ours, theirs, strict=True))
     held = [ask["holds"] for row in theirs for ask in row.get("asks", ()) if ask["holds"] is not None]
@@ -56,8 +61,9 @@ def summary(ours: Sequence[JobResult], theirs: Sequence[JobResult]) -> dict[str,
         "wins": tally([_verdict(_held(a), _held(b)) for a, b in pairs], tie=0.5),
         "wins_seen": tally([_verdict(_held_and_seen(a), _held_and_seen(b)) for a, b in pairs], tie=0.5),
         "asks": share([*held, *[False] * lost]),
+        "claims": claims_of(theirs),
         "seconds": _median(ours),
-        "baseline_seconds": _median(theirs),
+        "rival_seconds": _median(theirs),
         "rows": list(theirs),
     }
 
@@ -83,20 +89,21 @@ def _median(rows: Sequence[JobResult]) -> float:
     return round(statistics.median(map(_seconds, rows)), 1)
 
 
-def show(baseline: str, figures: Mapping[str, Any]) -> None:
+def show(rival: str, figures: Mapping[str, Any]) -> None:
     """Prints who has won.
 
     Args:
-        baseline: Its name.
+        rival: Its name.
         figures: `contest` of results.json.
     """
     console = Console(width=None if Console().is_terminal else 120)
     for name, says in (("wins", "asks"), ("wins_seen", "asks, and the subject is seen")):
         each = figures[name]
         low, high = each["interval"]
-        line = f"Wins against {baseline} by {says}: {each['win_rate']:.0%} ({low:.0%} to {high:.0%}), "
+        line = f"Wins against {rival} by {says}: {each['win_rate']:.0%} ({low:.0%} to {high:.0%}), "
         line += f"{each['win']} won, {each['tie']} tied, {each['loss']} lost."
         console.print(line, markup=False, highlight=False)
-    asks = figures["asks"]
-    line = f"{baseline} holds {asks['held']} of {asks['asked']} asks. In the loop, median: {figures['seconds']} s, "
-    console.print(f"{line}{baseline} {figures['baseline_seconds']} s.", markup=False, highlight=False)
+    asks, claims = figures["asks"], figures["claims"]
+    line = f"{rival} holds {asks['held']} of {asks['asked']} asks, {claims['held']} of {claims['asked']} claims. "
+    line += f"In the loop, median: {figures['seconds']} s, {rival} {figures['rival_seconds']} s."
+    console.print(line, markup=False, highlight=False)

@@ -27,7 +27,7 @@ def run(
     drawn_from: str = "",
     size: int = 160,
     samples: int = 32,
-    baseline: str = "",
+    rival: str = "",
     rate: int = 0,
 ) -> dict[str, Any]:
     """Draws, carries out what is missing, judges, and writes OUT/results.json and contact sheets.
@@ -38,8 +38,8 @@ def run(
         drawn_from: The seed, any text; "" for the hash of the judged commit.
         size: Longer side of the pictures, pixels.
         samples: Of Cycles.
-        baseline: One that gets the same jobs, as for `vibe run`; "" for none.
-        rate: The baseline's, as for `vibe run`.
+        rival: One that gets the same jobs, see `contest.rival_row`; "" for none.
+        rate: The rival's, as for `vibe run`.
 
     Returns:
         The content of results.json; see `table.summary`, and `contest.summary` for `contest`. Beside that `seed`, and `changed_files`: whether the clone has
@@ -64,19 +64,19 @@ def run(
         print(f"[{number + 1}/{jobs}] {row['prompt']}: {table.line(row)}", flush=True)
         rows.append(row)
         strips.append(_strip(row, out))
-        if baseline:
-            rivals.append(contest.rival(baseline, rate, row, carried_out))
-            print(f"    {baseline}: {table.line(rivals[-1])}", flush=True)
+        if rival:
+            rivals.append(contest.rival_row(rival, rate, row, carried_out))
+            print(f"    {rival}: {table.line(rivals[-1])}", flush=True)
             strips.append(_strip(rivals[-1], out))
-    budget = {"size": size, "samples": samples, "baseline": baseline, "rate": rate}
+    budget = {"size": size, "samples": samples, "rival": rival, "rate": rate}
     results = table.summary(rows) | {"seed": chosen, "changed_files": changed, **budget}
-    if baseline:
+    if rival:
         results["contest"] = contest.summary(rows, rivals)
     save_sheets(strips, out)
     atomic.write_text(out / "results.json", json.dumps(results, indent=1, ensure_ascii=False))
     table.show(results)
-    if baseline:
-        contest.show(baseline, results["contest"])
+    if rival:
+        contest.show(rival, results["contest"])
     return results
 
 

@@ -39,7 +39,7 @@ def summary(rows: Sequence[JobResult]) -> dict[str, Any]:
         "kinds": {kind: share([a["holds"] for _, a in asks if a["kind"] == kind]) for kind in sorted(kinds)},
         "new_colors": share([ask["holds"] for _, ask in asks if ask["new_color"]]),
         "prompts": share([all(held) for held in judged if held] + [False] * (len(rows) - len(done))),
-        "claims": _share(sum(row["claims_held"] for row in done), sum(row["claims"] for row in done)),
+        "claims": claims_of(rows),
         "unjudged": sum(ask["holds"] is None for row in done for ask in row["asks"]),
         "words_ignored": sum(len(row["ignored"]) for row in done),
         "seconds": round(statistics.median(row["seconds"] for row in rows), 1) if rows else None,
@@ -52,6 +52,12 @@ def share(held: Iterable[bool]) -> dict[str, Any]:
     """How many of them hold, with the 95 % interval of the share."""
     kept = list(held)
     return _share(sum(kept), len(kept))
+
+
+def claims_of(rows: Iterable[JobResult]) -> dict[str, Any]:
+    """How many of the product's own claims hold in the pictures that there are, likewise."""
+    done = [row for row in rows if row["code"] == 0]
+    return _share(sum(row["claims_held"] for row in done), sum(row["claims"] for row in done))
 
 
 def _share(held: int, asked: int) -> dict[str, Any]:
