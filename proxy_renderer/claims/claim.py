@@ -17,6 +17,11 @@ from .measures.picture import MeasuredPicture, Part, region_of
 from .measures.registry import MEASURES
 
 _FEW = 16  # pixels of which nothing can be said
+_AIR = (
+    "haze",
+    "air_lightness",
+    "tint",
+)  # measures of what lies before everything: all that is seen tells, if nothing is around
 _SEEN = 0.05  # share of a region that is left, at least, when what words color is left out
 _NEARLY = 1.0
 """Changes from the interval, from where a change is enough: what was very blue is not warm for being a little less so."""
@@ -84,6 +89,8 @@ class Claim:
     def region(self, seen: GBuffer) -> Tensor | None:
         """The pixels (H, W) bool that it speaks of; None where the thing is hardly seen."""
         where = region_of(seen, self.part, self.materials)
+        if self.part == "surroundings" and not self.materials and self.measure in _AIR and where.sum() < _FEW:
+            where = torch.ones_like(where)
         if self.box:
             where = where & _inside(self.box, where)
         rest = where.clone()

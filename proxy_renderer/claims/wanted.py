@@ -43,6 +43,12 @@ _SLIGHT = 0.8
 _TIMELY = "light_temperature"
 """A head that times of day have too: of several words for it claims choose, not the first one of the prompt."""
 
+_BURNT = 0.06
+"""Share of a thing, or of the picture, that may burn out."""
+
+_WHITE, _BRIGHT = 90.0, 60.0
+"""L* of a color from where it is white, and of a picture that words ask for from where parts of it may burn out."""
+
 _DIMMEST = 24.0
 """L* of the lightest parts of a subject in the dark, at least."""
 
@@ -76,7 +82,7 @@ def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
     painted = [c for attribute, row in said for c in row if is_painted(c, attribute)]
     colored = [c for c in claims if c.measure == "color"] + painted
     lights = (lit(c, colored) if is_light(c) else in_the_dark(c, darkest) for c in claims)
-    return (*lights, *_of_every_picture(parsed))
+    return (*lights, *_of_every_picture(parsed), *_unburnt(claims))
 
 
 def _rank(attribute: Attribute, claims: Sequence[Claim]) -> tuple[bool, int, int]:
@@ -108,13 +114,20 @@ def _of_every_picture(parsed: Parsed) -> Iterator[Claim]:
     """That the subject stands out from what is around it, and neither burns out nor drowns, or no more than before."""
     silhouette = any(a.entry == "silhouette" and not a.negated for a in parsed.attributes)
     yield _of_subject("separation", lower=10.0)
-    yield _of_subject("burnt", upper=0.06)
+    yield _of_subject("burnt", upper=_BURNT)
     if silhouette:
         return
     if parsed.targets.get("brightness") == "dark":  # even at night its lights are seen
         yield _of_subject("white_point", lower=_DIMMEST)
     else:
         yield _of_subject("drowned", upper=0.3)
+
+
+def _unburnt(claims: Sequence[Claim]) -> Iterator[Claim]:
+    """That no more of the picture burns out than before, unless words ask for white or for a bright picture."""
+    white = any(c.color and lab_from_srgb(c.color)[0] > _WHITE for c in claims)
+    if not white and not any(is_brightness(c) and c.lower[0] > _BRIGHT for c in claims):
+        yield replace(_of_subject("burnt", upper=_BURNT), thing="picture", part="picture")
 
 
 def _of_subject(measure: str, lower: float = -math.inf, upper: float = math.inf) -> Claim:

@@ -390,3 +390,14 @@ def test_many_means_at_once_are_what_each_is_alone():
         assert torch.allclose(value, alone, atol=1e-4)
         for one, other in zip(aim, claim.aim(alone, None), strict=True):
             assert torch.allclose(one, other, atol=1e-4)
+
+
+def test_air_is_measured_through_a_scene_that_is_all_subject() -> None:
+    shown = picture(transmittance=0.3)
+    full = MeasuredPicture(shown.display, replace(shown.seen, subject=torch.ones(SIZE, SIZE)))
+    haze, tone = (Claim("", "", m, "surroundings", (0.0,), (1.0,)) for m in ("haze", "lightness"))
+    for seen in (shown, full):
+        where = haze.region(seen.seen)
+        assert where is not None
+        assert float(haze.value(seen, where)) == pytest.approx(0.7)
+    assert tone.region(full.seen) is None

@@ -379,3 +379,31 @@ def test_muted_colors_are_still_colors() -> None:
     (alone,) = [c for c in claims("muted colors") if c.measure == "chroma"]
     (beside,) = [c for c in claims("muted colors, crimson background") if c.measure == "chroma"]
     assert beside.upper[0] > 2 * alone.upper[0]
+
+
+def of(prompt: str, measure: str, part: str) -> list[Claim]:
+    return [c for c in claims(prompt) if (c.measure, c.part) == (measure, part)]
+
+
+def test_of_two_words_for_one_measure_the_one_that_goes_further_counts_too() -> None:
+    """An old detective movie is black and white, though an old one is only muted; what contradicts the first word does not count."""
+    old, noir = of("old film, film noir", "chroma", "picture")
+    assert {old.word, noir.word} == {"old film", "film noir"}
+    assert min(old.upper[0], noir.upper[0]) == of("film noir", "chroma", "picture")[0].upper[0]
+    assert len(of("vivid colors, film noir", "chroma", "picture")) == 1
+
+
+def test_what_a_place_usually_is_gives_way_around_the_subject_to_what_is_said_of_the_picture() -> None:
+    assert of("in a shop", "chroma", "surroundings")
+    assert not of("in a shop, vivid colors", "chroma", "surroundings")
+    assert of("in a shop, muted colors", "chroma", "surroundings")
+
+
+def test_a_picture_burns_out_only_where_words_ask_for_white() -> None:
+    def kept(prompt: str) -> bool:
+        said = claims_of(parse(prompt, SCENE, default_vocabulary()), default_vocabulary())
+        return any((c.measure, c.part) == ("burnt", "picture") for c in said)
+
+    assert kept("golden hour")
+    assert not kept("white background")
+    assert not kept("high key")
