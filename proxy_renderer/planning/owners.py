@@ -7,7 +7,7 @@ from ..prompt.lexicon.entries import OWNERS, Effect
 from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.names import is_detail, kind_of
 from ..prompt.types import GLOW, Attribute, Parsed
-from ..schema import Instance
+from ..schema import Instance, Values
 from .illumination import facing_radiance
 from .lights.meant import KnownLight, assigned, named
 from .types import PlanContext
@@ -15,6 +15,7 @@ from .types import PlanContext
 _PART = 0.12  # materials on less of their region are parts: tyres, eyes, screws
 _LIKE = 0.25  # where all are parts, share of the largest that those have which make it up: a shelf of a hundred books
 _SHARE = 0.15  # of the light on the subject from which a glow counts as a light of the scene
+_LOOK = ("base_color", "metallic", "roughness", "transmission")
 _OF_GLOWS = {"power": "emission", "color": "emission_color", "temperature": "emission_color"}
 """What the parameters of lights are of glowing materials; they have neither place nor size to change."""
 _PLACES = ("azimuth", "elevation", "distance", "size", "angle")
@@ -93,7 +94,10 @@ class Owners:
         return not glow or (attribute.color is not None and effect.owner == "material")
 
     def _whole(self, names: list[str]) -> list[str]:
-        """Of the materials of a thing those that make it up: "red car" means neither its tyres nor a screw."""
+        """Of the materials of a thing those that make it up: "red car" means neither its tyres nor a screw.
+
+        A small one that looks like a large one is no part of its own: the fender is as gray as the hood.
+        """
         shares: dict[str, float] = {}
         for name in names:  # all of a kind, or none: not the one tyre that is seen best
             kind = kind_of(name)
@@ -102,7 +106,16 @@ class Owners:
         least = _PART * sum(shares.values())
         large = [n for n in made_up if shares[kind_of(n)] >= least]
         most = max((shares[kind_of(n)] for n in made_up), default=0.0)
-        return large or [n for n in made_up if shares[kind_of(n)] >= _LIKE * most]
+        large = large or [n for n in made_up if shares[kind_of(n)] >= _LIKE * most]
+        looks = {look for n in large if (look := self._look(n))}
+        return [n for n in made_up if n in large or self._look(n) in looks]
+
+    def _look(self, name: str) -> tuple[Values, ...]:
+        """What a material of one color looks like; nothing for a textured one."""
+        if f"material/{name}/base_color" not in self.instances:
+            return ()
+        values = (self.instances.get(f"material/{name}/{part}") for part in _LOOK)
+        return tuple(tuple(round(v, 2) for v in i.value) if i else () for i in values)
 
     def world_is_hidden(self) -> bool:
         """Whether surfaces fill all that the camera sees."""

@@ -4,6 +4,7 @@
 import os
 import subprocess
 import sys
+from dataclasses import replace
 
 import pytest
 
@@ -176,3 +177,14 @@ def test_a_prompt_is_read_alike_in_every_process():
     }
     assert len(told) == 1
     assert told.pop().strip()
+
+
+def test_a_name_that_all_lights_have_means_light_as_a_whole() -> None:
+    """A light called "Light" is not told apart by "warm light"."""
+    one = replace(GARAGE, lights={"Light": LightWords("AREA", "key", 0.0)})
+    two = replace(
+        GARAGE, lights={"Light": LightWords("AREA", "key", 0.0), "Lamp": LightWords("POINT", "fill", 60.0)}
+    )
+    for scene, apart in ((one, ()), (two, ("Light",))):
+        (warm,) = (a for a in parse("dusk, warm light", scene).attributes if a.word == "warm light")
+        assert warm.lights == apart

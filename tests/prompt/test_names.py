@@ -31,10 +31,13 @@ DUCK = scene({"Duck": "Duck", "Duck Head": "Duck Head", "Bill": "Beak"})
 TEAPOT = scene({"Teapot": "Glaze", "Lid": "Lid Glaze", "Handle": "Bamboo"})
 
 
-def painted(prompt: str, words: SceneWords, shares: dict[str, float]) -> set[str]:
-    """Materials whose color a plan changes."""
+def painted(prompt: str, words: SceneWords, shares: dict[str, float], alike: bool = False) -> set[str]:
+    """Materials whose color a plan changes; each has a gray of its own, or all the same."""
     family = FAMILIES["material/base_color"]
-    instances = [Instance(family, name, (0.5, 0.5, 0.5), 1.0, "subject") for name in words.materials]
+    instances = [
+        Instance(family, name, (0.5 if alike else 0.1 * i,) * 3, 1.0, "subject")
+        for i, name in enumerate(words.materials)
+    ]
     parsed = parse(prompt, words)
     made = plan(parsed, compose(parsed), {i.key: i for i in instances}, PlanContext(material_share=shares))
     return {i.owner for i in instances if made[i.key].priority is not None}
@@ -49,6 +52,13 @@ def test_parts_of_a_kind_are_painted_alike_and_details_are_not():
         "Stone",
         "Stone.001",
     }
+
+
+def test_small_parts_that_look_like_the_large_ones_are_painted_with_them():
+    """A file without materials: fenders are as gray as the hood."""
+    seen = {"Body": 0.7, "Cabin": 0.05, "Tyre ": 0.1, "Tyre Two": 0.1, "Tyre Three": 0.05}
+    assert painted("red car", CAR, seen) == {"Body"}
+    assert painted("red car", CAR, seen, alike=True) == {"Body", "Cabin"}
 
 
 def test_a_thing_has_its_limbs():

@@ -70,8 +70,9 @@ class Things:
         kind, name = pair.target.kind, self._name(pair)
         if kind in MATTER:
             return self._matter(pair, name)
-        if kind == "lights":
-            return Thing("light", name, "whole", lights=tuple(sorted(pair.target.names)))
+        if kind == "lights":  # all of them are light as a whole
+            some = pair.target.names if pair.target.names != {*self.scene.lights} else ()
+            return Thing("light", name, "whole", lights=tuple(sorted(some)))
         if kind == "key":
             return Thing("light", name, "whole", role="key")
         if kind in ("fill", "rim"):
