@@ -347,6 +347,21 @@ def test_walls_skies_and_things_behind_are_not_the_subject(stage, tmp_path):
     np.testing.assert_allclose(job.analysis.pivot, (0, 0, 0), atol=1e-5)
 
 
+def test_what_lies_among_the_parts_of_a_thing_is_a_part_and_what_carries_it_is_not(stage, tmp_path):
+    """A car: its chassis carries the hood, and its mirror is tiny; the table carries all of it."""
+    for name, location, size in (
+        ("Doors", (0.4, 0, 0), (1.2, 1, 0.8)),
+        ("Chassis", (0, 0, -0.35), (2, 1.02, 0.15)),
+        ("Hood", (-0.6, 0, -0.2), (0.8, 1, 0.15)),
+        ("Mirror", (0.2, -0.52, 0.1), (0.1, 0.03, 0.1)),
+        ("Table", (0, 0, -0.6), (4, 3, 0.2)),
+    ):
+        cube(name, location, 1.0).scale = size
+    bpy.context.view_layer.update()
+    _, scene = job_of(stage, tmp_path)
+    assert {o.name for o in scene.objects if o.subject} == {"Doors", "Chassis", "Hood", "Mirror"}
+
+
 def test_pixels_of_gray_images_have_three_channels(scene):
     image = bpy.data.images.new("Gray", 2, 2, float_buffer=True)
     assert bake.pixels(image).shape == (2, 2, 3)

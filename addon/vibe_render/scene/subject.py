@@ -15,6 +15,7 @@ from .stored_subject import recall
 
 _PROMINENT = 0.1  # of the most prominent object's weight: what is less is decoration
 _FLAT = 0.35  # height over width of things that others stand on
+_SLACK = 0.02  # of a box's widest side: so far a part may stick out of the thing
 
 
 @dataclass(frozen=True)
@@ -82,7 +83,7 @@ def automatic(scene: bpy.types.Scene, geometry: SceneGeometry, surfaces: Visible
     """Finds the prominent things in view, without their grounds and backdrops: (number of objects,) bool.
 
     Surroundings are things that reach three sides of the picture, that enclose the camera, or that
-    are flat and leave the picture or carry another thing.
+    are flat and leave the picture or carry another thing; but what lies among the parts of the subject is another part.
 
     Raises:
         VibeError: The camera sees nothing.
@@ -92,11 +93,13 @@ def automatic(scene: bpy.types.Scene, geometry: SceneGeometry, surfaces: Visible
     if not weight.any():
         raise schema.VibeError("The camera sees no mesh.", "Point the scene's camera at something.")
     visible = weight > 0
-    apart = visible & ~_enclosing(scene, geometry.boxes) & (_borders(surfaces.object, count) < 3)
-    apart &= ~_grounds(geometry.boxes, visible, _borders(surfaces.object, count))
+    borders = _borders(surfaces.object, count)
+    loose = visible & ~_enclosing(scene, geometry.boxes) & (borders < 3)
+    apart = loose & ~_grounds(geometry.boxes, visible, borders)
     if not apart.any():  # a close-up fills the picture, and is what it is about
         apart = weight == weight.max()
-    return apart & (weight >= _PROMINENT * weight[apart].max())
+    subject = apart & (weight >= _PROMINENT * weight[apart].max())
+    return subject | (loose & ~_thin(geometry.boxes) & _within(geometry.boxes, subject))
 
 
 def _centrality() -> np.ndarray:
@@ -120,7 +123,6 @@ def _grounds(boxes: np.ndarray, visible: np.ndarray, borders: np.ndarray) -> np.
     """(N,): flat things that leave the picture or that something visible stands on or in front of."""
     size = boxes[:, 1] - boxes[:, 0]
     widest = np.maximum(size.max(1), 1e-9)
-    thin = size.min(1) < 0.02 * widest
     low = size[:, 2] < _FLAT * widest
     slack = 0.05 * widest[:, None]
     middle = boxes.mean(1)
@@ -128,4 +130,17 @@ def _grounds(boxes: np.ndarray, visible: np.ndarray, borders: np.ndarray) -> np.
     above = boxes[None, :, 0, 2] > boxes[:, None, 1, 2] - slack
     smaller = widest[None] < 0.7 * widest[:, None]
     carries = (over.all(2) & above & smaller & visible[None]).any(1)
-    return (thin & (borders > 0)) | (low & carries)
+    return (_thin(boxes) & (borders > 0)) | (low & carries)
+
+
+def _thin(boxes: np.ndarray) -> np.ndarray:
+    """(N,): cloths, leaves and planes."""
+    size = boxes[:, 1] - boxes[:, 0]
+    return size.min(1) < 0.02 * np.maximum(size.max(1), 1e-9)
+
+
+def _within(boxes: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+    """(N,): things that lie in the box around all that is chosen."""
+    low, high = boxes[chosen, 0].min(0), boxes[chosen, 1].max(0)
+    slack = _SLACK * (high - low).max()
+    return ((boxes[:, 0] >= low - slack) & (boxes[:, 1] <= high + slack)).all(1)
