@@ -7,9 +7,10 @@ from typing import Any
 
 import torch
 
+from ..claims.measures.picture import MeasuredPicture
 from ..claims.verdict import ShotClaims
-from ..optimize.drawing import chosen_values
 from ..optimize.pipeline import Outcome
+from ..optimize.shots import ShotState
 
 
 def claims_about(outcome: Outcome) -> list[ShotClaims]:
@@ -18,16 +19,9 @@ def claims_about(outcome: Outcome) -> list[ShotClaims]:
     Args:
         outcome: What was found.
     """
-    home = outcome.vector.encode({})
-    rows = []
-    for shot in outcome.shots:
-        with torch.no_grad():
-            before, after = (
-                shot.proxy.gbuffer(chosen_values(shot.vector, u, shot.proxy.device))
-                for u in (home, outcome.u)
-            )
-        rows.append(ShotClaims(outcome.claims, before, after))
-    return rows
+    return [
+        ShotClaims(outcome.claims, _artists(shot).seen, shot.seen_now(outcome.u)) for shot in outcome.shots
+    ]
 
 
 def foreseen(outcome: Outcome, claims: list[ShotClaims]) -> list[dict[str, Any]]:
@@ -37,7 +31,12 @@ def foreseen(outcome: Outcome, claims: list[ShotClaims]) -> list[dict[str, Any]]
         outcome: What was found.
         claims: Of each shot.
     """
-    shot, home = outcome.shots[0], outcome.vector.encode({})
+    shot = outcome.shots[0]
     with torch.no_grad():
-        before, after = (shot.draw(u).display for u in (home, outcome.u))
-    return claims[0].verdicts(before, after, after)
+        after = shot.draw(outcome.u).display
+    return claims[0].verdicts(_artists(shot).display, after, after)
+
+
+def _artists(shot: ShotState) -> MeasuredPicture:
+    assert shot.artists is not None, "the loop has begun"
+    return shot.artists

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import torch
 from torch import Tensor
 
-from ..claims.claim import Claim, ClaimSet
+from ..claims.claim import ClaimSet
 from ..claims.measures.picture import MeasuredPicture
 from ..planning.types import Plan
 from ..scene import SceneData
@@ -59,6 +59,7 @@ class ShotState:
         guidance: Judges the pictures as the round's advice says; calibrated on the artist's picture.
         claims: What the words say that its pictures have to look like; None for the baseline.
         seen: What its camera saw when the round began.
+        artists: The picture that the loop began with, and what its camera saw.
     """
 
     scene: SceneData
@@ -69,6 +70,7 @@ class ShotState:
     guidance: Guidance | None = None
     claims: ClaimSet | None = None
     seen: GBuffer | None = None
+    artists: MeasuredPicture | None = None
     _last: tuple[Tensor, Correction | None, Render] | None = None
     """Where the last picture was drawn, how it was corrected, and it: rounds end and begin with the same one."""
 
@@ -90,10 +92,11 @@ class ShotState:
         """What its camera sees at u (N,)."""
         return self.proxy.gbuffer(chosen_values(self.vector, u, self.proxy.device))
 
-    def claim(self, claims: tuple[Claim, ...], u: Tensor, picture: Render) -> None:
-        """Takes what the words claim; the picture is the artist's, at u (N,)."""
+    def begin(self, u: Tensor, picture: Render) -> MeasuredPicture:
+        """Keeps the artist's picture, which was drawn at u (N,)."""
         self.seen = self.seen_now(u)
-        self.claims = ClaimSet.about(claims, MeasuredPicture(picture.display.detach(), self.seen))
+        self.artists = MeasuredPicture(picture.display.detach(), self.seen)
+        return self.artists
 
     def look(self, u: Tensor) -> None:
         """Sees again where in the picture the claims' things are, for the camera may have moved to u (N,)."""

@@ -235,15 +235,19 @@ class Proxy:
     def _cache_of(
         self, view: View, shading_inputs: list[ShadingInputs], lamps: list[LightSource]
     ) -> ViewCache:
-        """What is traced for a view; again if it or a mirror has changed, or a light of a cluster begins to move."""
+        """What is traced for a view; again if it has changed or a light of a cluster begins to move, or a mirror has."""
         metals = torch.stack([mirror_weight(p) for p in shading_inputs])
         kept = self._cache
         same = kept is not None and kept.signature == view.signature() and kept.clusters.hold(lamps)
-        if kept is None or not same or not torch.equal(kept.metals, metals):
+        if kept is not None and same and torch.equal(kept.metals, metals):
+            return kept
+        if kept is not None and same and not self.fine:
+            self._cache = kept.with_mirrors(metals)
+        else:
             smooth = torch.stack([sharp(p) & self.fine for p in shading_inputs])
             shape = metals, smooth, lamps, self.emitters.materials, self.emitters.glowing
-            kept = self._cache = ViewCache(self.scene, self.geometry, view, *shape, self.seed)
-        return kept
+            self._cache = ViewCache(self.scene, self.geometry, view, *shape, self.seed)
+        return self._cache
 
     def _picture(self, frame: RenderState) -> Tensor:
         """The proxy's own linear picture (3, P)."""

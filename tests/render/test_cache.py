@@ -54,6 +54,19 @@ def test_one_moving_lamp_leaves_the_other_alone(traced: list[int]) -> None:
     assert 0 < one < 0.5 * everything
 
 
+def test_a_new_mirror_traces_what_bounces_and_no_direct_light(traced: list[int]) -> None:
+    scene = balls(2, 2, 2)
+    mirror = {"material/Floor/metallic": torch.ones(1), "material/Floor/roughness": torch.tensor([0.1])}
+    travelled, fresh = Proxy(scene, (48, 48)), Proxy(scene, (48, 48))
+    travelled.render({})
+    everything = sum(traced)
+    traced.clear()
+    mirrored = travelled.render(mirror).display
+    assert 0 < sum(traced) < 0.9 * everything
+    assert torch.equal(mirrored, fresh.render(mirror).display)
+    assert torch.equal(travelled.render({}).display, Proxy(scene, (48, 48)).render({}).display)
+
+
 def test_a_moving_camera_traces_all_again(traced: list[int]) -> None:
     proxy = Proxy(balls(2, 1, 2), (48, 48))
     proxy.render({})

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import torch
 from torch import Tensor
 
-from ...claims.claim import HOLDS, Claim
+from ...claims.claim import HOLDS, Claim, ClaimSet
 from ...claims.wanted import claims_of
 from ...guidance.encoder import Encoder
 from ...guidance.losses import claims_loss
@@ -272,8 +272,9 @@ class Search:
             self.observer.begin(self._artists[0].display.detach())
             if not self.options.baseline:
                 self.claims = self._claims_of(advice.parsed)
-                for shot, picture in zip(self.shots, self._artists, strict=True):
-                    shot.claim(self.claims, u, picture)
+            for shot, picture in zip(self.shots, self._artists, strict=True):
+                begun = shot.begin(u, picture)
+                shot.claims = None if self.options.baseline else ClaimSet.about(self.claims, begun)
         asked = advice.prompts, advice.parsed.targets, advice.parsed.colors
         if asked != self._asked:
             self._asked = asked

@@ -106,12 +106,11 @@ class ViewCache:
             surface = geometry.surface(self._hits, toward[:, : samples.surfaces])
             self._view_samples = ViewSamples.of(self._bumped(surface, toward), toward)
             self._smoothing = ShadowFilter(samples, self._view_samples.surface)
-            generator = torch.Generator().manual_seed(seed)
             surface = self._view_samples.surface
             self.clusters = LightClusters.of(lamps, moving, surface)
             self._shared = ClusterShadows(geometry, self._smoothing, surface, self.clusters)
-            shape = metals, len(self.clusters), emissive, glowing, self._maps, generator
-            self.indirect = FinalGather(geometry, samples, surface, view.detached(), *shape)
+            self._view, self._glows, self._seed = view.detached(), (emissive, glowing), seed
+            self.indirect = self._gather()
             self.mean_texture = [_mean(m, geometry.device) for m in scene.materials]
             self.inside, self.depth = self._inside(), self._depth()
             owner = geometry.object[self._hits.triangle]
@@ -124,7 +123,6 @@ class ViewCache:
         self._bounced: dict[int, Tensor] = {}
         self._outlines: Silhouettes | None = None
         self._indirect_fog: IndirectFogRays | None = None
-        self._view = view.detached()
         self._through: dict[tuple[int, int], tuple[float, object, RefractedHits]] = {}
         self._worlds: tuple[object, tuple[Tensor, ...]] | None = None
 
@@ -134,6 +132,26 @@ class ViewCache:
         other._direct_lights, other._bounced = dict(self._direct_lights), dict(self._bounced)
         other._through, other.indirect = dict(self._through), self.indirect.aside()
         return other
+
+    def with_mirrors(self, metals: Tensor) -> Self:
+        """A copy with other mirrors: light that bounces is traced again, direct light is not.
+
+        Args:
+            metals: (M,) as for the class.
+        """
+        other = copy(self)
+        other.metals = metals
+        other._direct_lights = dict(self._direct_lights)
+        other._bounced, other._through, other._indirect_fog = {}, {}, None
+        with torch.no_grad():
+            other.indirect = other._gather()
+        return other
+
+    def _gather(self) -> FinalGather:
+        """The rays along which light bounces."""
+        generator = torch.Generator().manual_seed(self._seed)
+        shape = self.metals, len(self.clusters), *self._glows, self._maps, generator
+        return FinalGather(self.geometry, self.samples, self._view_samples.surface, self._view, *shape)
 
     def view_samples(self, view: View) -> ViewSamples:
         """The samples as the view sees them; re-evaluated with gradients when it asks for them."""
@@ -195,19 +213,21 @@ class ViewCache:
         cluster = self.clusters.clusters[row]
         signature = tuple(number for member in cluster.members for number in lamps[member].signature())
         kept = self._direct_lights.get(index)
+        if kept is not None and kept.signature != signature:
+            kept = None
+        if index == cluster.members[0] and (kept is None or row not in self._bounced):
+            self._bounce(row, lamp)
         moving = lamp.moving or view_samples.moving
-        if not moving and kept is not None and kept.signature == signature and kept.direct_light is not None:
+        if not moving and kept is not None and kept.direct_light is not None:
             return kept.direct_light
         direct = lamp.irradiance(view_samples.surface.position, view_samples.surface.normal)
-        if kept is None or kept.signature != signature:
+        if kept is None:
             with torch.no_grad():
                 kept = self._direct_lights[index] = (
                     _Shadowed(signature, self._shared.of(row, lamps, signature))
                     if len(cluster.members) > 1
                     else self._trace(lamp, signature, None if view_samples.moving else direct)
                 )
-            if index == cluster.members[0]:
-                self._bounce(row, lamp)
         if moving:
             return DirectLight.of(
                 lamp, view_samples, direct, kept.visible + self._moving_shadow(kept, lamp, view)
