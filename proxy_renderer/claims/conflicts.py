@@ -41,20 +41,20 @@ def adds(claim: Claim, attribute: Attribute, first: Claim) -> bool:
     """Whether a claim says anything beside one that goes first.
 
     Of one measure of one thing, what is said and goes further in the same sense: an old detective movie is as gray as the
-    movie, not as the old one. What is usual of a place, or what a mood stands for, gives way, also around the subject to what
-    is said of the picture: a toy shop is no gray shop. Of several colors of a thing the first counts.
+    movie, not as the old one. What is usual of a place gives way, and so does, around the subject, what a mood stands for to
+    what is said of the picture: a toy shop is no gray shop. Of several colors of a thing the first counts.
 
     Args:
         claim: Of a later word.
         attribute: The word.
         first: Of an earlier one.
     """
-    implied = bool(attribute.cause) or attribute.slot in USUAL
+    usual = attribute.slot in USUAL
     low, high = max(claim.lower[0], first.lower[0]), min(claim.upper[0], first.upper[0])
     if _measured(claim) != _measured(first):
         around = (claim.measure, claim.part, first.part) == (first.measure, "surroundings", "picture")
-        return not (implied and around and low > high)
-    if first.color or claim.word == first.word or implied:
+        return not ((usual or attribute.cause) and around and low > high)
+    if first.color or claim.word == first.word or usual:
         return False
     return low <= high and (low, high) != (first.lower[0], first.upper[0])
 
