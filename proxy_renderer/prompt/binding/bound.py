@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 from ...schema.spec import Region
@@ -12,6 +11,7 @@ from ..mentions.nouns import NounMention
 from ..types import SceneWords
 from .means import KIND_OF_SLOT
 from .pairs import PromptPairs, TargetPair
+from .sharing import shared_out, told
 from .targets import MATTER, NOWHERE, rest
 
 
@@ -38,13 +38,16 @@ class Things:
     Attributes:
         mentioned: The nouns with a surface: name, region and materials.
         subject: What the prompt, or the scene, calls the subject.
+        notes: How looks share the materials of a thing, in words.
     """
 
     def __init__(self, found: PromptPairs, chosen: list[TargetPair], scene: SceneWords) -> None:
         self.found, self.chosen, self.scene = found, chosen, scene
         self.mentioned: list[NamedThing] = []
         self.subject = self._called() or scene.subject
-        self._shared = dict(_shared(chosen, scene))
+        shares = shared_out(chosen, found.passage, scene)
+        self.notes = [*map(told, shares)]
+        self._shared = {id(p): s.names for each in shares for s in each for p in s.look}
 
     def _called(self) -> str:
         """The noun by which the prompt calls a subject whose names the scene does not tell: "car" of a scene of cubes."""
@@ -93,7 +96,7 @@ class Things:
     def _matter(self, pair: TargetPair, name: str) -> Thing:
         """Materials, or a whole region."""
         kind, slot = pair.target.kind, pair.becoming.slot
-        names = self._rest() if kind == "others" else self._shared.get(id(pair), pair.target.names)
+        names = self._rest() if kind == "others" else pair.target.names
         owners = tuple(n for n in self.scene.materials if n in names)
         regions = {self.scene.materials[n] for n in owners}
         region: Region = (
@@ -102,7 +105,7 @@ class Things:
         if slot == "setting" or self._is_all_around(pair, owners):
             region, owners = "surroundings", ()
         self.mentioned.append((name, region, owners))
-        return Thing(region, name, region, owners)
+        return Thing(region, name, region, self._shared.get(id(pair), owners))
 
     def _is_all_around(self, pair: TargetPair, owners: tuple[str, ...]) -> bool:
         """Whether "background" means the only wall of a scene, or "the rest" all of them: then it is all that lies around, the sky too."""
@@ -135,17 +138,3 @@ class Things:
 
 def _is_unknown(mention: NounMention) -> bool:
     return mention.noun in ("unknown", "subject") and not mention.named and not mention.text[0].isdigit()
-
-
-def _shared(chosen: list[TargetPair], scene: SceneWords) -> Iterator[tuple[int, frozenset[str]]]:
-    """What each color of "red, green and blue balls" gets of the materials of the balls."""
-    by_mention: dict[int, list[TargetPair]] = {}
-    for pair in chosen:
-        if pair.target.kind == "things" and pair.becoming.slot == "color" and not pair.look.negated:
-            by_mention.setdefault(pair.target.mention, []).append(pair)
-    for pairs in by_mention.values():
-        names = [n for n in scene.materials if n in pairs[0].target.names]
-        plural = all("several" in pair.target.signs for pair in pairs)
-        if plural and 1 < len(pairs) <= len(names):
-            for number, pair in enumerate(pairs):
-                yield id(pair), frozenset(names[number :: len(pairs)])

@@ -100,6 +100,17 @@ class Passage:
         following = (other for other in self.looks if other.index == look.index + 1 and other.token.color)
         return next((other for other in following if self.items[other.index].clause == clause), None)
 
+    def adjoin(self, one: PromptLook, other: PromptLook) -> bool:
+        """Whether nothing but an intensity stands between two look words.
+
+        Args:
+            one: A look word.
+            other: One after it.
+        """
+        between = self.items[one.index + 1 : other.index]
+        same = self.items[one.index].clause == self.items[other.index].clause
+        return same and all(item.token.strength is not None for item in between)
+
     def content(self, start: int, end: int) -> list[Item]:
         """The items from start to end that say something, without `end`."""
         return [item for item in self.items[max(start, 0) : end] if not item.filler]
