@@ -12,7 +12,7 @@ from .lexicon.entries import normalize
 from .lexicon.nearest import nearest, table
 from .lexicon.tinges import parted, tending, unslashed
 from .lexicon.vocabulary import Vocabulary
-from .names import in_parts, scene_names
+from .names import scene_names
 from .tokens import Token, composed
 from .types import SceneWords
 
@@ -28,7 +28,7 @@ class Lexer:
 
     def __init__(self, vocabulary: Vocabulary, words: SceneWords) -> None:
         self.vocabulary = vocabulary
-        self.names, self._in_parts = scene_names(words), in_parts(words)
+        self.names = scene_names(words)
 
     @cached_property
     def _spelling(self) -> list[str]:
@@ -54,7 +54,7 @@ class Lexer:
     def _parted(self, words: list[str]) -> list[str]:
         """The words, with a space in "bluegreen" and "lightblue"."""
         v = self.vocabulary
-        known = v.synonyms.keys() | v.nouns.keys() | self.names.keys()
+        known = v.synonyms.keys() | v.nouns.keys() | self.names
         return [
             part for word in words for part in ([word] if word in known else parted(word, v.colors, v.shades))
         ]
@@ -97,7 +97,7 @@ class Lexer:
                 v.colors.get(spelling),
                 spelling if spelling in v.adjectives else "",
                 v.nouns.get(spelling, "") or self._head_noun(spelling),
-                self.names.get(spelling),
+                spelling in self.names,
                 v.intensity.get(spelling),
                 frozenset(kind for kind, phrases in v.lists.items() if spelling in phrases),
             )
@@ -136,21 +136,8 @@ class Lexer:
         synonyms = self.vocabulary.synonyms
         return any(" ".join(words[i:j]) in synonyms for i in range(start + 1, end) for j in later)
 
-    def _may_be_called(self, word: str) -> list[str]:
-        """Names of what a thing may be: "a red car" is none of its four wheels, nor its bonnet."""
-        if word.endswith("s"):
-            return list(self.names)
-        return [
-            name
-            for name, thing in self.names.items()
-            if not (thing.several or (self._in_parts and thing.region == "subject"))
-        ]
-
     def _guess(self, token: Token) -> Token:
         """The nearest known word, where it can only be a slip of the keyboard."""
-        if same := table().same_sort(token.text, self._may_be_called(token.text)):
-            token.scene, token.guess, token.name = self.names[same], self.names[same].name, same
-            return token
         token.near = nearest(self.vocabulary).guess(token.text)
         if len(token.text) < 4 or table().is_english(token.text):
             return token

@@ -11,7 +11,6 @@ from ..schema import Values
 from .lexicon.nearest import Guess
 from .lexicon.tinges import compound
 from .lexicon.vocabulary import Vocabulary
-from .names import SceneName
 
 ShadeArguments = tuple[float, float, float, float]
 """Arguments of `color.shade`."""
@@ -27,7 +26,7 @@ class Token:
         color: sRGB of the color that it names.
         adjective: A key of the vocabulary's adjectives; "" for none.
         noun: Kind of thing that it names; "" for none.
-        scene: The thing in the scene that it names.
+        scene: It names a thing in the scene.
         strength: What it multiplies the next look word with, if it is an intensity.
         lists: Names of the grammar lists that it is in: "negation", "link", ...
         name: The spelling that the vocabulary knows.
@@ -41,7 +40,7 @@ class Token:
     color: Values | None = None
     adjective: str = ""
     noun: str = ""
-    scene: SceneName | None = None
+    scene: bool = False
     strength: float | None = None
     lists: frozenset[str] = field(default_factory=frozenset)
     name: str = ""

@@ -45,7 +45,7 @@ class Things:
         self.found, self.chosen, self.scene = found, chosen, scene
         self.mentioned: list[NamedThing] = []
         self.subject = self._called() or scene.subject
-        shares = shared_out(chosen, found.passage, scene)
+        shares = shared_out(found, chosen, scene)
         self.notes = [*map(told, shares)]
         self._shared = {id(p): s.names for each in shares for s in each for p in s.look}
 

@@ -6,11 +6,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from ..mentions.passage import Passage
 from ..names import is_detail
 from ..types import SceneWords
 from .becoming import SURFACE
-from .pairs import TargetPair
+from .pairs import PromptPairs, TargetPair
 from .targets import MATTER
 
 _PAINTS = ("color", "material")
@@ -32,14 +31,14 @@ class Share:
     names: tuple[str, ...]
 
 
-def shared_out(chosen: Iterable[TargetPair], passage: Passage, scene: SceneWords) -> list[list[Share]]:
+def shared_out(read: PromptPairs, chosen: Iterable[TargetPair], scene: SceneWords) -> list[list[Share]]:
     """The shares of each thing that has several looks, and materials enough for them.
 
     The first look gets the largest material, as a body is named before its trim, and so on in turn.
 
     Args:
+        read: The prompt.
         chosen: The pair of each look word.
-        passage: The prompt.
         scene: Its materials, and how large the things are that wear them.
     """
     described: dict[int | None, _Look] = {}
@@ -47,7 +46,7 @@ def shared_out(chosen: Iterable[TargetPair], passage: Passage, scene: SceneWords
         described.setdefault(pair.target.mention if pair.target.names else None, []).append(pair)
     found = []
     for pairs in described.values():
-        looks = _painted(_looks(pairs, passage))
+        looks = _painted(_looks(pairs, read))
         materials = _by_size(pairs[0].target.names, scene) if len(looks) > 1 else []
         if 1 < len(looks) <= len(materials):
             found.append([Share(look, tuple(materials[n :: len(looks)])) for n, look in enumerate(looks)])
@@ -72,8 +71,8 @@ def _may_share(pair: TargetPair) -> bool:
     return several and pair.becoming.slot in _PAINTS and not pair.look.negated
 
 
-def _looks(pairs: _Look, passage: Passage) -> list[_Look]:
-    """The words of each look: another one begins with another noun, or with a second color or material.
+def _looks(pairs: _Look, read: PromptPairs) -> list[_Look]:
+    """The words of each look: another one begins behind a noun, or with a second color or material.
 
     Of two materials side by side, the first may be the color of the second: "emerald velvet", but not "gold, silver".
     """
@@ -81,8 +80,9 @@ def _looks(pairs: _Look, passage: Passage) -> list[_Look]:
     for pair in pairs:
         last = looks[-1] if looks else []
         fresh = pair.becoming.slot not in [p.becoming.slot for p in last]
-        same = bool(last) and last[-1].target.mention == pair.target.mention
-        adjoins = bool(last) and passage.adjoin(last[-1].look, pair.look)
+        between = range(last[-1].look.index, pair.look.index) if last else ()
+        same = bool(last) and not any(mention.start in between for mention in read.mentions)
+        adjoins = bool(last) and read.passage.adjoin(last[-1].look, pair.look)
         if (same and fresh) or (adjoins and (fresh or not pair.look.token.color)):
             last.append(pair)
         else:
