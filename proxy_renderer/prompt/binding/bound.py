@@ -12,7 +12,10 @@ from ..types import SceneWords
 from .means import KIND_OF_SLOT
 from .pairs import PromptPairs, TargetPair
 from .sharing import shared_out, told
-from .targets import MATTER, NOWHERE, rest
+from .targets import MATTER, NOWHERE, ROLES, rest
+
+_KINDS = {"lights": "light", "key": "light", "air": "fog"}
+"""Kind of target -> kind of thing, where they differ."""
 
 
 @dataclass(frozen=True)
@@ -73,17 +76,15 @@ class Things:
         kind, name = pair.target.kind, self._name(pair)
         if kind in MATTER:
             return self._matter(pair, name)
-        if kind == "lights":
-            return Thing("light", name, "whole", lights=tuple(sorted(pair.target.names)))
-        if kind == "key":
-            return Thing("light", name, "whole", role="key")
-        if kind in ("fill", "rim"):
-            return Thing(kind, name, "whole", role=kind)
-        if kind == "sky":
-            return Thing("sky", name, "surroundings")
         if kind == "picture":
             return self._picture(pair)
-        return Thing({"air": "fog"}.get(kind, kind), name, "whole")
+        return Thing(
+            _KINDS.get(kind, kind),
+            name,
+            "surroundings" if kind == "sky" else "whole",
+            role=kind if kind in ROLES else "",
+            lights=tuple(sorted(pair.target.names)) if kind == "lights" else (),
+        )
 
     def _name(self, pair: TargetPair) -> str:
         """What the prompt calls the thing; the look word itself where no noun names it."""

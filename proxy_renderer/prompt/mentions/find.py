@@ -161,4 +161,3 @@ class _Finder:
         """Whether a guess may be right: "a car" is none of its four wheels, nor a boat its sail."""
         sure = token.text.endswith("s") or all(sign.endswith("misspelled") for sign in named.signs)
         return sure or not (self.index.in_parts or self.index.has_several(named))
-
