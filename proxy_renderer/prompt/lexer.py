@@ -9,9 +9,10 @@ from difflib import get_close_matches
 from functools import cached_property
 
 from .lexicon.entries import normalize
-from .lexicon.nearest import nearest, table
+from .lexicon.nearest import Nearest
 from .lexicon.tinges import parted, tending, unslashed
 from .lexicon.vocabulary import Vocabulary
+from .lexicon.word_table import table
 from .names import scene_names
 from .tokens import Token, composed
 from .types import SceneWords
@@ -29,11 +30,6 @@ class Lexer:
     def __init__(self, vocabulary: Vocabulary, words: SceneWords) -> None:
         self.vocabulary = vocabulary
         self.names = scene_names(words)
-
-    @cached_property
-    def _spelling(self) -> list[str]:
-        v = self.vocabulary
-        return sorted(w for w in {*v.synonyms, *v.colors, *v.adjectives} if " " not in w and len(w) > 3)
 
     def clauses(self, prompt: str) -> list[list[Token]]:
         """Tokens of each clause of a prompt."""
@@ -138,16 +134,22 @@ class Lexer:
 
     def _guess(self, token: Token) -> Token:
         """The nearest known word, where it can only be a slip of the keyboard."""
-        token.near = nearest(self.vocabulary).guess(token.text)
+        token.near = self.vocabulary.made(Nearest).guess(token.text)
         if len(token.text) < 4 or table().is_english(token.text):
             return token
+        spelling = self.vocabulary.made(_spelling)
         near = (
-            [w for w in self._spelling if _is_swapped(w, token.text)]
+            [w for w in spelling if _is_swapped(w, token.text)]
             or get_close_matches(token.text, self.names, 1, _NAME_ALIKE)
-            or get_close_matches(token.text, self._spelling, 3, _ALIKE)
+            or get_close_matches(token.text, spelling, 3, _ALIKE)
         )
         known = next((w for w in near if w[0] == token.text[0]), "")  # likelier than a rare word
         return replace(self._phrase(known), text=token.text, guess=known) if known else token
+
+
+def _spelling(v: Vocabulary) -> list[str]:
+    """Look words that may be misspelled."""
+    return sorted(w for w in {*v.synonyms, *v.colors, *v.adjectives} if " " not in w and len(w) > 3)
 
 
 def _is_swapped(word: str, typed: str) -> bool:

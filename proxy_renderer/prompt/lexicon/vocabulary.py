@@ -4,9 +4,11 @@
 from __future__ import annotations
 
 import tomllib
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
+from typing import Any, TypeVar
 
 from ...color.floats import srgb_from_hex
 from ...schema import Values, VibeError
@@ -14,6 +16,7 @@ from . import kelvins
 from .entries import Effect, VocabularyEntry, normalize, parse_effect, read_entry
 
 _SHORTEST_STEM = 2  # letters; a stem has more
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -57,6 +60,20 @@ class Vocabulary:
     typed: dict[str, str]
     elsewhere: dict[str, dict[str, str]]
     endings: dict[str, str]
+    _made: dict[Callable[[Vocabulary], Any], Any] = field(
+        init=False, repr=False, compare=False, default_factory=dict
+    )
+
+    def made(self, make: Callable[[Vocabulary], T]) -> T:
+        """What is made of it, once and for all.
+
+        Args:
+            make: Takes the vocabulary.
+        """
+        if make not in self._made:
+            self._made[make] = make(self)
+        made: T = self._made[make]
+        return made
 
     def entry(self, phrase: str) -> VocabularyEntry | None:
         """What a phrase means on its own; None where it is no look."""
