@@ -71,7 +71,7 @@ def _patterns() -> list[re.Pattern[str]]:
     )
     by_sun = rf"\b(?:the )?sun(?:'s)? (?:(?:{_any(sun['between'])}) )*?(?P<does>{does})\b"
     exactly = rf"\bfrom (?:{_any(_rows()['where']['exactly'])}) "
-    return tuple(re.compile(pattern, re.IGNORECASE) for pattern in (clock, by_sun, exactly))  # type: ignore[return-value]
+    return [re.compile(pattern, re.IGNORECASE) for pattern in (clock, by_sun, exactly)]
 
 
 @cache
