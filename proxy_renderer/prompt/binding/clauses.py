@@ -80,9 +80,8 @@ class ClauseForms:
         return f"'{item.token.text}'" if item.filler else "a noun" if place in self.noun_at else "others"
 
     def _is_led(self, place: int) -> bool:
-        item = self.passage.items[place]
-        passed = place in self.look_at or "article" in item.token.lists
-        return passed and not (item.ties or place in self.noun_at)
+        passed = place in self.look_at or "article" in self.passage.items[place].token.lists
+        return passed and place not in self.noun_at
 
     def turn(self, clause: int) -> str:
         """What the clause before another ends with: "after a clause that ends in light".
