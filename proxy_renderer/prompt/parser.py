@@ -38,7 +38,7 @@ def prepared(text: str, scene: SceneWords, vocabulary: Vocabulary) -> str:
 def _prepared(text: str, scene: SceneWords, vocabulary: Vocabulary) -> tuple[str, list[str]]:
     """A prompt with hours, temperatures and lists as sentences say them, and apart from it what is to stay as it is."""
     told = kelvins.told(hours.told(text, vocabulary))
-    return without_spared(spoken(told, vocabulary, scene_names(scene)))
+    return without_spared(spoken(told, vocabulary, scene_names(scene)), vocabulary)
 
 
 def _checked(prompt: str) -> str:

@@ -88,7 +88,7 @@ def _shaded(words: list[str], v: Vocabulary) -> Iterator[Token]:
         shades = _shades(leading, v)
         for arguments in shades:
             color = shade(color, *arguments)
-        both = leading[-1] in v.lightness and last in v.adjectives
+        both = leading[-1] in v.words["lightness"] and last in v.adjectives
         yield Token(
             " ".join(words), color=color, adjective=last if both else "",
             name=" ".join([*leading, name]), shades=shades if both else (),
@@ -99,7 +99,7 @@ def _shaded_material(words: list[str], v: Vocabulary) -> Iterator[Token]:
     """A material with its own color, lighter or darker: "dark oak", "very pale wood"."""
     for leading, rest in _led_by_shades(words, v):
         entry = v.entry(" ".join(rest))
-        light = entry is not None and entry.slot == "material" and leading[-1] in v.lightness
+        light = entry is not None and entry.slot == "material" and leading[-1] in v.words["lightness"]
         if entry and light and entry.is_colored and " ".join(words) not in v.synonyms:
             yield Token(" ".join(words), entry.name, name=" ".join(rest), shades=_shades(leading, v))
 

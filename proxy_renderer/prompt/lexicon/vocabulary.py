@@ -35,8 +35,7 @@ class Vocabulary:
         adjectives: Word -> kind of thing (or "otherwise") -> entry name.
         absent: Kind of thing -> entry that the lack of it means: "no shadows".
         picks: Word -> which one of several it picks out, as in `mentions.picked`.
-        lightness: Shades that say how light a thing is, and nothing that a light or a finish could mean too.
-        off: Values of a key that say that there is none: "fog: off".
+        words: "lightness", "off", "leave", ... -> words that are looked for by themselves.
         roles: Word of a light's name -> the role of that light.
         typed: What is typed in a hurry -> the word that is meant.
         elsewhere: Kind of thing -> entry or adjective -> entry, where words say nothing of it themselves: "a calm lamp".
@@ -54,8 +53,7 @@ class Vocabulary:
     adjectives: dict[str, dict[str, str]]
     absent: dict[str, str]
     picks: dict[str, str]
-    lightness: frozenset[str]
-    off: frozenset[str]
+    words: dict[str, frozenset[str]]
     roles: dict[str, str]
     typed: dict[str, str]
     elsewhere: dict[str, dict[str, str]]
@@ -140,8 +138,7 @@ def load(text: str, colors: str) -> Vocabulary:
         adjectives,
         grammar.get("absent", {}),
         _by_word(grammar["picks"]),
-        _words(grammar["lightness"]),
-        _words(grammar["off"]),
+        {kind: _words(words) for kind, words in grammar["words"].items()},
         _by_word(grammar["roles"]),
         _by_word(grammar["typed"]),
         _read_elsewhere(rows["elsewhere"], entries, adjectives),
