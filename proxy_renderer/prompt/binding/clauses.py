@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How the clauses of a prompt are built: what they begin with, and what leads a word."""
+"""How the clauses of a prompt are built: what they end with, and what leads a word."""
 
 from __future__ import annotations
 
@@ -24,7 +24,6 @@ class ClauseForms:
         look_at: Places of look words.
         noun_at: Places of nouns.
         places: Of each clause, those of its items.
-        order: Whether clauses begin with a noun or with a look, or some so and some so.
         spares_from: Whether a look stands before what the prompt leaves out; "" if it leaves nothing out.
     """
 
@@ -37,7 +36,6 @@ class ClauseForms:
         ]
         for place, item in enumerate(passage.items):
             self.places[item.clause].append(place)
-        self.order = self._order()
         self.spares_from = self._spares_from()
 
     def role(self, place: int) -> str:
@@ -109,12 +107,3 @@ class ClauseForms:
         near = (items[start].clause - 1, items[start].clause)
         looks = any(place < tied and items[place].clause in near for place in self.look_at)
         return "after a look" if looks else "before any look"
-
-    def _order(self) -> str:
-        """Whether clauses begin with what they are about ("hull red, wall white") or with how it looks ("red hull")."""
-        firsts = set()
-        for places in self.places:
-            both = [p for p in places if (p in self.look_at) != (p in self.noun_at)]
-            if len(both) > 1:
-                firsts.add("noun" if both[0] in self.noun_at else "look")
-        return firsts.pop() if len(firsts) == 1 else "mixed"

@@ -123,7 +123,7 @@ class PairFeatures:
             return
         yield from (f"{kind} by {sign}" for sign in target.signs)
         place = NounPlace(self.forms, self.look.index, mention)
-        yield from place.facts(kind, self._sort)
+        yield from place.facts(kind, self._sort, self._lead)
         yield from self._spared(target, mention, place.where, kind)
         yield f"{target.kind} by noun {mention.noun or 'of the scene'}"
         if self.token.adjective and any(mention.covers(place) for place in self.forms.look_at):

@@ -28,7 +28,7 @@ class NounPlace:
 
     def __init__(self, forms: ClauseForms, look: int, mention: NounMention) -> None:
         self.passage, self.forms = forms.passage, forms
-        self.look, self.mention = look, mention
+        self.mention = mention
         after = mention.start > look
         self.side = "after" if after else "before"
         self._low, self._high = (look, mention.start) if after else (mention.end, look)
@@ -37,24 +37,25 @@ class NounPlace:
         self._apart = items[self._high].clause - items[self._low].clause
         self.where = f"{self.side}, {_NEAR.get(self._apart, 'far clause')}"
 
-    def facts(self, kind: str, sort: str) -> Iterator[str]:
+    def facts(self, kind: str, sort: str, lead: str) -> Iterator[str]:
         """All that their places say.
 
         Args:
             kind: Of the target, in short.
             sort: Of the look word.
+            lead: What leads the look word.
         """
         where = self.where
         yield where
         yield f"{where}: {kind}"
         yield f"{where}: {min(len(self._between), _FAR)} between"
-        yield f"{where}: {self.forms.order} first"
-        yield f"{where}: look led by {self.forms.lead(self.look)}"
+        yield f"{where}: look led by {lead}"
         if not self._between and not self._apart:
             yield f"{self.side}: {kind} adjoins a {sort} word"
         yield from self._ties()
         yield from self._led()
-        yield from self._of_noun()
+        if self.mention.members > 1:
+            yield f"{where}: joined"
 
     def _ties(self) -> Iterator[str]:
         """What ties stand between the two."""
@@ -76,14 +77,3 @@ class NounPlace:
                 return
         if not items[start].filler:
             yield f"{self.where}: first of its clause"
-
-    def _of_noun(self) -> Iterator[str]:
-        """What the noun is besides: all of a list, before another noun, a look."""
-        mention, items, where = self.mention, self.passage.items, self.where
-        if mention.members > 1:
-            yield f"{where}: joined"
-        after = mention.end + 1
-        if after in self.forms.noun_at and items[after].clause == items[mention.end].clause:
-            yield f"{where}: before a noun"
-        if not self.forms.look_at.isdisjoint(range(mention.start, after)):
-            yield f"{where}: a look too"
