@@ -120,7 +120,7 @@ class _Finder:
         return [n for n in self.index.named(said[:-1]) if n.kind == "lights"] if any_light else []
 
     def _noun(self, start: int) -> str:
-        """The kind of thing that a token is; an unknown word may be the subject, where something of it is of the same sort."""
+        """The kind of thing that a token is: "unknown" for a word that nobody knows, or that is a mood, and here the thing itself."""
         token = self.items[start].token
         if token.noun:
             return token.noun
