@@ -115,13 +115,12 @@ def _own(piece: Piece, text: str, vocabulary: Vocabulary) -> Piece:
 
 def _is_english(text: str, vocabulary: Vocabulary) -> bool:
     """Whether English has all of the words."""
-    return all(_is_english_word(word, vocabulary) for word in text.lower().split())
+    known = vocabulary.made(_known)
+    return all(word in known or table().is_english(word) for word in text.lower().split())
 
 
-def _is_english_word(word: str, v: Vocabulary) -> bool:
-    known = word in v.synonyms or word in v.colors or word in v.nouns or word in v.adjectives
-    listed = word in v.intensity or any(word in phrases for phrases in v.lists.values())
-    return known or listed or table().is_english(word)
+def _known(v: Vocabulary) -> frozenset[str]:
+    return frozenset().union(v.synonyms, v.colors, v.nouns, v.adjectives, v.intensity, *v.lists.values())
 
 
 def _as_english(piece: Piece, vocabulary: Vocabulary) -> Piece:
