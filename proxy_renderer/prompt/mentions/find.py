@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from ..lexicon.vocabulary import Vocabulary
 from ..tokens import Token
@@ -47,7 +48,7 @@ class _Finder:
         while start < len(self.items):
             found = self._at(start)
             if found:
-                yield found
+                yield self._with_side(found)
             start = found.end + 1 if found else start + 1
 
     def determines(self, mention: NounMention, single: list[NounMention]) -> bool:
@@ -140,6 +141,21 @@ class _Finder:
         clause = self.items[start].clause
         said = [i for i in self.passage.content(0, start) if i.clause == clause and not i.names_a_look]
         return said[-1] if said else None
+
+    def _with_side(self, mention: NounMention) -> NounMention:
+        """A light with those that stand where a word beside it says: "light from the left", "left light"."""
+        if mention.noun != "light":
+            return mention
+        content, vocabulary = self.passage.content, self.vocabulary
+        before, after = content(mention.start - 2, mention.start), content(mention.end + 1, mention.end + 4)
+        for item in (*before[-1:], *after[:1]):
+            rows = vocabulary.adjectives.get(item.token.adjective, {})
+            entry = vocabulary.entries.get(item.token.entry or rows.get("otherwise", ""))
+            turns = [e for e in entry.effects if e.mode == "camera" and e.name == "azimuth"] if entry else []
+            if item.clause == self.items[mention.start].clause and turns:
+                sided = self.index.sided(turns[0].lower[0], turns[0].upper[0])
+                return replace(mention, named=(*mention.named, *sided))
+        return mention
 
     def _may_be_guessed(self, named: Named, token: Token) -> bool:
         """Whether a guess may be right: "a car" is none of its four wheels, nor a boat its sail."""

@@ -12,6 +12,7 @@ from ..types import GLOW, SceneWords
 from .names import best, fit, guessed_fit, parts
 from .nouns import Named
 
+_SIDE = 75.0  # degrees from where words say that a light is
 _TYPES = {"SUN": "sun", "SPOT": "spot"}
 """Types of lights that people call by name."""
 _Fits = Callable[[Mapping[str, tuple[str, ...]]], dict[str, str]]
@@ -89,6 +90,19 @@ class SceneIndex:
             name: Of the object.
         """
         return frozenset(self.words.object_materials.get(name, ()))
+
+    def sided(self, low: float, high: float) -> list[Named]:
+        """The lights on a side, the nearest one alone.
+
+        Args:
+            low: Least azimuth relative to the camera, degrees.
+            high: Greatest one.
+        """
+        turns = {name: x.turn for name, x in self.words.lights.items() if x.turn is not None}
+        middle = (low + high) / 2.0
+        near = sorted((abs((turn - middle + 180.0) % 360.0 - 180.0), name) for name, turn in turns.items())
+        beside = [name for apart, name in near[:1] if apart < _SIDE]
+        return [Named("lights", frozenset({name}), frozenset({"side"})) for name in beside]
 
     def _of_things(self, fits: _Fits) -> Iterator[_Found]:
         sources = (("material", self._materials), ("object", self._objects), ("group", self._groups))
