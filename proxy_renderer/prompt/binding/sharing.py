@@ -72,10 +72,7 @@ def _may_share(pair: TargetPair) -> bool:
 
 
 def _looks(pairs: _Look, read: PromptPairs) -> list[_Look]:
-    """The words of each look: another one begins behind a noun, or with a second color or material.
-
-    Of two materials side by side, the first may be the color of the second: "emerald velvet", but not "gold, silver".
-    """
+    """The words of each look: another one begins behind a noun, or with a second color or material that stands apart."""
     looks: list[_Look] = []
     for pair in pairs:
         last = looks[-1] if looks else []
@@ -83,7 +80,7 @@ def _looks(pairs: _Look, read: PromptPairs) -> list[_Look]:
         between = range(last[-1].look.index, pair.look.index) if last else ()
         same = bool(last) and not any(mention.start in between for mention in read.mentions)
         adjoins = bool(last) and read.passage.adjoin(last[-1].look, pair.look)
-        if (same and fresh) or (adjoins and (fresh or not pair.look.token.color)):
+        if adjoins or (same and fresh):
             last.append(pair)
         else:
             looks.append([pair])
