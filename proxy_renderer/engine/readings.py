@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from ..prompt.lexicon.nearest import nearest
+from ..prompt.lexicon.nearest import Nearest
 from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.parser import parse
 from ..prompt.types import Attribute, LightWords, Parsed, SceneWords
@@ -51,7 +51,7 @@ def _understood(parsed: Parsed) -> Iterator[WordReading]:
     for word, attributes in of_word.items():
         things = ", ".join(dict.fromkeys(_described(a) for a in attributes))
         if unknown := _guessed(word, parsed.guesses):
-            near, *others = nearest(default_vocabulary()).choices(unknown, _OTHERS) or [
+            near, *others = default_vocabulary().made(Nearest).choices(unknown, _OTHERS) or [
                 parsed.guesses[unknown]
             ]
             yield WordReading(word, "guessed", f"taken for “{near}”, describes {things}", others)
@@ -73,7 +73,9 @@ def _guessed(word: str, guesses: Mapping[str, str]) -> str:
 
 
 def _left_out(word: str) -> WordReading:
-    return WordReading(word, "left out", "not used", nearest(default_vocabulary()).choices(word, _OTHERS - 1))
+    return WordReading(
+        word, "left out", "not used", default_vocabulary().made(Nearest).choices(word, _OTHERS - 1)
+    )
 
 
 def _place(said: str, word: str) -> int:

@@ -11,17 +11,6 @@ from .lexicon.vocabulary import Vocabulary
 _PAIR = re.compile(
     r"""["']?(\w[\w -]{0,30}?)["']?\s*[:=]\s*["']?([^:=,;.{}"'\n]{1,40}?)["']?(?=\s*(?:[,;.}]|$))"""
 )
-_SPARED = re.compile(
-    r"\b(?:leave|keep|do not touch|don't touch|don't change|do not change)\b[^,.;:]*?"
-    r"\b(?:alone|unchanged|untouched|as is|as (?:it|they) (?:is|are|was|were)|the same)\b",
-    re.IGNORECASE,
-)
-_COLOR = r"([a-z]+(?: (?!and\b)[a-z]+)?)"
-_LIGHTS = re.compile(
-    r"\b(?:\w+ )?(?:two|both|colou?red|contrasting|different) (?:colou?red )?(?:lights|lamps|gels)\s*[,:(]\s*(?:one )?"
-    rf"{_COLOR}\s*,?\s*(?:and (?:one |the other )?|(?:the other|one) ){_COLOR}(?=\s*(?:[,;.)]|$))",
-    re.IGNORECASE,
-)
 _MOST = 4  # words of a value; more are a sentence of their own
 
 
@@ -36,7 +25,7 @@ def spoken(text: str, vocabulary: Vocabulary, names: Container[str] = ()) -> str
 
     def said(pair: re.Match[str]) -> str:
         key, value = pair[1].strip().lower(), pair[2].strip()
-        if value.lower() in vocabulary.off:
+        if value.lower() in vocabulary.words["off"]:
             return f"no {key}"
         if key in names:
             return f"the {key} is {value}"
@@ -48,10 +37,33 @@ def spoken(text: str, vocabulary: Vocabulary, names: Container[str] = ()) -> str
         both = all(name.lower() in vocabulary.colors for name in lights.groups())
         return f"{lights[1]} and {lights[2]} lights" if both else lights[0]
 
-    return _LIGHTS.sub(colored, _PAIR.sub(said, text))
+    return vocabulary.made(_lights).sub(colored, _PAIR.sub(said, text))
 
 
-def without_spared(text: str) -> tuple[str, list[str]]:
-    """A prompt without what it says should stay ("leave the cup alone"), and what that is."""
-    spared = _SPARED.findall(text)
-    return _SPARED.sub(",", text) if _SPARED.sub("", text).strip(" ,.;") else text, spared
+def without_spared(text: str, vocabulary: Vocabulary) -> tuple[str, list[str]]:
+    """A prompt without what it says should stay ("leave the cup alone"), and what that is.
+
+    Args:
+        text: The prompt.
+        vocabulary: Has the words that say so.
+    """
+    stays = vocabulary.made(_stays)
+    spared = stays.findall(text)
+    return stays.sub(",", text) if stays.sub("", text).strip(" ,.;") else text, spared
+
+
+def _stays(v: Vocabulary) -> re.Pattern[str]:
+    return re.compile(rf"\b{_any(v, 'leave')}\b[^,.;:]*?\b{_any(v, 'alone')}\b", re.IGNORECASE)
+
+
+def _lights(v: Vocabulary) -> re.Pattern[str]:
+    """Two colors of lights that are listed."""
+    color = rf"([a-z]+(?: (?!{_any(v, 'other')}\b)[a-z]+)?)"
+    listed = rf"\s*[,:(]\s*(?:{_any(v, 'one')} )?{color}\s*,?\s*{_any(v, 'other')} {color}(?=\s*(?:[,;.)]|$))"
+    return re.compile(rf"\b(?:\w+ )?{_any(v, 'several')} {_any(v, 'lamps')}{listed}", re.IGNORECASE)
+
+
+def _any(v: Vocabulary, kind: str) -> str:
+    """A pattern of any of the words of a kind, the longest that fits, as Americans and others write them."""
+    words = sorted(v.words[kind], key=len, reverse=True)
+    return "(?:" + "|".join(map(re.escape, words)).replace("color", "colou?r") + ")"

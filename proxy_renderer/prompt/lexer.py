@@ -9,10 +9,11 @@ from difflib import get_close_matches
 from functools import cached_property
 
 from .lexicon.entries import normalize
-from .lexicon.nearest import nearest, table
+from .lexicon.nearest import Nearest
 from .lexicon.tinges import parted, tending, unslashed
 from .lexicon.vocabulary import Vocabulary
-from .names import in_parts, scene_names
+from .lexicon.word_table import table
+from .names import scene_names
 from .tokens import Token, composed
 from .types import SceneWords
 
@@ -28,12 +29,7 @@ class Lexer:
 
     def __init__(self, vocabulary: Vocabulary, words: SceneWords) -> None:
         self.vocabulary = vocabulary
-        self.names, self._in_parts = scene_names(words), in_parts(words)
-
-    @cached_property
-    def _spelling(self) -> list[str]:
-        v = self.vocabulary
-        return sorted(w for w in {*v.synonyms, *v.colors, *v.adjectives} if " " not in w and len(w) > 3)
+        self.names = scene_names(words)
 
     def clauses(self, prompt: str) -> list[list[Token]]:
         """Tokens of each clause of a prompt."""
@@ -54,7 +50,7 @@ class Lexer:
     def _parted(self, words: list[str]) -> list[str]:
         """The words, with a space in "bluegreen" and "lightblue"."""
         v = self.vocabulary
-        known = v.synonyms.keys() | v.nouns.keys() | self.names.keys()
+        known = v.synonyms.keys() | v.nouns.keys() | self.names
         return [
             part for word in words for part in ([word] if word in known else parted(word, v.colors, v.shades))
         ]
@@ -97,7 +93,7 @@ class Lexer:
                 v.colors.get(spelling),
                 spelling if spelling in v.adjectives else "",
                 v.nouns.get(spelling, "") or self._head_noun(spelling),
-                self.names.get(spelling),
+                spelling in self.names,
                 v.intensity.get(spelling),
                 frozenset(kind for kind, phrases in v.lists.items() if spelling in phrases),
             )
@@ -136,31 +132,24 @@ class Lexer:
         synonyms = self.vocabulary.synonyms
         return any(" ".join(words[i:j]) in synonyms for i in range(start + 1, end) for j in later)
 
-    def _may_be_called(self, word: str) -> list[str]:
-        """Names of what a thing may be: "a red car" is none of its four wheels, nor its bonnet."""
-        if word.endswith("s"):
-            return list(self.names)
-        return [
-            name
-            for name, thing in self.names.items()
-            if not (thing.several or (self._in_parts and thing.region == "subject"))
-        ]
-
     def _guess(self, token: Token) -> Token:
         """The nearest known word, where it can only be a slip of the keyboard."""
-        if same := table().same_sort(token.text, self._may_be_called(token.text)):
-            token.scene, token.guess, token.name = self.names[same], self.names[same].name, same
-            return token
-        token.near = nearest(self.vocabulary).guess(token.text)
+        token.near = self.vocabulary.made(Nearest).guess(token.text)
         if len(token.text) < 4 or table().is_english(token.text):
             return token
+        spelling = self.vocabulary.made(_spelling)
         near = (
-            [w for w in self._spelling if _is_swapped(w, token.text)]
+            [w for w in spelling if _is_swapped(w, token.text)]
             or get_close_matches(token.text, self.names, 1, _NAME_ALIKE)
-            or get_close_matches(token.text, self._spelling, 3, _ALIKE)
+            or get_close_matches(token.text, spelling, 3, _ALIKE)
         )
         known = next((w for w in near if w[0] == token.text[0]), "")  # likelier than a rare word
         return replace(self._phrase(known), text=token.text, guess=known) if known else token
+
+
+def _spelling(v: Vocabulary) -> list[str]:
+    """Look words that may be misspelled."""
+    return sorted(w for w in {*v.synonyms, *v.colors, *v.adjectives} if " " not in w and len(w) > 3)
 
 
 def _is_swapped(word: str, typed: str) -> bool:

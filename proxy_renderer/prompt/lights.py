@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
-from ..color.floats import srgb_from_hex
 from ..color.shades import hue_apart
 from ..schema import Values
 from .lexicon.entries import Effect
@@ -82,14 +81,13 @@ def _mentions(attributes: list[Attribute], vocabulary: Vocabulary) -> list[Menti
             continue
         if attribute.lights or attribute.thing in vocabulary.lists["hour"]:
             continue  # the light of an evening is no lamp of its own
-        role = attribute.role or (attribute.kind if attribute.kind != "light" else "")
         words = fixture(attribute.thing, vocabulary)
         mention = next(
-            (m for m in reversed(found) if _continues(m, role, words, attribute, m is found[-1], vocabulary)),
+            (m for m in reversed(found) if _continues(m, words, attribute, m is found[-1], vocabulary)),
             None,
         )
         if mention is None:
-            mention = Mention(role, words)
+            mention = Mention(attribute.role, words)
             found.append(mention)
         mention.fixture |= words
         mention.said.append(attribute)
@@ -98,19 +96,14 @@ def _mentions(attributes: list[Attribute], vocabulary: Vocabulary) -> list[Menti
 
 
 def _continues(
-    mention: Mention,
-    role: str,
-    words: frozenset[str],
-    attribute: Attribute,
-    newest: bool,
-    vocabulary: Vocabulary,
+    mention: Mention, words: frozenset[str], attribute: Attribute, newest: bool, vocabulary: Vocabulary
 ) -> bool:
     """Whether an attribute goes on about the light that was spoken of, the newest one if it does not say which."""
-    if mention.role != role or any(_contradicts(a, attribute, vocabulary) for a in mention.said):
+    if mention.role != attribute.role or any(_contradicts(a, attribute, vocabulary) for a in mention.said):
         return False
     if newest and (not words or not mention.fixture):
         return True
-    return words == mention.fixture and bool(words or role)
+    return words == mention.fixture and bool(words or attribute.role)
 
 
 def _contradicts(one: Attribute, other: Attribute, vocabulary: Vocabulary) -> bool:
@@ -135,8 +128,6 @@ def _tone(attribute: Attribute, vocabulary: Vocabulary) -> Values | None:
     for effect in _strong(attribute, vocabulary):
         if effect.name == "temperature":
             return _WARM if effect.upper[0] < _WHITE[0] else _COOL if effect.lower[0] > _WHITE[1] else None
-        if effect.family == "light/color" and effect.color.startswith("#"):
-            return srgb_from_hex(effect.color)
     return None
 
 

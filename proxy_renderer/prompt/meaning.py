@@ -110,8 +110,7 @@ def heads_of(attribute: Attribute, vocabulary: Vocabulary) -> dict[str, str]:
         opposite = vocabulary.entries.get(entry.opposite)
         return entry.never_heads or (opposite.heads if opposite else {})
     heads = dict(entry.heads)
-    fill_or_rim = attribute.role in ("rim", "fill") or attribute.kind in ("rim", "fill")
-    if fill_or_rim or attribute.told_apart:  # the heads speak of the key light
+    if attribute.role in ("rim", "fill") or attribute.told_apart:  # the heads speak of the key light
         heads = {head: value for head, value in heads.items() if not head.startswith("light_")}
     if attribute.region == "surroundings" or attribute.kind in ("light", "fog", "tone", "shadow"):
         heads = {head: value for head, value in heads.items() if not head.startswith("subject_")}

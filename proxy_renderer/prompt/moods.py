@@ -3,9 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
-from ..color.constants import Lab
 from ..color.floats import chroma, lab_from_srgb
 from ..color.shades import warm
 from .lexicon.vocabulary import Vocabulary
@@ -27,42 +26,29 @@ def overruled(attributes: Sequence[Attribute], vocabulary: Vocabulary) -> list[A
         vocabulary: What words mean.
     """
     named = [a for a in attributes if a.color and not a.cause and not a.negated]
-    around = [lab_from_srgb(a.color) for a in named if a.color and a.kind == "surroundings" and not a.owners]
-    air = [lab_from_srgb(a.color) for a in named if a.color and a.kind in _AIR]
-    things = [lab_from_srgb(a.color) for a in named if a.color]
     kinds = {a.kind for a in named}
+    ruled_out = {pair for a in named for pair in _ruled_out(a)}
 
     def gives_way(mood: Attribute) -> bool:
         if mood.color:
             return mood.kind in kinds
-        asked = vocabulary.entries[mood.entry].heads
-        return (
-            _too_light(asked.get("brightness", ""), around)
-            or _too_colored(asked.get("saturation", ""), around, things)
-            or _too_warm(asked.get("light_temperature", ""), around, air)
-        )
+        return not ruled_out.isdisjoint(vocabulary.entries[mood.entry].heads.items())
 
     return [a for a in attributes if a.cause and gives_way(a)]
 
 
-def _too_light(brightness: str, around: Sequence[Lab]) -> bool:
-    lights = [lab[0] for lab in around]
-    return (brightness == "bright" and any(v < _DARK for v in lights)) or (
-        brightness == "dark" and any(v > _LIGHT for v in lights)
+def _ruled_out(named: Attribute) -> Iterator[tuple[str, str]]:
+    """What a picture cannot be where something has a color by name: head, and its class."""
+    light, a, b = lab_from_srgb(named.color or ())
+    around, strong = named.kind == "surroundings" and not named.owners, chroma((light, a, b))
+    tinted = named.kind in _AIR and strong > _COLORED
+    warmth = warm(a, b) if around and strong > _VIVID else 0.0
+    rules = (
+        (around and light < _DARK, "brightness", "bright"),
+        (around and light > _LIGHT, "brightness", "dark"),
+        (around and strong < _GRAY, "saturation", "vivid"),
+        (strong > _VIVID, "saturation", "muted"),
+        (tinted or warmth < -_OPPOSED, "light_temperature", "warm"),
+        (tinted or warmth > _OPPOSED, "light_temperature", "cool"),
     )
-
-
-def _too_colored(saturation: str, around: Sequence[Lab], things: Sequence[Lab]) -> bool:
-    """Whether colors that are named are more vivid than a muted picture's, or have none that a vivid one could show."""
-    if saturation == "muted":
-        return any(chroma(lab) > _VIVID for lab in things)
-    return saturation == "vivid" and any(chroma(lab) < _GRAY for lab in around)
-
-
-def _too_warm(temperature: str, around: Sequence[Lab], air: Sequence[Lab]) -> bool:
-    """Whether light or air has a color by name, or what is all around one of the other kind."""
-    if temperature not in ("warm", "cool"):
-        return False
-    sign = 1.0 if temperature == "warm" else -1.0
-    opposed = (sign * warm(*lab[1:]) < -_OPPOSED for lab in around if chroma(lab) > _VIVID)
-    return any(chroma(lab) > _COLORED for lab in air) or any(opposed)
+    return ((head, value) for holds, head, value in rules if holds)

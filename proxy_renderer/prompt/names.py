@@ -5,27 +5,11 @@ from __future__ import annotations
 
 import re
 import tomllib
-from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
 from .lexicon.entries import normalize
 from .types import SceneWords
-
-
-@dataclass(frozen=True)
-class SceneName:
-    """Something in the scene that a word of the prompt names.
-
-    Attributes:
-        name: Of the object or material.
-        region: "subject" or "surroundings".
-        several: There are more of that name: wheels, chairs.
-    """
-
-    name: str
-    region: str
-    several: bool = False
 
 
 @cache
@@ -69,18 +53,11 @@ def in_parts(words: SceneWords) -> bool:
     return not mine.isdisjoint(name_words("cores"))
 
 
-def scene_names(words: SceneWords) -> dict[str, SceneName]:
-    """Spoken name -> what it names; whole names come before last words, objects before materials, things before their parts."""
-    subject = plain_name(words.subject)
-    names = {subject: SceneName(subject, "subject")} if subject else {}
-    for spell in (plain_name, _last, _whole):
-        for regions in (words.objects, words.materials):
-            found: dict[str, SceneName] = {}
-            for name, region in regions.items():
-                spoken, thing = spell(name), SceneName(name, region)
-                found[spoken] = _merged(found.get(spoken, thing), thing)
-            names = {spoken: thing for spoken, thing in found.items() if len(spoken) > 2} | names
-    return names
+def scene_names(words: SceneWords) -> frozenset[str]:
+    """What things in a scene are called: by whole names, by last words, and by what limbs are parts of."""
+    named = (*words.objects, *words.materials)
+    spoken = {plain_name(words.subject)} | {spell(n) for spell in (plain_name, _last, _whole) for n in named}
+    return frozenset(name for name in spoken if len(name) > 2)
 
 
 def _last(name: str) -> str:
@@ -88,16 +65,9 @@ def _last(name: str) -> str:
 
 
 def _whole(name: str) -> str:
-    """What a limb is a part of: of "CarShellNew", a car, where nothing else is called so; "" of what is no limb."""
+    """What a limb is a part of: of "CarShellNew", a car; "" of what is no limb."""
     whole, _, last = plain_name(name).rpartition(" ")
     return whole if last in name_words("limbs") else ""
-
-
-def _merged(first: SceneName, other: SceneName) -> SceneName:
-    """Two things of one name: "the chairs" are Chair and Chair.001. Of two in different places, the subject is meant."""
-    if first.region == other.region:
-        return replace(first, several=first != other or first.several)
-    return first if first.region == "subject" else other
 
 
 def limbs_of(name: str, words: SceneWords) -> tuple[str, ...]:

@@ -18,7 +18,6 @@ from .lexicon.user_words import default_vocabulary
 from .lexicon.vocabulary import Vocabulary
 from .meaning import complete
 from .names import scene_names
-from .sharing import share_out
 from .types import Parsed, SceneWords
 
 _TAG = re.compile(r"</?[a-zA-Z][^<>]{0,200}>|\x1b\[[0-9;]*[A-Za-z]|[\x00-\x08\x0e-\x1f\x7f]")
@@ -39,7 +38,7 @@ def prepared(text: str, scene: SceneWords, vocabulary: Vocabulary) -> str:
 def _prepared(text: str, scene: SceneWords, vocabulary: Vocabulary) -> tuple[str, list[str]]:
     """A prompt with hours, temperatures and lists as sentences say them, and apart from it what is to stay as it is."""
     told = kelvins.told(hours.told(text, vocabulary))
-    return without_spared(spoken(told, vocabulary, scene_names(scene)))
+    return without_spared(spoken(told, vocabulary, scene_names(scene)), vocabulary)
 
 
 def _checked(prompt: str) -> str:
@@ -80,7 +79,6 @@ def parse(
     found = PromptReader(vocabulary, scene, weights)
     parsed = found.read(said)
     parsed.prompt = text
-    share_out(parsed, said, scene)
     parsed.conflicts += [f"'{words}': what no word names stays as it is." for words in spared]
     if found.beyond:
         parsed.conflicts.append(

@@ -11,7 +11,6 @@ from ..schema import Values
 from .lexicon.nearest import Guess
 from .lexicon.tinges import compound
 from .lexicon.vocabulary import Vocabulary
-from .names import SceneName
 
 ShadeArguments = tuple[float, float, float, float]
 """Arguments of `color.shade`."""
@@ -27,7 +26,7 @@ class Token:
         color: sRGB of the color that it names.
         adjective: A key of the vocabulary's adjectives; "" for none.
         noun: Kind of thing that it names; "" for none.
-        scene: The thing in the scene that it names.
+        scene: It names a thing in the scene.
         strength: What it multiplies the next look word with, if it is an intensity.
         lists: Names of the grammar lists that it is in: "negation", "link", ...
         name: The spelling that the vocabulary knows.
@@ -41,7 +40,7 @@ class Token:
     color: Values | None = None
     adjective: str = ""
     noun: str = ""
-    scene: SceneName | None = None
+    scene: bool = False
     strength: float | None = None
     lists: frozenset[str] = field(default_factory=frozenset)
     name: str = ""
@@ -89,7 +88,7 @@ def _shaded(words: list[str], v: Vocabulary) -> Iterator[Token]:
         shades = _shades(leading, v)
         for arguments in shades:
             color = shade(color, *arguments)
-        both = leading[-1] in v.lightness and last in v.adjectives
+        both = leading[-1] in v.words["lightness"] and last in v.adjectives
         yield Token(
             " ".join(words), color=color, adjective=last if both else "",
             name=" ".join([*leading, name]), shades=shades if both else (),
@@ -100,7 +99,7 @@ def _shaded_material(words: list[str], v: Vocabulary) -> Iterator[Token]:
     """A material with its own color, lighter or darker: "dark oak", "very pale wood"."""
     for leading, rest in _led_by_shades(words, v):
         entry = v.entry(" ".join(rest))
-        light = entry is not None and entry.slot == "material" and leading[-1] in v.lightness
+        light = entry is not None and entry.slot == "material" and leading[-1] in v.words["lightness"]
         if entry and light and entry.is_colored and " ".join(words) not in v.synonyms:
             yield Token(" ".join(words), entry.name, name=" ".join(rest), shades=_shades(leading, v))
 

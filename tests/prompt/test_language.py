@@ -137,7 +137,6 @@ PHRASINGS = [
 MISREAD = (
     "bright noon, clear blue sky, sand",
     "golden kitchen",
-    "frozen lake at twilight, very cold, faint mist",
 )
 """What the weights are known to misread; who fits them anew and mends one is told so."""
 

@@ -5,7 +5,7 @@ import pytest
 
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import PlanContext
-from proxy_renderer.prompt.names import is_detail, kind_of, scene_names
+from proxy_renderer.prompt.names import is_detail, kind_of
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.prompts import compose
 from proxy_renderer.prompt.types import SceneWords
@@ -142,7 +142,7 @@ def test_light_of_gold_is_no_metal():
 def test_of_two_materials_of_one_name_the_subjects_is_meant():
     """After Make Single-User the subject has "Monkey.001", and the floor keeps "Monkey"."""
     words = SceneWords(materials={"Monkey": "surroundings", "Monkey.001": "subject"})
-    assert scene_names(words)["monkey"].name == "Monkey.001"
+    assert {a.owners for a in parse("red monkey, glossy", words).attributes if a.color} == {("Monkey.001",)}
 
 
 def test_a_color_before_a_thing_of_the_scene_is_its_color_though_both_are_a_place():

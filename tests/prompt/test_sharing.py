@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Several looks of a subject that is made of several materials with names that say nothing."""
+"""Several looks of one thing that is made of several materials, and how they are shared out."""
 
 import pytest
 
@@ -43,6 +43,18 @@ def test_each_look_has_materials_of_its_own_where_there_are_enough(prompt, meant
 def test_how_looks_are_shared_out_is_told():
     told = parse("walnut and brushed steel", SCENE).conflicts
     assert any("'walnut' is M2, M1" in text for text in told)
+
+
+def test_things_of_one_name_share_as_the_parts_of_the_subject_do():
+    rings = ("Ring", "Ring.001", "Ring.002")
+    scene = SceneWords(
+        objects=dict.fromkeys(rings, "subject"),
+        materials=dict.fromkeys("ABC", "subject"),
+        object_materials=dict(zip(rings, (("A",), ("B",), ("C",)), strict=True)),
+        places={"Ring.001": (0.0, 0.5, 0.4)},
+    )
+    assert owners("gold and silver rings", scene) == {"gold": ("B", "C"), "silver": ("A",)}
+    assert any("'gold' is B, C" in text for text in parse("gold and silver rings", scene).conflicts)
 
 
 def test_the_rest_of_a_scene_is_the_sky_too():

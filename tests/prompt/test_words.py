@@ -12,7 +12,7 @@ from proxy_renderer.cli.main import main
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import PlanContext
 from proxy_renderer.prompt.lexicon.entries import normalize
-from proxy_renderer.prompt.lexicon.nearest import SURE, nearest
+from proxy_renderer.prompt.lexicon.nearest import SURE, Nearest
 from proxy_renderer.prompt.lexicon.user_words import VARIABLE, default_vocabulary, extend
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.prompt.parser import parse
@@ -52,7 +52,7 @@ def test_the_vocabulary_has_as_many_looks_as_it_promises():
 
 def test_unseen_words_mostly_fall_to_the_right_entry(unseen):
     assert len(unseen) >= 150
-    search = nearest(shipped_vocabulary())
+    search = shipped_vocabulary().made(Nearest)
     placed = [(found, right) for word, right in unseen if (found := search.meant(word))]
     hits = sum(place[0] in right for place, right in placed)
     assert hits / len(unseen) >= FLOOR
@@ -67,7 +67,7 @@ FLOOR = 0.81  # 0.84 when it was measured
     "word", ["quokka", "asdf", "dragon", "seventeen", "president", "idea", "xyzzy", "qwertz"]
 )
 def test_what_says_nothing_about_looks_is_not_guessed(word):
-    assert nearest(shipped_vocabulary()).guess(word) is None
+    assert shipped_vocabulary().made(Nearest).guess(word) is None
 
 
 def test_a_guess_is_said_with_its_confidence():

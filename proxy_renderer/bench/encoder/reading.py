@@ -25,7 +25,7 @@ from rich.table import Table
 from ...guidance.encoder import JUDGE, Encoder, load_encoder
 from ...prompt.lexicon.attributes import ATTRIBUTES
 from ...prompt.lexicon.entries import normalize
-from ...prompt.lexicon.nearest import nearest
+from ...prompt.lexicon.nearest import Nearest
 from ...prompt.lexicon.vocabulary import shipped_vocabulary
 from ...prompt.parser import parse
 from ...prompt.prompts import compose
@@ -167,7 +167,7 @@ def synonyms(asked: Encoder, batches: list[Batch]) -> tuple[float, float]:
         Two fractions: by language and encoder, and by language alone.
     """
     vocabulary = shipped_vocabulary()
-    search = nearest(vocabulary)
+    search = vocabulary.made(Nearest)
     listed = {
         *vocabulary.synonyms,
         *vocabulary.colors,

@@ -20,9 +20,6 @@ _KINDS = {
     "sky": ("sky",), "air": ("fog",), "picture": ("tone",),
 }  # fmt: skip
 """Kind of target -> kinds of things that the vocabulary's adjectives know, the first one first."""
-_PAINTED = {
-    "things": "subject", "others": "subject", "lights": "light", "key": "light", "air": "fog", "picture": "ambience",
-}  # fmt: skip
 _SLOTS = {
     "surroundings": ("setting",), "sky": ("setting", "lighting", "atmosphere"), "air": ("atmosphere",),
     "light": ("lighting",), "shadow": ("lighting", "grade"), "highlight": ("lighting", "grade", "finish"), "picture": ("lighting", "atmosphere", "grade", "mood", "setting"),
@@ -56,11 +53,10 @@ def becoming(token: Token, kind: str, vocabulary: Vocabulary) -> Becoming | None
     if kind in NOWHERE:
         return Becoming("", "", "own")
     rows = vocabulary.adjectives.get(token.adjective, {})
-    painted = _PAINTED.get(kind, kind) in vocabulary.painted
     said = [("row", rows.get(k, "")) for k in _KINDS[kind]] + [("own", token.entry)]
     if kind == "picture" and token.entry and vocabulary.entries[token.entry].slot == "grade":
         said.reverse()  # "dark" says more than "dark tones"
-    if token.color and painted:
+    if token.color:
         said.append(("color", ""))
     said.append(("otherwise", rows.get("otherwise", "")))
     for way, entry in [*said, *(("elsewhere", e) for e in _elsewhere(token, kind, vocabulary))]:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 from ...schema.spec import Region
@@ -12,7 +11,11 @@ from ..mentions.nouns import NounMention
 from ..types import SceneWords
 from .means import KIND_OF_SLOT
 from .pairs import PromptPairs, TargetPair
-from .targets import MATTER, NOWHERE, rest
+from .sharing import shared_out, told
+from .targets import MATTER, NOWHERE, ROLES, rest
+
+_KINDS = {"lights": "light", "key": "light", "air": "fog"}
+"""Kind of target -> kind of thing, where they differ."""
 
 
 @dataclass(frozen=True)
@@ -38,13 +41,16 @@ class Things:
     Attributes:
         mentioned: The nouns with a surface: name, region and materials.
         subject: What the prompt, or the scene, calls the subject.
+        notes: How looks share the materials of a thing, in words.
     """
 
     def __init__(self, found: PromptPairs, chosen: list[TargetPair], scene: SceneWords) -> None:
         self.found, self.chosen, self.scene = found, chosen, scene
         self.mentioned: list[NamedThing] = []
         self.subject = self._called() or scene.subject
-        self._shared = dict(_shared(chosen, scene))
+        shares = shared_out(found, chosen, scene)
+        self.notes = [*map(told, shares)]
+        self._shared = {id(p): s.names for each in shares for s in each for p in s.look}
 
     def _called(self) -> str:
         """The noun by which the prompt calls a subject whose names the scene does not tell: "car" of a scene of cubes."""
@@ -70,18 +76,19 @@ class Things:
         kind, name = pair.target.kind, self._name(pair)
         if kind in MATTER:
             return self._matter(pair, name)
-        if kind == "lights":  # all of them are light as a whole
-            some = pair.target.names if pair.target.names != {*self.scene.lights} else ()
-            return Thing("light", name, "whole", lights=tuple(sorted(some)))
-        if kind == "key":
-            return Thing("light", name, "whole", role="key")
-        if kind in ("fill", "rim"):
-            return Thing(kind, name, "whole", role=kind)
-        if kind == "sky":
-            return Thing("sky", name, "surroundings")
         if kind == "picture":
             return self._picture(pair)
-        return Thing({"air": "fog"}.get(kind, kind), name, "whole")
+        return Thing(
+            _KINDS.get(kind, kind),
+            name,
+            "surroundings" if kind == "sky" else "whole",
+            role=kind if kind in ROLES else "",
+            lights=self._apart(pair.target.names) if kind == "lights" else (),
+        )
+
+    def _apart(self, lights: frozenset[str]) -> tuple[str, ...]:
+        """Lights that a word singles out; all of them are light as a whole."""
+        return tuple(sorted(lights)) if lights != {*self.scene.lights} else ()
 
     def _name(self, pair: TargetPair) -> str:
         """What the prompt calls the thing; the look word itself where no noun names it."""
@@ -94,7 +101,7 @@ class Things:
     def _matter(self, pair: TargetPair, name: str) -> Thing:
         """Materials, or a whole region."""
         kind, slot = pair.target.kind, pair.becoming.slot
-        names = self._rest() if kind == "others" else self._shared.get(id(pair), pair.target.names)
+        names = self._rest() if kind == "others" else pair.target.names
         owners = tuple(n for n in self.scene.materials if n in names)
         regions = {self.scene.materials[n] for n in owners}
         region: Region = (
@@ -103,7 +110,7 @@ class Things:
         if slot == "setting" or self._is_all_around(pair, owners):
             region, owners = "surroundings", ()
         self.mentioned.append((name, region, owners))
-        return Thing(region, name, region, owners)
+        return Thing(region, name, region, self._shared.get(id(pair), owners))
 
     def _is_all_around(self, pair: TargetPair, owners: tuple[str, ...]) -> bool:
         """Whether "background" means the only wall of a scene, or "the rest" all of them: then it is all that lies around, the sky too."""
@@ -136,17 +143,3 @@ class Things:
 
 def _is_unknown(mention: NounMention) -> bool:
     return mention.noun in ("unknown", "subject") and not mention.named and not mention.text[0].isdigit()
-
-
-def _shared(chosen: list[TargetPair], scene: SceneWords) -> Iterator[tuple[int, frozenset[str]]]:
-    """What each color of "red, green and blue balls" gets of the materials of the balls."""
-    by_mention: dict[int, list[TargetPair]] = {}
-    for pair in chosen:
-        if pair.target.kind == "things" and pair.becoming.slot == "color" and not pair.look.negated:
-            by_mention.setdefault(pair.target.mention, []).append(pair)
-    for pairs in by_mention.values():
-        names = [n for n in scene.materials if n in pairs[0].target.names]
-        plural = all("several" in pair.target.signs for pair in pairs)
-        if plural and 1 < len(pairs) <= len(names):
-            for number, pair in enumerate(pairs):
-                yield id(pair), frozenset(names[number :: len(pairs)])

@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How the clauses of a prompt are built: what they begin and end with, and what leads a word."""
+"""How the clauses of a prompt are built: what they end with, and what leads a word."""
 
 from __future__ import annotations
-
-from collections.abc import Iterable
 
 from ..lexicon.vocabulary import Vocabulary
 from ..mentions.nouns import NounMention
@@ -26,8 +24,6 @@ class ClauseForms:
         look_at: Places of look words.
         noun_at: Places of nouns.
         places: Of each clause, those of its items.
-        order: Whether clauses begin with a noun or with a look, or some so and some so.
-        ends: Of each clause, what it begins and ends with.
         spares_from: Whether a look stands before what the prompt leaves out; "" if it leaves nothing out.
     """
 
@@ -40,8 +36,6 @@ class ClauseForms:
         ]
         for place, item in enumerate(passage.items):
             self.places[item.clause].append(place)
-        self.order = self._order()
-        self.ends = [self._ends_of(places) for places in self.places]
         self.spares_from = self._spares_from()
 
     def role(self, place: int) -> str:
@@ -84,9 +78,8 @@ class ClauseForms:
         return f"'{item.token.text}'" if item.filler else "a noun" if place in self.noun_at else "others"
 
     def _is_led(self, place: int) -> bool:
-        item = self.passage.items[place]
-        passed = place in self.look_at or "article" in item.token.lists
-        return passed and not (item.ties or place in self.noun_at)
+        passed = place in self.look_at or "article" in self.passage.items[place].token.lists
+        return passed and place not in self.noun_at
 
     def turn(self, clause: int) -> str:
         """What the clause before another ends with: "after a clause that ends in light".
@@ -103,29 +96,6 @@ class ClauseForms:
         what = token.noun or ("a name" if last in self.noun_at else self.sort_of(token))
         return f"after a clause that ends in {what}"
 
-    def around(self, mention: NounMention) -> str:
-        """Where looks adjoin a list of nouns, and whether it goes over commas: "looks after, over commas".
-
-        Args:
-            mention: Of all the nouns.
-        """
-        items = self.passage.items
-        first, last = items[mention.start].clause, items[mention.end].clause
-        before = self._adjoins(p for p in reversed(self.places[first]) if p < mention.start)
-        after = self._adjoins(p for p in self.places[last] if p > mention.end)
-        if not after and "look to look" in self.ends[last + 1 : last + 2]:  # "hat, boots: black"
-            after = not self.passage.ahead(mention.end)
-        sides = " and ".join(side for side, is_so in (("before", before), ("after", after)) if is_so)
-        return f"looks {sides or 'nowhere'}{', over commas' if first != last else ''}"
-
-    def _adjoins(self, places: Iterable[int]) -> bool:
-        """Whether a look is the first of some items that is neither filler nor a tie."""
-        for place in places:
-            item = self.passage.items[place]
-            if place in self.noun_at | self.look_at or not (item.filler or item.ties):
-                return place in self.look_at
-        return False
-
     def _spares_from(self) -> str:
         """Whether "everything" of "everything grey but the floor" is described before the floor is left out."""
         start = next((m.start for m in self.mentions if m.spared), None)
@@ -137,17 +107,3 @@ class ClauseForms:
         near = (items[start].clause - 1, items[start].clause)
         looks = any(place < tied and items[place].clause in near for place in self.look_at)
         return "after a look" if looks else "before any look"
-
-    def _order(self) -> str:
-        """Whether clauses begin with what they are about ("hull red, wall white") or with how it looks ("red hull")."""
-        firsts = set()
-        for places in self.places:
-            both = [p for p in places if (p in self.look_at) != (p in self.noun_at)]
-            if len(both) > 1:
-                firsts.add("noun" if both[0] in self.noun_at else "look")
-        return firsts.pop() if len(firsts) == 1 else "mixed"
-
-    def _ends_of(self, places: list[int]) -> str:
-        """What a clause begins and ends with: "noun to look" in "hull red"."""
-        roles = [self.role(p) for p in places if p in self.noun_at | self.look_at]
-        return f"{roles[0]} to {roles[-1]}" if roles else "of neither"

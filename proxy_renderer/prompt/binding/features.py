@@ -9,7 +9,6 @@ from functools import cached_property
 from ..mentions.nouns import Named, NounMention, fit_rank
 from ..mentions.passage import PromptLook
 from ..tokens import Token
-from ..types import GLOW
 from .becoming import SURFACE, Becoming
 from .clauses import ClauseForms
 from .placing import NounPlace
@@ -43,7 +42,6 @@ class PairFeatures:
         yield f"a {self._sort} word of {target.kind}"
         yield f"{said} at {kind}"
         yield f"{said} of {target.kind}"
-        yield f"{self._sort} said {_how(token)} of {target.kind}"
         yield f"{becoming.way} at {kind}"
         if "thing" in token.lists:
             yield f"a thing too at {kind}: led by {self._lead}"
@@ -55,14 +53,11 @@ class PairFeatures:
             yield f"negated at {kind}"
         if self.look.guess:
             yield f"guessed at {kind}"
-            yield f"guessed at {kind} by {self.look.guess.confidence:.1f}"
         if target.mention < 0:
             yield from (f"{target.kind} unnamed: {fact}" for fact in self._unnamed)
             yield f"{self._sort} of {target.kind} unnamed: {self._turn()}"
-            if self._is_before_a_look():
-                yield f"'{token.adjective}' of {target.kind} unnamed: before a look"
         else:
-            yield from self._named(target, becoming)
+            yield from self._named(target)
 
     def _called(self) -> str:
         """That a look word is an object's name besides: a lake in the scene makes "lake" another word; surfaces stay what they are."""
@@ -109,10 +104,6 @@ class PairFeatures:
         places = self.forms.places[items[look].clause]
         return next((p for p in places if p > look and not items[p].filler), None)
 
-    def _is_before_a_look(self) -> bool:
-        after = self._after()
-        return self.token.adjective != "" and after is not None and self.passage.items[after].names_a_look
-
     def _beside(self, nouns: list[NounMention]) -> Iterator[str]:
         """What the nearest nouns of the clause name, on each side: "white" of "piano in a white room" has the room after it."""
         look = self.look.index
@@ -124,7 +115,7 @@ class PairFeatures:
                 adjoins = all(place in self.forms.look_at for place in range(low + 1, high))
                 yield f"{_kinds([mention])} {'right ' if adjoins else ''}{side}"
 
-    def _named(self, target: Target, becoming: Becoming) -> Iterator[str]:
+    def _named(self, target: Target) -> Iterator[str]:
         """Of what a noun names: how the noun and the look word stand to each other, and how the noun fits."""
         mention, kind = self.mentions[target.mention], _group(target.kind)
         if mention.covers(self.look.index):
@@ -132,9 +123,8 @@ class PairFeatures:
             return
         yield from (f"{kind} by {sign}" for sign in target.signs)
         place = NounPlace(self.forms, self.look.index, mention)
-        yield from place.facts(kind, self._sort)
+        yield from place.facts(kind, self._sort, self._lead)
         yield from self._spared(target, mention, place.where, kind)
-        yield f"{becoming.way} at {kind}, {place.side}: led by {self._lead}"
         yield f"{target.kind} by noun {mention.noun or 'of the scene'}"
         if self.token.adjective and any(mention.covers(place) for place in self.forms.look_at):
             yield f"'{self.token.adjective}' of {target.kind} by a noun that is a look"
@@ -145,8 +135,6 @@ class PairFeatures:
         elif several and mention.members == 1:
             yield f"several at {kind} by a singular"
             yield from (f"several at {kind} by a singular, {sign}" for sign in target.signs)
-        if target.kind == "things" and target.names <= self._glows():
-            yield f"{self._sort} of a glow"
 
     def _spared(self, target: Target, mention: NounMention, where: str, kind: str) -> Iterator[str]:
         """What it says that the prompt leaves a noun out, or leaves something out at all."""
@@ -154,10 +142,6 @@ class PairFeatures:
             yield f"{where}: spared {kind}, {self.forms.spares_from}"
         elif self.forms.spares_from:
             yield f"{target.kind} where something is spared {self.forms.spares_from}"
-
-    def _glows(self) -> frozenset[str]:
-        named = (n for m in self.mentions for n in m.named if n.kind == "lights")
-        return frozenset(name.removeprefix(GLOW) for n in named for name in n.names if name.startswith(GLOW))
 
 
 def _is_of_object(named: Named) -> bool:
@@ -178,13 +162,6 @@ def _of_color(token: Token) -> Iterator[str]:
         yield "plural color"
     if token.entry:
         yield "color and entry"
-
-
-def _how(token: Token) -> str:
-    """Whether an entry is said by its name, or by another word of its: "candle" for candlelight."""
-    if not token.entry:
-        return "otherwise"
-    return "by name" if token.name == token.entry else "by another word"
 
 
 def _group(kind: str) -> str:

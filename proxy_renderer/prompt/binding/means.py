@@ -19,8 +19,6 @@ KIND_OF_SLOT = {
 """What a word of a slot is about, where no noun says it."""
 _LAMPS = ("fill", "rim")
 _Row = tuple[Attribute, ...]
-_READ: dict[int, tuple[Vocabulary, dict[str, _Row]]] = {}
-"""By id: a vocabulary, kept so that no other one gets its id, and the moods of it that were read."""
 
 
 def stands_for(entry: str, vocabulary: Vocabulary) -> _Row:
@@ -33,7 +31,7 @@ def stands_for(entry: str, vocabulary: Vocabulary) -> _Row:
     Raises:
         VibeError: The row says something that is not known, or another mood.
     """
-    rows = _READ.setdefault(id(vocabulary), (vocabulary, {}))[1]
+    rows = vocabulary.made(_none_read)
     row = rows.get(entry)
     if row is None:
         lexer, row = Lexer(vocabulary, SceneWords()), ()
@@ -41,6 +39,11 @@ def stands_for(entry: str, vocabulary: Vocabulary) -> _Row:
             row += _part(tokens, entry, vocabulary)
         rows[entry] = row
     return row
+
+
+def _none_read(_: Vocabulary) -> dict[str, _Row]:
+    """The moods of a vocabulary that were read."""
+    return {}
 
 
 def _part(tokens: list[Token], cause: str, vocabulary: Vocabulary) -> _Row:

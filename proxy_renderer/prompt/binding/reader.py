@@ -66,7 +66,7 @@ class PromptReader:
                 parsed.attributes += self._attributes(pair.look, entry, things.of(pair))
                 self._note_guess(pair, parsed)
         passage = self.found.passage
-        self.mentioned, self.subject = things.mentioned, things.subject
+        self.mentioned, self.subject, parsed.conflicts = things.mentioned, things.subject, things.notes
         self.beyond, self.undone = passage.beyond, [" ".join(words) for words in passage.wishes]
         parsed.ignored += [*(w for words in passage.wishes for w in words), *self.beyond, *self._unknown()]
         parsed.guesses |= dict(self._guessed_names())

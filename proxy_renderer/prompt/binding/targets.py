@@ -13,7 +13,9 @@ from ..types import SceneWords
 
 MATTER = ("things", "subject", "surroundings", "others")
 """Kinds of targets that have a surface."""
-LAMPS = ("lights", "key", "fill", "rim")
+ROLES = ("key", "fill", "rim")
+"""Kinds of targets that are the lights of a role."""
+LAMPS = ("lights", *ROLES)
 """Kinds of targets that are some of the lights."""
 UNNAMED = ("subject", "surroundings", "light", "sky", "air", "picture", "none")
 """Kinds of targets that a prompt need not name."""

@@ -6,12 +6,11 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 from ..lexicon.languages import TABLES, LanguageLexicon, lexicons
-from ..lexicon.nearest import table
 from ..lexicon.spelling import folded
 from ..lexicon.vocabulary import Vocabulary, shipped_vocabulary
+from ..lexicon.word_table import table
 from ..mentions.names import parts
 from ..types import SceneWords
 from .order import ordered
@@ -59,7 +58,7 @@ def gloss(text: str, scene: SceneWords, vocabulary: Vocabulary) -> Gloss:
     words = _WORD.findall(text.lower())
     if all(folded(word) in names or _is_english(word, vocabulary) for word in words):
         return Gloss(text, text)
-    phrases = _phrases(vocabulary)
+    phrases = vocabulary.made(_phrases)
     best, most = None, 0
     for lexicon in lexicons():
         found = pieces(text, lexicon, names, phrases)
@@ -81,16 +80,11 @@ def scene_parts(scene: SceneWords) -> frozenset[str]:
     return frozenset(folded(part) for name in names for part in (*parts(name), name))
 
 
-@lru_cache(maxsize=4)
-def _phrases_of(vocabulary_words: frozenset[str]) -> frozenset[str]:
-    """Those of several words, and all that are not shipped."""
-    shipped = shipped_vocabulary()
-    own = vocabulary_words - shipped.synonyms.keys() - shipped.colors.keys()
-    return own | {word for word in vocabulary_words if " " in word}
-
-
 def _phrases(vocabulary: Vocabulary) -> frozenset[str]:
-    return _phrases_of(frozenset([*vocabulary.synonyms, *vocabulary.colors]))
+    """Those of several words, and all that are not shipped."""
+    words, shipped = frozenset([*vocabulary.synonyms, *vocabulary.colors]), shipped_vocabulary()
+    own = words - shipped.synonyms.keys() - shipped.colors.keys()
+    return own | {word for word in words if " " in word}
 
 
 def _letters(found: list[Piece], text: str, vocabulary: Vocabulary) -> tuple[int, int]:
@@ -121,13 +115,12 @@ def _own(piece: Piece, text: str, vocabulary: Vocabulary) -> Piece:
 
 def _is_english(text: str, vocabulary: Vocabulary) -> bool:
     """Whether English has all of the words."""
-    return all(_is_english_word(word, vocabulary) for word in text.lower().split())
+    known = vocabulary.made(_known)
+    return all(word in known or table().is_english(word) for word in text.lower().split())
 
 
-def _is_english_word(word: str, v: Vocabulary) -> bool:
-    known = word in v.synonyms or word in v.colors or word in v.nouns or word in v.adjectives
-    listed = word in v.intensity or any(word in phrases for phrases in v.lists.values())
-    return known or listed or table().is_english(word)
+def _known(v: Vocabulary) -> frozenset[str]:
+    return frozenset().union(v.synonyms, v.colors, v.nouns, v.adjectives, v.intensity, *v.lists.values())
 
 
 def _as_english(piece: Piece, vocabulary: Vocabulary) -> Piece:

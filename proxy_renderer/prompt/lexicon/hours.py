@@ -12,6 +12,7 @@ from typing import Any
 from .vocabulary import Vocabulary
 
 _HALF, _DAY = 12, 24
+_BESIDE = re.compile(r"\b(before|after) (?:the )?(\w+(?: \w+)?)", re.IGNORECASE)
 
 
 def told(text: str, vocabulary: Vocabulary) -> str:
@@ -21,90 +22,69 @@ def told(text: str, vocabulary: Vocabulary) -> str:
         text: The prompt.
         vocabulary: Has the names of times of day.
     """
-    text = _clock().sub(_by_clock, _sun().sub(_by_sun, text))
-    text = _exactly().sub("from ", text)
-    return re.sub(
-        r"\b(before|after) (?:the )?(\w+(?: \w+)?)", lambda m: _beside(m, vocabulary), text, flags=re.I
-    )
+    clock, sun, exactly = _patterns()
+    text = exactly.sub("from ", clock.sub(_by_clock, sun.sub(_by_sun, text)))
+    return _BESIDE.sub(lambda m: _beside(m, vocabulary), text)
 
 
 def _by_clock(match: re.Match[str]) -> str:
     """ "3 am" as "night", "half past six in the evening" as "golden hour"."""
-    rows = _rows()["clock"]
+    rows, numbers = _rows()["clock"], _rows()["clock"]["numbers"]
     word, half = match["hour"].lower(), (match["half"] or "").lower()
-    numbers = _words(rows["numbers"])
     hour = numbers.index(word) + 1 if word in numbers else int(word)
     if hour > _DAY or not (half or match["exact"] or (match["at"] and match["minutes"])):
         return match[0]
     if half:
-        at_night = half in _words(rows["night"]) and hour % _HALF >= _HALF / 2
-        hour = hour % _HALF + _HALF * (half in _words(rows["second"]) or at_night)
-    return f"{match['at'] or ''}{_at(hour % _DAY)}"
+        at_night = half in rows["night"] and hour % _HALF >= _HALF / 2
+        hour = hour % _HALF + _HALF * (half in rows["second"] or at_night)
+    since = {int(start): name for start, (name,) in _rows()["from_hour"].items()}
+    return f"{match['at'] or ''}{since[max(start for start in since if start <= hour % _DAY)]}"
 
 
 def _by_sun(match: re.Match[str]) -> str:
     does = " ".join(match["does"].lower().split())
-    return next(entry for entry, phrases in _doings().items() if does in phrases)
+    return next(entry for entry, phrases in _rows()["sun"].items() if does in phrases)
 
 
 def _beside(match: re.Match[str], vocabulary: Vocabulary) -> str:
     """ "After dusk" as "night"; what the vocabulary has as it is, "after dark", stays so."""
-    rows = _rows()
-    day = _words(rows["day"])
-    both = match[2].lower()
+    day, side, both = _rows()["day"], match[1].lower(), match[2].lower()
     for said in (both, both.partition(" ")[0]):
         entry = vocabulary.synonyms.get(said, "")
-        if f"{match[1].lower()} {said}" in vocabulary.synonyms:
+        if f"{side} {said}" in vocabulary.synonyms:
             return match[0]
-        if entry in day and entry not in _words(rows["long"]):
-            step = 1 if match[1].lower() == "after" else -1
-            return day[(day.index(entry) + step) % len(day)] + match[2][len(said) :]
+        if entry in day and entry not in _rows()["long"]:
+            step = 1 if side == "after" else -1
+            return str(day[(day.index(entry) + step) % len(day)]) + match[2][len(said) :]
     return match[0]
 
 
-def _at(hour: int) -> str:
-    """The time of day of an hour in [0, 24)."""
-    since = {int(start): name for start, name in _rows()["from_hour"].items()}
-    return str(since[max(start for start in since if start <= hour)])
-
-
 @cache
-def _clock() -> re.Pattern[str]:
-    rows = _rows()["clock"]
-    halves = _any([*_words(rows["first"]), *_words(rows["second"]), *_words(rows["night"])])
-    return re.compile(
-        rf"\b(?P<at>at )?(?:{_any(_words(rows['minutes']))} )?(?P<hour>{_any(_words(rows['numbers']))}|\d{{1,2}})"
-        rf"(?P<minutes>(?<=\d):\d\d(?! ?:))?(?: ?(?P<exact>{_any(_words(rows['exact']))}))?"
-        rf"(?: ?(?P<half>{halves}))?(?!\w)",
-        re.IGNORECASE,
+def _patterns() -> list[re.Pattern[str]]:
+    """What tells a time by the clock, a time by the sun, and words that change nothing of where light comes from."""
+    rows, sun = _rows()["clock"], _rows()["sun"]
+    halves = _any([*rows["first"], *rows["second"], *rows["night"]])
+    does = _any([phrase for name, phrases in sun.items() if name != "between" for phrase in phrases])
+    clock = (
+        rf"\b(?P<at>at )?(?:{_any(rows['minutes'])} )?(?P<hour>{_any(rows['numbers'])}|\d{{1,2}})"
+        rf"(?P<minutes>(?<=\d):\d\d(?! ?:))?(?: ?(?P<exact>{_any(rows['exact'])}))?(?: ?(?P<half>{halves}))?(?!\w)"
     )
-
-
-@cache
-def _sun() -> re.Pattern[str]:
-    between = _any(_words(_rows()["sun"]["between"]))
-    does = _any([phrase for phrases in _doings().values() for phrase in phrases])
-    return re.compile(rf"\b(?:the )?sun(?:'s)? (?:(?:{between}) )*?(?P<does>{does})\b", re.IGNORECASE)
-
-
-@cache
-def _exactly() -> re.Pattern[str]:
-    return re.compile(rf"\bfrom (?:{_any(_words(_rows()['where']['exactly']))}) ", re.IGNORECASE)
-
-
-@cache
-def _doings() -> dict[str, list[str]]:
-    """Time of day -> what the sun does then."""
-    return {name: _words(said) for name, said in _rows()["sun"].items() if name != "between"}
+    by_sun = rf"\b(?:the )?sun(?:'s)? (?:(?:{_any(sun['between'])}) )*?(?P<does>{does})\b"
+    exactly = rf"\bfrom (?:{_any(_rows()['where']['exactly'])}) "
+    return [re.compile(pattern, re.IGNORECASE) for pattern in (clock, by_sun, exactly)]
 
 
 @cache
 def _rows() -> dict[str, Any]:
-    return tomllib.loads(Path(__file__).with_name("hours.toml").read_text("utf-8"))
+    """hours.toml, each of its texts as a list of words."""
 
+    def listed(row: Any) -> Any:
+        if isinstance(row, dict):
+            return {name: listed(part) for name, part in row.items()}
+        return [word.strip() for word in row.split(",")]
 
-def _words(text: str) -> list[str]:
-    return [word.strip() for word in text.split(",")]
+    rows: dict[str, Any] = listed(tomllib.loads(Path(__file__).with_name("hours.toml").read_text("utf-8")))
+    return rows
 
 
 def _any(phrases: list[str]) -> str:

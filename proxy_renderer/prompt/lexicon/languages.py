@@ -87,25 +87,18 @@ def load(path: Path) -> LanguageLexicon:
     settings = content["language"]
     meanings: dict[Wording, Meaning] = {}
     shades: dict[Wording, str] = {}
-    things: dict[str, tuple[str, ...]] = {}
-    looks: dict[str, tuple[str, ...]] = {}
-    for table in TABLES:
-        for english, row in content.get(table, {}).items():
-            wordings = _listed(row)
-            if table == "things":
-                things[english] = wordings
-            elif table == "looks":
-                looks[english] = wordings
-            for wording in (tuple(folded(w).replace("'", "' ").replace("-", " ").split()) for w in wordings):
-                if table == "shades":
-                    shades.setdefault(wording, english)
-                else:
-                    meanings.setdefault(wording, Meaning(english, table))
-    words = {word for wording in (*meanings, *shades) for word in wording}
+    rows = {table: {e: _listed(row) for e, row in content.get(table, {}).items()} for table in TABLES}
+    for table, english, wording in ((t, e, w) for t in TABLES for e in rows[t] for w in rows[t][e]):
+        words = tuple(folded(wording).replace("'", "' ").replace("-", " ").split())
+        if table == "shades":
+            shades.setdefault(words, english)
+        else:
+            meanings.setdefault(words, Meaning(english, table))
+    every = {word for wording in (*meanings, *shades) for word in wording}
     return LanguageLexicon(
         settings["name"], settings["spaces"], settings.get("adjectives", "before"),
         _listed(settings.get("links", "")), meanings, shades,
-        _bases(words, _listed(settings.get("endings", ""))), looks, things,
+        _bases(every, _listed(settings.get("endings", ""))), rows["looks"], rows["things"],
     )  # fmt: skip
 
 

@@ -1,36 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Words that the vocabulary does not have fall to the nearest entry, with a confidence: a guess, and said to be one.
-
-words.safetensors holds a small vector for every English word that may speak of a look; `train/text/words.py` makes it.
-"""
+"""Words that the vocabulary does not have fall to the nearest entry, with a confidence: a guess, and said to be one."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cache
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .vocabulary import Vocabulary, shipped_vocabulary
+from .things import english_things
+from .vocabulary import Vocabulary
+from .word_table import denied, table
 
 if TYPE_CHECKING:
     import numpy as np
 
-FILE = Path(__file__).with_name("words.safetensors")
-KINDS = ("known", "adjective", "noun")
-"""How a word of the table may speak of a look: by heart, before any noun, or as a matter ("made of tinfoil")."""
 SURE = 0.4
 """Confidence below which a word is left out rather than guessed."""
 
 _NEAREST, _SHARPNESS = 8, 12.0  # words that vote for their entries, and how much more the nearer ones count
-_ENDINGS = (
-    "like", "ness", "iness", "ing", "ings", "ed", "ly", "ily", "y", "ic", "ical", "ia", "s", "es", "ish", "ment", "ity", "e",
-    "er", "ier", "iest", "en", "ous", "al",
-)  # fmt: skip
-_DENIALS, _LACK = ("non", "anti", "un"), "less"
-_SAME_SORT = 0.45  # cosine of two things that may stand for each other
-_SHORTEST = 4  # letters of a stem
+_ALIKE = 0.5
+"""Cosine of a place with a setting at least; and more than with any thing that is no setting."""
 
 
 @dataclass(frozen=True)
@@ -48,131 +37,6 @@ class Guess:
     near: str
     confidence: float
     place: bool = False
-
-
-@dataclass(frozen=True)
-class WordTable:
-    """Words that may speak of a look, and others.
-
-    Attributes:
-        index: Word -> row.
-        stems: Stem -> row; words known by heart come first.
-        vectors: (N, D) unit vectors.
-        kinds: (N,) indices into KINDS.
-        common: Frequent English words that say nothing about looks.
-        things: Names of things -> row of `sorts`.
-        sorts: (M, E) unit vectors: things of the same sort are near each other.
-    """
-
-    index: dict[str, int]
-    stems: dict[str, int]
-    vectors: np.ndarray
-    kinds: np.ndarray
-    common: frozenset[str]
-    things: dict[str, int]
-    sorts: np.ndarray
-
-    def is_english(self, word: str) -> bool:
-        """Whether it is a word at all."""
-        return any(w in self.common or w in self.index for w in (word, word.removesuffix("s")))
-
-    def find(self, word: str) -> int | None:
-        """The row of a word, or of one with the same stem: "soaking" is found as "soaked"."""
-        if word in self.index:
-            return self.index[word]
-        short = stem(word)
-        row = self.stems.get(short)
-        # Of words that say something else ("robot"), only derived ones may be meant as known ones ("soaking").
-        taken = row is not None and self.is_english(word) and (word == short or self.kinds[row] > 0)
-        return None if taken else row
-
-    def rows(self, word: str) -> list[int]:
-        """Rows that make up a word: its own, or those of a compound's two parts ("thundercloud")."""
-        row = self.find(word)
-        if row is not None or self.is_english(word) or word.startswith(_DENIALS):
-            return [] if row is None else [row]
-        for cut in sorted(range(3, len(word) - 2), key=lambda c: abs(2 * c - len(word))):
-            parts = word[:cut], word[cut:]
-            found = [r for r in map(self.find, parts) if r is not None]
-            if found and all(map(self.is_english, parts)):
-                return found
-        return []
-
-    def vector(self, phrase: str) -> np.ndarray | None:
-        """Unit vector of a word or phrase; the mean of its words where the phrase as a whole has none."""
-        import numpy as np
-
-        if phrase in self.index:
-            return self.vectors[self.index[phrase]]
-        rows = [row for word in phrase.split() for row in self.rows(word)]
-        if not rows:
-            return None
-        mean = self.vectors[rows].mean(0)
-        return mean / max(float(np.linalg.norm(mean)), 1e-9)
-
-    def same_sort(self, thing: str, names: Iterable[str]) -> str:
-        """The name of the thing that is of the same sort, judged by last words; "" if none is, by far enough."""
-        own = self.sort(thing)
-        if own is None:
-            return ""
-        rows = [(self.sort(name), name) for name in names]
-        near = max(((float(own @ sort), name) for sort, name in rows if sort is not None), default=(0.0, ""))
-        return near[1] if near[0] > _SAME_SORT else ""
-
-    def sort(self, name: str) -> np.ndarray | None:
-        """Unit vector of the sort of a thing, by its last word; None where that is not known."""
-        last = name.rpartition(" ")[2]
-        row = self.things.get(last, self.things.get(last.removesuffix("s")))
-        return None if row is None else self.sorts[row]
-
-
-@cache
-def table() -> WordTable:
-    """The table that is shipped."""
-    import numpy as np
-    from safetensors import safe_open
-
-    with safe_open(FILE, framework="numpy") as file:
-        words, things, common = (file.metadata()[name].split("\n") for name in ("words", "things", "common"))
-        tensors = {name: file.get_tensor(name) for name in ("vectors", "things", "kinds")}
-
-    def directions(name: str) -> np.ndarray:
-        vectors = tensors[name].astype(np.float32)
-        return vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-9)
-
-    kinds = tensors["kinds"]
-    stems: dict[str, int] = {}
-    for i in np.argsort(kinds, kind="stable"):
-        if " " not in words[i]:
-            stems.setdefault(stem(words[i]), int(i))
-    index = {word: i for i, word in enumerate(words)}
-    sorts = {word: i for i, word in enumerate(things)}
-    return WordTable(
-        index, stems, directions("vectors"), kinds, frozenset(common), sorts, directions("things")
-    )
-
-
-def stem(word: str) -> str:
-    """What is left of a word without its endings: "gloominess" and "gloomy" have the same stem."""
-    shorter = True
-    while shorter:
-        fitting = [
-            word.removesuffix(e) for e in _ENDINGS if word.endswith(e) and len(word) - len(e) >= _SHORTEST
-        ]
-        shorter = bool(fitting)
-        word = min(fitting, key=len) if fitting else word
-    if len(word) > _SHORTEST and word[-1] == word[-2]:  # "walnutty", "foggy"
-        word = word[:-1]
-    return word.removesuffix("i") if len(word) > _SHORTEST else word
-
-
-def _denied(word: str) -> str:
-    """What a word says is not there: "moonless", "unpolished"; "" for other words."""
-    if word.endswith(_LACK):
-        return word.removesuffix(_LACK) if len(word) > len(_LACK) + 2 else ""
-    prefix = next((p for p in _DENIALS if word.startswith(p)), "")
-    base = word.removeprefix(prefix)
-    return stem(base) if prefix and base in table().index else ""
 
 
 class Nearest:
@@ -230,16 +94,45 @@ class Nearest:
         if vector is None:
             return None
         likeness = self._places @ vector
-        if denied := _denied(word):  # "moonless" is no moonlight
-            likeness[[i for i, (known, _) in enumerate(self._known) if known.startswith(denied)]] = -1.0
+        if lacking := denied(word):  # "moonless" is no moonlight
+            likeness[[i for i, (known, _) in enumerate(self._known) if known.startswith(lacking)]] = -1.0
         return likeness
 
 
-@cache
-def _shipped() -> Nearest:
-    return Nearest(shipped_vocabulary())
+class Places:
+    """The settings of a vocabulary by the sort of place that they are, and what is no place.
+
+    Args:
+        vocabulary: What is known.
+    """
+
+    def __init__(self, vocabulary: Vocabulary) -> None:
+        self._entries = {
+            w: e for w, e in vocabulary.synonyms.items() if vocabulary.entries[e].slot == "setting"
+        }
+        around = {w for w, kind in vocabulary.nouns.items() if kind == "surroundings"}
+        self._names, self._settings = _sorts(w for w in self._entries if " " not in w)
+        _, self._others = _sorts(sorted(english_things() - self._entries.keys() - around))
+
+    def guess(self, word: str) -> Guess | None:
+        """The setting of the same sort as an unknown place: a casino is one like a tavern; None for what is no place.
+
+        Args:
+            word: Of a prompt, where it says what is all around.
+        """
+        own = table().sort(word)
+        if own is None:
+            return None
+        likeness = self._settings @ own
+        near, best = self._names[int(likeness.argmax())], float(likeness.max())
+        if best < max(_ALIKE, float((self._others @ own).max())):
+            return None
+        return Guess(self._entries[near], near, round(best, 2), place=True)
 
 
-def nearest(vocabulary: Vocabulary) -> Nearest:
-    """The nearest-entry search of a vocabulary; the shipped one's is made once."""
-    return _shipped() if vocabulary is shipped_vocabulary() else Nearest(vocabulary)
+def _sorts(names: Iterable[str]) -> tuple[list[str], np.ndarray]:
+    """Those of the names whose sort is known, and the unit vectors of their sorts (n, E)."""
+    import numpy as np
+
+    known = [(name, vector) for name in names if (vector := table().sort(name)) is not None]
+    return [name for name, _ in known], np.stack([vector for _, vector in known])

@@ -11,9 +11,9 @@ from pathlib import Path
 
 from .entries import normalize
 from .languages import lexicons
-from .nearest import table
 from .spelling import folded, singular
 from .vocabulary import shipped_vocabulary
+from .word_table import table
 
 _SHORTEST = 4  # letters of a word that may be a part of a compound ("Obermaterial")
 

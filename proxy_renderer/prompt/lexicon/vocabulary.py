@@ -4,9 +4,11 @@
 from __future__ import annotations
 
 import tomllib
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
+from typing import Any, TypeVar
 
 from ...color.floats import srgb_from_hex
 from ...schema import Values, VibeError
@@ -14,6 +16,7 @@ from . import kelvins
 from .entries import Effect, VocabularyEntry, normalize, parse_effect, read_entry
 
 _SHORTEST_STEM = 2  # letters; a stem has more
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -32,8 +35,7 @@ class Vocabulary:
         adjectives: Word -> kind of thing (or "otherwise") -> entry name.
         absent: Kind of thing -> entry that the lack of it means: "no shadows".
         picks: Word -> which one of several it picks out, as in `mentions.picked`.
-        lightness: Shades that say how light a thing is, and nothing that a light or a finish could mean too.
-        off: Values of a key that say that there is none: "fog: off".
+        words: "lightness", "off", "leave", ... -> words that are looked for by themselves.
         roles: Word of a light's name -> the role of that light.
         typed: What is typed in a hurry -> the word that is meant.
         elsewhere: Kind of thing -> entry or adjective -> entry, where words say nothing of it themselves: "a calm lamp".
@@ -51,12 +53,25 @@ class Vocabulary:
     adjectives: dict[str, dict[str, str]]
     absent: dict[str, str]
     picks: dict[str, str]
-    lightness: frozenset[str]
-    off: frozenset[str]
+    words: dict[str, frozenset[str]]
     roles: dict[str, str]
     typed: dict[str, str]
     elsewhere: dict[str, dict[str, str]]
     endings: dict[str, str]
+    _made: dict[Callable[[Vocabulary], Any], Any] = field(
+        init=False, repr=False, compare=False, default_factory=dict
+    )
+
+    def made(self, make: Callable[[Vocabulary], T]) -> T:
+        """What is made of it, once and for all.
+
+        Args:
+            make: Takes the vocabulary.
+        """
+        if make not in self._made:
+            self._made[make] = make(self)
+        made: T = self._made[make]
+        return made
 
     def entry(self, phrase: str) -> VocabularyEntry | None:
         """What a phrase means on its own; None where it is no look."""
@@ -123,8 +138,7 @@ def load(text: str, colors: str) -> Vocabulary:
         adjectives,
         grammar.get("absent", {}),
         _by_word(grammar["picks"]),
-        _words(grammar["lightness"]),
-        _words(grammar["off"]),
+        {kind: _words(words) for kind, words in grammar["words"].items()},
         _by_word(grammar["roles"]),
         _by_word(grammar["typed"]),
         _read_elsewhere(rows["elsewhere"], entries, adjectives),

@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from ..lexicon.nearest import table
 from ..lexicon.vocabulary import Vocabulary
 from ..tokens import Token
 from .joined import joined
@@ -75,7 +74,7 @@ class _Finder:
         token = self.items[start].token
         if "others" in token.lists:
             return NounMention(start, start, token.text, "others")
-        said = parts(token.name if _is_misspelled(token) else token.text)
+        said = parts(token.name if token.scene and token.guess else token.text)
         if not said or not token.lists.isdisjoint(_NO_NOUNS):
             return None
         named = self._of_one(token, said)
@@ -121,12 +120,10 @@ class _Finder:
         return [n for n in self.index.named(said[:-1]) if n.kind == "lights"] if any_light else []
 
     def _noun(self, start: int) -> str:
-        """The kind of thing that a token is; an unknown word may be the subject, where something of it is of the same sort."""
+        """The kind of thing that a token is: "unknown" for a word that nobody knows, or that is a mood, and here the thing itself."""
         token = self.items[start].token
         if token.noun:
             return token.noun
-        if token.scene and token.guess and not replace(token, scene=None).known:
-            return "subject" if token.scene.region == "subject" else "unknown"
         styled = any(i.filler for i in self.items[start + 1 : start + 2])  # "castle look"
         before = self._before(start)  # "in a dark castle"
         is_place = before is not None and not before.token.lists.isdisjoint(("around", "inside"))
@@ -164,8 +161,3 @@ class _Finder:
         """Whether a guess may be right: "a car" is none of its four wheels, nor a boat its sail."""
         sure = token.text.endswith("s") or all(sign.endswith("misspelled") for sign in named.signs)
         return sure or not (self.index.in_parts or self.index.has_several(named))
-
-
-def _is_misspelled(token: Token) -> bool:
-    """Whether a token is a name of the scene with a mistake in it."""
-    return token.scene is not None and token.guess != "" and not table().is_english(token.text)

@@ -9,10 +9,10 @@ from difflib import SequenceMatcher, get_close_matches
 from functools import cache
 
 from ..lexicon.entries import normalize
-from ..lexicon.nearest import table
 from ..lexicon.spelling import folded, singular
 from ..lexicon.things import senses, thing_words
 from ..lexicon.vocabulary import shipped_vocabulary
+from ..lexicon.word_table import table
 from ..names import name_words
 
 FITS = (
@@ -100,7 +100,7 @@ def guessed_fit(word: str, name: tuple[str, ...]) -> str:
         meant = _corrected(word)
         if near >= _MISSPELLED or (meant and senses(meant) & (senses(name[-1]) | senses(_head(name)[-1]))):
             return "misspelled"
-    return "alike" if likeness(word, name[-1]) > _ALIKE else ""
+    return "alike" if table().likeness(word, name[-1]) > _ALIKE else ""
 
 
 @cache
@@ -108,13 +108,6 @@ def _corrected(word: str) -> str:
     """The known thing that a misspelled word is nearest to; "" if none is near."""
     known = [w for w in thing_words().rows if w[0] == word[0]]
     return next(iter(get_close_matches(word, known, 1, _MISSPELLED)), "")
-
-
-def likeness(one: str, other: str) -> float:
-    """Cosine of two things in the table of words; 0 for what is not in it."""
-    words = table()
-    rows = [words.things.get(w, words.things.get(f"{w}s")) for w in (one, other)]
-    return float(words.sorts[rows[0]] @ words.sorts[rows[1]]) if None not in rows else 0.0
 
 
 def best(found: Iterable[str]) -> str:

@@ -83,9 +83,8 @@ def surest(mention: NounMention, kind: str, first: str) -> Named | None:
         first: What is preferred: "material" or "object" for a source, "first" or "whole" for a part or all of a thing.
     """
 
-    def rank(named: Named) -> tuple[int, bool, bool]:
-        by_first = any(sign.startswith(first) for sign in named.signs)
-        return fit_rank(named), not by_first, "widened" in named.signs
+    def rank(named: Named) -> tuple[int, bool]:
+        return fit_rank(named), not any(sign.startswith(first) for sign in named.signs)
 
     return min((n for n in mention.named if n.kind == kind), key=rank, default=None)
 

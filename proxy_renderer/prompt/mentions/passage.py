@@ -85,12 +85,14 @@ class Passage:
     Attributes:
         items: All tokens.
         looks: The look words, in order.
+        starts: Places of the items that begin a clause as it is written, those of a list too.
         wishes: What only a modeler can do, as the prompt says it.
         beyond: Words that no value can give.
     """
 
     items: list[Item]
     looks: list[PromptLook] = field(default_factory=list)
+    starts: set[int] = field(default_factory=set)
     wishes: list[list[str]] = field(default_factory=list)
     beyond: list[str] = field(default_factory=list)
 
@@ -99,6 +101,17 @@ class Passage:
         clause = self.items[look.index].clause
         following = (other for other in self.looks if other.index == look.index + 1 and other.token.color)
         return next((other for other in following if self.items[other.index].clause == clause), None)
+
+    def adjoin(self, one: PromptLook, other: PromptLook) -> bool:
+        """Whether nothing but an intensity stands between two look words.
+
+        Args:
+            one: A look word.
+            other: One after it.
+        """
+        between = self.items[one.index + 1 : other.index]
+        parted = self.starts.intersection(range(one.index + 1, other.index + 1))
+        return not parted and all(item.token.strength is not None for item in between)
 
     def content(self, start: int, end: int) -> list[Item]:
         """The items from start to end that say something, without `end`."""
@@ -119,6 +132,7 @@ def passage(clauses: list[list[Token]], vocabulary: Vocabulary) -> Passage:
     """
     found = Passage([])
     for number, tokens in _listed(clauses):
+        found.starts.add(len(found.items))
         found.items += _without_wishes(number, tokens, found)
     for number in range(len(clauses)):
         found.looks += _looks(found, number, vocabulary)

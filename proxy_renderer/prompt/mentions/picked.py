@@ -82,18 +82,16 @@ def _group(mention: NounMention, index: SceneIndex) -> list[str]:
 
 def _noun_of(passage: Passage, place: int, single: list[NounMention]) -> NounMention | None:
     """The noun that a word picks one of: right after it, or before it and "on the"."""
-    clause = passage.items[place].clause
-    for mention in single:
-        same = passage.items[mention.start].clause == clause and not mention.start <= place <= mention.end
+    items, clause = passage.items, passage.items[place].clause
+    near = [m for m in single if items[m.start].clause == clause and not m.covers(place)]
+    for mention in near:
         between = passage.content(place + 1, mention.start)
-        if same and place < mention.start <= place + _NEAR and all(i.names_a_look for i in between):
+        if place < mention.start <= place + _NEAR and all(i.names_a_look for i in between):
             return mention
-    for mention in reversed(single):
-        same = passage.items[mention.start].clause == clause
-        between = passage.items[mention.end + 1 : place]
-        said = any(i.ties for i in between) or " " in passage.items[place].token.text
-        tied = said and all(i.filler or i.ties for i in between)
-        if same and mention.end < place <= mention.end + _NEAR and tied:
+    for mention in reversed(near):
+        between = items[mention.end + 1 : place]
+        said = any(i.ties for i in between) or " " in items[place].token.text
+        if mention.end < place <= mention.end + _NEAR and said and all(i.filler or i.ties for i in between):
             return mention
     return None
 

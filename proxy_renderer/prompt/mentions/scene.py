@@ -9,11 +9,9 @@ from functools import cached_property
 
 from ..names import in_parts, is_detail, limbs_of, plain_name
 from ..types import GLOW, SceneWords
-from .names import FITS, best, fit, guessed_fit, parts
+from .names import best, fit, guessed_fit, parts
 from .nouns import Named
 
-_SURE = FITS.index("part")
-_MOST_ALONE = 6  # materials of which each is looked at alone
 _SIDE = 75.0  # degrees from where words say that a light is
 _TYPES = {"SUN": "sun", "SPOT": "spot"}
 """Types of lights that people call by name."""
@@ -115,21 +113,17 @@ class SceneIndex:
                 chosen = [name for name, its in ways.items() if its == way]
                 signs = (f"{source} {way}", *(() if way == surest else ("less sure",)))
                 yield from self._chosen(source, chosen, signs)
-            sure = [name for name, way in ways.items() if FITS.index(way) <= _SURE]
-            if len(sure) > len([way for way in ways.values() if way == surest]):
-                yield from self._split(self._worn(source, sure), (f"{source} {surest}", "widened"))
 
     def _chosen(self, source: str, chosen: list[str], signs: tuple[str, ...]) -> Iterator[_Found]:
-        """The materials of what was chosen: all of them, without details, the first one of each, and each alone."""
-        worn = self._worn(source, chosen)
+        """The materials of what was chosen: all of them, without details, and the first one of each object."""
+        if source == "material":
+            yield from self._split([m for n in chosen for m in self._with_limbs(n)], (*signs, "whole"))
+            return
+        objects = self._objects_of(source, chosen)
+        worn = [m for o in objects for m in (*self.words.object_materials[o], *self._limbs[o])]
         yield from self._split(worn, (*signs, "whole"))
-        in_parts = not self._worn_by_limbs.isdisjoint(worn)  # limbs look like their whole
-        if len({*worn}) <= _MOST_ALONE and not in_parts:
-            for name in dict.fromkeys(worn):
-                yield [name], (*signs, "alone")
-        if source != "material":
-            yield [m for m in worn if not is_detail(m)], (*signs, "without details")
-            objects = [] if in_parts else self._objects_of(source, chosen)
+        yield [m for m in worn if not is_detail(m)], (*signs, "without details")
+        if self._worn_by_limbs.isdisjoint(worn):  # limbs look like their whole
             yield from self._split([self.words.object_materials[o][0] for o in objects], (*signs, "first"))
 
     def _split(self, names: list[str], signs: tuple[str, ...]) -> Iterator[_Found]:
@@ -144,26 +138,16 @@ class SceneIndex:
         every = names if source == "object" else (o for g in names for o in self.words.groups[g])
         return [name for name in every if self.words.object_materials.get(name)]
 
-    def _worn(self, source: str, names: Iterable[str]) -> list[str]:
-        if source == "material":
-            return [m for name in names for m in (name, *self._limbs_of_material(name))]
-        return [
-            m
-            for o in self._objects_of(source, names)
-            for m in (*self.words.object_materials[o], *self._limbs[o])
-        ]
-
-    def _limbs_of_material(self, name: str) -> Iterator[str]:
-        """What the limbs wear of an object that is called like its material."""
-        for wearer, worn in self.words.object_materials.items():
-            if name in worn and plain_name(wearer) == plain_name(name):
-                yield from self._limbs.get(wearer, ())
+    def _with_limbs(self, material: str) -> list[str]:
+        """A material, and what the limbs wear of an object that is called like it."""
+        worn, called = self.words.object_materials, plain_name(material)
+        wearers = [o for o in worn if material in worn[o] and plain_name(o) == called]
+        return [material, *(m for o in wearers for m in self._limbs.get(o, ()))]
 
     def _of_lights(self, fits: _Fits) -> Iterator[_Found]:
         words, lamps, shown = self.words, fits(self._lights), fits(self._objects)
         if surest := best(lamps.values()):
             yield [n for n, way in lamps.items() if way == surest], (f"light {surest}",)
-            yield lamps, (f"light {surest}", "widened")
         yield (
             fits({n: (_TYPES[x.type],) for n, x in words.lights.items() if x.type in _TYPES}),
             ("light type",),

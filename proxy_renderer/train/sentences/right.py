@@ -13,7 +13,7 @@ from ...prompt.names import is_detail
 from ...prompt.types import GLOW
 from .labels import ROLES, LabeledScene, LabeledSentence, LabelTarget, LookWord
 
-_WORD = re.compile(r"[^\W_]+(?:['’][a-z]+)?")
+_WORD = re.compile(r"\d+|[^\W\d_]+(?:['’][a-z]+)?")  # "2900K" is read as "2900 kelvin"
 _NAMED = ("light", "lights", "key", "fill", "rim", "air", "surroundings")
 """Kinds of targets that a word names by saying what there is of them."""
 _GENERAL = ("lighting", "atmosphere")
@@ -111,7 +111,7 @@ def is_right(pair: TargetPair, wanted: LabelTarget, scene: LabeledScene) -> bool
     if wanted.kind == "lights":
         return _plain(names) == wanted.names
     if wanted.kind in ROLES:
-        return kind == wanted.kind or names == _of_role(wanted.kind, scene)
+        return kind == wanted.kind or (bool(names) and names == _of_role(wanted.kind, scene))
     if wanted.kind == "light":
         return kind in ("light", "shadow", "highlight") or (
             kind == "lights" and names == _of_role("key", scene)

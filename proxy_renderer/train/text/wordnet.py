@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ...prompt.lexicon.entries import normalize
-from ...prompt.lexicon.nearest import KINDS
+from ...prompt.lexicon.word_table import KINDS
 
 SENSES = 3
 """Of a word, the most frequent ones are looked at."""

@@ -27,8 +27,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ...prompt.lexicon.nearest import FILE
 from ...prompt.lexicon.vocabulary import Vocabulary, shipped_vocabulary
+from ...prompt.lexicon.word_table import FILE
 from .minilm import MiniLM
 from .wordnet import SENSES, WordNet, candidates, read_wordnet
 

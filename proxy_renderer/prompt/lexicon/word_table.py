@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Words as small vectors: words.safetensors has one for every English word that may speak of a look, and one for things.
+
+`train/text/words.py` makes it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import numpy as np
+
+FILE = Path(__file__).with_name("words.safetensors")
+KINDS = ("known", "adjective", "noun")
+"""How a word of the table may speak of a look: by heart, before any noun, or as a matter ("made of tinfoil")."""
+
+_ENDINGS = (
+    "like", "ness", "iness", "ing", "ings", "ed", "ly", "ily", "y", "ic", "ical", "ia", "s", "es", "ish", "ment", "ity", "e",
+    "er", "ier", "iest", "en", "ous", "al",
+)  # fmt: skip
+_DENIALS, _LACK = ("non", "anti", "un"), "less"
+_SHORTEST = 4  # letters of a stem
+
+
+@dataclass(frozen=True)
+class WordTable:
+    """Words that may speak of a look, and others.
+
+    Attributes:
+        index: Word -> row.
+        stems: Stem -> row; words known by heart come first.
+        vectors: (N, D) unit vectors.
+        kinds: (N,) indices into KINDS.
+        common: Frequent English words that say nothing about looks.
+        things: Names of things -> row of `sorts`.
+        sorts: (M, E) unit vectors: things of the same sort are near each other.
+    """
+
+    index: dict[str, int]
+    stems: dict[str, int]
+    vectors: np.ndarray
+    kinds: np.ndarray
+    common: frozenset[str]
+    things: dict[str, int]
+    sorts: np.ndarray
+
+    def is_english(self, word: str) -> bool:
+        """Whether it is a word at all."""
+        return any(w in self.common or w in self.index for w in (word, word.removesuffix("s")))
+
+    def find(self, word: str) -> int | None:
+        """The row of a word, or of one with the same stem: "soaking" is found as "soaked"."""
+        if word in self.index:
+            return self.index[word]
+        short = stem(word)
+        row = self.stems.get(short)
+        # Of words that say something else ("robot"), only derived ones may be meant as known ones ("soaking").
+        taken = row is not None and self.is_english(word) and (word == short or self.kinds[row] > 0)
+        return None if taken else row
+
+    def rows(self, word: str) -> list[int]:
+        """Rows that make up a word: its own, or those of a compound's two parts ("thundercloud")."""
+        row = self.find(word)
+        if row is not None or self.is_english(word) or word.startswith(_DENIALS):
+            return [] if row is None else [row]
+        for cut in sorted(range(3, len(word) - 2), key=lambda c: abs(2 * c - len(word))):
+            parts = word[:cut], word[cut:]
+            found = [r for r in map(self.find, parts) if r is not None]
+            if found and all(map(self.is_english, parts)):
+                return found
+        return []
+
+    def vector(self, phrase: str) -> np.ndarray | None:
+        """Unit vector of a word or phrase; the mean of its words where the phrase as a whole has none."""
+        import numpy as np
+
+        if phrase in self.index:
+            return self.vectors[self.index[phrase]]
+        rows = [row for word in phrase.split() for row in self.rows(word)]
+        if not rows:
+            return None
+        mean = self.vectors[rows].mean(0)
+        return mean / max(float(np.linalg.norm(mean)), 1e-9)
+
+    def sort(self, name: str) -> np.ndarray | None:
+        """Unit vector of the sort of a thing, by its last word; None where that is not known."""
+        last = name.rpartition(" ")[2]
+        spelled = (word for word in (last, last.removesuffix("s"), f"{last}s") if word in self.things)
+        row = next((self.things[word] for word in spelled), None)
+        return None if row is None else self.sorts[row]
+
+    def likeness(self, one: str, other: str) -> float:
+        """Cosine of the sorts of two things; 0 where one is not known."""
+        sorts = self.sort(one), self.sort(other)
+        return 0.0 if sorts[0] is None or sorts[1] is None else float(sorts[0] @ sorts[1])
+
+
+@cache
+def table() -> WordTable:
+    """The table that is shipped."""
+    import numpy as np
+    from safetensors import safe_open
+
+    with safe_open(FILE, framework="numpy") as file:
+        words, things, common = (file.metadata()[name].split("\n") for name in ("words", "things", "common"))
+        tensors = {name: file.get_tensor(name) for name in ("vectors", "things", "kinds")}
+
+    def directions(name: str) -> np.ndarray:
+        vectors = tensors[name].astype(np.float32)
+        return vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-9)
+
+    kinds = tensors["kinds"]
+    stems: dict[str, int] = {}
+    for i in np.argsort(kinds, kind="stable"):
+        if " " not in words[i]:
+            stems.setdefault(stem(words[i]), int(i))
+    index = {word: i for i, word in enumerate(words)}
+    sorts = {word: i for i, word in enumerate(things)}
+    return WordTable(
+        index, stems, directions("vectors"), kinds, frozenset(common), sorts, directions("things")
+    )
+
+
+def stem(word: str) -> str:
+    """What is left of a word without its endings: "gloominess" and "gloomy" have the same stem."""
+    shorter = True
+    while shorter:
+        fitting = [
+            word.removesuffix(e) for e in _ENDINGS if word.endswith(e) and len(word) - len(e) >= _SHORTEST
+        ]
+        shorter = bool(fitting)
+        word = min(fitting, key=len) if fitting else word
+    if len(word) > _SHORTEST and word[-1] == word[-2]:  # "walnutty", "foggy"
+        word = word[:-1]
+    return word.removesuffix("i") if len(word) > _SHORTEST else word
+
+
+def denied(word: str) -> str:
+    """What a word says is not there: "moonless", "unpolished"; "" for other words."""
+    if word.endswith(_LACK):
+        return word.removesuffix(_LACK) if len(word) > len(_LACK) + 2 else ""
+    prefix = next((p for p in _DENIALS if word.startswith(p)), "")
+    base = word.removeprefix(prefix)
+    return stem(base) if prefix and base in table().index else ""
