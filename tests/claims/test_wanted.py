@@ -386,10 +386,10 @@ def of(prompt: str, measure: str, part: str) -> list[Claim]:
 
 
 def test_of_two_words_for_one_measure_the_one_that_goes_further_counts_too() -> None:
-    """An old detective movie is black and white, though an old one is only muted; what contradicts the first word does not count."""
-    old, noir = of("old film, film noir", "chroma", "picture")
-    assert {old.word, noir.word} == {"old film", "film noir"}
-    assert min(old.upper[0], noir.upper[0]) == of("film noir", "chroma", "picture")[0].upper[0]
+    """A film noir is black and white, though muted colors are colors; what contradicts the first word does not count."""
+    muted, noir = of("muted colors, film noir", "chroma", "picture")
+    assert {muted.word, noir.word} == {"muted colors", "film noir"}
+    assert min(muted.upper[0], noir.upper[0]) == of("film noir", "chroma", "picture")[0].upper[0]
     assert len(of("vivid colors, film noir", "chroma", "picture")) == 1
 
 
