@@ -17,12 +17,10 @@ from .measures.picture import MeasuredPicture, Part, region_of
 from .measures.registry import MEASURES
 
 _FEW = 16  # pixels of which nothing can be said
-_AIR = (
-    "haze",
-    "air_lightness",
-    "tint",
-)  # measures of what lies before everything: all that is seen tells, if nothing is around
 _SEEN = 0.05  # share of a region that is left, at least, when what words color is left out
+_AIR = ("haze", "air_lightness", "tint")
+"""Measures of the air before what lies around: before the subject, if nothing else is seen."""
+
 _NEARLY = 1.0
 """Changes from the interval, from where a change is enough: what was very blue is not warm for being a little less so."""
 

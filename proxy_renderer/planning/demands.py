@@ -39,8 +39,8 @@ class Demand:
         """Where a demand stands; the least comes first.
 
         Words of the prompt before those that a mood stands for, a finish, a color or a time of day before what a
-        material, a weather or a place usually has, what a word is about before what another one implies; defaults and guessed
-        moods last.
+        material, a weather or a place usually has, what a word is mainly about before what another one implies, and a word for one
+        thing before one for several; defaults and guessed moods last.
         """
         usual = self.usual or self.key.rpartition("/")[2] in _USUAL.get(self.attribute.slot, ())
         cause = bool(self.attribute.cause)

@@ -16,6 +16,7 @@ _PART = 0.12  # materials on less of their region are parts: tyres, eyes, screws
 _LIKE = 0.25  # where all are parts, share of the largest that those have which make it up: a shelf of a hundred books
 _SHARE = 0.15  # of the light on the subject from which a glow counts as a light of the scene
 _LOOK = ("base_color", "metallic", "roughness", "transmission")
+"""Values of a material by which small parts are told from large ones."""
 _OF_GLOWS = {"power": "emission", "color": "emission_color", "temperature": "emission_color"}
 """What the parameters of lights are of glowing materials; they have neither place nor size to change."""
 _PLACES = ("azimuth", "elevation", "distance", "size", "angle")
