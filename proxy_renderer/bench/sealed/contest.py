@@ -104,6 +104,7 @@ def show(rival: str, figures: Mapping[str, Any]) -> None:
         line += f"{each['win']} won, {each['tie']} tied, {each['loss']} lost."
         console.print(line, markup=False, highlight=False)
     asks, claims = figures["asks"], figures["claims"]
-    line = f"{rival} holds {asks['held']} of {asks['asked']} asks, {claims['held']} of {claims['asked']} claims. "
+    line = f"{rival} holds {asks['held']} of {asks['asked']} asks"
+    line += f", {claims['held']} of {claims['asked']} claims. " if claims["asked"] else ". "
     line += f"In the loop, median: {figures['seconds']} s, {rival} {figures['rival_seconds']} s."
     console.print(line, markup=False, highlight=False)
