@@ -10,12 +10,12 @@ from vibe_render.scene import bindings, prepare, snapshot
 from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.engine.additions import with_additions
+from proxy_renderer.optimize.context import scene_words
 from proxy_renderer.planning.lights.glow import glows
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import PlanContext
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.prompts import compose
-from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.scene import load_scene
 
 
@@ -39,7 +39,7 @@ def panel(scene):
 def planned(scene, prompt, folder):
     reading.export_scene(scene, folder, SubjectChoice(("Cube",)))
     data = with_additions([load_scene(folder)], prompt)[0]
-    parsed = parse(prompt, SceneWords())
+    parsed = parse(prompt, scene_words(data))
     return plan(parsed, compose(parsed), dict(data.instances), PlanContext(glows=glows(data)))
 
 
