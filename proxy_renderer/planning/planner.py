@@ -119,6 +119,8 @@ class _Planner:
             priority = effect.priority + (2 if effect.weak else 0) + (_SECOND if attribute.cause else 0)
             light = f"material/{instance.owner}" if instance.parameter.group == "material" else instance.owner
             priority += 2 * (effect.owner == "lights" and light not in self.owners.key)
+            # A color that is named comes before a word that only changes it: "a teal ball, the ball darker".
+            priority += effect.mode == "times" and instance.parameter.kind == "color"
             reason = reason_of(attribute, shown.phrase if shown else "")
             demands.append(
                 Demand(instance.key, lower, upper, attribute, reason, effect.weak, priority, vague, usual)

@@ -148,3 +148,12 @@ def test_of_two_materials_of_one_name_the_subjects_is_meant():
 def test_a_color_before_a_thing_of_the_scene_is_its_color_though_both_are_a_place():
     words = scene({"Water": "Water", "Boat": "Hull"})
     assert painted("turquoise water", words, {"Water": 0.5, "Hull": 0.5}) == {"Water"}
+
+
+def test_a_named_color_comes_before_a_word_that_only_changes_one():
+    """The ball is teal, and as dark as its claim makes it; not a darker gray."""
+    words = scene({"Ball": "Ball"})
+    instance = Instance(FAMILIES["material/base_color"], "Ball", (0.5, 0.5, 0.5), 1.0, "subject")
+    parsed = parse("the ball is teal, the ball is darker", words)
+    entry = plan(parsed, compose(parsed), {instance.key: instance}, PlanContext())[instance.key]
+    assert entry.upper[0] < entry.lower[1]
