@@ -84,6 +84,11 @@ class Claim:
     compares: bool = False
     near: bool = True
 
+    @classmethod
+    def unsaid(cls, part: Part, measure: str, lower: float = -math.inf, upper: float = math.inf) -> Claim:
+        """What holds without words: that a part of the picture is in an interval, or no farther from it than before."""
+        return cls("", part, measure, part, (lower,), (upper,), change=0.0)
+
     def region(self, seen: GBuffer) -> Tensor | None:
         """The pixels (H, W) bool that it speaks of; None where the thing is hardly seen."""
         where = region_of(seen, self.part, self.materials)

@@ -110,7 +110,7 @@ def still_light(colors: Sequence[Claim], claims: Iterable[Claim]) -> list[Claim]
     if not tints or any(map(is_brightness, claims)):
         return []
     least = min(_STILL * min(lab_from_srgb(color)[0] for color in tints), _LIT)
-    return [Claim("", "picture", "lightness", "picture", (least,), (math.inf,), change=0.0)]
+    return [Claim.unsaid("picture", "lightness", lower=least)]
 
 
 def gives_way(claim: Claim, colors: Sequence[Claim], casts: Sequence[Claim]) -> bool:

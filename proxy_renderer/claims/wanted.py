@@ -113,25 +113,21 @@ def _of_word(attribute: Attribute, parsed: Parsed, vocabulary: Vocabulary) -> It
 def _of_every_picture(parsed: Parsed) -> Iterator[Claim]:
     """That the subject stands out from what is around it, and neither burns out nor drowns, or no more than before."""
     silhouette = any(a.entry == "silhouette" and not a.negated for a in parsed.attributes)
-    yield _of_subject("separation", lower=10.0)
-    yield _of_subject("burnt", upper=_BURNT)
+    yield Claim.unsaid("subject", "separation", lower=10.0)
+    yield Claim.unsaid("subject", "burnt", upper=_BURNT)
     if silhouette:
         return
     if parsed.targets.get("brightness") == "dark":  # even at night its lights are seen
-        yield _of_subject("white_point", lower=_DIMMEST)
+        yield Claim.unsaid("subject", "white_point", lower=_DIMMEST)
     else:
-        yield _of_subject("drowned", upper=0.3)
+        yield Claim.unsaid("subject", "drowned", upper=0.3)
 
 
 def _unburnt(claims: Sequence[Claim]) -> Iterator[Claim]:
     """That no more of the picture burns out than before, unless words ask for white or for a bright picture."""
     white = any(c.color and lab_from_srgb(c.color)[0] > _WHITE for c in claims)
     if not white and not any(is_brightness(c) and c.lower[0] > _BRIGHT for c in claims):
-        yield replace(_of_subject("burnt", upper=_BURNT), thing="picture", part="picture")
-
-
-def _of_subject(measure: str, lower: float = -math.inf, upper: float = math.inf) -> Claim:
-    return Claim("", "subject", measure, "subject", (lower,), (upper,), change=0.0)
+        yield Claim.unsaid("picture", "burnt", upper=_BURNT)
 
 
 def _bound(text: ClaimText, attribute: Attribute) -> Claim:

@@ -20,7 +20,7 @@ def claims_about(outcome: Outcome) -> list[ShotClaims]:
         outcome: What was found.
     """
     return [
-        ShotClaims(outcome.claims, _artists(shot).seen, shot.seen_now(outcome.u)) for shot in outcome.shots
+        ShotClaims(outcome.claims, _before(shot).seen, shot.seen_now(outcome.u)) for shot in outcome.shots
     ]
 
 
@@ -34,9 +34,9 @@ def foreseen(outcome: Outcome, claims: list[ShotClaims]) -> list[dict[str, Any]]
     shot = outcome.shots[0]
     with torch.no_grad():
         after = shot.draw(outcome.u).display
-    return claims[0].verdicts(_artists(shot).display, after, after)
+    return claims[0].verdicts(_before(shot).display, after, after)
 
 
-def _artists(shot: ShotState) -> MeasuredPicture:
-    assert shot.artists is not None, "the loop has begun"
-    return shot.artists
+def _before(shot: ShotState) -> MeasuredPicture:
+    assert shot.before is not None, "the loop has begun"
+    return shot.before

@@ -59,7 +59,7 @@ class ShotState:
         guidance: Judges the pictures as the round's advice says; calibrated on the artist's picture.
         claims: What the words say that its pictures have to look like; None for the baseline.
         seen: What its camera saw when the round began.
-        artists: The picture that the loop began with, and what its camera saw.
+        before: The artist's picture, with which the loop began, and what its camera saw.
     """
 
     scene: SceneData
@@ -70,7 +70,7 @@ class ShotState:
     guidance: Guidance | None = None
     claims: ClaimSet | None = None
     seen: GBuffer | None = None
-    artists: MeasuredPicture | None = None
+    before: MeasuredPicture | None = None
     _last: tuple[Tensor, Correction | None, Render] | None = None
     """Where the last picture was drawn, how it was corrected, and it: rounds end and begin with the same one."""
 
@@ -95,8 +95,8 @@ class ShotState:
     def begin(self, u: Tensor, picture: Render) -> MeasuredPicture:
         """Keeps the artist's picture, which was drawn at u (N,)."""
         self.seen = self.seen_now(u)
-        self.artists = MeasuredPicture(picture.display.detach(), self.seen)
-        return self.artists
+        self.before = MeasuredPicture(picture.display.detach(), self.seen)
+        return self.before
 
     def look(self, u: Tensor) -> None:
         """Sees again where in the picture the claims' things are, for the camera may have moved to u (N,)."""

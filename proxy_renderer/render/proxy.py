@@ -238,15 +238,15 @@ class Proxy:
         """What is traced for a view; again if it has changed or a light of a cluster begins to move, or a mirror has."""
         metals = torch.stack([mirror_weight(p) for p in shading_inputs])
         kept = self._cache
-        same = kept is not None and kept.signature == view.signature() and kept.clusters.hold(lamps)
-        if kept is not None and same and torch.equal(kept.metals, metals):
-            return kept
-        if kept is not None and same and not self.fine:
-            self._cache = kept.with_mirrors(metals)
-        else:
-            smooth = torch.stack([sharp(p) & self.fine for p in shading_inputs])
-            shape = metals, smooth, lamps, self.emitters.materials, self.emitters.glowing
-            self._cache = ViewCache(self.scene, self.geometry, view, *shape, self.seed)
+        if kept is not None and kept.signature == view.signature() and kept.clusters.hold(lamps):
+            if torch.equal(kept.metals, metals):
+                return kept
+            if not self.fine:
+                self._cache = kept.with_mirrors(metals)
+                return self._cache
+        smooth = torch.stack([sharp(p) & self.fine for p in shading_inputs])
+        shape = metals, smooth, lamps, self.emitters.materials, self.emitters.glowing
+        self._cache = ViewCache(self.scene, self.geometry, view, *shape, self.seed)
         return self._cache
 
     def _picture(self, frame: RenderState) -> Tensor:
