@@ -54,17 +54,25 @@ def test_one_moving_lamp_leaves_the_other_alone(traced: list[int]) -> None:
     assert 0 < one < 0.5 * everything
 
 
-def test_a_new_mirror_traces_what_bounces_and_no_direct_light(traced: list[int]) -> None:
+@pytest.mark.parametrize("thing", ["Floor", "Ball 0"])
+@pytest.mark.parametrize("opaque", [True, False])
+def test_of_a_new_mirror_only_what_it_shows_is_traced(traced: list[int], thing: str, opaque: bool) -> None:
     scene = balls(2, 2, 2)
-    mirror = {"material/Floor/metallic": torch.ones(1), "material/Floor/roughness": torch.tensor([0.1])}
-    travelled, fresh = Proxy(scene, (48, 48)), Proxy(scene, (48, 48))
-    travelled.render({})
+    metal = {f"material/{thing}/metallic": torch.ones(1)}
+    mirror = metal | {f"material/{thing}/roughness": torch.tensor([0.1])}
+    duller = metal | {f"material/{thing}/roughness": torch.tensor([0.6])}
+    matte = metal | {f"material/{thing}/roughness": torch.ones(1)}
+    if not opaque:
+        clear = {"material/Ball 1/transmission": torch.ones(1)}
+        mirror, duller, matte = mirror | clear, duller | clear, matte | clear
+    travelled = Proxy(scene, (48, 48))
+    travelled.render(mirror)
     everything = sum(traced)
-    traced.clear()
-    mirrored = travelled.render(mirror).display
-    assert 0 < sum(traced) < 0.9 * everything
-    assert torch.equal(mirrored, fresh.render(mirror).display)
-    assert torch.equal(travelled.render({}).display, Proxy(scene, (48, 48)).render({}).display)
+    for values in (duller, matte, mirror):
+        traced.clear()
+        changed = travelled.render(values).display
+        assert 0 < sum(traced) < 0.4 * everything
+        assert torch.equal(changed, Proxy(scene, (48, 48)).render(values).display)
 
 
 def test_a_moving_camera_traces_all_again(traced: list[int]) -> None:

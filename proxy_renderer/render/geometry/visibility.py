@@ -129,14 +129,18 @@ class RayGeometry:
         met = torch.tensor([ray not in hidden for hidden in self._hidden], device=self.device)
         return met[self.object]
 
-    def first_hits(self, origin: Tensor, toward: Tensor, ray: str) -> Hits:
-        """Where rays (3, N) of a kind with unit directions (3, N) end; a transparent surface stops a share of them."""
+    def first_hits(self, origin: Tensor, toward: Tensor, ray: str, numbers: Tensor | None = None) -> Hits:
+        """Where rays (3, N) of a kind with unit directions (3, N) end; a transparent surface stops a share of them.
+
+        Which ones is told by their `numbers` (N,), by default from 0 on: the same rays among others end in the same places.
+        """
         hits = self.nearest(origin, toward, ray)
         if not self._filter:
             return hits
-        number = torch.arange(origin.shape[1], device=self.device)
-        chance = number.double().mul(0.6180339887498949).frac().float()  # evenly spread, the same every time
-        index, parts = number, list(hits.parts)
+        index = torch.arange(origin.shape[1], device=self.device)
+        numbers = index if numbers is None else numbers
+        chance = numbers.double().mul(0.6180339887498949).frac().float()  # evenly spread, the same every time
+        parts = list(hits.parts)
         for _ in range(_LAYERS):
             current = Hits(*(p[index] for p in parts))
             stopping = self.stopping(self.surface(current, toward[:, index]), toward[:, index])

@@ -109,8 +109,10 @@ class ViewCache:
             surface = self._view_samples.surface
             self.clusters = LightClusters.of(lamps, moving, surface)
             self._shared = ClusterShadows(geometry, self._smoothing, surface, self.clusters)
-            self._view, self._glows, self._seed = view.detached(), (emissive, glowing), seed
-            self.indirect = self._gather()
+            self._view = view.detached()
+            generator = torch.Generator().manual_seed(seed)
+            shape = metals, len(self.clusters), emissive, glowing, self._maps, generator
+            self.indirect = FinalGather(geometry, samples, surface, self._view, *shape)
             self.mean_texture = [_mean(m, geometry.device) for m in scene.materials]
             self.inside, self.depth = self._inside(), self._depth()
             owner = geometry.object[self._hits.triangle]
@@ -120,7 +122,7 @@ class ViewCache:
             self.mask = samples.resolve(self.inside).view(self.depth.shape)
         self._direct_lights: dict[int, _Shadowed] = {}
         self._varying: dict[int, dict[str, Tensor]] = {}
-        self._bounced: dict[int, Tensor] = {}
+        self._bounced: dict[int, LightSource] = {}
         self._outlines: Silhouettes | None = None
         self._indirect_fog: IndirectFogRays | None = None
         self._through: dict[tuple[int, int], tuple[float, object, RefractedHits]] = {}
@@ -134,24 +136,17 @@ class ViewCache:
         return other
 
     def with_mirrors(self, metals: Tensor) -> Self:
-        """A copy with other mirrors: light that bounces is traced again, direct light is not.
+        """A copy with other mirrors, in which only what they show is traced again.
 
         Args:
             metals: (M,) as for the class.
         """
         other = copy(self)
-        other.metals = metals
-        other._direct_lights = dict(self._direct_lights)
-        other._bounced, other._through, other._indirect_fog = {}, {}, None
+        other.metals, other._through = metals, {}
+        other._direct_lights, other._bounced = dict(self._direct_lights), dict(self._bounced)
         with torch.no_grad():
-            other.indirect = other._gather()
+            other.indirect = self.indirect.with_mirrors(metals, self._bounced)
         return other
-
-    def _gather(self) -> FinalGather:
-        """The rays along which light bounces."""
-        generator = torch.Generator().manual_seed(self._seed)
-        shape = self.metals, len(self.clusters), *self._glows, self._maps, generator
-        return FinalGather(self.geometry, self.samples, self._view_samples.surface, self._view, *shape)
 
     def view_samples(self, view: View) -> ViewSamples:
         """The samples as the view sees them; re-evaluated with gradients when it asks for them."""
@@ -259,14 +254,14 @@ class ViewCache:
 
     def _bounce(self, index: int, lamp: LightSource) -> None:
         """Traces bounced light again after a jump of a light, but not after each small step of a gradient loop."""
-        place = torch.tensor(lamp.signature())
-        last = self._bounced.get(index)
-        scale = place.abs().amax() * _SMALL_STEP
-        if lamp.moving and last is not None and bool((place - last).abs().amax() < scale):
-            return
-        self._bounced[index] = place
+        place, last = torch.tensor(lamp.signature()), self._bounced.get(index)
+        if lamp.moving and last is not None:
+            step = (place - torch.tensor(last.signature())).abs().amax()
+            if bool(step < place.abs().amax() * _SMALL_STEP):
+                return
+        self._bounced[index] = lamp.detached()
         with torch.no_grad():
-            self.indirect.light(index, lamp.detached())
+            self.indirect.light(index, self._bounced[index])
 
     def behind(
         self, material: int, side: int, part: slice, ior: float, lamps: Sequence[LightSource]

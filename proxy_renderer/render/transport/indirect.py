@@ -8,7 +8,7 @@ weighs all rays, and interpolated to the samples (an irradiance cache). Mirror i
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from typing import Self
@@ -119,6 +119,14 @@ class FinalGather:
         """A copy in which lights may move."""
         other = copy(self)
         other._borrowed = True
+        return other
+
+    def with_mirrors(self, metals: Tensor, lamps: Mapping[int, LightSource]) -> Self:
+        """A copy with other mirrors; see `SecondaryHits.with_mirrors`."""
+        other = self.aside()
+        other.glossy = self.glossy.with_mirrors(metals, lamps)
+        other.mirror = self.mirror.with_mirrors(metals, lamps)
+        other._weights = None
         return other
 
     def light(self, index: int, lamp: LightSource) -> None:

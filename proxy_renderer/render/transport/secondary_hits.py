@@ -9,6 +9,7 @@ of radiances.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from copy import copy
 from dataclasses import dataclass
 from typing import Self
@@ -104,7 +105,7 @@ class SecondaryHits:
     Attributes:
         open: (A,) share of rays that leave the scene.
         surface: The surface at the hits, (A * R).
-        shiny: (A * R,) bool: hits on metals.
+        mirror_weight: (A * R,) that of the hits' materials.
     """
 
     def __init__(
@@ -126,58 +127,82 @@ class SecondaryHits:
         self.distance = hits.distance
         self._relative_base_color = maps.relative_base_color(self.surface, geometry) if maps else None
         self.open = 1 - self.hit.view(-1, count).mean(1)
-        materials = len(metals)
-        self.owner = self.surface.material * hits.hit + materials * ~hits.hit
-        self.mirror_weight = metals[self.surface.material] * hits.hit
-        self.shiny = self.mirror_weight > 0
-        self.materials = materials
+        self.materials, self.lamps = len(metals), lamps
+        self.owner = self.surface.material * hits.hit + self.materials * ~hits.hit
         self._members: list[Tensor] = []
-        self.lamps = lamps
         # Rows: every lamp and both halves of the world at the hits; the same where one more ray from there ends.
         self.incoming = torch.zeros((2 * (lamps + 2), len(self.hit)), device=self.hit.device)
         self._clear = torch.zeros_like(self.incoming)
-        self._lit = (self.hit > self.mirror_weight).nonzero()[:, 0]  # mirrors do not scatter what lights them
-        self._first = self.surface.pick(self._lit)
-        self._around = around = (hits.hit if deep else self.shiny).nonzero()[:, 0]
-        # Without it, the light that lies about counts where a metal is rough, and what it mirrors otherwise.
-        self._share = torch.ones_like(self.hit) if deep else self.mirror_weight
-        self._second = self._look_around(toward[:, around], deep) if len(around) else None
+        self._toward, self._deep = toward, deep
+        self._seconds: list[tuple[Tensor, Surface]] = []
+        self._beyond = torch.zeros((3, len(self.hit)), device=self.hit.device)
+        self._weigh(metals)
+        self._look_around(torch.ones_like(hits.hit))
         self.harmonics = (harmonics(toward) * (1 - self.hit)).view(9, -1, count).mean(2)
 
-    def _look_around(self, arrived: Tensor, deep: bool) -> tuple[Tensor, Surface]:
-        """Traces one ray from each hit, to the world or to the surface of a second bounce.
+    def _weigh(self, metals: Tensor) -> None:
+        """Takes on mirrors (M,)."""
+        self.mirror_weight = metals[self.surface.material] * self.hit
+        self._lit = (self.hit > self.mirror_weight).nonzero()[:, 0]  # mirrors do not scatter what lights them
+        self._first = self.surface.pick(self._lit)
+        # Without it, the light that lies about counts where a metal is rough, and what it mirrors otherwise.
+        self._share = torch.ones_like(self.hit) if self._deep else self.mirror_weight
 
-        Metals send it where they mirror, others anywhere above them, distributed like a cosine.
+    def with_mirrors(self, metals: Tensor, lamps: Mapping[int, LightSource]) -> Self:
+        """A copy with other mirrors: only what is seen in those that have changed is traced again.
 
         Args:
-            arrived: (3, H) directions of the rays that have met the hits `self._around`.
-            deep: As for the class.
+            metals: (M,) as for the class.
+            lamps: The lights whose shadows have been traced, by row.
+        """
+        other = self.aside()
+        other._weigh(metals)
+        changed = other.mirror_weight != self.mirror_weight
+        other.incoming[:, changed], other._clear[:, changed] = 0.0, 0.0
+        other._seconds, other._beyond = [], torch.where(changed, 0.0, self._beyond)
+        for rays, surface in self._seconds:
+            same = (~changed[rays]).nonzero()[:, 0]
+            other._seconds.append((rays[same], surface.pick(same)))
+        other._look_around(changed)
+        for index, lamp in lamps.items():
+            other._trace(index, lamp, changed)
+        return other
 
-        Returns:
-            The rays that meet a second surface, and that.
+    def _look_around(self, among: Tensor) -> None:
+        """Looks from some of the hits (R,) bool at what lights them: the world, or the surface of a second bounce."""
+        around = self.hit.bool() if self._deep else self.mirror_weight > 0
+        chosen = (among & around).nonzero()[:, 0]
+        if len(chosen):
+            self._look_from(chosen)
+        if bool(around.any()):
+            up, down, leaves = self._beyond
+            self.incoming[-2:] = torch.stack((up, down)) * leaves[around].mean().clamp_max(_WORLD_AT_SECOND)
+
+    def _look_from(self, chosen: Tensor) -> None:
+        """Traces one ray from each of the hits at an index (H,).
+
+        Metals send it where they mirror, others anywhere above them, distributed like a cosine.
         """
         generator = torch.Generator().manual_seed(7)
-        start, mirror_weight = self.surface.pick(self._around), self.mirror_weight[self._around]
-        shiny = mirror_weight > 0
-        count = len(self.hit if deep else self._around)
-        uv = torch.rand((2, count), generator=generator).to(self.hit.device)
-        uv = uv[:, self._around] if deep else uv
-        anywhere = cosine_directions(start.normal, uv)
-        toward = torch.lerp(anywhere, reflect(arrived, start.normal), mirror_weight)
+        uv = torch.rand((2, len(self.hit)), generator=generator).to(self.hit.device)[:, chosen]
+        start, mirror_weight = self.surface.pick(chosen), self.mirror_weight[chosen]
+        mirrored = reflect(self._toward[:, chosen], start.normal)
+        toward = torch.lerp(cosine_directions(start.normal, uv), mirrored, mirror_weight)
         toward = above(unit(toward), start.facet)
-        hits = self.geometry.first_hits(self.geometry.lifted(start), toward, "diffuse")
+        hits = self.geometry.first_hits(self.geometry.lifted(start), toward, "diffuse", chosen)
         hit_share = hits.hit.to(torch.float32)
         beyond = self.geometry.surface(hits, toward)
-        leaving = float((1 - hit_share).mean())
-        facing = torch.where(shiny, torch.where(toward[2] > 0, 1.0, -1.0), start.normal[2])
-        for row, up, share in (
-            (self.lamps, (1 + facing) / 2, (1 - hit_share) * self._share[self._around]),
-            (2 * self.lamps + 2, (1 + beyond.normal[2]) / 2, hit_share * min(leaving, _WORLD_AT_SECOND)),
-        ):
-            self.incoming[row, self._around] = up * share
-            self.incoming[row + 1, self._around] = (1 - up) * share
+        facing = torch.where(mirror_weight > 0, torch.where(toward[2] > 0, 1.0, -1.0), start.normal[2])
+        leaves = 1 - hit_share
+        upper, share = (1 + facing) / 2, leaves * self._share[chosen]
+        self.incoming[self.lamps, chosen], self.incoming[self.lamps + 1, chosen] = (
+            upper * share,
+            (1 - upper) * share,
+        )
+        upper = (1 + beyond.normal[2]) / 2
+        self._beyond[:, chosen] = torch.stack((upper * hit_share, (1 - upper) * hit_share, leaves))
         again = hits.hit.nonzero()[:, 0]
-        return self._around[again], beyond.pick(again)
+        self._seconds.append((chosen[again], beyond.pick(again)))
 
     def aside(self) -> Self:
         """A copy in which lights may move."""
@@ -192,18 +217,22 @@ class SecondaryHits:
             index: The light's row among the sources.
             lamp: The light, detached.
         """
+        self._trace(index, lamp, torch.ones_like(self.hit, dtype=torch.bool))
+
+    def _trace(self, index: int, lamp: LightSource, among: Tensor) -> None:
+        """Traces shadow rays from some of the hits (R,) bool, and from what lies beyond them."""
         for row, rays, surface, share in self._bounces(index):
+            some = among[rays].nonzero()[:, 0]
+            rays, surface = rays[some], surface.pick(some)
             direct = lamp.irradiance(surface.position, surface.normal)
-            clear = _clear(self.geometry, lamp, direct, surface) * share
+            clear = _clear(self.geometry, lamp, direct, surface) * share[some]
             self._clear[row, rays], self.incoming[row, rays] = clear, direct.irradiance * clear
 
     def _bounces(self, index: int) -> list[tuple[int, Tensor, Surface, Tensor]]:
         """Rows of `incoming` that belong to a light: row, rays, lit surface, share of it that the rays carry."""
-        bounces = [(index, self._lit, self._first, 1 - self.mirror_weight[self._lit])]
-        if self._second is not None:
-            rays, surface = self._second
-            bounces.append((self.lamps + 2 + index, rays, surface, self._share[rays]))
-        return bounces
+        first = index, self._lit, self._first, 1 - self.mirror_weight[self._lit]
+        second = self.lamps + 2 + index
+        return [first, *((second, rays, surface, self._share[rays]) for rays, surface in self._seconds)]
 
     def moved(self, index: int, lamp: LightSource, table: RadianceTable) -> Tensor:
         """Zeros (A, 3) with the gradient of the points' radiance with respect to a light's position.
