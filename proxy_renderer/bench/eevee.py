@@ -16,6 +16,8 @@ from ..schema import VibeError
 from .metrics import difference
 
 _DIGITS = 3
+_FRAME = "EEVEE frame, ms: "
+"""What Blender's side prints before the time of a frame."""
 
 
 def measure(
@@ -25,7 +27,7 @@ def measure(
 
     Args:
         blender: The program.
-        scenes: What has been measured, by name; gets `eevee_delta_e`, `eevee_psnr`.
+        scenes: What has been measured, by name; gets `eevee_delta_e`, `eevee_psnr`, and `eevee_ms` of a second frame.
         work: The folder of the scenes.
         size: Of the pictures.
         failed: Gets the scenes that EEVEE did not render.
@@ -33,23 +35,25 @@ def measure(
     for number, (name, row) in enumerate(scenes.items(), 1):
         path = work / name / "eevee.png"
         path.unlink(missing_ok=True)
-        last_line = _render(blender, work / name / "scene.blend", size)
-        if not path.is_file():
-            failed[name] = f"EEVEE rendered nothing; Blender said last: {last_line}"
+        printed = _render(blender, work / name / "scene.blend", size)
+        frame = next((line for line in printed if line.startswith(_FRAME)), "")
+        if not (path.is_file() and frame):
+            failed[name] = f"EEVEE rendered nothing; Blender said last: {(printed or ['nothing'])[-1][:200]}"
             continue
         picture, reference = (
             torch.from_numpy(load_picture(p).copy()) for p in (path, work / name / "cycles.png")
         )
         apart = difference(picture, reference)
         row |= {"eevee_delta_e": round(apart.delta_e, _DIGITS), "eevee_psnr": round(apart.psnr, _DIGITS)}
+        row["eevee_ms"] = float(frame.removeprefix(_FRAME))
         print(f"[{number}/{len(scenes)}] {name}: EEVEE {apart.delta_e:.2f}", flush=True)
 
 
-def _render(blender: str, scene: Path, size: int) -> str:
+def _render(blender: str, scene: Path, size: int) -> list[str]:
     """Renders one file; a Blender for each, for one that opens a second file may crash on a software display.
 
     Returns:
-        The last line that Blender printed.
+        The lines that Blender printed.
     """
     command = [blender, "--python-exit-code", "1", "--python", str(_script()), "--", str(size), str(scene)]
     try:
@@ -60,8 +64,7 @@ def _render(blender: str, scene: Path, size: int) -> str:
         raise VibeError(
             f"{blender} does not start: {error.strerror}.", "Name a Blender with --eevee."
         ) from error
-    lines = [line.strip() for line in (done.stdout + done.stderr).splitlines() if line.strip()]
-    return lines[-1][:200] if lines else "nothing"
+    return [line.strip() for line in (done.stdout + done.stderr).splitlines() if line.strip()]
 
 
 def _script() -> Path:

@@ -20,6 +20,7 @@ def _speed(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--mitsuba", action="store_true", help="beside Mitsuba 3 too, where it is installed: time and error"
     )
+    _eevee(sub)
 
 
 def _time(sub: argparse.ArgumentParser) -> None:
@@ -44,6 +45,10 @@ def _fidelity(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--seed", type=int, default=0, metavar="N", help="another set of the same kind (default: 0)"
     )
+    _eevee(sub)
+
+
+def _eevee(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--eevee",
         dest="eevee_blender",

@@ -17,7 +17,7 @@ from ...render.proxy import Proxy
 from ...scene import SceneData
 from ...schema import atomic
 from ..scenes import balls, outdoors
-from . import encoders, mitsuba_comparison
+from . import comparison, encoders
 
 try:
     import resource
@@ -38,12 +38,13 @@ _COLORS = [f"material/Ball {i}/base_color" for i in range(3)]
 _MANY, _FOGGY = [*_COLORS, *_COMMON, "world/color"], [*_COLORS, *_COMMON, "world/tint"]
 
 
-def run(out: Path, mitsuba: bool = False) -> dict[str, Any]:
+def run(out: Path, mitsuba: bool = False, eevee_blender: str = "") -> dict[str, Any]:
     """Measures steps and writes OUT/results.json.
 
     Args:
         out: The folder.
-        mitsuba: Whether to measure Mitsuba 3 on the same scenes, see `mitsuba_comparison`.
+        mitsuba: Whether to measure Mitsuba 3, see `comparison`.
+        eevee_blender: A Blender with a window, whose EEVEE is measured, see `comparison`; "" for none.
 
     Returns:
         Milliseconds, and `memory_mb` by the side of the picture. `step_ms_512` is a step with eight parameters learned, as many as a round of a vibe
@@ -54,7 +55,7 @@ def run(out: Path, mitsuba: bool = False) -> dict[str, Any]:
         an encoder adds to a step.
     """
     if mitsuba:
-        mitsuba_comparison.require()
+        comparison.require()
     one, many, foggy = balls(1, 1), balls(8, 4), outdoors(8, 4)
     still = [key for key in one.instances if _still(key)]
     results: dict[str, Any] = {
@@ -75,9 +76,9 @@ def run(out: Path, mitsuba: bool = False) -> dict[str, Any]:
     }
     for name, value in results.items():
         print(f"{name}: {value}")
-    if mitsuba:
-        results["mitsuba"] = mitsuba_comparison.compare(
-            out, _SIZE, lambda scene, keys, size: _step(scene, keys, size=size)
+    if mitsuba or eevee_blender:
+        results["comparison"] = comparison.compare(
+            out, _SIZE, lambda scene, keys, size: _step(scene, keys, size=size), mitsuba, eevee_blender
         )
     out.mkdir(parents=True, exist_ok=True)
     atomic.write_text(out / "results.json", json.dumps(results, indent=1))
