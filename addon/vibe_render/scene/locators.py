@@ -13,7 +13,7 @@ from bpy.types import Camera, Light, Material, Object, Scene, World
 from ..core import compat, locks
 from ..core.journal import Journal
 from ..core.value_slots import LazySlot, PropertySlot, ValueSlot, together
-from . import fog, scene_context
+from . import fog
 from .lights.registry import type_of
 from .nodes import backgrounds, environment_rotation, grade, inputs, lacquer, layers, light_nodes, shaders
 from .nodes.backgrounds import LIGHT
@@ -71,13 +71,13 @@ def lamp(name: str) -> Locator:
     def locate(context: SceneContext, obj: Object) -> ValueSlot | None:
         if name not in obj.data.bl_rna.properties:
             return None
-        return PropertySlot(obj.data, name, _lamp_lock(context.scene, obj, name))
+        return PropertySlot(obj.data, name, _lamp_lock(context, obj, name))
 
     return locate
 
 
-def _lamp_lock(scene: Scene, obj: Object, name: str) -> str:
-    first = next((o for o in scene_context.lights(scene) if o.data == obj.data), obj)
+def _lamp_lock(context: SceneContext, obj: Object, name: str) -> str:
+    first = context.first_lamps.get(obj.data, obj)
     if first != obj:
         return f'"{obj.name}" shares its light data with "{first.name}"'
     return locks.of_property(obj.data, name)
@@ -86,7 +86,7 @@ def _lamp_lock(scene: Scene, obj: Object, name: str) -> str:
 def lamp_extent(context: SceneContext, obj: Object) -> ValueSlot:
     """How large a light is, as its type says it: a radius, a size or an angle."""
     light_type = type_of(obj)
-    return light_type.extent_slot(obj.data, _lamp_lock(context.scene, obj, light_type.extent_property))
+    return light_type.extent_slot(obj.data, _lamp_lock(context, obj, light_type.extent_property))
 
 
 @dataclass
@@ -114,7 +114,7 @@ def lamp_temperature(context: SceneContext, obj: Object) -> ValueSlot | None:
         return inputs.slot(lambda: light_nodes.kelvin(obj.data))
     if not compat.HAS_TEMPERATURE:
         return None
-    return TemperatureSlot(obj.data, _lamp_lock(context.scene, obj, "temperature"))
+    return TemperatureSlot(obj.data, _lamp_lock(context, obj, "temperature"))
 
 
 def shader(name: str) -> Locator:

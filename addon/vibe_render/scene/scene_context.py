@@ -64,6 +64,11 @@ class SceneContext:
         """See `instanced_lights`; asked once, for there may be thousands of instances to go through."""
         return instanced_lights(self.scene)
 
+    @functools.cached_property
+    def first_lamps(self) -> dict[Light, Object]:
+        """By light data, the first of the lights that share it."""
+        return {light.data: light for light in reversed(lights(self.scene))}
+
 
 def layer(scene: Scene) -> bpy.types.ViewLayer:
     """The view layer that we see the scene through: the first that is rendered."""

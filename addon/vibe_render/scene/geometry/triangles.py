@@ -261,5 +261,6 @@ def _place(part: _Part, matrices: np.ndarray, sign: np.ndarray) -> tuple[np.ndar
     a, b, c = linear.transpose(1, 0, 2)
     cofactor = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
     normals = part.normals @ (cofactor.transpose(0, 2, 1) * sign[:, None, None])[:, None]
-    normals /= np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), 1e-12)
+    lengths = np.sqrt(np.einsum("...i,...i->...", normals, normals))  # np.linalg.norm takes ten times as long
+    normals /= np.maximum(lengths, 1e-12)[..., None]
     return vertices, normals.astype(np.float32)
