@@ -23,6 +23,8 @@ from .tasks import HiddenLook, LikeTask
 
 WORDS = "warm light, thin fog"
 """What is asked for in words, to compare the time."""
+TOLD = "Reinhard, told the truth"
+"""What transfer between flat pictures makes of the truth itself: no picture of another scene tells its tones better."""
 
 
 @dataclass(frozen=True)
@@ -94,6 +96,8 @@ class LikeTrial:
             Image.fromarray((255 * rival).round().astype(np.uint8)).save(self.folder / f"flat_{name}.png")
         report = json.loads((self.folder / "out" / "report.json").read_text("utf-8"))
         entries = {"before": before, "after": after, **rivals}
+        if self.task.part == "transfer":
+            entries[TOLD] = flat.reinhard(before, truth).clip(0.0, 1.0)
         return {
             "differences": {name: _apart(each, truth) for name, each in entries.items()},
             "errors": values.key_light_errors(made, values.found_in(report)),
