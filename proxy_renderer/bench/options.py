@@ -191,9 +191,9 @@ def _like(sub: argparse.ArgumentParser) -> None:
     )
     sub.add_argument(
         "--parts",
-        default="recovery,materials,transfer,filters",
+        default="recovery,lamps,materials,transfer,filters",
         metavar="A,B",
-        help="recovery, materials, transfer, filters (default: all)",
+        help="recovery, lamps, materials, transfer, filters (default: all)",
     )
     sub.add_argument(
         "--seed", dest="drawn_from", default="like", metavar="TEXT", help="draw from this (default: like)"

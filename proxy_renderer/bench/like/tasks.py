@@ -37,7 +37,7 @@ FILTERS = (
 _FILTERED = 3
 """Sets that the filters are tried on, in turn."""
 
-PARTS = ("recovery", "materials", "transfer", "filters")
+PARTS = ("recovery", "lamps", "materials", "transfer", "filters")
 
 
 @dataclass(frozen=True)
@@ -98,6 +98,11 @@ def tasks(part: str, count: int, seed: str) -> Iterator[LikeTask]:
             yield LikeTask(part, plain, plain, FILTERS[number], ("--groups=film",))
         elif part == "transfer":
             yield LikeTask(part, HiddenLook(name, look, WHOLE_LOOK), HiddenLook(other, look, WHOLE_LOOK))
+        elif (
+            part == "lamps"
+        ):  # where nothing else may explain it, a picture tells a lamp's direction, color and power
+            hidden = HiddenLook(name, look, ("light",))
+            yield LikeTask(part, hidden, hidden, options=("--groups=light",))
         else:
             groups: tuple[str, ...] = (*WHOLE_LOOK, "material") if part == "materials" else WHOLE_LOOK
             hidden = HiddenLook(name, look, groups)

@@ -54,7 +54,7 @@ def key_light_errors(made: Mapping[str, Any], found: Found) -> dict[str, float]:
         errors["direction"] = math.degrees(math.acos(min(max(cosine, -1.0), 1.0)))
     if f"light/{owner}/temperature" in hidden:
         errors["temperature"] = abs(kelvin(hidden) - kelvin(found))
-    if f"light/{owner}/{power}" in hidden and "film/exposure" in hidden:
+    if f"light/{owner}/{power}" in hidden:
         errors["level"] = abs(level(hidden) - level(found))
     return {name: round(error, 3) for name, error in errors.items()}
 
