@@ -128,7 +128,7 @@ def test_medians_and_failures():
 
 
 @pytest.mark.parametrize(
-    ("options", "word"), [({"count": 0}, "--tasks 0"), ({"parts": "lamps"}, "lamps"), ({"parts": ""}, "part")]
+    ("options", "word"), [({"count": 0}, "--tasks 0"), ({"parts": "songs"}, "songs"), ({"parts": ""}, "part")]
 )
 def test_bad_input(tmp_path, options, word):
     with pytest.raises(VibeError, match=word):
