@@ -82,6 +82,14 @@ def test_values_are_read_off_a_report():
     assert values.found_in({"parameters": rows}) == {"film/exposure": [-0.5], "film/gain": [1.0, 0.9, 0.8]}
 
 
+def test_a_lamp_alone_is_judged_without_the_pictures_exposure():
+    made = MADE | {
+        side: {k: v for k, v in MADE[side].items() if "film" not in k} for side in ("before", "hidden")
+    }
+    assert values.key_light_errors(made, {})["level"] == pytest.approx(1.0)
+    assert values.key_light_errors(made, made["hidden"])["level"] == 0.0
+
+
 def test_no_key_light_no_errors():
     assert values.key_light_errors({"before": {}, "hidden": {}, "roles": {}}, {}) == {}
 

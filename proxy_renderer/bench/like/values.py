@@ -20,7 +20,7 @@ def key_light_errors(made: Mapping[str, Any], found: Found) -> dict[str, float]:
     """Errors of the key light, where the look has moved it.
 
     Args:
-        made: What Blender's side has told of the look: `before`, `hidden`, `roles`.
+        made: What Blender's side has told of the look: `before` and `hidden`, which have the same keys, and `roles`.
         found: Values of the finished scene by key; for what is not there, the value before counts.
 
     Returns:
@@ -42,7 +42,7 @@ def key_light_errors(made: Mapping[str, Any], found: Found) -> dict[str, float]:
     power = "power" if f"light/{owner}/power" in hidden else "strength"
 
     def level(values: Found) -> float:
-        exposure = value("film/exposure", values)[0] + value("film/grade_exposure", values, (0.0,))[0]
+        exposure = sum(value(f"film/{name}", values, (0.0,))[0] for name in ("exposure", "grade_exposure"))
         return math.log2(max(value(power, values)[0], 1e-9)) + exposure
 
     def kelvin(values: Found) -> float:
