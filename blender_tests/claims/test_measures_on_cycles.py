@@ -19,6 +19,7 @@ METAL = {"material__Ball__metallic": 1.0}
 MOVES = [
     ("lightness", "picture", {"film__exposure": -1.0}, {}),
     ("chroma", "picture", {"film__saturation": 0.3}, {"film__saturation": 1.5}),
+    ("vividest", "picture", {"film__saturation": 0.3}, {"film__saturation": 1.5}),
     ("warmth", "picture", {"light__Key__temperature": 12000.0}, {"light__Key__temperature": 2600.0}),
     ("shadow_warmth", "picture", {}, {"film__lift": (1.1, 1.0, 0.85)}),
     ("highlight_warmth", "picture", {}, {"film__gain": (1.3, 1.0, 0.6)}),

@@ -21,7 +21,7 @@ _LIGHTNESS = 65.0  # L* at which a cast is taken for a color
 _STRONGER, _WEAKER = 1.6, 0.5
 """How much stronger than the strongest cast a light's color may be, since other light lies over it, and how much weaker than
 any. A range up to white would hold hues that are in no cast: pink and yellow beside orange."""
-_FEW_HUES = 0.0  # cosine between the hues of two casts from where light may be of either, and of any between
+_FEW_HUES = 0.0  # cosine between the hues of two casts from where each has a light of its own
 _PALE, _COLORFUL = 6.0, 16.0
 """Mean C* up to which a picture is as good as gray, and how much more it has where all paint keeps its saturation."""
 _STRONG = 6.0  # C* of a cast whose hue counts
@@ -29,43 +29,46 @@ _STRONG = 6.0  # C* of a cast whose hue counts
 
 @dataclass(frozen=True)
 class LightColors:
-    """The box of colors that a light may have.
+    """The colors that light may have: on the line between the two ends of a range, for more than one line has more hues.
 
     Attributes:
-        lower: Linear, in [0, 1].
-        upper: Likewise.
-        any_hue: Whether they may be of any hue within, which is so where casts have several; else all are on the line
-            between the two ends.
+        direct: Of the lamps that give a picture its lights: lower and upper end, linear, in [0, 1].
+        around: Of what fills its shadows, the world and lamps that are no key.
         paint: Saturation that is left to paint at least: a picture with colors in it takes nobody's away.
     """
 
-    lower: Values
-    upper: Values
-    any_hue: bool
+    direct: tuple[Values, Values]
+    around: tuple[Values, Values]
     paint: float
 
 
 def light_colors(claims: Sequence[Claim]) -> LightColors:
     """The colors that the casts among some claims ask for.
 
+    All light takes the hue of the strongest cast. Where there is another one more than 90 degrees of hue apart, as teal
+    beside orange, each has its own light: lamps that of the lights, what is around that of the rest.
+
     Args:
         claims: Of a picture, and of the words beside it.
     """
-    casts = [_middle(claim) for claim in claims if claim.measure in CASTS]
-    strong = [(a, b) for a, b in casts if math.hypot(a, b) > _STRONG]
-    any_hue = any(_cosine(one, other) < _FEW_HUES for one in strong for other in strong)
-    strongest = max(casts, key=lambda cast: math.hypot(*cast), default=(0.0, 0.0))
-    colors = [_color(a, b) for a, b in (strong if any_hue else [strongest])]
+    casts = [_middle(claim) for claim in claims if claim.measure in CASTS] or [(0.0, 0.0)]
+    lights = [_middle(claim) for claim in claims if claim.measure == "highlight_cast"]
+    strong = [cast for cast in casts if math.hypot(*cast) > _STRONG]
+    strongest = max(casts, key=lambda cast: math.hypot(*cast))
+    direct = next((cast for cast in lights if cast in strong), strongest)
+    around = min(strong, key=lambda cast: _cosine(cast, direct), default=direct)
+    if around == direct or _cosine(direct, around) >= _FEW_HUES:
+        direct = around = strongest
     vivid = max((claim.upper[0] for claim in claims if claim.measure == "chroma"), default=0.0)
     paint = min(max(vivid - _PALE, 0.0) / _COLORFUL, 1.0)
-    weak = [(0.0, 0.0)] if any_hue or not casts else casts
-    ends = [*colors, *(_color(a, b, _WEAKER) for a, b in weak)]
-    return LightColors(
-        lower=tuple(map(min, zip(*colors, strict=True))),
-        upper=tuple(map(max, zip(*ends, strict=True))),
-        any_hue=any_hue,
-        paint=paint,
-    )
+    return LightColors(_line(direct, casts), _line(around, casts), paint)
+
+
+def _line(cast: tuple[float, float], casts: Sequence[tuple[float, float]]) -> tuple[Values, Values]:
+    """From a stronger one than a cast to a weaker one than any of its hue."""
+    alike = [each for each in casts if _cosine(each, cast) >= _FEW_HUES]
+    ends = [_color(*cast), *(_color(a, b, _WEAKER) for a, b in alike)]
+    return ends[0], tuple(map(max, zip(*ends, strict=True)))
 
 
 def _middle(claim: Claim) -> tuple[float, float]:
@@ -80,4 +83,6 @@ def _color(a: float, b: float, times: float = _STRONGER) -> Values:
 
 
 def _cosine(one: tuple[float, float], other: tuple[float, float]) -> float:
-    return (one[0] * other[0] + one[1] * other[1]) / (math.hypot(*one) * math.hypot(*other))
+    """Between two hues; 1 if one of them is gray."""
+    lengths = math.hypot(*one) * math.hypot(*other)
+    return (one[0] * other[0] + one[1] * other[1]) / lengths if lengths > 1e-9 else 1.0

@@ -166,8 +166,7 @@ def entries_of(
         elif instance.parameter.family == "film/saturation" and not same:
             lower, upper = _around((colors.paint,), upper, instance)
         reason = f"free to come to look like {name}"
-        any_hue = not lit or colors.any_hue
-        entries[key] = PlanEntry(lower, upper, reach.priority, reason, HELD_LIGHTLY, any_hue=any_hue)
+        entries[key] = PlanEntry(lower, upper, reach.priority, reason, HELD_LIGHTLY, any_hue=not lit)
     return entries
 
 
@@ -194,9 +193,9 @@ def _lit(colors: LightColors, instance: Instance) -> tuple[Values, Values]:
 
     It would open the range to hues between the two, which neither has.
     """
-    level = max(instance.value)
-    lower = tuple(max(level * v, least) for v, least in zip(colors.lower, instance.lower, strict=True))
-    return lower, tuple(map(min, colors.upper, instance.upper))
+    level, (strong, weak) = max(instance.value), colors.direct if instance.role == "key" else colors.around
+    lower = tuple(max(level * v, least) for v, least in zip(strong, instance.lower, strict=True))
+    return lower, tuple(map(min, weak, instance.upper))
 
 
 def _range(reach: Leeway, instance: Instance) -> tuple[Values, Values]:

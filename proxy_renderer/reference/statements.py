@@ -101,6 +101,10 @@ class _Reader:
         word = "pale" if vivid < 10 else "vivid" if vivid > 35 else "colors"
         said = self._near("grade", word, "chroma", "picture", CLOSE, f"its mean chroma is {vivid:.0f}")
         yield _with(said, lower=(min(*said.claim.lower, _PAINTED, self._color_all_over()),))
+        (most,) = self._value("vividest", "picture")
+        reason = f"its most vivid colors have a chroma of {most:.0f}"
+        said = self._near("grade", "no gaudy colors", "vividest", "picture", LOOSE, reason)
+        yield _with(said, lower=(-math.inf,), change=0.0)  # paint that is more vivid may stay
         (fall,) = self._value("vignette", "picture")
         if min(corner_falls(self.picture), default=0.0) > _VIGNETTE:
             reason = f"its corners are L* {fall:.0f} darker than its middle"

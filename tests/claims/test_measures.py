@@ -108,6 +108,7 @@ WARM = torch.tensor([1.15, 1.0, 0.75])
 RISING = {
     "lightness": ("picture", graded(lambda p: 0.5 * p), graded(lambda p: p)),
     "chroma": ("subject", graded(lambda p: p.mean(-1, keepdim=True).expand_as(p)), graded(lambda p: p)),
+    "vividest": ("picture", graded(lambda p: p.mean(-1, keepdim=True).expand_as(p)), graded(lambda p: p)),
     "warmth": ("picture", graded(lambda p: p), graded(lambda p: p * WARM)),
     "shadow_warmth": ("picture", graded(lambda p: p), graded(lambda p: torch.where(p.mean(-1, True) < 0.31, p * WARM, p))),
     "highlight_warmth": ("picture", graded(lambda p: p), graded(lambda p: torch.where(p.mean(-1, True) > 0.4, p * WARM, p))),

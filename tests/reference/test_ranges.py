@@ -7,7 +7,8 @@ from proxy_renderer.reference.light_colors import LightColors
 from proxy_renderer.reference.ranges import entries_of
 from proxy_renderer.schema import FAMILIES, Instance
 
-WARM = LightColors((1.0, 0.6, 0.3), (1.0, 1.0, 1.0), any_hue=False, paint=0.5)
+LINE = (1.0, 0.6, 0.3), (1.0, 1.0, 1.0)
+WARM = LightColors(LINE, LINE, paint=0.5)
 
 
 def instances(**colors):

@@ -115,6 +115,14 @@ def test_black_and_white_things_ask_no_scene_for_more_than_what_looks_so():
     assert one(faded, "white_point").claim.upper[0] < 75.0
 
 
+def test_colors_that_are_more_vivid_than_any_of_the_picture_may_stay_and_not_become_so():
+    shown = MeasuredPicture.of(torch.tensor((0.1, 0.9, 0.1)).expand(24, 24, 3), tell(ball()[0]).picture.seen)
+    claim = one(ball()[0], "vividest").claim
+    gaudy = claim.value(shown, claim.region(shown.seen))
+    assert claim.miss(gaudy, before=torch.zeros(1)) > 3.0
+    assert claim.miss(gaudy, before=gaudy) == 0.0
+
+
 def test_a_picture_keeps_all_that_is_said_of_it_and_another_one_does_not():
     display, _ = ball(side=0.5)
     told = tell(display)

@@ -81,6 +81,16 @@ def chroma(picture: MeasuredPicture, where: Tensor) -> Tensor:
     return (picture.lab[..., 1:][where].square().sum(-1) + 1e-4).sqrt().mean()[None]
 
 
+def vividest(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Distance from gray that all but the most vivid thirtieth of the pixels keep below: (1,) C* of CIE Lab.
+
+    Args:
+        picture: The picture.
+        where: (H, W) bool, the region.
+    """
+    return (picture.lab[..., 1:][where].square().sum(-1) + 1e-4).sqrt().quantile(1 - 1 / 30)[None]
+
+
 def warmth(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """How far the mean color lies towards orange, or, below 0, towards blue: (1,) b* and half of a*.
 

@@ -36,6 +36,7 @@ MEASURES: dict[str, Measure] = {
     "accent": Measure(color.accent, "ab", 2.0, "tint of a tenth", directed=True),
     "lightness": Measure(color.lightness, "L*", 2.0, "lightness"),
     "chroma": Measure(color.chroma, "C*", 2.0, "chroma"),
+    "vividest": Measure(color.vividest, "C*", 3.0, "chroma of the most vivid"),
     "warmth": Measure(color.warmth, "b*", 1.5, "warmth"),
     "shadow_warmth": Measure(color.shadow_warmth, "b*", 1.5, "warmth of the shadows"),
     "highlight_warmth": Measure(color.highlight_warmth, "b*", 1.5, "warmth of the lights"),
