@@ -21,6 +21,7 @@ from window_files import files
 from window_presets import presets
 from window_scene import a_scene, effort, same, values
 from window_screen import Screen
+from window_still import still
 from window_steps import PROMPT, a_result, open_panel, running
 from window_without import without_engine
 
@@ -299,7 +300,8 @@ def preferences(screen):
 
 
 WAYS = {
-    way.__name__: way for way in (ways_out, live, choosing, presets, questions, ends, without_engine, files)
+    way.__name__: way
+    for way in (ways_out, live, choosing, presets, questions, ends, without_engine, files, still)
 }
 
 

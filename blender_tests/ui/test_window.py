@@ -201,6 +201,17 @@ def test_presets_and_looks_as_files(walk):
     assert observed["rig"] == ["LIGHT", "LIGHT"]
 
 
+def test_a_picture_is_given_instead_of_words(walk):
+    """A file whose path is typed is what the look comes from; an image of the .blend and a render slot are taken as well."""
+    observed = walk("still")
+    assert not observed["like_failure"]
+    assert observed["like_changes"]
+    assert all("dusk.png" in word for word in observed["like_words"])
+    assert observed["like_words"]
+    assert observed["like_image"] == "dusk.png"
+    assert observed["like_slot"] == "render slot 1"
+
+
 def test_shared_materials_are_asked_about(walk):
     """Both answers are followed."""
     observed = walk("questions")

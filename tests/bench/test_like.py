@@ -7,12 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import torch
 from PIL import Image
 
 from proxy_renderer.bench.like import experiment, flat, table, trial, values
 from proxy_renderer.bench.like.tasks import FILTERS, PARTS, SETS, tasks
 from proxy_renderer.bench.wild import product
 from proxy_renderer.cli.main import main
+from proxy_renderer.color.blackbody import blackbody
 from proxy_renderer.schema import VibeError
 
 MADE = {
@@ -72,9 +74,9 @@ def test_power_and_exposure_count_together():
 
 
 def test_a_lamps_color_is_part_of_its_temperature():
-    warm = np.array((1.0, 0.42, 0.13))  # about what 3000 K has in Rec.709, relative to 6500 K
-    assert values.seen_temperature((1.0, 1.0, 1.0), 4000.0) == pytest.approx(4000.0, abs=50.0)
-    assert values.seen_temperature(tuple(warm), 6500.0) == pytest.approx(3000.0, abs=400.0)
+    warm = torch.tensor((1.0, 0.42, 0.13))  # about what 3000 K has in Rec.709, relative to 6500 K
+    assert values.seen_temperature(blackbody(torch.tensor(4000.0))) == pytest.approx(4000.0, abs=50.0)
+    assert values.seen_temperature(warm * blackbody(torch.tensor(6500.0))) == pytest.approx(3000.0, abs=400.0)
 
 
 def test_values_are_read_off_a_report():

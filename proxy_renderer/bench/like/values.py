@@ -10,6 +10,7 @@ from typing import Any
 import torch
 
 from ...color.blackbody import blackbody
+from ...color.tensors import luminance
 from ...schema import orbit
 
 _KELVIN = torch.arange(1500.0, 12001.0, 50.0)
@@ -24,8 +25,8 @@ def key_light_errors(made: Mapping[str, Any], found: Found) -> dict[str, float]:
         found: Values of the finished scene by key; for what is not there, the value before counts.
 
     Returns:
-        `direction`, degrees; `temperature`, kelvin, of the light's color and temperature together; `level`, stops of its power
-        and the picture's exposure together, because one picture tells no more. Empty without a key light.
+        `direction`, degrees; `temperature`, kelvin, of the light's color and temperature together; `level`, stops of its power,
+        the lightness of its color and the picture's exposure together, because one picture tells no more. Empty without a key light.
     """
     hidden, before = made["hidden"], made["before"]
     owner = next((key.split("/")[1] for key, role in made["roles"].items() if role == "key"), "")
@@ -43,17 +44,18 @@ def key_light_errors(made: Mapping[str, Any], found: Found) -> dict[str, float]:
 
     def level(values: Found) -> float:
         exposure = sum(value(f"film/{name}", values, (0.0,))[0] for name in ("exposure", "grade_exposure"))
-        return math.log2(max(value(power, values)[0], 1e-9)) + exposure
+        return math.log2(max(value(power, values)[0] * float(luminance(light(values))), 1e-9)) + exposure
 
-    def kelvin(values: Found) -> float:
-        return seen_temperature(value("color", values, (1.0,) * 3), value("temperature", values)[0])
+    def light(values: Found) -> torch.Tensor:
+        color, kelvin = value("color", values, (1.0,) * 3), value("temperature", values, (6500.0,))[0]
+        return torch.tensor(color) * blackbody(torch.tensor(kelvin))
 
     errors = {}
     if f"light/{owner}/azimuth" in hidden:
         cosine = sum(a * b for a, b in zip(aim(hidden), aim(found), strict=True))
         errors["direction"] = math.degrees(math.acos(min(max(cosine, -1.0), 1.0)))
     if f"light/{owner}/temperature" in hidden:
-        errors["temperature"] = abs(kelvin(hidden) - kelvin(found))
+        errors["temperature"] = abs(seen_temperature(light(hidden)) - seen_temperature(light(found)))
     if f"light/{owner}/{power}" in hidden:
         errors["level"] = abs(level(hidden) - level(found))
     return {name: round(error, 3) for name, error in errors.items()}
@@ -65,14 +67,9 @@ def found_in(report: Mapping[str, Any]) -> dict[str, list[float]]:
     return {key: value if isinstance(value, list) else [value] for key, value in after.items()}
 
 
-def seen_temperature(color: Sequence[float], kelvin: float) -> float:
-    """The temperature of the blackbody light that is most like a light of this color and temperature.
-
-    Args:
-        color: Linear Rec.709, what the light's own is multiplied by.
-        kelvin: Of the light.
-    """
-    light = (torch.tensor(color) * blackbody(torch.tensor(kelvin))).clamp_min(1e-4).log()
+def seen_temperature(color: torch.Tensor) -> float:
+    """The temperature of the blackbody light that is most like a light of a color (3,), linear."""
+    light = color.clamp_min(1e-4).log()
     candidates = blackbody(_KELVIN).clamp_min(1e-4).log()
     apart = (candidates - candidates.mean(1, keepdim=True)) - (light - light.mean())
     return float(_KELVIN[apart.square().sum(1).argmin()])
