@@ -21,8 +21,8 @@ from window_files import files
 from window_presets import presets
 from window_scene import a_scene, effort, same, values
 from window_screen import Screen
-from window_still import still
 from window_steps import PROMPT, a_result, open_panel, running
+from window_still import still
 from window_without import without_engine
 
 WAY, ZIP, OUT = sys.argv[sys.argv.index("--") + 1 :][:3]
