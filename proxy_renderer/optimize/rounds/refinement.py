@@ -23,6 +23,7 @@ from ..anchoring import AnchorState
 from ..shots import ShotState
 from ..vector import ParameterVector
 from . import starts
+from .easing import eased
 from .key_start import with_key_turned
 from .search import Confined, Missed, Search, Start
 
@@ -120,7 +121,8 @@ class Refinement:
     Where the paper writes θ, this is u: θ on perceptual scales. Comments name the algorithm's lines. A round begins
     with a picture of Cycles of where the one before ended. There is no other round when it shows all that the words
     claim. A round that ended farther from them than an earlier one is taken back, and the next has the plan's own ranges again,
-    or may go half as far. When that does not help either, one round begins in the middle of all ranges. The best end of all is the result.
+    or may go half as far. When that does not help either, one round begins in the middle of all ranges. The best end of all is the result,
+    with least change.
 
     Args:
         search: What all starts share.
@@ -146,8 +148,27 @@ class Refinement:
                 break
         if len(self._ends) < len(self._rounds):
             self._see_end()
+        best = self._eased(_nearest(self._ends))
         self._search.number += self._search.rounds - len(self._rounds)
-        return self._outcome(_nearest(self._ends))  # 18
+        return self._outcome(best)  # 18
+
+    def _eased(self, best: RoundEnd) -> RoundEnd:
+        """The best end with least change, if Cycles confirms it; see `easing`."""
+        search = self._search
+        if (
+            best.missed.claims
+            or not search.claims_words
+            or self._start.drawn is not None
+            or search.clock.stopped
+        ):
+            return best
+        recall(search.shots, best.anchors)
+        u = eased(search, best.confined.plan, best.u)
+        if u is None:
+            return best
+        self._u = u
+        self._see_end()
+        return best if self._ends[-1].missed.claims else self._ends[-1]
 
     def _goes_on(self) -> bool:
         """Sees how the last round ended, before a model is asked for another plan; chooses where the next one begins."""
