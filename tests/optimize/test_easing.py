@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What only supports the words ends as near to the artist's values as the words allow."""
+
+import pytest
+import torch
+from loop_parts import Silent
+from tiny_job import write_job
+
+from proxy_renderer.optimize.rounds import refinement
+from proxy_renderer.optimize.rounds.easing import eased
+from proxy_renderer.optimize.rounds.refinement import Refinement
+from proxy_renderer.optimize.rounds.search import Search, Start
+from proxy_renderer.optimize.shots import ShotInput
+from proxy_renderer.planning.types import Plan
+from proxy_renderer.scene import load_scene
+from proxy_renderer.schema.messages import Options
+
+
+def begun(scene, encoder, prompt, **options):
+    search = Search(
+        [ShotInput(scene)],
+        prompt,
+        Options(**{"rounds": 3, "steps": 6, "size": 64, **options}),
+        encoder,
+        encoder,
+        Silent(),
+        None,
+    )
+    return search, search.vector.encode({})
+
+
+def supports(search, plan):
+    return search.vector.mark(key for key, e in plan.items() if e.priority is not None and e.prior > 0.0)
+
+
+@pytest.mark.parametrize("exposure", [0.7, -1.4])
+def test_light_that_nobody_asked_for_goes_back_whole(scene, encoder, exposure):
+    search, home = begun(scene, encoder, "red ball")
+    now = search.confine(home, Plan(), Start(home))
+    held = search.descend(now, search.select(now, now.u)).u
+    brighter = search.vector.encode({**search.vector.values(held), "film/exposure": (exposure,)})
+    assert not search.missed(brighter).claims
+    found = eased(search, now.plan, brighter)
+    marked = supports(search, now.plan)
+    assert found is not None
+    assert not search.missed(found).claims
+    torch.testing.assert_close(found[marked], home[marked])
+    torch.testing.assert_close(found[~marked], brighter[~marked])  # what the words name stays
+
+
+def test_what_the_words_need_stays(tmp_path, encoder):
+    """A white ball before a white floor is told apart by a darker floor, of which something has to be left."""
+    scene = load_scene(write_job(tmp_path / "job", **{"material/Floor/base_color": (0.75,) * 3}))
+    search, home = begun(scene, encoder, "white ball")
+    outcome = Refinement(search, Start(home)).run()
+    floor = search.vector.slices["material/Floor/base_color"]
+    assert not search.missed(outcome.u).claims
+    assert float((outcome.u - home)[floor].abs().amax()) > 0.01
+
+
+def test_less_change_than_without_it_and_all_claims_hold(scene, encoder, monkeypatch):
+    ends = {}
+    for easing in (True, False):
+        if not easing:
+            monkeypatch.setattr(refinement, "eased", lambda *_: None)
+        search, home = begun(scene, encoder, "navy blue ball")
+        outcome = Refinement(search, Start(home)).run()
+        ends[easing] = outcome.u, supports(search, outcome.plan), home, search.missed(outcome.u).claims
+    moved = {easing: float((u - home)[marked].norm()) for easing, (u, marked, home, _) in ends.items()}
+    assert ends[True][3] == 0
+    assert moved[True] <= moved[False]
