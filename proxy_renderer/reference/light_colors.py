@@ -32,13 +32,13 @@ class LightColors:
     """The colors that light may have: on the line between the two ends of a range, for more than one line has more hues.
 
     Attributes:
-        direct: Of the lamps that give a picture its lights: lower and upper end, linear, in [0, 1].
-        around: Of what fills its shadows, the world and lamps that are no key.
+        key: Of key lights: lower and upper end, linear, in [0, 1].
+        fill: Of all other light, that of the world included.
         paint: Saturation that is left to paint at least: a picture with colors in it takes nobody's away.
     """
 
-    direct: tuple[Values, Values]
-    around: tuple[Values, Values]
+    key: tuple[Values, Values]
+    fill: tuple[Values, Values]
     paint: float
 
 
@@ -46,7 +46,7 @@ def light_colors(claims: Sequence[Claim]) -> LightColors:
     """The colors that the casts among some claims ask for.
 
     All light takes the hue of the strongest cast. Where there is another one more than 90 degrees of hue apart, as teal
-    beside orange, each has its own light: lamps that of the lights, what is around that of the rest.
+    beside orange, each has its own light: the key that of the picture's lights, all other light the opposite one.
 
     Args:
         claims: Of a picture, and of the words beside it.
@@ -55,13 +55,13 @@ def light_colors(claims: Sequence[Claim]) -> LightColors:
     lights = [_middle(claim) for claim in claims if claim.measure == "highlight_cast"]
     strong = [cast for cast in casts if math.hypot(*cast) > _STRONG]
     strongest = max(casts, key=lambda cast: math.hypot(*cast))
-    direct = next((cast for cast in lights if cast in strong), strongest)
-    around = min(strong, key=lambda cast: _cosine(cast, direct), default=direct)
-    if around == direct or _cosine(direct, around) >= _FEW_HUES:
-        direct = around = strongest
+    key = next((cast for cast in lights if cast in strong), strongest)
+    fill = min(strong, key=lambda cast: _cosine(cast, key), default=key)
+    if _cosine(key, fill) >= _FEW_HUES:
+        key = fill = strongest
     vivid = max((claim.upper[0] for claim in claims if claim.measure == "chroma"), default=0.0)
     paint = min(max(vivid - _PALE, 0.0) / _COLORFUL, 1.0)
-    return LightColors(_line(direct, casts), _line(around, casts), paint)
+    return LightColors(_line(key, casts), _line(fill, casts), paint)
 
 
 def _line(cast: tuple[float, float], casts: Sequence[tuple[float, float]]) -> tuple[Values, Values]:

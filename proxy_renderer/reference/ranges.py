@@ -193,7 +193,8 @@ def _lit(colors: LightColors, instance: Instance) -> tuple[Values, Values]:
 
     It would open the range to hues between the two, which neither has.
     """
-    level, (strong, weak) = max(instance.value), colors.direct if instance.role == "key" else colors.around
+    level = max(instance.value)
+    strong, weak = colors.key if instance.role == "key" else colors.fill
     lower = tuple(max(level * v, least) for v, least in zip(strong, instance.lower, strict=True))
     return lower, tuple(map(min, weak, instance.upper))
 

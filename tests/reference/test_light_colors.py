@@ -13,37 +13,35 @@ def cast(a, b, measure="midtone_cast"):
 
 def test_a_neutral_picture_lets_light_be_hardly_colored():
     colors = light_colors([cast(0, 0), cast(1, -1, "shadow_cast")])
-    assert min(colors.direct[0]) > 0.8
-    assert colors.around == colors.direct
+    assert min(colors.key[0]) > 0.8
+    assert colors.fill == colors.key
 
 
 def test_an_orange_cast_lets_light_be_orange_and_neither_green_nor_blue():
     colors = light_colors([cast(20, 40), cast(8, 12, "shadow_cast")])
-    red, green, blue = colors.direct[0]
+    red, green, blue = colors.key[0]
     assert blue < 0.1 < green < 0.5 < red
-    assert colors.around == colors.direct
+    assert colors.fill == colors.key
 
 
 def test_teal_shadows_and_orange_lights_are_each_their_own_light():
     colors = light_colors([cast(-15, -10, "shadow_cast"), cast(15, 30, "highlight_cast")])
-    assert colors.direct == light_colors([cast(15, 30, "highlight_cast")]).direct
-    assert colors.around == light_colors([cast(-15, -10)]).around
-    assert colors.direct[0][0] > colors.direct[0][2]
-    assert colors.around[0][0] < colors.around[0][2]
+    assert colors.key == light_colors([cast(15, 30, "highlight_cast")]).key
+    assert colors.fill == light_colors([cast(-15, -10)]).fill
+    assert colors.key[0][0] > colors.key[0][2]
+    assert colors.fill[0][0] < colors.fill[0][2]
 
 
 def test_no_light_is_of_a_hue_between_those_of_two_casts():
-    for which in (
-        (colors := light_colors([cast(-5, -14), cast(-12, 6, "highlight_cast")])).direct,
-        colors.around,
-    ):
+    colors = light_colors([cast(-5, -14), cast(-12, 6, "highlight_cast")])
+    for which in (colors.key, colors.fill):
         for share in (0.0, 0.5, 1.0):
             red, green, blue = (low + share * (high - low) for low, high in zip(*which, strict=True))
             assert green < 1.5 * max(red, blue)
 
 
 def test_a_slight_cast_lets_light_be_of_its_own_hue_only():
-    red, green, blue = light_colors([cast(4, 4), cast(1, 1, "highlight_cast")]).direct[0]
+    red, green, blue = light_colors([cast(4, 4), cast(1, 1, "highlight_cast")]).key[0]
     assert red == 1.0 > green > blue  # on the way from white, and not greenish
 
 

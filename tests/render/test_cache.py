@@ -62,13 +62,12 @@ def test_of_a_new_mirror_only_what_it_shows_is_traced(traced: list[int], thing: 
     mirror = metal | {f"material/{thing}/roughness": torch.tensor([0.1])}
     duller = metal | {f"material/{thing}/roughness": torch.tensor([0.6])}
     matte = metal | {f"material/{thing}/roughness": torch.ones(1)}
-    if not opaque:
-        clear = {"material/Ball 1/transmission": torch.ones(1)}
-        mirror, duller, matte = mirror | clear, duller | clear, matte | clear
+    glass = {} if opaque else {"material/Ball 1/transmission": torch.ones(1)}
+    mirror, duller, matte = mirror | glass, duller | glass, matte | glass
     travelled = Proxy(scene, (48, 48))
     travelled.render(mirror)
     everything = sum(traced)
-    for values in (duller, matte, mirror):
+    for values in (duller, glass, mirror, matte, mirror):
         traced.clear()
         changed = travelled.render(values).display
         assert 0 < sum(traced) < 0.4 * everything

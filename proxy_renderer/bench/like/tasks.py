@@ -37,6 +37,15 @@ FILTERS = (
 _FILTERED = 3
 """Sets that the filters are tried on, in turn."""
 
+_HIDDEN: dict[str, tuple[str, ...]] = {
+    "recovery": WHOLE_LOOK,
+    "lamps": (
+        "light",
+    ),  # where nothing else may explain it, a picture tells a lamp's direction, color and power
+    "materials": (*WHOLE_LOOK, "material"),
+}
+"""Part -> what its look changes, where the picture shows the very scene."""
+
 PARTS = ("recovery", "lamps", "materials", "transfer", "filters")
 
 
@@ -98,12 +107,7 @@ def tasks(part: str, count: int, seed: str) -> Iterator[LikeTask]:
             yield LikeTask(part, plain, plain, FILTERS[number], ("--groups=film",))
         elif part == "transfer":
             yield LikeTask(part, HiddenLook(name, look, WHOLE_LOOK), HiddenLook(other, look, WHOLE_LOOK))
-        elif (
-            part == "lamps"
-        ):  # where nothing else may explain it, a picture tells a lamp's direction, color and power
-            hidden = HiddenLook(name, look, ("light",))
-            yield LikeTask(part, hidden, hidden, options=("--groups=light",))
         else:
-            groups: tuple[str, ...] = (*WHOLE_LOOK, "material") if part == "materials" else WHOLE_LOOK
-            hidden = HiddenLook(name, look, groups)
-            yield LikeTask(part, hidden, hidden)
+            hidden = HiddenLook(name, look, _HIDDEN[part])
+            options = ("--groups=light",) if part == "lamps" else ()
+            yield LikeTask(part, hidden, hidden, options=options)

@@ -82,7 +82,7 @@ def compare(out: Path, size: int, step: Step, mitsuba: bool, eevee_blender: str)
                 rows[name] = _row(event, work / name, size, step, mitsuba)
     failed: dict[str, str] = {}
     if eevee_blender:
-        eevee.measure(eevee_blender, rows, work, size, failed)
+        eevee.measure(eevee_blender, rows, work, size, failed, frames=2)
     for name, row in rows.items():
         print(_line(name, row), flush=True)
     return {

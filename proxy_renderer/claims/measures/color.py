@@ -78,7 +78,7 @@ def chroma(picture: MeasuredPicture, where: Tensor) -> Tensor:
         picture: The picture.
         where: (H, W) bool, the region.
     """
-    return (picture.lab[..., 1:][where].square().sum(-1) + 1e-4).sqrt().mean()[None]
+    return _chroma_of(picture, where).mean()[None]
 
 
 def vividest(picture: MeasuredPicture, where: Tensor) -> Tensor:
@@ -88,7 +88,12 @@ def vividest(picture: MeasuredPicture, where: Tensor) -> Tensor:
         picture: The picture.
         where: (H, W) bool, the region.
     """
-    return (picture.lab[..., 1:][where].square().sum(-1) + 1e-4).sqrt().quantile(1 - 1 / 30)[None]
+    return _chroma_of(picture, where).quantile(1 - 1 / 30)[None]
+
+
+def _chroma_of(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """C* (n,) of each pixel of a region."""
+    return (picture.lab[..., 1:][where].square().sum(-1) + 1e-4).sqrt()
 
 
 def warmth(picture: MeasuredPicture, where: Tensor) -> Tensor:

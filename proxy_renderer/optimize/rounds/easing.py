@@ -10,6 +10,7 @@ from __future__ import annotations
 import torch
 from torch import Tensor
 
+from ...claims.claim import outside
 from ...planning.types import Plan
 from .search import Search
 
@@ -50,5 +51,5 @@ def _missed(search: Search, u: Tensor) -> Tensor:
         for shot in search.shots:
             shot.look(u)
             for value, lower, upper in shot.aims(shot.draw(u)):
-                found.append(((lower - value).clamp_min(0.0) + (value - upper).clamp_min(0.0)).norm().cpu())
+                found.append(outside(value, lower, upper).norm().cpu())
     return torch.stack(found)

@@ -166,9 +166,11 @@ class Refinement:
         u = eased(search, best.confined.plan, best.u)
         if u is None:
             return best
-        self._u = u
-        self._see_end()
-        return best if self._ends[-1].missed.claims else self._ends[-1]
+        end = self._seen(u, best.loss, best.confined)
+        if end.missed.claims:
+            return best
+        search.show(u)
+        return end
 
     def _goes_on(self) -> bool:
         """Sees how the last round ended, before a model is asked for another plan; chooses where the next one begins."""
@@ -194,13 +196,16 @@ class Refinement:
     def _see_end(self) -> None:
         """Has Cycles show where the last round ended; its record says how far that is from the words."""
         assert self._last is not None
-        self._search.renew(self._u, self._search.number - 1)
-        missed = self._search.missed(self._u)
-        self._rounds[-1]["missed"] = missed._asdict()
-        anchors = [shot.anchoring.newest for shot in self._search.shots]
-        self._ends.append(RoundEnd(self._u, self._loss, self._last, missed, anchors))
+        self._ends.append(self._seen(self._u, self._loss, self._last))
+        self._rounds[-1]["missed"] = self._ends[-1].missed._asdict()
         if self._start.drawn is None and _nearest(self._ends) is self._ends[-1]:
             self._search.show(self._u)
+
+    def _seen(self, u: Tensor, loss: float, confined: Confined) -> RoundEnd:
+        """An end at u (N,), of which Cycles renders a picture."""
+        self._search.renew(u, self._search.number - 1)
+        missed = self._search.missed(u)
+        return RoundEnd(u, loss, confined, missed, [shot.anchoring.newest for shot in self._search.shots])
 
     def _round(self) -> bool:
         """Lines 2 to 16; returns whether another round may be worth it."""

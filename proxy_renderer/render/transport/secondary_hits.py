@@ -88,6 +88,10 @@ class RadianceTable:
         return RadianceTable(torch.cat((scattered.flatten(0, 1), self.radiances[split:])), self.albedo)
 
 
+_Bounce = tuple[int, Tensor, Surface, Tensor]
+"""A row of `SecondaryHits.incoming`, the rays of it, the surfaces that they light, and the share of that which they carry."""
+
+
 class SecondaryHits:
     """R rays from each of A points, and the surfaces that they hit.
 
@@ -165,7 +169,7 @@ class SecondaryHits:
             other._seconds.append((rays[same], surface.pick(same)))
         other._look_around(changed)
         for index, lamp in lamps.items():
-            other._trace(index, lamp, changed)
+            other._trace(lamp, [_among(bounce, changed) for bounce in other._bounces(index)])
         return other
 
     def _look_around(self, among: Tensor) -> None:
@@ -195,10 +199,8 @@ class SecondaryHits:
         facing = torch.where(mirror_weight > 0, torch.where(toward[2] > 0, 1.0, -1.0), start.normal[2])
         leaves = 1 - hit_share
         upper, share = (1 + facing) / 2, leaves * self._share[chosen]
-        self.incoming[self.lamps, chosen], self.incoming[self.lamps + 1, chosen] = (
-            upper * share,
-            (1 - upper) * share,
-        )
+        self.incoming[self.lamps, chosen] = upper * share
+        self.incoming[self.lamps + 1, chosen] = (1 - upper) * share
         upper = (1 + beyond.normal[2]) / 2
         self._beyond[:, chosen] = torch.stack((upper * hit_share, (1 - upper) * hit_share, leaves))
         again = hits.hit.nonzero()[:, 0]
@@ -217,19 +219,17 @@ class SecondaryHits:
             index: The light's row among the sources.
             lamp: The light, detached.
         """
-        self._trace(index, lamp, torch.ones_like(self.hit, dtype=torch.bool))
+        self._trace(lamp, self._bounces(index))
 
-    def _trace(self, index: int, lamp: LightSource, among: Tensor) -> None:
-        """Traces shadow rays from some of the hits (R,) bool, and from what lies beyond them."""
-        for row, rays, surface, share in self._bounces(index):
-            some = among[rays].nonzero()[:, 0]
-            rays, surface = rays[some], surface.pick(some)
+    def _trace(self, lamp: LightSource, bounces: list[_Bounce]) -> None:
+        """Traces shadow rays from the surfaces of bounces."""
+        for row, rays, surface, share in bounces:
             direct = lamp.irradiance(surface.position, surface.normal)
-            clear = _clear(self.geometry, lamp, direct, surface) * share[some]
+            clear = _clear(self.geometry, lamp, direct, surface) * share
             self._clear[row, rays], self.incoming[row, rays] = clear, direct.irradiance * clear
 
-    def _bounces(self, index: int) -> list[tuple[int, Tensor, Surface, Tensor]]:
-        """Rows of `incoming` that belong to a light: row, rays, lit surface, share of it that the rays carry."""
+    def _bounces(self, index: int) -> list[_Bounce]:
+        """Those that belong to a light."""
         first = index, self._lit, self._first, 1 - self.mirror_weight[self._lit]
         second = self.lamps + 2 + index
         return [first, *((second, rays, surface, self._share[rays]) for rays, surface in self._seconds)]
@@ -284,6 +284,13 @@ class SecondaryHits:
         summed = torch.einsum("arm,ars->ams", one_hot, slots) / self.count
         scattered, emission = summed[..., :-1].flatten(1), summed[..., -1]
         return torch.cat((scattered, emission, self.harmonics.T), 1)
+
+
+def _among(bounce: _Bounce, rays: Tensor) -> _Bounce:
+    """The part of a bounce that belongs to some of the rays (R,) bool."""
+    row, own, surface, share = bounce
+    some = rays[own].nonzero()[:, 0]
+    return row, own[some], surface.pick(some), share[some]
 
 
 def lit(geometry: RayGeometry, lamp: LightSource, surface: Surface) -> Tensor:
