@@ -40,6 +40,10 @@ claims are missed; and the most that it comes to. After a round that went astray
 PATIENCE = 2
 """Rounds that come no nearer to what the words claim, after which one begins elsewhere, or none."""
 
+ALIKE = 0.05
+"""A round for a picture of this very scene that comes nearer to it by a smaller share is the last one: its places are many, and some
+that paint keeps from the picture's color are missed to the end."""
+
 
 @dataclass
 class Outcome:
@@ -182,7 +186,11 @@ class Refinement:
         widely = astray and self._opening > 0.0
         if self._search.claims_words and self._start.drawn is None:
             self._opening = 0.0 if widely else min(self._opening + OPENING, WIDEST)
-        stuck = self._settled or all(end.missed > nearest.missed for end in self._ends[-PATIENCE:])
+        stuck = (
+            self._settled
+            or self._is_as_alike_as_it_gets()
+            or all(end.missed > nearest.missed for end in self._ends[-PATIENCE:])
+        )
         self._elsewhere = stuck and self._search.claims_words and not self._tried_elsewhere
         if stuck and not self._elsewhere:
             return False
@@ -192,6 +200,14 @@ class Refinement:
         if self._elsewhere:
             self._tried_elsewhere, self._reach = True, 1.0
         return True
+
+    def _is_as_alike_as_it_gets(self) -> bool:
+        """Whether the last round has brought a picture of this very scene hardly nearer."""
+        reference = self._search.reference
+        if not (reference and reference.same) or len(self._ends) < 2:
+            return False
+        before = _nearest(self._ends[:-1]).missed.distance
+        return before - self._ends[-1].missed.distance < ALIKE * before
 
     def _see_end(self) -> None:
         """Has Cycles show where the last round ended; its record says how far that is from the words."""
