@@ -49,6 +49,12 @@ _BURNT = 0.06
 _WHITE, _BRIGHT = 90.0, 60.0
 """L* of a color from where it is white, and of a picture that words ask for from where parts of it may burn out."""
 
+_DROWNED = 0.12
+"""Share of the picture that may drown in black, where no word asks for a dark one or a black thing."""
+
+_OF_DARKNESS, _DARK, _BLACK = ("lightness", "black_point"), 50.0, 22.0
+"""Measures of how dark something is, what words for dark ask for at most, and L* of a color up to which it is black."""
+
 _DIMMEST = 24.0
 """L* of the lightest parts of a subject in the dark, at least."""
 
@@ -82,7 +88,7 @@ def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
     painted = [c for attribute, row in said for c in row if is_painted(c, attribute)]
     colored = [c for c in claims if c.measure == "color"] + painted
     lights = (lit(c, colored) if is_light(c) else in_the_dark(c, darkest) for c in claims)
-    return (*lights, *_of_every_picture(parsed), *_unburnt(claims))
+    return (*lights, *_of_every_picture(parsed), *_unburnt(claims), *_undrowned(parsed, claims))
 
 
 def _rank(attribute: Attribute, claims: Sequence[Claim]) -> tuple[bool, int, int]:
@@ -128,6 +134,16 @@ def _unburnt(claims: Sequence[Claim]) -> Iterator[Claim]:
     white = any(c.color and lab_from_srgb(c.color)[0] > _WHITE for c in claims)
     if not white and not any(is_brightness(c) and c.lower[0] > _BRIGHT for c in claims):
         yield Claim.unsaid("picture", "burnt", upper=_BURNT)
+
+
+def _undrowned(parsed: Parsed, claims: Sequence[Claim]) -> Iterator[Claim]:
+    """That no more of the picture drowns in black than before, unless words ask for dark, or for something that is."""
+    black = any(c.color and lab_from_srgb(c.color)[0] < _BLACK for c in claims)
+    dark = any(
+        (c.measure in _OF_DARKNESS and c.upper[0] < _DARK) or c.measure == "silhouette" for c in claims
+    )
+    if not black and not dark and parsed.targets.get("brightness") != "dark":
+        yield Claim.unsaid("picture", "drowned", upper=_DROWNED)
 
 
 def _bound(text: ClaimText, attribute: Attribute) -> Claim:

@@ -199,20 +199,24 @@ def around(u: Tensor, lower: Tensor, upper: Tensor, share: float) -> tuple[Tenso
     return torch.maximum(lower, middle - reach), torch.minimum(upper, middle + reach)
 
 
-def opened(lower: Tensor, upper: Tensor, which: Tensor, share: float) -> tuple[Tensor, Tensor]:
+def opened(lower: Tensor, upper: Tensor, share: Tensor, own: Tensor) -> tuple[Tensor, Tensor]:
     """A box with wider ranges, within the hard bounds; a narrow range is widened as one of `_NARROW` is.
+
+    A range opens no farther than to the artist's value: more contrast never comes to less of it.
 
     Args:
         lower: (N,) lower corner of the box.
         upper: (N,) upper corner.
-        which: (N,) bool, the components whose ranges are widened.
-        share: Of a range, by which it is wider on either side.
+        share: (N,) of each range, by which it is wider on either side; infinite for all that there is.
+        own: (N,) the artist's values.
 
     Returns:
         The corners of the larger box, each (N,).
     """
-    margin = share * torch.where(which, (upper - lower).clamp_min(_NARROW), 0.0)
-    return (lower - margin).clamp_min(0.0).minimum(lower), (upper + margin).clamp_max(1.0).maximum(upper)
+    margin = torch.where(share > 0.0, share * (upper - lower).clamp_min(_NARROW), 0.0)
+    low = torch.where(own < lower, torch.maximum(lower - margin, own), lower - margin)
+    high = torch.where(own > upper, torch.minimum(upper + margin, own), upper + margin)
+    return low.clamp_min(0.0).minimum(lower), high.clamp_max(1.0).maximum(upper)
 
 
 def nearest_turn(instance: Instance, lower: Values, upper: Values, value: Values) -> tuple[Values, Values]:

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """u and back: exact for what nothing moved, differentiable, and never outside of a box."""
 
+import math
+
 import pytest
 import torch
 
@@ -110,8 +112,17 @@ def test_wider_ranges_stay_within_the_hard_bounds_and_leave_others_alone():
     lower, upper = (
         torch.tensor(x, dtype=torch.float64) for x in ([0.1, 0.4, 0.4, 0.5], [0.5, 0.6, 0.6, 0.5])
     )
-    low, high = opened(lower, upper, torch.tensor([True, True, False, True]), 0.5)
+    low, high = opened(lower, upper, torch.tensor([0.5, 0.5, 0.0, 0.5]), lower)
     torch.testing.assert_close(low, torch.tensor([0.0, 0.3, 0.4, 0.425], dtype=torch.float64))
     torch.testing.assert_close(
         high, torch.tensor([0.7, 0.7, 0.6, 0.575], dtype=torch.float64)
     )  # a single value opens too
+
+
+def test_a_range_opens_no_farther_than_to_the_artists_value():
+    lower, upper, own = (
+        torch.tensor(x, dtype=torch.float64) for x in ([0.5, 0.5, 0.5], [0.7, 0.7, 0.7], [0.45, 0.9, 0.6])
+    )
+    low, high = opened(lower, upper, torch.tensor([math.inf, math.inf, 0.5]), own)
+    torch.testing.assert_close(low, torch.tensor([0.45, 0.0, 0.4], dtype=torch.float64))
+    torch.testing.assert_close(high, torch.tensor([1.0, 0.9, 0.8], dtype=torch.float64))

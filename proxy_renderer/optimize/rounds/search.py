@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -233,11 +234,11 @@ class Search:
         """The plan's ranges at u (N,), those that words name opened; lamps stay so small that they touch nothing."""
         ranges = feasible_ranges(plan, self.vector.instances, self.vector.values(u))
         if opening:
-            named = [key for key, entry in plan.items() if self._opens(key, entry)]
-            lower, upper = opened(*self.vector.bounds(ranges), self.vector.mark(named), opening)
-            measured = self.vector.mark(key for key in named if self._is_measured(key))
-            low = self.vector.plain(lower.masked_fill(measured, 0.0))
-            high = self.vector.plain(upper.masked_fill(measured, 1.0))
+            named = {key for key, entry in plan.items() if self._opens(key, entry)}
+            share = torch.where(self.vector.mark(named), opening, 0.0)
+            share = share.masked_fill(self.vector.mark(filter(self._is_measured, named)), math.inf)
+            corners = opened(*self.vector.bounds(ranges), share, self.vector.encode({}))
+            low, high = map(self.vector.plain, corners)
             ranges |= {key: (low[key], high[key]) for key in named}
         for key, widest in self._widest.items():
             low_end, high_end = ((min(end[0], widest),) for end in ranges[key])
