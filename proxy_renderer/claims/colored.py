@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Color words as claims: the color of a thing, a tint of the light, the air or the film, warm shadows, and gold that is golden."""
+"""Color words as claims: the color of a thing, a tint of the light, the air or the film, teal shadows, and gold that is golden."""
 
 from __future__ import annotations
 
@@ -43,10 +43,10 @@ _ACCENT = 12.0
 _DROWNED, _LEAST_DROWNED = 0.5, 25.0
 """Share of a color's chroma, but at least this, at which its light leaves nothing of the picture's other colors."""
 
-_TONED = {"shadow": "shadow_warmth", "highlight": "highlight_warmth"}
-"""Kinds of things whose color is a warmth of the picture's darks or lights -> its measure."""
-_WARM = (4.0, 22.0)
-"""How warm or cold they are at least, and at most; b*. Less cold ones than before are not orange yet."""
+_TONED = {"shadow": "shadow_cast", "highlight": "highlight_cast"}
+"""Kinds of things whose color is a cast of the picture's darks or lights -> its measure."""
+_CAST = (6.0, 24.0)
+"""How far a cast lies in the color's direction at least, and at most; a* and b*. Less blue lights than before are not orange yet."""
 
 _LIGHTING = ("light", "fill", "rim", "ambience", "tone")
 """Kinds of things whose color is a tint of the picture."""
@@ -94,11 +94,10 @@ def _of_gray_air(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
 
 
 def _toned(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
-    """ "Orange highlights": warm ones; nothing for a color that is neither warm nor cold."""
-    warmth, (least, most) = lab_from_srgb(srgb)[2], _WARM
-    if abs(warmth) >= _COLORED:
-        ends = ((least,), (most,)) if warmth > 0 else ((-most,), (-least,))
-        yield Claim(attribute.word, "picture", _TONED[attribute.kind], "picture", *ends)
+    """ "Teal shadows": a cast of what is dark, whatever is painted; nothing for gray."""
+    measure, (least, most) = _TONED[attribute.kind], _CAST
+    tints = tinted(attribute.word, "picture", "picture", srgb)
+    yield from (replace(t, measure=measure, lower=(least,), upper=(most,), change=None) for t in tints)
 
 
 def _around(shown: Values, named: float) -> tuple[Values, Values, Values]:

@@ -10,7 +10,7 @@ from proxy_renderer.claims.claim import Claim
 from proxy_renderer.claims.measures.registry import MEASURES
 from proxy_renderer.claims.notation import read_claim
 from proxy_renderer.claims.wanted import _of_heads, claims_of
-from proxy_renderer.color.floats import oklab_from_srgb, srgb_from_hex
+from proxy_renderer.color.floats import lab_from_srgb, oklab_from_srgb, srgb_from_hex
 from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.parser import parse
@@ -58,7 +58,7 @@ def test_claims_of_the_vocabulary_can_be_read_and_those_of_heads_name_classes() 
         ("ground fog", {("mist_below", "subject"), ("haze", "surroundings")}),
         (
             "teal shadows and orange highlights",
-            {("shadow_warmth", "picture"), ("highlight_warmth", "picture")},
+            {("shadow_cast", "picture"), ("highlight_cast", "picture")},
         ),
     ],
 )
@@ -79,13 +79,15 @@ def test_a_pale_or_dark_color_is_not_its_neighbor(name: str, code: str, impostor
     assert abs(lightness[0] - shown) < 15
 
 
-def test_a_color_of_the_highlights_is_their_warmth() -> None:
-    (warm,) = [c for c in claims("orange highlights") if c.measure == "highlight_warmth"]
-    (cold,) = [c for c in claims("blue highlights") if c.measure == "highlight_warmth"]
-    assert warm.lower[0] > 0 > cold.upper[0]
-    assert not [
-        c for c in claims("green highlights, red vase") if c.measure == "highlight_warmth" and c.upper[0] < 0
-    ]
+@pytest.mark.parametrize("color", ["orange", "teal", "green", "magenta"])
+@pytest.mark.parametrize("tones", ["shadows", "highlights"])
+def test_a_color_of_shadows_or_highlights_is_their_cast(color: str, tones: str) -> None:
+    (cast,) = [c for c in claims(f"{color} {tones}, matte vase") if c.measure.endswith("_cast")]
+    assert cast.measure.startswith(tones[:-1])
+    assert cast.part == "picture"
+    assert cast.lower[0] > 0
+    named = lab_from_srgb(cast.color or (0, 0, 0))[1:]
+    assert sum(x * y for x, y in zip(cast.direction, named, strict=True)) > 20
 
 
 @pytest.mark.parametrize(
