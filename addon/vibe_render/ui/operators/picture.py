@@ -23,7 +23,10 @@ class VIBE_OT_paste_picture(IdleOperator):
         """Pastes it."""
         image = compat.pasted_picture(context)
         if image is None:
-            raise schema.VibeError("There is no picture in the clipboard.", "Copy one first.")
+            raise schema.VibeError(
+                "Blender sees no picture in the clipboard.",
+                "Copy one first. Some desktops hand Blender none (X11 on Linux): save it, and choose File.",
+            )
         image.pack()
         settings = context.scene.vibe
         settings.like_from, settings.like_image = "IMAGE", image
