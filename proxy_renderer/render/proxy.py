@@ -29,7 +29,7 @@ from .surface.surfaces import direct_lights_of, table_of
 from .surface.view_cache import ViewCache
 from .transport.fog import FogMedium
 from .transport.indirect import IndirectLight
-from .transport.secondary_hits import RadianceTable
+from .transport.radiance_table import RadianceTable
 from .transport.volume import DIRECTIONS, SingleScattering
 
 _FILM_KEYS = tuple(key for key, p in FAMILIES.items() if p.group == "film")

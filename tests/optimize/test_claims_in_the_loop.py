@@ -14,8 +14,9 @@ from proxy_renderer.guidance.encoder import Encoder
 from proxy_renderer.optimize.inner.descent import fixed_views
 from proxy_renderer.optimize.rounds import refinement
 from proxy_renderer.optimize.rounds import search as rounds
+from proxy_renderer.optimize.rounds.confiner import Start
 from proxy_renderer.optimize.rounds.refinement import Refinement
-from proxy_renderer.optimize.rounds.search import Missed, Search, Start
+from proxy_renderer.optimize.rounds.search import Missed, Search
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.planning.types import Plan
 from proxy_renderer.scene import load_scene
@@ -114,9 +115,9 @@ def test_a_round_that_made_it_worse_is_taken_back_first_with_narrower_ranges_the
     began, ends = [], []
     confine = Search.confine
 
-    def confined_at(self, u, earlier, start, reach=1.0, opening=0.0):
-        began.append((u.clone(), reach, opening))
-        return confine(self, u, earlier, start, reach, opening)
+    def confined_at(self, u, earlier, start, reach):
+        began.append((u.clone(), reach))
+        return confine(self, u, earlier, start, reach)
 
     def missed(self, u):
         ends.append(u.clone())
@@ -127,8 +128,8 @@ def test_a_round_that_made_it_worse_is_taken_back_first_with_narrower_ranges_the
     monkeypatch.setattr(refinement, "CONVERGED", -1.0)
     monkeypatch.setattr(refinement, "PATIENCE", 9)
     Refinement(begun, Start(begun.vector.encode({}))).run()
-    assert [reach for _, reach, _ in began] == [1.0, 1.0, 1.0, 0.5]
-    assert [opening for *_, opening in began] == [0.0, 0.5, 0.0, 0.5]  # for a claim is missed all the time
+    assert [reach.share for _, reach in began] == [1.0, 1.0, 1.0, 0.5]
+    assert [reach.opening for _, reach in began] == [0.0, 0.5, 0.0, 0.5]  # a claim is missed all the time
     assert torch.equal(began[2][0], ends[0])
     assert torch.equal(began[3][0], ends[0])
 
@@ -210,14 +211,14 @@ def test_what_a_model_says_in_a_later_round_reaches_the_loss(search):
     first, claims = shot.guidance, shot.claims.claims
     begun.confine(now.u, now.plan, None)
     assert shot.guidance is first  # the same words
-    advisor = begun.advisor
+    advisor = begun.confiner.advisor
 
     class Model:
         def advise(self, display, instances, known):
             advice = advisor.advise(display, instances, known)
             return replace(advice, prompts=replace(advice.prompts, subject="a rusty ball", whole="rust"))
 
-    begun.advisor = Model()
+    begun.confiner.advisor = Model()
     begun.confine(now.u, now.plan, None)
     picture = shot.draw(now.u)
     before, after = (

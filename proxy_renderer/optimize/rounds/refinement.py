@@ -23,9 +23,10 @@ from ..anchoring import AnchorState
 from ..shots import ShotState
 from ..vector import ParameterVector
 from . import starts
+from .confiner import UNBOUND, Confined, Reach, Start
 from .easing import eased
 from .key_start import with_key_turned
-from .search import Confined, Missed, Search, Start
+from .search import Missed, Search
 
 STRIDE = 0.05
 """A projection that moves no value by more than this share of its whole range is not worth another anchor."""
@@ -135,7 +136,7 @@ class Refinement:
 
     def __init__(self, search: Search, start: Start) -> None:
         self._search, self._start = search, start
-        self._u, self._loss, self._reach, self._opening = start.u, math.inf, 1.0, 0.0
+        self._u, self._loss, self._reach = start.u, math.inf, UNBOUND
         self._last: Confined | None = None
         self._rounds: list[dict[str, Any]] = []
         self._ends: list[RoundEnd] = []
@@ -183,9 +184,10 @@ class Refinement:
             return False
         nearest = _nearest(self._ends)
         astray = nearest is not self._ends[-1]
-        widely = astray and self._opening > 0.0
+        share, opening = self._reach.share, self._reach.opening
+        widely = astray and opening > 0.0
         if self._search.claims_words and self._start.drawn is None:
-            self._opening = 0.0 if widely else min(self._opening + OPENING, WIDEST)
+            opening = 0.0 if widely else min(opening + OPENING, WIDEST)
         stuck = (
             self._settled
             or self._is_as_alike_as_it_gets()
@@ -195,10 +197,11 @@ class Refinement:
         if stuck and not self._elsewhere:
             return False
         if astray:
-            self._u, self._reach = nearest.u, self._reach * (1.0 if widely else 0.5)
+            self._u, share = nearest.u, share * (1.0 if widely else 0.5)
             recall(self._search.shots, nearest.anchors)
         if self._elsewhere:
-            self._tried_elsewhere, self._reach = True, 1.0
+            self._tried_elsewhere, share = True, 1.0
+        self._reach = Reach(share, opening)
         return True
 
     def _is_as_alike_as_it_gets(self) -> bool:
@@ -227,9 +230,9 @@ class Refinement:
         """Lines 2 to 16; returns whether another round may be worth it."""
         search, started = self._search, time.monotonic()
         plan = self._last.plan if self._last else Plan()
-        now = search.confine(self._u, plan, self._start, self._reach, self._opening)  # 2 to 5 and 7
+        now = search.confine(self._u, plan, self._start, self._reach)  # 2 to 5 and 7
         if self._elsewhere:
-            now = replace(now, u=search.middle(now))
+            now = replace(now, u=search.confiner.middle(now))
         elif not self._rounds and search.reference and search.reference.same:
             goal = search.reference.display
             scene, box = search.shots[0].scene, (now.lower, now.upper)

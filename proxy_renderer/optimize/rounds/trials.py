@@ -17,7 +17,8 @@ from ..inner.descent import fixed_views
 from ..plan import feasible_ranges
 from ..shots import ShotState
 from . import starts
-from .search import Confined, Search, Start
+from .confiner import Confined, Start
+from .search import Search
 
 
 def find_starts(search: Search) -> list[Start]:

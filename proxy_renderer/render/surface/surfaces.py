@@ -15,7 +15,7 @@ from ..lights.prefilter import GLOSSY, SATIN
 from ..material.shading_inputs import used
 from ..transport.glow import BLURS
 from ..transport.indirect import IndirectLight
-from ..transport.secondary_hits import RadianceTable
+from ..transport.radiance_table import RadianceTable
 from .frame import RenderState
 from .lobes import IncidentLight, ReflectedRadiance
 from .principled import shade

@@ -14,25 +14,23 @@ from torch import Tensor
 from ...color.tensors import luminance
 from ...scene import Material, SceneData
 from ...scene.values import wanted
-from ..edges.shadow_edges import ShadowEdges
 from ..edges.silhouette import Silhouettes
 from ..geometry.camera import View
 from ..geometry.gather_points import SparseWeights
 from ..geometry.samples import take
 from ..geometry.vectors import dot, unit
 from ..geometry.visibility import RayGeometry, Surface, facing
-from ..lights.cluster_shadows import ClusterShadows
 from ..lights.clusters import LightClusters
 from ..lights.environment import Sky
 from ..lights.prefilter import GLOSSY, SATIN
-from ..lights.shadows import ShadowFilter, shadow
-from ..lights.types.light_source import DirectIrradiance, LightSource
+from ..lights.types.light_source import LightSource
 from ..material.textures import MaterialTextures
 from ..transport.indirect import FinalGather
 from ..transport.indirect_fog import IndirectFogRays
 from ..transport.refraction import through
 from ..transport.secondary_hits import SecondaryHits
 from .defocus import Defocus
+from .direct_lights import DirectLights
 from .view_samples import DirectLight, ViewSamples
 
 _SMALL_STEP = 0.02
@@ -41,16 +39,6 @@ _SMALL_STEP = 0.02
 _LEAST_ALIKE = 0.1
 """Cosine between a mapped and the true normal below which the map cannot be meant."""
 _GEOMETRIC = ("alpha", "normal", "far")
-
-
-@dataclass
-class _Shadowed:
-    """A light's shadows (N,), and its direct light if none of its values is learned."""
-
-    signature: tuple[float, ...]
-    visible: Tensor
-    direct_light: DirectLight | None = None
-    edges: ShadowEdges | None = None
 
 
 @dataclass(frozen=True)
@@ -97,7 +85,6 @@ class ViewCache:
     ) -> None:
         self.scene, self.geometry, self.metals = scene, geometry, metals
         self.signature = view.signature()
-        moving = [lamp.moving for lamp in lamps]
         with torch.no_grad():
             self.samples = samples = take(geometry, view.detached(), smooth)
             self._hits = samples.hits.pick(slice(0, samples.surfaces))
@@ -105,22 +92,18 @@ class ViewCache:
             self._maps = MaterialTextures(scene, geometry.device, view.size)
             surface = geometry.surface(self._hits, toward[:, : samples.surfaces])
             self._view_samples = ViewSamples.of(self._bumped(surface, toward), toward)
-            self._smoothing = ShadowFilter(samples, self._view_samples.surface)
             surface = self._view_samples.surface
-            self.clusters = LightClusters.of(lamps, moving, surface)
-            self._shared = ClusterShadows(geometry, self._smoothing, surface, self.clusters)
+            self.clusters = LightClusters.of(lamps, [lamp.moving for lamp in lamps], surface)
+            self._direct = DirectLights(geometry, samples, self._view_samples, self.clusters)
             self._view = view.detached()
             generator = torch.Generator().manual_seed(seed)
             shape = metals, len(self.clusters), emissive, glowing, self._maps, generator
             self.indirect = FinalGather(geometry, samples, surface, self._view, *shape)
             self.mean_texture = [_mean(m, geometry.device) for m in scene.materials]
             self.inside, self.depth = self._inside(), self._depth()
-            owner = geometry.object[self._hits.triangle]
-            self._on_center = owner == samples.owner[samples.pixel[: samples.surfaces]]
             self.covered = samples.hits.hit.to(torch.float32)[None]
             self.defocus = Defocus.of(scene.camera, view.detached(), self.depth)
             self.mask = samples.resolve(self.inside).view(self.depth.shape)
-        self._direct_lights: dict[int, _Shadowed] = {}
         self._varying: dict[int, dict[str, Tensor]] = {}
         self._bounced: dict[int, LightSource] = {}
         self._outlines: Silhouettes | None = None
@@ -131,7 +114,7 @@ class ViewCache:
     def aside(self) -> Self:
         """A copy for one picture, whose moved lights leave nothing behind in this one."""
         other = copy(self)
-        other._direct_lights, other._bounced = dict(self._direct_lights), dict(self._bounced)
+        other._direct, other._bounced = self._direct.aside(), dict(self._bounced)
         other._through, other.indirect = dict(self._through), self.indirect.aside()
         return other
 
@@ -143,7 +126,7 @@ class ViewCache:
         """
         other = copy(self)
         other.metals, other._through = metals, {}
-        other._direct_lights, other._bounced = dict(self._direct_lights), dict(self._bounced)
+        other._direct, other._bounced = self._direct.aside(), dict(self._bounced)
         with torch.no_grad():
             other.indirect = self.indirect.with_mirrors(metals, self._bounced)
         return other
@@ -204,53 +187,11 @@ class ViewCache:
         self, index: int, lamps: Sequence[LightSource], view_samples: ViewSamples, view: View
     ) -> DirectLight:
         """Direct light of one of the lights; its shadows are traced again when it, or one of its cluster, has moved."""
-        lamp, row = lamps[index], self.clusters.row[index]
-        cluster = self.clusters.clusters[row]
-        signature = tuple(number for member in cluster.members for number in lamps[member].signature())
-        kept = self._direct_lights.get(index)
-        if kept is not None and kept.signature != signature:
-            kept = None
-        if index == cluster.members[0] and (kept is None or row not in self._bounced):
-            self._bounce(row, lamp)
-        moving = lamp.moving or view_samples.moving
-        if not moving and kept is not None and kept.direct_light is not None:
-            return kept.direct_light
-        direct = lamp.irradiance(view_samples.surface.position, view_samples.surface.normal)
-        if kept is None:
-            with torch.no_grad():
-                kept = self._direct_lights[index] = (
-                    _Shadowed(signature, self._shared.of(row, lamps, signature))
-                    if len(cluster.members) > 1
-                    else self._trace(lamp, signature, None if view_samples.moving else direct)
-                )
-        if moving:
-            return DirectLight.of(
-                lamp, view_samples, direct, kept.visible + self._moving_shadow(kept, lamp, view)
-            )
-        with torch.no_grad():
-            kept.direct_light = DirectLight.of(lamp, self._view_samples, direct, kept.visible)
-        return kept.direct_light
-
-    def _trace(
-        self, lamp: LightSource, signature: tuple[float, ...], direct: DirectIrradiance | None
-    ) -> _Shadowed:
-        """Traces a light's shadows; its unshadowed irradiance is computed where the caller has none."""
-        surface = self._view_samples.surface
-        still = lamp.detached()
-        direct = direct or still.irradiance(surface.position, surface.normal)
-        visible = shadow(self.geometry, self._smoothing, surface, still, direct, lamp.moving)
-        return _Shadowed(signature, visible)
-
-    def _moving_shadow(self, kept: _Shadowed, lamp: LightSource, view: View) -> Tensor:
-        """Zeros (N,) with the gradient of a light's shadows, which move with light and camera."""
-        if not lamp.has_shadow_edges:
-            return torch.zeros_like(kept.visible)
-        if kept.edges is None:
-            with torch.no_grad():
-                still = view.detached(), lamp.detached()
-                kept.edges = ShadowEdges.of(self.geometry, self.samples, *still, kept.visible)
-        term = kept.edges.term(view, lamp, self.depth.numel())
-        return torch.where(self._on_center, term[self.samples.pixel[: self.samples.surfaces]], 0.0)
+        row = self.clusters.row[index]
+        first = index == self.clusters.clusters[row].members[0]
+        if first and (row not in self._bounced or self._direct.has_moved(index, lamps)):
+            self._bounce(row, lamps[index])
+        return self._direct.of(index, lamps, view_samples, view)
 
     def _bounce(self, index: int, lamp: LightSource) -> None:
         """Traces bounced light again after a jump of a light, but not after each small step of a gradient loop."""

@@ -29,7 +29,8 @@ from .fog import FogMedium, LightPaths
 from .glow import GlowShares, glow_of
 from .indirect_fog import IndirectFog
 from .lobe_rays import LobeRays
-from .secondary_hits import RadianceTable, SecondaryHits
+from .radiance_table import RadianceTable
+from .secondary_hits import SecondaryHits
 
 _DIFFUSE_RAYS = 16
 _GLOSSY_RAYS = 8
