@@ -132,9 +132,10 @@ class Reference:
         return None if where is None else float(claim.value(self._told.picture, where)[0])
 
     def _denies(self, claim: Claim) -> bool:
-        """Whether a claim of every picture is not this one's: in a dark one much may drown."""
+        """Whether a claim of every picture is not this one's: its tones say how black it is, and in a dark one much may drown."""
         medians = [s.claim for s in self.statements if s.claim.measure == "median"]
-        return claim.measure == "drowned" and any(median.lower[0] < _DIM for median in medians)
+        dark = any(median.lower[0] < _DIM for median in medians)
+        return claim.measure == "drowned" and (claim.part == "picture" or dark)
 
 
 def _shown(linear: np.ndarray, scene: SceneData) -> np.ndarray:
