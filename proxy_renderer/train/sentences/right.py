@@ -80,15 +80,22 @@ def _covers(word: LookWord, place: tuple[int, int] | None) -> bool:
 
 
 def _places(text: str, read: PromptPairs) -> dict[int, tuple[int, int]]:
-    """Item -> where its words stand in the artist's text, as far as the reader has left the words alone."""
+    """Item -> where its words stand in the artist's text; what the reader has put otherwise, where others are missing.
+
+    "Night" of "three in the morning" stands where all four do; "glossy black" of "glosy blak" word by word.
+    """
     theirs = [(as_meant(m.group()), m.span()) for m in _WORD.finditer(text)]
     mine = [(word, i) for i, item in enumerate(read.passage.items) for word in item.token.text.split()]
     matcher = SequenceMatcher(None, [w for w, _ in mine], [w for w, _ in theirs], autojunk=False)
     places: dict[int, tuple[int, int]] = {}
-    for block in matcher.get_matching_blocks():
-        for n in range(block.size):
-            item, (start, end) = mine[block.a + n][1], theirs[block.b + n][1]
-            places[item] = (places.get(item, (start, end))[0], end)
+    for kind, first, last, start, end in matcher.get_opcodes():
+        if kind not in ("equal", "replace"):
+            continue
+        alike = last - first == end - start
+        for n in range(first, last):
+            spans = [theirs[start + n - first][1]] if alike else [span for _, span in theirs[start:end]]
+            item = mine[n][1]
+            places[item] = (places.get(item, spans[0])[0], spans[-1][1])
     return places
 
 
