@@ -97,6 +97,12 @@ def lit(claim: Claim, colored: Sequence[Claim]) -> Claim:
     return replace(claim, apart=tuple(dict.fromkeys(apart)))
 
 
+def on_things(claim: Claim) -> Claim:
+    """A claim of vivid colors, measured on things: a gray world that is seen behind them has none, and lights them all."""
+    vivid = (claim.part, claim.measure) == ("picture", "chroma") and claim.lower[0] > 0.0
+    return replace(claim, apart=(("sky", ()),)) if vivid else claim
+
+
 def still_light(colors: Sequence[Claim], claims: Iterable[Claim]) -> list[Claim]:
     """That colored light is no dark light: where no word says how light the picture is, it stays as light as the color is.
 

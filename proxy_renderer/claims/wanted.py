@@ -28,6 +28,7 @@ from .conflicts import (
     is_light,
     is_painted,
     lit,
+    on_things,
     parted,
     still_light,
 )
@@ -87,8 +88,8 @@ def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
     claims += still_light(said_colors, claims)
     painted = [c for attribute, row in said for c in row if is_painted(c, attribute)]
     colored = [c for c in claims if c.measure == "color"] + painted
-    lights = (lit(c, colored) if is_light(c) else in_the_dark(c, darkest) for c in claims)
-    return (*lights, *_of_every_picture(parsed), *_unburnt(claims), *_undrowned(parsed, claims))
+    shown = (on_things(lit(c, colored) if is_light(c) else in_the_dark(c, darkest)) for c in claims)
+    return (*shown, *_of_every_picture(parsed), *_unburnt(claims), *_undrowned(parsed, claims))
 
 
 def _rank(attribute: Attribute, claims: Sequence[Claim]) -> tuple[bool, int, int]:

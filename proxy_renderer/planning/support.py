@@ -17,6 +17,7 @@ from .owners import BACKDROP, Owners
 from .ranges import clip, facing_white
 from .sources import Range, Sources
 from .types import PlanEntry
+from .vivid import colored, wants_color
 
 _LATE = 12
 """Priority of exposure; what words name comes first."""
@@ -44,7 +45,7 @@ def supports(
 
     All of them hold the artist's value, but for the power of a light that is added, which has none.
     """
-    reaches = dict(_reaches(_free_regions(parsed, entries, owners), parsed, instances, sources, owners))
+    reaches = dict(_reaches(parsed, instances, sources, entries, owners))
     free = {key for key in reaches if entries[key].priority is None and not instances[key].locked}
     found = {}
     for key in free:
@@ -63,18 +64,22 @@ def _free_regions(parsed: Parsed, entries: dict[str, PlanEntry], owners: Owners)
 
 
 def _reaches(
-    regions: list[Region],
     parsed: Parsed,
     instances: dict[str, Instance],
     sources: Sources,
+    entries: dict[str, PlanEntry],
     owners: Owners,
 ) -> Iterator[tuple[str, tuple[Range, int, str]]]:
     """Keys, and for each how far it may go, how much later than exposure it comes, and why."""
-    for region in regions:
-        for name in _largest(owners.materials(region), sources):
-            if (key := f"material/{name}/base_color") in instances:
-                why = "the subject stands out from its surroundings"
-                yield key, (_shades(instances[key].value), -1, why)
+    regions = sorted(_free_regions(parsed, entries, owners))  # the subject first
+    names = [name for region in regions for name in _largest(owners.materials(region), sources)]
+    keys = [key for name in names if (key := f"material/{name}/base_color") in instances]
+    why = "the subject stands out from its surroundings"
+    yield from ((key, (_shades(instances[key].value), -1, why)) for key in keys)
+    unnamed = [key for key in keys if entries[key].priority is None]
+    if wants_color(parsed, instances, unnamed):
+        why = "vivid colors are seen on something"
+        yield from ((key, (ends, -1, why)) for key, ends in colored(instances, unnamed))
     if BACKDROP in instances:
         yield BACKDROP, (_times(instances[BACKDROP].value, _WORLD), -1, "the subject stands out from it")
     if "film/exposure" in instances:

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """What no word names but claims may need."""
 
+import math
 from dataclasses import replace
 
 import pytest
 from plan_parts import CONTEXT, make_instances, make_plan
+
+from proxy_renderer.color.floats import lab_from_srgb, srgb_from_linear
 
 FLOOR, BODY = "material/Floor/base_color", "material/Body/base_color"
 
@@ -52,3 +55,24 @@ def test_of_many_surfaces_only_those_that_are_seen_much_may_change():
 def test_only_named_colors_are_strengthened():
     assert "film/saturation" in supported(make_plan("teal dolphin"))
     assert "film/saturation" not in supported(make_plan("soft light"))
+
+
+def test_vivid_colors_need_something_that_has_one():
+    """Of gray things each gets a hue of its own; where anything has a color, saturation is enough, and named colors are."""
+    gray = make_instances()
+    plan = make_plan("vivid colors", gray)
+    hues = [
+        hue_of([(a + b) / 2 for a, b in zip(e.lower, e.upper, strict=True)])
+        for e in (plan[BODY], plan[FLOOR])
+    ]
+    assert 90 < abs(hues[0] - hues[1]) < 270
+    colored = gray | {FLOOR: replace(gray[FLOOR], value=(0.5, 0.1, 0.1))}
+    for prompt, scene in (("vivid colors", colored), ("soft light", gray), ("vivid colors, teal body", gray)):
+        entry = make_plan(prompt, scene)[FLOOR]
+        assert entry.lower <= scene[FLOOR].value <= entry.upper
+
+
+def hue_of(linear):
+    _, a, b = lab_from_srgb(srgb_from_linear(linear))
+    assert math.hypot(a, b) > 30
+    return math.degrees(math.atan2(b, a)) % 360

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What "vivid colors" need where nothing has a color: saturation times gray is gray."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+from ..color.floats import chroma, lab_from_srgb, linear_from_srgb, srgb_from_lab, srgb_from_linear
+from ..prompt.types import Parsed
+from ..schema import Instance, Values
+from .ranges import clip
+from .sources import Range
+
+_GRAY = 8.0  # C* of a base color up to which it is gray
+_CHROMA, _LIGHTNESS = 52.0, (48.0, 68.0)  # C* and L* of the colors that surfaces get
+_HUES = (
+    45.0,
+    137.5,
+)  # degrees of the first one, orange, and from one to the next: the golden angle keeps them apart
+_WITHIN = (0.75, 1.25)  # multiples of a color between which it is sought
+
+
+def wants_color(parsed: Parsed, instances: dict[str, Instance], keys: Sequence[str]) -> bool:
+    """Whether words ask for vivid colors, and no surface has one.
+
+    Args:
+        parsed: The prompt.
+        instances: The scene's parameters.
+        keys: Of the base colors that no word names.
+    """
+    vivid = parsed.targets.get("saturation") == "vivid"
+    return vivid and not parsed.colors and all(_is_gray(instances[key].value) for key in keys)
+
+
+def colored(instances: dict[str, Instance], keys: Sequence[str]) -> Iterator[tuple[str, Range]]:
+    """Ranges of base colors around hues that are told apart.
+
+    Args:
+        instances: The scene's parameters.
+        keys: Of the base colors, the most important one first.
+    """
+    first, step = _HUES
+    for number, key in enumerate(keys):
+        hue = math.radians(first + number * step)
+        own = lab_from_srgb(srgb_from_linear(instances[key].value))[0]
+        light = min(max(own, _LIGHTNESS[0]), _LIGHTNESS[1])
+        color = linear_from_srgb(srgb_from_lab((light, _CHROMA * math.cos(hue), _CHROMA * math.sin(hue))))
+        low, high = (tuple(v * share for v in color) for share in _WITHIN)
+        yield key, clip(low, high, instances[key])
+
+
+def _is_gray(color: Values) -> bool:
+    return chroma(lab_from_srgb(srgb_from_linear(color))) <= _GRAY
