@@ -59,7 +59,7 @@ class Confined:
 
 
 @dataclass(frozen=True)
-class Reach:
+class RoundReach:
     """How far a round may go.
 
     Attributes:
@@ -71,7 +71,7 @@ class Reach:
     opening: float = 0.0
 
 
-UNBOUND = Reach()
+UNBOUND = RoundReach()
 """A round may go as far as its plan says, and no farther."""
 
 
@@ -117,7 +117,7 @@ class Confiner:
         return replace(advice, plan=plan_everything(instances, self._baseline) if self._baseline else plan)
 
     def confine(
-        self, advice: Advice, u: Tensor, start: Start | None, reach: Reach, claims: Sequence[Claim]
+        self, advice: Advice, u: Tensor, start: Start | None, reach: RoundReach, claims: Sequence[Claim]
     ) -> Confined:
         """Projects u into the box of a plan.
 

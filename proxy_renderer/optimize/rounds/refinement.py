@@ -23,7 +23,7 @@ from ..anchoring import AnchorState
 from ..shots import ShotState
 from ..vector import ParameterVector
 from . import starts
-from .confiner import UNBOUND, Confined, Reach, Start
+from .confiner import UNBOUND, Confined, RoundReach, Start
 from .easing import eased
 from .key_start import with_key_turned
 from .search import Missed, Search
@@ -201,7 +201,7 @@ class Refinement:
             recall(self._search.shots, nearest.anchors)
         if self._elsewhere:
             self._tried_elsewhere, share = True, 1.0
-        self._reach = Reach(share, opening)
+        self._reach = RoundReach(share, opening)
         return True
 
     def _is_as_alike_as_it_gets(self) -> bool:

@@ -33,7 +33,7 @@ from ..inner.least_squares import solve
 from ..looks import Looks
 from ..progress import Clock, Observer
 from ..shots import ShotInput, ShotState, gathered
-from .confiner import UNBOUND, Confined, Confiner, Reach, Start
+from .confiner import UNBOUND, Confined, Confiner, RoundReach, Start
 from .judges import make_guidance, weights_of
 from .selection import Selection, select
 
@@ -165,7 +165,7 @@ class Search:
             distance = float(claims_loss(residuals)) if residuals else 0.0
         return Missed(round(distance, 3), sum(float(r.norm()) > HOLDS for r in residuals))
 
-    def confine(self, u: Tensor, earlier: Plan, start: Start | None, reach: Reach = UNBOUND) -> Confined:
+    def confine(self, u: Tensor, earlier: Plan, start: Start | None, reach: RoundReach = UNBOUND) -> Confined:
         """Lines 2 to 5 and 7 of Algorithm 1 at u: render, parse, compose, confine, project.
 
         Args:
