@@ -29,6 +29,9 @@ _FARTHEST = 12.0
 _DIM, _DIMMEST = 45.0, 0.5
 """L* of a whole picture from where it is dark, and the share of a color's lightness that is left of it at least."""
 
+_LIT_WHITE = 6.0
+"""How far white things may lie in the direction of the light's color, OKLab times 100."""
+
 _COLORED = 12.0  # C* below which a color tints nothing
 _TINTED = (6.0, 3.0)
 """How far in a color's direction a tinted picture lies, or how much farther than before; in a* and b*."""
@@ -139,6 +142,22 @@ def in_the_dark(claim: Claim, darkest: float) -> Claim:
         lower=tuple(min(end, share * end) for end in claim.lower),
         upper=tuple(max(end, share * end) for end in claim.upper),
     )
+
+
+def in_colored_light(claim: Claim, casts: Iterable[Values]) -> Claim:
+    """A claim about white or gray as it is in colored light: at blue hour a white car is bluish, and is not painted yellow for it.
+
+    Args:
+        claim: Any; others than those of white and gray stay.
+        casts: Unit vectors in a and b, where light is to have a color.
+    """
+    if claim.measure != "color" or claim.direction:
+        return claim
+    (light, *lower), (lightest, *upper) = claim.lower, claim.upper
+    for cast in casts:
+        lower = [min(end, end + _LIT_WHITE * part) for end, part in zip(lower, cast, strict=True)]
+        upper = [max(end, end + _LIT_WHITE * part) for end, part in zip(upper, cast, strict=True)]
+    return replace(claim, lower=(light, *lower), upper=(lightest, *upper))
 
 
 def of_matter(attribute: Attribute, beside: Iterable[Attribute], vocabulary: Vocabulary) -> Iterator[Claim]:

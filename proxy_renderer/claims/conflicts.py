@@ -20,6 +20,9 @@ USUAL = ("atmosphere", "setting")
 _OPPOSED = 0.5
 """Cosine between a tint and the other direction, from where a picture cannot have both."""
 
+_WARM = (0.45, 0.89)
+"""Direction of warm light, as `measures.color.warmth` has it."""
+
 _LIT, _STILL = 44.0, 0.7
 """L* of a picture in colored light at least, and the share of the color's own lightness that is enough for dark colors."""
 
@@ -157,6 +160,13 @@ def asks(claim: Claim) -> int:
     if claim.measure != "warmth":
         return 0
     return 1 if claim.lower[0] > 0.0 else -1 if claim.upper[0] < 0.0 else 0
+
+
+def cast_of(claim: Claim) -> Values:
+    """The direction in a and b in which a claim wants the light of the whole picture to be colored; () for other claims."""
+    if not is_light(claim) or claim.measure == "accent":
+        return ()
+    return claim.direction or tuple(asks(claim) * part for part in _WARM if asks(claim))
 
 
 def is_painted(claim: Claim, attribute: Attribute) -> bool:

@@ -16,13 +16,14 @@ from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.meaning import heads_of
 from ..prompt.types import Attribute, Parsed
 from .claim import Claim
-from .colored import in_the_dark, of_color, of_matter, part_of
+from .colored import in_colored_light, in_the_dark, of_color, of_matter, part_of
 from .comparing import compares
 from .conflicts import (
     USUAL,
     adds,
     asks,
     beside_painted,
+    cast_of,
     gives_way,
     is_brightness,
     is_light,
@@ -88,7 +89,9 @@ def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
     claims += still_light(said_colors, claims)
     painted = [c for attribute, row in said for c in row if is_painted(c, attribute)]
     colored = [c for c in claims if c.measure == "color"] + painted
+    tints = [cast for c in claims if (cast := cast_of(c))]
     shown = (on_things(lit(c, colored) if is_light(c) else in_the_dark(c, darkest)) for c in claims)
+    shown = (in_colored_light(c, tints) for c in shown)
     return (*shown, *_of_every_picture(parsed), *_unburnt(claims), *_undrowned(parsed, claims))
 
 

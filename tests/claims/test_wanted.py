@@ -409,3 +409,17 @@ def test_a_picture_burns_out_only_where_words_ask_for_white() -> None:
     assert kept("golden hour")
     assert not kept("white background")
     assert not kept("high key")
+
+
+def test_white_things_may_have_the_color_of_the_light() -> None:
+    """A white car at blue hour is bluish; a red one is red, and white in plain light is white."""
+
+    def reach(prompt: str) -> tuple[float, float]:
+        (claim,) = [c for c in claims(prompt) if c.measure == "color"]
+        return claim.lower[2], claim.upper[2]
+
+    plain, cool, warm = (reach(f"white vase{rest}") for rest in ("", ", blue hour", ", warm light"))
+    assert cool[0] < plain[0] - 3
+    assert warm[1] > plain[1] + 3
+    assert (cool[1], warm[0]) == (plain[1], plain[0])
+    assert reach("red vase, warm light") == reach("red vase")
