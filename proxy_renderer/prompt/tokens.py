@@ -12,6 +12,8 @@ from .lexicon.nearest import Guess
 from .lexicon.tinges import compound
 from .lexicon.vocabulary import Vocabulary
 
+TIES = ("link", "around", "joiner", "comparison", "exception")
+"""Lists of words that only say how their neighbors belong together."""
 ShadeArguments = tuple[float, float, float, float]
 """Arguments of `color.shade`."""
 
@@ -33,6 +35,8 @@ class Token:
         guess: It is misspelled or unknown, and this is the nearest known word.
         near: What an unknown word may mean; the parser decides whether it stands where a look word can.
         shades: What shade words before it do to a material's color, see `types.Attribute`.
+        clause: Number of its clause.
+        wished: It is part of a wish that values cannot fulfill: "remove the chair".
     """
 
     text: str
@@ -47,12 +51,33 @@ class Token:
     guess: str = ""
     near: Guess | None = None
     shades: tuple[ShadeArguments, ...] = ()
+    clause: int = 0
+    wished: bool = False
 
     @property
     def known(self) -> bool:
         """Whether it plays any role."""
-        look = self.entry or self.color or self.adjective or self.noun or self.scene
-        return bool(look or self.strength or self.lists)
+        return bool(self._names or self.scene or self.strength or self.lists)
+
+    @property
+    def ties(self) -> bool:
+        """Whether it only says how its neighbors belong together: "of", "with", "than"."""
+        return not (self.entry or self.lists.isdisjoint(TIES))
+
+    @property
+    def filler(self) -> bool:
+        """Whether it says nothing: articles and the like."""
+        return "stop" in self.lists and not self._names
+
+    @property
+    def names_a_look(self) -> bool:
+        """Whether it can be a look word."""
+        return bool(self.entry or self.color or self.adjective or self.near)
+
+    @property
+    def _names(self) -> bool:
+        """Whether it is a look, or a kind of thing."""
+        return bool(self.entry or self.color or self.adjective or self.noun)
 
 
 def composed(words: list[str], vocabulary: Vocabulary) -> Token | None:

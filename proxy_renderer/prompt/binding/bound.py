@@ -56,7 +56,7 @@ class Things:
         """The noun by which the prompt calls a subject whose names the scene does not tell: "car" of a scene of cubes."""
         mentions = self.found.mentions
         used = {p.look.index for p in self.chosen if p.target.kind not in NOWHERE}
-        said = {item.token.text for item in self.found.passage.items}
+        said = {item.text for item in self.found.passage.items}
         if self.scene.subject in said or any(self._names_subject(m) for m in mentions):
             return ""
         starts = {m.start for m in mentions}

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from ..lexicon.vocabulary import Vocabulary
 from ..mentions.nouns import NounMention
-from ..mentions.passage import TIES, Passage
-from ..tokens import Token
+from ..mentions.passage import Passage
+from ..tokens import TIES, Token
 
 _SPARES = ("exception", "save", "refusal")
 """Lists of words that leave out what follows them."""
@@ -48,7 +48,7 @@ class ClauseForms:
             return "noun"
         if place in self.look_at:
             return "look"
-        lists = self.passage.items[place].token.lists
+        lists = self.passage.items[place].lists
         return next((tie for tie in TIES if tie in lists), "other")
 
     def sort_of(self, token: Token) -> str:
@@ -74,11 +74,11 @@ class ClauseForms:
             return "nothing"
         place, item = before[-1], self.passage.items[before[-1]]
         if item.ties:
-            return f"'{item.token.text}' after {'a look' if place - 1 in self.look_at else 'others'}"
-        return f"'{item.token.text}'" if item.filler else "a noun" if place in self.noun_at else "others"
+            return f"'{item.text}' after {'a look' if place - 1 in self.look_at else 'others'}"
+        return f"'{item.text}'" if item.filler else "a noun" if place in self.noun_at else "others"
 
     def _is_led(self, place: int) -> bool:
-        passed = place in self.look_at or "article" in self.passage.items[place].token.lists
+        passed = place in self.look_at or "article" in self.passage.items[place].lists
         return passed and place not in self.noun_at
 
     def turn(self, clause: int) -> str:
@@ -92,7 +92,7 @@ class ClauseForms:
         last = next((p for p in reversed(self.places[clause - 1]) if p in self.noun_at | self.look_at), None)
         if last is None:
             return "after a clause of neither"
-        token = self.passage.items[last].token
+        token = self.passage.items[last]
         what = token.noun or ("a name" if last in self.noun_at else self.sort_of(token))
         return f"after a clause that ends in {what}"
 
@@ -102,7 +102,7 @@ class ClauseForms:
         if start is None:
             return ""
         items = self.passage.items
-        ties = (p for p in range(start - 1, -1, -1) if not items[p].token.lists.isdisjoint(_SPARES))
+        ties = (p for p in range(start - 1, -1, -1) if not items[p].lists.isdisjoint(_SPARES))
         tied = next(ties, start)
         near = (items[start].clause - 1, items[start].clause)
         looks = any(place < tied and items[place].clause in near for place in self.look_at)

@@ -91,8 +91,8 @@ class PairFeatures:
         after = self._after()
         if after is not None:
             yield f"before {self.forms.role(after)}"
-            yield f"before '{items[after].token.text}'"
-            if "hour" in items[after].token.lists:
+            yield f"before '{items[after].text}'"
+            if "hour" in items[after].lists:
                 yield f"a {self._sort} word before an hour"
 
     def _turn(self) -> str:

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..mentions.nouns import NounMention
-from ..mentions.passage import TIES
+from ..tokens import TIES
 from .clauses import ClauseForms
 
 _FAR = 4  # items from which distance says no more
@@ -61,7 +61,7 @@ class NounPlace:
         """What ties stand between the two."""
         for place in range(self._low + 1, self._high):
             if self.passage.items[place].ties:
-                over = f"{self.where} over {self.passage.items[place].token.text}"
+                over = f"{self.where} over {self.passage.items[place].text}"
                 looks = range(place, self._high) if self.side == "after" else ()
                 own = not self.forms.look_at.isdisjoint(looks)
                 yield from (over, f"{over}, {'with' if own else 'without'} a look after it")
@@ -71,8 +71,8 @@ class NounPlace:
         items, start = self.passage.items, self.mention.start
         for item in (items[p] for p in reversed(self.forms.places[items[start].clause]) if p < start):
             if item.ties:
-                yield f"{self.where} led by {item.token.text}"
-                yield from (f"{self.where} led by a {tie}" for tie in TIES if tie in item.token.lists)
+                yield f"{self.where} led by {item.text}"
+                yield from (f"{self.where} led by a {tie}" for tie in TIES if tie in item.lists)
             if not item.filler:
                 return
         if not items[start].filler:

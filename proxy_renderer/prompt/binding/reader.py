@@ -127,7 +127,7 @@ class PromptReader:
                 continue
             if mention.noun == "unknown" and not mention.named and mention.text != self.subject:
                 yield mention.text
-        tokens = [item.token for item in self.found.passage.items]
+        tokens = self.found.passage.items
         yield from (t.text for t in tokens if "count" in t.lists or (t.text.isdigit() and not t.known))
 
     def _guessed_names(self) -> Iterator[tuple[str, str]]:

@@ -37,7 +37,7 @@ def with_picks(
     """
     found = {mention.start: _with_number(passage, mention, index) for mention in single}
     for place, item in enumerate(passage.items):
-        way = _way(item.token.text, vocabulary)
+        way = _way(item.text, vocabulary)
         if way is None or item.wished:
             continue
         noun = _noun_of(passage, place, single)
@@ -45,7 +45,7 @@ def with_picks(
         groups += [g for m in single if m.end < place and not noun and len(g := _group(m, index)) > 1][-1:]
         one = next((o for g in [*groups, *_alike(index.words)] if (o := _picked(way, g, index.words))), "")
         if one:
-            target = noun or found.get(place) or NounMention(place, place, item.token.text)
+            target = noun or found.get(place) or NounMention(place, place, item.text)
             known = found.get(target.start, target)
             found[target.start] = _picking(known, index.worn(one), f"picked {way}")
     return [found[start] for start in sorted(found)]
@@ -63,7 +63,7 @@ def _with_number(passage: Passage, mention: NounMention, index: SceneIndex) -> N
     after = passage.items[mention.end + 1 : mention.end + 2]
     group = _group(mention, index)
     near = after and after[0].clause <= passage.items[mention.end].clause + 1
-    one = _numbered(after[0].token.text, group) if len(group) > 1 and near else ""
+    one = _numbered(after[0].text, group) if len(group) > 1 and near else ""
     return _picking(mention, index.worn(one), "picked by number") if one else mention
 
 
@@ -90,7 +90,7 @@ def _noun_of(passage: Passage, place: int, single: list[NounMention]) -> NounMen
             return mention
     for mention in reversed(near):
         between = items[mention.end + 1 : place]
-        said = any(i.ties for i in between) or " " in items[place].token.text
+        said = any(i.ties for i in between) or " " in items[place].text
         if mention.end < place <= mention.end + _NEAR and said and all(i.filler or i.ties for i in between):
             return mention
     return None

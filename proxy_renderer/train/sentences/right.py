@@ -82,7 +82,7 @@ def _covers(word: LookWord, place: tuple[int, int] | None) -> bool:
 def _places(text: str, read: PromptPairs) -> dict[int, tuple[int, int]]:
     """Item -> where its words stand in the artist's text, as far as the reader has left the words alone."""
     theirs = [(as_meant(m.group()), m.span()) for m in _WORD.finditer(text)]
-    mine = [(word, i) for i, item in enumerate(read.passage.items) for word in item.token.text.split()]
+    mine = [(word, i) for i, item in enumerate(read.passage.items) for word in item.text.split()]
     matcher = SequenceMatcher(None, [w for w, _ in mine], [w for w, _ in theirs], autojunk=False)
     places: dict[int, tuple[int, int]] = {}
     for block in matcher.get_matching_blocks():
