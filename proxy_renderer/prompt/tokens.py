@@ -87,46 +87,45 @@ def composed(words: list[str], vocabulary: Vocabulary) -> Token | None:
         words: Next to each other.
         vocabulary: What words mean.
     """
-    return (
-        _tinged(words, vocabulary)
-        or next(_shaded(words, vocabulary), None)
-        or next(_shaded_material(words, vocabulary), None)
-    )
+    text, v = " ".join(words), vocabulary
+    made_of = words[0] in v.colors and words[0] in v.synonyms  # "ruby red lips" are red
+    if not made_of and (color := compound(words, v.colors)):
+        return Token(text, color=color, name=text)
+    led = [(leading, rest) for leading, rest in _led_by_shades(words, v) if text not in v.colors]
+    found = [_shaded(leading, rest, v) for leading, rest in led]
+    found += [_shaded_material(leading, rest, v) for leading, rest in led if text not in v.synonyms]
+    return next(filter(None, found), None)
 
 
-def _tinged(words: list[str], vocabulary: Vocabulary) -> Token | None:
-    made_of = words[0] in vocabulary.colors and words[0] in vocabulary.synonyms  # "ruby red lips" are red
-    color = None if made_of else compound(words, vocabulary.colors)
-    return Token(" ".join(words), color=color, name=" ".join(words)) if color else None
-
-
-def _shaded(words: list[str], v: Vocabulary) -> Iterator[Token]:
+def _shaded(leading: list[str], rest: list[str], v: Vocabulary) -> Token | None:
     """A color with shade words before it: "very dark blue", "dusty rose"."""
-    for leading, rest in _led_by_shades(words, v):
-        last = " ".join(rest)
-        name = last if last in v.colors else last.removesuffix("s")
-        color = v.colors.get(name) or compound(rest, v.colors)
-        if color is None:
-            continue
-        if " ".join(words) in v.colors or v.slot(last) == "grade":  # "faded sepia" is no paler brown
-            return
-        shades = _shades(leading, v)
-        for arguments in shades:
-            color = shade(color, *arguments)
-        both = leading[-1] in v.words["lightness"] and last in v.adjectives
-        yield Token(
-            " ".join(words), color=color, adjective=last if both else "",
-            name=" ".join([*leading, name]), shades=shades if both else (),
-        )  # fmt: skip
+    last = " ".join(rest)
+    name = last if last in v.colors else last.removesuffix("s")
+    color = v.colors.get(name) or compound(rest, v.colors)
+    if color is None or v.slot(last) == "grade":  # "faded sepia" is no paler brown
+        return None
+    shades = _shades(leading, v)
+    for arguments in shades:
+        color = shade(color, *arguments)
+    both = leading[-1] in v.words["lightness"] and last in v.adjectives
+    return Token(
+        " ".join([*leading, last]), color=color, adjective=last if both else "",
+        name=" ".join([*leading, name]), shades=shades if both else (),
+    )  # fmt: skip
 
 
-def _shaded_material(words: list[str], v: Vocabulary) -> Iterator[Token]:
+def _shaded_material(leading: list[str], rest: list[str], v: Vocabulary) -> Token | None:
     """A material with its own color, lighter or darker: "dark oak", "very pale wood"."""
-    for leading, rest in _led_by_shades(words, v):
-        entry = v.entry(" ".join(rest))
-        light = entry is not None and entry.slot == "material" and leading[-1] in v.words["lightness"]
-        if entry and light and entry.is_colored and " ".join(words) not in v.synonyms:
-            yield Token(" ".join(words), entry.name, name=" ".join(rest), shades=_shades(leading, v))
+    name = " ".join(rest)
+    entry = v.entry(name)
+    if (
+        entry is None
+        or entry.slot != "material"
+        or not entry.is_colored
+        or leading[-1] not in v.words["lightness"]
+    ):
+        return None
+    return Token(" ".join([*leading, name]), entry.name, name=name, shades=_shades(leading, v))
 
 
 def _led_by_shades(words: list[str], v: Vocabulary) -> Iterator[tuple[list[str], list[str]]]:

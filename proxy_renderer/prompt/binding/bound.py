@@ -20,10 +20,10 @@ _KINDS = {"lights": "light", "key": "light", "air": "fog"}
 
 @dataclass(frozen=True)
 class Thing:
-    """What look words are bound to; `kind` as in the vocabulary's nouns, or "whole"; the rest as in `types.Attribute`."""
+    """What look words are bound to; `kind` as in the vocabulary's nouns, or "whole"; all as in `types.Attribute`."""
 
     kind: str
-    name: str
+    thing: str
     region: Region
     owners: tuple[str, ...] = ()
     role: str = ""

@@ -46,12 +46,11 @@ class NounPlace:
             lead: What leads the look word.
         """
         where = self.where
-        yield where
         yield f"{where}: {kind}"
-        yield f"{where}: {min(len(self._between), _FAR)} between"
-        yield f"{where}: look led by {lead}"
         if not self._between and not self._apart:
             yield f"{self.side}: {kind} adjoins a {sort} word"
+        yield f"{where}: {min(len(self._between), _FAR)} between"
+        yield f"{where}: look led by {lead}"
         yield from self._ties()
         yield from self._led()
         if self.mention.members > 1:

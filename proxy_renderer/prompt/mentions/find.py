@@ -52,7 +52,7 @@ class _Finder:
         while start < len(self.items):
             found = self._at(start)
             if found:
-                yield self._with_side(found)
+                yield found
             start = found.end + 1 if found else start + 1
 
     def _at(self, start: int) -> NounMention | None:
@@ -70,8 +70,6 @@ class _Finder:
             return None
         named = self._of_one(token, said)
         noun = self._noun(start)
-        if not named and noun in ("unknown", "") and self._gives_light(start):
-            noun = "light"
         return self._mention(start, start, noun, named) if named or noun else None
 
     def _mention(self, start: int, end: int, noun: str, named: list[Named]) -> NounMention:
@@ -100,7 +98,8 @@ class _Finder:
             return self._surely(named)
         if named or token.known or token.color:
             return named
-        return [n for n in self.index.named(said[-1:], guess=True) if self._may_be_guessed(n, token)]
+        several = token.text.endswith("s")  # "a car" is not its wheels
+        return [n for n in self.index.named(said[-1:], guess=True) if several or not self.index.is_several(n)]
 
     def _surely(self, named: list[Named]) -> list[Named]:
         return [n for n in named if not n.signs.isdisjoint(_SURE)]
@@ -111,44 +110,10 @@ class _Finder:
         return [n for n in self.index.named(said[:-1]) if n.kind == "lights"] if any_light else []
 
     def _noun(self, start: int) -> str:
-        """The kind of thing that a token is: "unknown" for a word that nobody knows, or that is a mood, and here the thing itself."""
+        """The kind of thing that a token is: "unknown" for a word that nobody knows, or that is a mood, or here the thing itself."""
         token = self.items[start]
-        if token.noun:
+        if "thing" not in token.lists and (token.known or token.near):
             return token.noun
-        styled = any(i.filler for i in self.items[start + 1 : start + 2])  # "castle look"
-        before = self._before(start)  # "in a dark castle"
-        is_place = before is not None and not before.lists.isdisjoint(("around", "inside"))
-        may_be = "thing" in token.lists and not (styled or is_place)
-        return "unknown" if may_be or not (token.known or token.near) else ""
-
-    def _gives_light(self, start: int) -> bool:
-        """Whether a word ends what gives the light: "firefly" of "lit by a red firefly"."""
-        clause, before = self.items[start].clause, self._before(start)
-        ends = all(i.clause != clause or i.filler or i.ties for i in self.items[start + 1 : start + 2])
-        return ends and before is not None and "lighting" in before.lists
-
-    def _before(self, start: int) -> Token | None:
-        """What a clause says before a noun and its looks."""
-        clause = self.items[start].clause
-        said = [i for i in self.passage.content(0, start) if i.clause == clause and not i.names_a_look]
-        return said[-1] if said else None
-
-    def _with_side(self, mention: NounMention) -> NounMention:
-        """A light with those that stand where a word beside it says: "light from the left", "left light"."""
-        if mention.noun != "light":
-            return mention
-        content, vocabulary = self.passage.content, self.vocabulary
-        before, after = content(mention.start - 2, mention.start), content(mention.end + 1, mention.end + 4)
-        for item in (*before[-1:], *after[:1]):
-            rows = vocabulary.adjectives.get(item.adjective, {})
-            entry = vocabulary.entries.get(item.entry or rows.get("otherwise", ""))
-            turns = [e for e in entry.effects if e.mode == "camera" and e.name == "azimuth"] if entry else []
-            if item.clause == self.items[mention.start].clause and turns:
-                sided = self.index.sided(turns[0].lower[0], turns[0].upper[0])
-                return replace(mention, named=(*mention.named, *sided))
-        return mention
-
-    def _may_be_guessed(self, named: Named, token: Token) -> bool:
-        """Whether a guess may be right: "a car" is none of its four wheels, nor a boat its sail."""
-        sure = token.text.endswith("s") or all(sign.endswith("misspelled") for sign in named.signs)
-        return sure or not (self.index.in_parts or self.index.has_several(named))
+        before = [i for i in self.passage.content(0, start) if not i.names_a_look]
+        gives_light = before and "lighting" in before[-1].lists  # "lit by a red firefly"
+        return token.noun or ("light" if gives_light else "unknown")
