@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
+from itertools import groupby
 
 from ..lexicon.nearest import Guess
 from ..lexicon.vocabulary import Vocabulary
@@ -83,11 +84,6 @@ class Passage:
         """The items from start to end that say something, without `end`."""
         return [item for item in self.items[max(start, 0) : end] if not item.filler]
 
-    def ahead(self, place: int) -> list[Token]:
-        """What an item's clause says after it."""
-        clause = self.items[place].clause
-        return [item for item in self.content(place + 1, len(self.items)) if item.clause == clause]
-
 
 def passage(clauses: list[list[Token]], vocabulary: Vocabulary) -> Passage:
     """Finds the look words.
@@ -100,8 +96,8 @@ def passage(clauses: list[list[Token]], vocabulary: Vocabulary) -> Passage:
     for number, tokens in _listed(clauses):
         found.starts.add(len(found.items))
         found.items += _without_wishes(number, tokens, found)
-    for number in range(len(clauses)):
-        found.looks += _looks(found, number, vocabulary)
+    for _, clause in groupby(enumerate(found.items), key=lambda each: each[1].clause):
+        found.looks += _looks(found, clause, vocabulary)
     found.beyond = [i.text for i in found.items if "beyond" in i.lists and not i.wished]
     return found
 
@@ -131,12 +127,14 @@ def _without_wishes(number: int, tokens: list[Token], found: Passage) -> Iterato
         yield replace(token, clause=number, wished=index < until)
 
 
-def _looks(found: Passage, clause: int, vocabulary: Vocabulary) -> Iterator[PromptLook]:
+def _looks(
+    found: Passage, clause: Iterable[tuple[int, Token]], vocabulary: Vocabulary
+) -> Iterator[PromptLook]:
     """The look words of a clause, with the intensities and negations before them."""
     prefix: list[str] = []
     strength, negated = 1.0, False
-    for index, token in enumerate(found.items):
-        if token.clause != clause or token.wished or "beyond" in token.lists:
+    for index, token in clause:
+        if token.wished or "beyond" in token.lists:
             continue
         following = next(iter(found.content(index + 1, len(found.items))), None)
         look = _look_token(token, negated, vocabulary)
