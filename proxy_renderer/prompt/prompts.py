@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from itertools import groupby
 
 from .colors import color_class
 from .lexicon.entries import VocabularyEntry
@@ -17,8 +18,8 @@ from .lexicon.vocabulary import Vocabulary
 from .types import Attribute, Parsed, Prompts
 
 _MOST = 5  # words per caption: short ones are understood better
-_BEFORE = ("setting", "mood", "finish", "color", "material")
-"""Slots of words that stand before a noun, in this order."""
+_BEFORE = {"finish": 1, "color": 2, "material": 3}
+"""Slot -> place of its words before a noun; others come first."""
 _OF_MATTER = ("color", "finish", "material", "setting")
 _OF_ALL = ("lighting", "atmosphere", "grade", "mood")
 _KINDS = {"subject": ("subject", "highlight", "glow"), "surroundings": ("surroundings", "sky")}
@@ -95,7 +96,7 @@ class _Captions:
         before: list[str] = []
         after: list[str] = []
         said = (a for a in attributes if not _is_called_so(a, noun))
-        for attribute in sorted(said, key=_place):
+        for attribute in sorted(said, key=lambda a: _BEFORE.get(a.slot, 0)):
             adjective, _, more = self.words(attribute).partition(", ")
             long = adjective.count(" ") > 1 and not attribute.color
             (after if long else before).append(adjective)
@@ -103,7 +104,7 @@ class _Captions:
             if len(before) + len(after) == _MOST:
                 break
         words = " ".join(dict.fromkeys([*before, noun])).split()
-        front = " ".join(_without_repeats(words))
+        front = " ".join(word for word, _ in groupby(words))
         article = "an" if front[0] in "aeiou" else "a"
         return ", ".join(dict.fromkeys([f"{article} {front}", *after]))
 
@@ -149,11 +150,3 @@ def _color(attribute: Attribute) -> str:
 def _is_called_so(attribute: Attribute, noun: str) -> bool:
     """Whether the noun says it already: no "studio studio"."""
     return attribute.slot == "setting" and (attribute.english or attribute.word) in noun
-
-
-def _place(attribute: Attribute) -> int:
-    return _BEFORE.index(attribute.slot) if attribute.slot in _BEFORE else 0
-
-
-def _without_repeats(words: list[str]) -> Iterator[str]:
-    return (word for before, word in zip(["", *words], words, strict=False) if word != before)
