@@ -8,9 +8,6 @@ from ..mentions.nouns import NounMention
 from ..mentions.passage import Passage
 from ..tokens import TIES, Token
 
-_SPARES = ("exception", "save", "refusal")
-"""Lists of words that leave out what follows them."""
-
 
 class ClauseForms:
     """The clauses of one prompt.
@@ -24,7 +21,7 @@ class ClauseForms:
         look_at: Places of look words.
         noun_at: Places of nouns.
         places: Of each clause, those of its items.
-        spares_from: Whether a look stands before what the prompt leaves out; "" if it leaves nothing out.
+        spares: Whether the prompt leaves something out.
     """
 
     def __init__(self, passage: Passage, mentions: list[NounMention], vocabulary: Vocabulary) -> None:
@@ -36,7 +33,7 @@ class ClauseForms:
         ]
         for place, item in enumerate(passage.items):
             self.places[item.clause].append(place)
-        self.spares_from = self._spares_from()
+        self.spares = any(mention.spared for mention in mentions)
 
     def role(self, place: int) -> str:
         """What an item is in its clause: "noun", "look", a tie, or "other".
@@ -95,15 +92,3 @@ class ClauseForms:
         token = self.passage.items[last]
         what = token.noun or ("a name" if last in self.noun_at else self.sort_of(token))
         return f"after a clause that ends in {what}"
-
-    def _spares_from(self) -> str:
-        """Whether "everything" of "everything grey but the floor" is described before the floor is left out."""
-        start = next((m.start for m in self.mentions if m.spared), None)
-        if start is None:
-            return ""
-        items = self.passage.items
-        ties = (p for p in range(start - 1, -1, -1) if not items[p].lists.isdisjoint(_SPARES))
-        tied = next(ties, start)
-        near = (items[start].clause - 1, items[start].clause)
-        looks = any(place < tied and items[place].clause in near for place in self.look_at)
-        return "after a look" if looks else "before any look"

@@ -127,9 +127,9 @@ class PairFeatures:
     def _spared(self, target: Target, mention: NounMention, where: str, kind: str) -> Iterator[str]:
         """What it says that the prompt leaves a noun out, or leaves something out at all."""
         if mention.spared:
-            yield f"{where}: spared {kind}, {self.forms.spares_from}"
-        elif self.forms.spares_from:
-            yield f"{target.kind} where something is spared {self.forms.spares_from}"
+            yield f"{where}: spared {kind}"
+        elif self.forms.spares:
+            yield f"{target.kind} where something is spared"
 
 
 def _is_of_object(named: Named) -> bool:
