@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 from collections.abc import Container
 
+from .lexicon.spelling import any_of
 from .lexicon.vocabulary import Vocabulary
 
 _PAIR = re.compile(
@@ -64,6 +65,5 @@ def _lights(v: Vocabulary) -> re.Pattern[str]:
 
 
 def _any(v: Vocabulary, kind: str) -> str:
-    """A pattern of any of the words of a kind, the longest that fits, as Americans and others write them."""
-    words = sorted(v.words[kind], key=len, reverse=True)
-    return "(?:" + "|".join(map(re.escape, words)).replace("color", "colou?r") + ")"
+    """A pattern of any of the words of a kind, as Americans and others write them."""
+    return any_of(v.words[kind]).replace("color", "colou?r")

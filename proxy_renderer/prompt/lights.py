@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from itertools import product
 
 from ..color.shades import hue_apart
 from ..schema import Values
@@ -42,15 +43,9 @@ def numbered(attributes: list[Attribute], vocabulary: Vocabulary) -> list[Attrib
     Numbers are given only where the words contradict each other on color or side, so that one light cannot be all.
     """
     mentions = _mentions(attributes, vocabulary)
-    unnamed = [m for m in mentions if not m.role]
-    if not any(
-        _contradicts(a, b, vocabulary)
-        for one in unnamed
-        for other in mentions
-        if one is not other
-        for a in one.said
-        for b in other.said
-    ):
+    others = ((one, other) for one in mentions for other in mentions if other is not one and not one.role)
+    pairs = (pair for one, other in others for pair in product(one.said, other.said))
+    if not any(_contradicts(a, b, vocabulary) for a, b in pairs):
         return attributes
     number = {place: n for n, mention in enumerate(mentions, start=1) for place in mention.places}
     return [replace(a, lamp=number.get(place, 0)) for place, a in enumerate(attributes)]
@@ -67,32 +62,31 @@ def fixture(thing: str, vocabulary: Vocabulary) -> frozenset[str]:
 
 def side(said: Iterable[Attribute], vocabulary: Vocabulary) -> tuple[float, float] | None:
     """Azimuths relative to the camera, degrees, that words say a light comes from; None if they do not."""
-    for attribute in said:
-        for effect in _strong(attribute, vocabulary):
-            if effect.name == "azimuth" and effect.mode == "camera":
-                return effect.lower[0], effect.upper[0]
-    return None
+    effects = (effect for attribute in said for effect in _strong(attribute, vocabulary))
+    turns = ((e.lower[0], e.upper[0]) for e in effects if e.name == "azimuth" and e.mode == "camera")
+    return next(turns, None)
 
 
 def _mentions(attributes: list[Attribute], vocabulary: Vocabulary) -> list[Mention]:
     found: list[Mention] = []
     for place, attribute in enumerate(attributes):
-        if attribute.kind not in _KINDS or attribute.cause or attribute.slot not in ("lighting", "color"):
+        if not _is_of_a_lamp(attribute, vocabulary):
             continue
-        if attribute.lights or attribute.thing in vocabulary.lists["hour"]:
-            continue  # the light of an evening is no lamp of its own
         words = fixture(attribute.thing, vocabulary)
-        mention = next(
-            (m for m in reversed(found) if _continues(m, words, attribute, m is found[-1], vocabulary)),
-            None,
-        )
-        if mention is None:
-            mention = Mention(attribute.role, words)
+        before = (m for m in reversed(found) if _continues(m, words, attribute, m is found[-1], vocabulary))
+        mention = next(before, None) or Mention(attribute.role, words)
+        if not mention.said:
             found.append(mention)
         mention.fixture |= words
         mention.said.append(attribute)
         mention.places.append(place)
     return found
+
+
+def _is_of_a_lamp(attribute: Attribute, vocabulary: Vocabulary) -> bool:
+    """Whether a word is about a light that may be told apart; the light of an evening is no lamp of its own."""
+    known = attribute.cause or attribute.lights or attribute.thing in vocabulary.lists["hour"]
+    return not known and attribute.kind in _KINDS and attribute.slot in ("lighting", "color")
 
 
 def _continues(
@@ -101,9 +95,8 @@ def _continues(
     """Whether an attribute goes on about the light that was spoken of, the newest one if it does not say which."""
     if mention.role != attribute.role or any(_contradicts(a, attribute, vocabulary) for a in mention.said):
         return False
-    if newest and (not words or not mention.fixture):
-        return True
-    return words == mention.fixture and bool(words or attribute.role)
+    goes_on = newest and not (words and mention.fixture)
+    return goes_on or (words == mention.fixture and bool(words or attribute.role))
 
 
 def _contradicts(one: Attribute, other: Attribute, vocabulary: Vocabulary) -> bool:
@@ -125,9 +118,8 @@ def _tone(attribute: Attribute, vocabulary: Vocabulary) -> Values | None:
     """sRGB of the color that a word gives to light; None for white light and for words that give none."""
     if attribute.color:
         return attribute.color
-    for effect in _strong(attribute, vocabulary):
-        if effect.name == "temperature":
-            return _WARM if effect.upper[0] < _WHITE[0] else _COOL if effect.lower[0] > _WHITE[1] else None
+    for effect in (e for e in _strong(attribute, vocabulary) if e.name == "temperature"):
+        return _WARM if effect.upper[0] < _WHITE[0] else _COOL if effect.lower[0] > _WHITE[1] else None
     return None
 
 

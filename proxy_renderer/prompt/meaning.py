@@ -22,6 +22,10 @@ _COLORED = {
 """Kind of thing -> slot that a color word about it counts for."""
 _MAIN = 0.5  # share of its region above which a thing's color is the region's
 _CLEAR = 0.02  # density of air that has no color
+_FOGS = {"light", "thick"}
+"""Classes of fog of which the thicker one counts, without a contradiction."""
+_SAID_SOFTLY = ("light_side", "light_temperature", "vignette", "subject_color")
+"""Heads that words say something of under "slightly" too."""
 NamedThing = tuple[str, Region, tuple[str, ...]]
 
 
@@ -56,34 +60,33 @@ def _settle_targets(parsed: Parsed, vocabulary: Vocabulary) -> None:
     """What the attribute heads should say; of words that contradict each other, the first one counts."""
     settlers: dict[str, Attribute] = {}
 
-    def rank(attribute: Attribute) -> tuple[bool, bool, bool, bool]:
-        usual = (
-            attribute.slot == "material",
-            attribute.slot == "setting",
-        )  # a desert is bright, but not at dusk
+    def rank(attribute: Attribute) -> tuple[bool, ...]:
+        """What is usual comes after what is said: a desert is bright, but not at dusk."""
+        usual = (attribute.slot == "material", attribute.slot == "setting")
         return bool(attribute.cause), *usual, is_vague(attribute, vocabulary)
 
     for attribute in sorted((a for a in parsed.attributes if a not in parsed.overruled), key=rank):
-        heads, lost = heads_of(attribute, vocabulary), 0
-        for head, value in heads.items():
-            settled = parsed.targets.setdefault(head, value)
-            first = settlers.setdefault(head, attribute)
-            if head == "fog" and {settled, value} == {"light", "thick"}:
-                if not attribute.cause and value == "thick":
-                    parsed.targets[head] = value
-                continue
-            usual = attribute.slot == "setting"
-            usual |= attribute.slot == "material" and head == "subject_finish"  # matte ceramic
-            apart = attribute.owners and first.owners and not {*attribute.owners} & {*first.owners}
-            apart = apart or (attribute.lamp, attribute.lights) != (first.lamp, first.lights)
-            if settled != value and not (attribute.cause or usual or apart or head.endswith("_color")):
-                lost += 1
-                parsed.conflicts.append(
-                    f"'{attribute.word}' contradicts '{first.cause or first.word}' on {head.replace('_', ' ')}: "
-                    f"'{first.cause or first.word}' counts."
-                )
-        if heads and lost == len(heads):
+        heads = heads_of(attribute, vocabulary)
+        if heads.get("fog") == "thick" and parsed.targets.get("fog") == "light" and not attribute.cause:
+            parsed.targets["fog"] = "thick"
+        firsts = {head: settlers.setdefault(head, attribute) for head in heads}
+        said = {head: {value, parsed.targets.setdefault(head, value)} for head, value in heads.items()}
+        unlike = [head for head, values in said.items() if len(values) > 1 and values != _FOGS]
+        lost = [head for head in unlike if _contradicts(head, attribute, firsts[head])]
+        for head in lost:
+            first = firsts[head].cause or firsts[head].word
+            what = f"'{attribute.word}' contradicts '{first}' on {head.replace('_', ' ')}"
+            parsed.conflicts.append(f"{what}: '{first}' counts.")
+        if heads and len(lost) == len(heads):
             parsed.overruled.append(attribute)
+
+
+def _contradicts(head: str, attribute: Attribute, first: Attribute) -> bool:
+    """Whether two words that say unlike things of a head are about the same; what is only usual gives way silently."""
+    usual = attribute.slot == "setting" or (attribute.slot == "material" and head == "subject_finish")
+    apart = attribute.owners and first.owners and {*attribute.owners}.isdisjoint(first.owners)
+    apart = apart or (attribute.lamp, attribute.lights) != (first.lamp, first.lights)
+    return not (attribute.cause or usual or apart or head.endswith("_color"))
 
 
 def is_vague(attribute: Attribute, vocabulary: Vocabulary) -> bool:
@@ -109,21 +112,21 @@ def heads_of(attribute: Attribute, vocabulary: Vocabulary) -> dict[str, str]:
     if attribute.negated:
         opposite = vocabulary.entries.get(entry.opposite)
         return entry.never_heads or (opposite.heads if opposite else {})
-    heads = dict(entry.heads)
+    unsaid: list[str] = []
     if attribute.role in ("rim", "fill") or attribute.told_apart:  # the heads speak of the key light
-        heads = {head: value for head, value in heads.items() if not head.startswith("light_")}
+        unsaid.append("light_")
     if attribute.region == "surroundings" or attribute.kind in ("light", "fog", "tone", "shadow"):
-        heads = {head: value for head, value in heads.items() if not head.startswith("subject_")}
-    if attribute.strength < 0.8:
-        heads = {head: _softer(head, value) for head, value in heads.items()}
-    return {head: value for head, value in heads.items() if value}
+        unsaid.append("subject_")
+    heads = {head: value for head, value in entry.heads.items() if not head.startswith(tuple(unsaid))}
+    return _softer(heads) if attribute.strength < 0.8 else heads
 
 
-def _softer(head: str, value: str) -> str:
-    """What is left of a class under "slightly": thick fog becomes light fog, most others say nothing."""
-    if head == "fog":
-        return "light" if value == "thick" else value
-    return value if head in ("light_side", "light_temperature", "vignette", "subject_color") else ""
+def _softer(heads: dict[str, str]) -> dict[str, str]:
+    """What is left of classes under "slightly": thick fog becomes light fog, most others say nothing."""
+    softer = {head: value for head, value in heads.items() if head in _SAID_SOFTLY}
+    if "fog" in heads:
+        softer["fog"] = "light" if heads["fog"] == "thick" else heads["fog"]
+    return softer
 
 
 def forget_sky(parsed: Parsed) -> None:
@@ -175,19 +178,13 @@ def _objects(attributes: list[Attribute], subject: str, things: list[NamedThing]
     around: tuple[str, Region] = next(
         (k for k in objects if k[1] == "surroundings"), ("surroundings", "surroundings")
     )
-    for attribute in attributes:
-        if attribute.cause:
-            continue
+    for attribute in (a for a in attributes if not a.cause):
         key = (attribute.thing, attribute.region)
         if key not in objects:
-            outer = (
-                attribute.region == "surroundings"
-                or attribute.slot in ("atmosphere", "setting")
-                or attribute.kind == "fog"
-            )
-            key = around if outer else (main, "subject")
-            objects.setdefault(key, PromptObject(*key))
-        slots = objects[key].attributes
+            outer = {"surroundings", "atmosphere", "setting", "fog"}
+            is_outer = outer & {attribute.region, attribute.slot, attribute.kind}
+            key = around if is_outer else (main, "subject")
+        slots = objects.setdefault(key, PromptObject(*key)).attributes
         slot, word = attribute.slot, attribute.word
         if slot == "color" and attribute.region == "whole":
             slot, word = _COLORED.get(attribute.kind, "grade"), f"{word} {attribute.thing}"

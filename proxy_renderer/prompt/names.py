@@ -17,7 +17,7 @@ def name_words(kind: str) -> frozenset[str]:
     """Words that names are made of, by the table that is shipped.
 
     Args:
-        kind: A row of lexicon/names.toml: "pipeline", "counted", "order", "limbs", "details" or "cores".
+        kind: A row of lexicon/names.toml: "pipeline", "counted", "order", "limbs" or "details".
     """
     path = Path(__file__).with_name("lexicon") / "names.toml"
     rows: dict[str, str] = tomllib.loads(path.read_text("utf-8"))
@@ -45,12 +45,6 @@ def is_detail(material: str) -> bool:
     """Whether a name is that of a part with a color of its own: tyres, eyes, windows."""
     last = _last(material)
     return not name_words("details").isdisjoint((last, last.removesuffix("s")))
-
-
-def in_parts(words: SceneWords) -> bool:
-    """Whether the subject is one thing, of which only parts have names: a hull, a mast and a sail are a boat."""
-    mine = {plain_name(name) for name, region in words.objects.items() if region == "subject"}
-    return not mine.isdisjoint(name_words("cores"))
 
 
 def scene_names(words: SceneWords) -> frozenset[str]:

@@ -12,6 +12,8 @@ from .lexicon.nearest import Guess
 from .lexicon.tinges import compound
 from .lexicon.vocabulary import Vocabulary
 
+TIES = ("link", "around", "joiner", "comparison", "exception")
+"""Lists of words that only say how their neighbors belong together."""
 ShadeArguments = tuple[float, float, float, float]
 """Arguments of `color.shade`."""
 
@@ -33,6 +35,8 @@ class Token:
         guess: It is misspelled or unknown, and this is the nearest known word.
         near: What an unknown word may mean; the parser decides whether it stands where a look word can.
         shades: What shade words before it do to a material's color, see `types.Attribute`.
+        clause: Number of its clause.
+        wished: It is part of a wish that values cannot fulfill: "remove the chair".
     """
 
     text: str
@@ -47,12 +51,33 @@ class Token:
     guess: str = ""
     near: Guess | None = None
     shades: tuple[ShadeArguments, ...] = ()
+    clause: int = 0
+    wished: bool = False
 
     @property
     def known(self) -> bool:
         """Whether it plays any role."""
-        look = self.entry or self.color or self.adjective or self.noun or self.scene
-        return bool(look or self.strength or self.lists)
+        return bool(self._names or self.scene or self.strength or self.lists)
+
+    @property
+    def ties(self) -> bool:
+        """Whether it only says how its neighbors belong together: "of", "with", "than"."""
+        return not (self.entry or self.lists.isdisjoint(TIES))
+
+    @property
+    def filler(self) -> bool:
+        """Whether it says nothing: articles and the like."""
+        return "stop" in self.lists and not self._names
+
+    @property
+    def names_a_look(self) -> bool:
+        """Whether it can be a look word."""
+        return bool(self.entry or self.color or self.adjective or self.near)
+
+    @property
+    def _names(self) -> bool:
+        """Whether it is a look, or a kind of thing."""
+        return bool(self.entry or self.color or self.adjective or self.noun)
 
 
 def composed(words: list[str], vocabulary: Vocabulary) -> Token | None:
@@ -62,46 +87,45 @@ def composed(words: list[str], vocabulary: Vocabulary) -> Token | None:
         words: Next to each other.
         vocabulary: What words mean.
     """
-    return (
-        _tinged(words, vocabulary)
-        or next(_shaded(words, vocabulary), None)
-        or next(_shaded_material(words, vocabulary), None)
-    )
+    text, v = " ".join(words), vocabulary
+    made_of = words[0] in v.colors and words[0] in v.synonyms  # "ruby red lips" are red
+    if not made_of and (color := compound(words, v.colors)):
+        return Token(text, color=color, name=text)
+    led = [(leading, rest) for leading, rest in _led_by_shades(words, v) if text not in v.colors]
+    found = [_shaded(leading, rest, v) for leading, rest in led]
+    found += [_shaded_material(leading, rest, v) for leading, rest in led if text not in v.synonyms]
+    return next(filter(None, found), None)
 
 
-def _tinged(words: list[str], vocabulary: Vocabulary) -> Token | None:
-    made_of = words[0] in vocabulary.colors and words[0] in vocabulary.synonyms  # "ruby red lips" are red
-    color = None if made_of else compound(words, vocabulary.colors)
-    return Token(" ".join(words), color=color, name=" ".join(words)) if color else None
-
-
-def _shaded(words: list[str], v: Vocabulary) -> Iterator[Token]:
+def _shaded(leading: list[str], rest: list[str], v: Vocabulary) -> Token | None:
     """A color with shade words before it: "very dark blue", "dusty rose"."""
-    for leading, rest in _led_by_shades(words, v):
-        last = " ".join(rest)
-        name = last if last in v.colors else last.removesuffix("s")
-        color = v.colors.get(name) or compound(rest, v.colors)
-        if color is None:
-            continue
-        if " ".join(words) in v.colors or v.slot(last) == "grade":  # "faded sepia" is no paler brown
-            return
-        shades = _shades(leading, v)
-        for arguments in shades:
-            color = shade(color, *arguments)
-        both = leading[-1] in v.words["lightness"] and last in v.adjectives
-        yield Token(
-            " ".join(words), color=color, adjective=last if both else "",
-            name=" ".join([*leading, name]), shades=shades if both else (),
-        )  # fmt: skip
+    last = " ".join(rest)
+    name = last if last in v.colors else last.removesuffix("s")
+    color = v.colors.get(name) or compound(rest, v.colors)
+    if color is None or v.slot(last) == "grade":  # "faded sepia" is no paler brown
+        return None
+    shades = _shades(leading, v)
+    for arguments in shades:
+        color = shade(color, *arguments)
+    both = leading[-1] in v.words["lightness"] and last in v.adjectives
+    return Token(
+        " ".join([*leading, last]), color=color, adjective=last if both else "",
+        name=" ".join([*leading, name]), shades=shades if both else (),
+    )  # fmt: skip
 
 
-def _shaded_material(words: list[str], v: Vocabulary) -> Iterator[Token]:
+def _shaded_material(leading: list[str], rest: list[str], v: Vocabulary) -> Token | None:
     """A material with its own color, lighter or darker: "dark oak", "very pale wood"."""
-    for leading, rest in _led_by_shades(words, v):
-        entry = v.entry(" ".join(rest))
-        light = entry is not None and entry.slot == "material" and leading[-1] in v.words["lightness"]
-        if entry and light and entry.is_colored and " ".join(words) not in v.synonyms:
-            yield Token(" ".join(words), entry.name, name=" ".join(rest), shades=_shades(leading, v))
+    name = " ".join(rest)
+    entry = v.entry(name)
+    if (
+        entry is None
+        or entry.slot != "material"
+        or not entry.is_colored
+        or leading[-1] not in v.words["lightness"]
+    ):
+        return None
+    return Token(" ".join([*leading, name]), entry.name, name=name, shades=_shades(leading, v))
 
 
 def _led_by_shades(words: list[str], v: Vocabulary) -> Iterator[tuple[list[str], list[str]]]:

@@ -20,10 +20,10 @@ _KINDS = {"lights": "light", "key": "light", "air": "fog"}
 
 @dataclass(frozen=True)
 class Thing:
-    """What look words are bound to; `kind` as in the vocabulary's nouns, or "whole"; the rest as in `types.Attribute`."""
+    """What look words are bound to; `kind` as in the vocabulary's nouns, or "whole"; all as in `types.Attribute`."""
 
     kind: str
-    name: str
+    thing: str
     region: Region
     owners: tuple[str, ...] = ()
     role: str = ""
@@ -56,7 +56,7 @@ class Things:
         """The noun by which the prompt calls a subject whose names the scene does not tell: "car" of a scene of cubes."""
         mentions = self.found.mentions
         used = {p.look.index for p in self.chosen if p.target.kind not in NOWHERE}
-        said = {item.token.text for item in self.found.passage.items}
+        said = {item.text for item in self.found.passage.items}
         if self.scene.subject in said or any(self._names_subject(m) for m in mentions):
             return ""
         starts = {m.start for m in mentions}

@@ -5,11 +5,8 @@ from __future__ import annotations
 
 from ..lexicon.vocabulary import Vocabulary
 from ..mentions.nouns import NounMention
-from ..mentions.passage import TIES, Passage
-from ..tokens import Token
-
-_SPARES = ("exception", "save", "refusal")
-"""Lists of words that leave out what follows them."""
+from ..mentions.passage import Passage
+from ..tokens import TIES, Token
 
 
 class ClauseForms:
@@ -24,7 +21,7 @@ class ClauseForms:
         look_at: Places of look words.
         noun_at: Places of nouns.
         places: Of each clause, those of its items.
-        spares_from: Whether a look stands before what the prompt leaves out; "" if it leaves nothing out.
+        spares: Whether the prompt leaves something out.
     """
 
     def __init__(self, passage: Passage, mentions: list[NounMention], vocabulary: Vocabulary) -> None:
@@ -36,7 +33,7 @@ class ClauseForms:
         ]
         for place, item in enumerate(passage.items):
             self.places[item.clause].append(place)
-        self.spares_from = self._spares_from()
+        self.spares = any(mention.spared for mention in mentions)
 
     def role(self, place: int) -> str:
         """What an item is in its clause: "noun", "look", a tie, or "other".
@@ -48,7 +45,7 @@ class ClauseForms:
             return "noun"
         if place in self.look_at:
             return "look"
-        lists = self.passage.items[place].token.lists
+        lists = self.passage.items[place].lists
         return next((tie for tie in TIES if tie in lists), "other")
 
     def sort_of(self, token: Token) -> str:
@@ -74,11 +71,11 @@ class ClauseForms:
             return "nothing"
         place, item = before[-1], self.passage.items[before[-1]]
         if item.ties:
-            return f"'{item.token.text}' after {'a look' if place - 1 in self.look_at else 'others'}"
-        return f"'{item.token.text}'" if item.filler else "a noun" if place in self.noun_at else "others"
+            return f"'{item.text}' after {'a look' if place - 1 in self.look_at else 'others'}"
+        return f"'{item.text}'" if item.filler else "a noun" if place in self.noun_at else "others"
 
     def _is_led(self, place: int) -> bool:
-        passed = place in self.look_at or "article" in self.passage.items[place].token.lists
+        passed = place in self.look_at or "article" in self.passage.items[place].lists
         return passed and place not in self.noun_at
 
     def turn(self, clause: int) -> str:
@@ -92,18 +89,6 @@ class ClauseForms:
         last = next((p for p in reversed(self.places[clause - 1]) if p in self.noun_at | self.look_at), None)
         if last is None:
             return "after a clause of neither"
-        token = self.passage.items[last].token
+        token = self.passage.items[last]
         what = token.noun or ("a name" if last in self.noun_at else self.sort_of(token))
         return f"after a clause that ends in {what}"
-
-    def _spares_from(self) -> str:
-        """Whether "everything" of "everything grey but the floor" is described before the floor is left out."""
-        start = next((m.start for m in self.mentions if m.spared), None)
-        if start is None:
-            return ""
-        items = self.passage.items
-        ties = (p for p in range(start - 1, -1, -1) if not items[p].token.lists.isdisjoint(_SPARES))
-        tied = next(ties, start)
-        near = (items[start].clause - 1, items[start].clause)
-        looks = any(place < tied and items[place].clause in near for place in self.look_at)
-        return "after a look" if looks else "before any look"

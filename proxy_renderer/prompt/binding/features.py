@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import cached_property
 
 from ..mentions.nouns import Named, NounMention, fit_rank
 from ..mentions.passage import PromptLook
@@ -29,6 +28,8 @@ class PairFeatures:
         self._name = self._called()
         self._sort = "guessed" if look.guess else forms.sort_of(look.token) + self._name
         self._lead = forms.lead(look.index)
+        self._turn = forms.turn(forms.passage.items[look.index].clause)
+        self._unnamed = [*self._named_instead()]  # the same for all that no noun names
 
     def of(self, target: Target, becoming: Becoming) -> Iterator[str]:
         """The facts about one pair.
@@ -45,8 +46,6 @@ class PairFeatures:
         yield f"{becoming.way} at {kind}"
         if "thing" in token.lists:
             yield f"a thing too at {kind}: led by {self._lead}"
-        if becoming.slot:
-            yield f"{becoming.slot}{self._name} at {kind}"
         if token.color:
             yield from (f"{sign} at {kind}" for sign in _of_color(token))
         if self.look.negated:
@@ -55,7 +54,7 @@ class PairFeatures:
             yield f"guessed at {kind}"
         if target.mention < 0:
             yield from (f"{target.kind} unnamed: {fact}" for fact in self._unnamed)
-            yield f"{self._sort} of {target.kind} unnamed: {self._turn()}"
+            yield f"{self._sort} of {target.kind} unnamed: {self._turn}"
         else:
             yield from self._named(target)
 
@@ -66,11 +65,6 @@ class PairFeatures:
         named = (n for m in self.mentions if m.covers(self.look.index) for n in m.named)
         return " and name" if any(map(_is_of_object, named)) else ""
 
-    @cached_property
-    def _unnamed(self) -> tuple[str, ...]:
-        """Facts about all that no noun names: the same for each."""
-        return tuple(self._named_instead())
-
     def _named_instead(self) -> Iterator[str]:
         """What the clause and the prompt name instead, and where the look word stands."""
         items, look = self.passage.items, self.look.index
@@ -78,11 +72,9 @@ class PairFeatures:
         others = [m for m in self.mentions if not m.covers(look)]
         own = [m for m in others if items[m.start].clause == clause]
         rest = _kinds([m for m in others if items[m.start].clause != clause])
-        yield f"clause names {_kinds(own)}"
-        yield f"prompt names {rest}"
         yield f"led by {self._lead}"
         yield f"led by {self._lead}, prompt names {rest}"
-        yield self._turn()
+        yield self._turn
         yield from self._beside(own)
         if [items[p].filler for p in self.forms.places[clause]].count(False) == 1:
             yield "alone"
@@ -91,12 +83,9 @@ class PairFeatures:
         after = self._after()
         if after is not None:
             yield f"before {self.forms.role(after)}"
-            yield f"before '{items[after].token.text}'"
-            if "hour" in items[after].token.lists:
+            yield f"before '{items[after].text}'"
+            if "hour" in items[after].lists:
                 yield f"a {self._sort} word before an hour"
-
-    def _turn(self) -> str:
-        return self.forms.turn(self.passage.items[self.look.index].clause)
 
     def _after(self) -> int | None:
         """The place of what the clause says next."""
@@ -107,13 +96,12 @@ class PairFeatures:
     def _beside(self, nouns: list[NounMention]) -> Iterator[str]:
         """What the nearest nouns of the clause name, on each side: "white" of "piano in a white room" has the room after it."""
         look = self.look.index
-        after = min((m for m in nouns if m.start > look), key=lambda m: (m.start, m.end), default=None)
-        before = max((m for m in nouns if m.end < look), key=lambda m: (m.end, m.start), default=None)
-        for mention, side in ((after, "after"), (before, "before")):
-            if mention:
-                low, high = sorted((look, mention.start if side == "after" else mention.end))
-                adjoins = all(place in self.forms.look_at for place in range(low + 1, high))
-                yield f"{_kinds([mention])} {'right ' if adjoins else ''}{side}"
+        after = sorted((m for m in nouns if m.start > look), key=lambda m: (m.start, m.end))[:1]
+        before = sorted((m for m in nouns if m.end < look), key=lambda m: (m.end, m.start))[-1:]
+        sides = [(m, look, m.start, "after") for m in after] + [(m, m.end, look, "before") for m in before]
+        for mention, low, high, side in sides:
+            adjoins = self.forms.look_at.issuperset(range(low + 1, high))
+            yield f"{_kinds([mention])} {'right ' if adjoins else ''}{side}"
 
     def _named(self, target: Target) -> Iterator[str]:
         """Of what a noun names: how the noun and the look word stand to each other, and how the noun fits."""
@@ -139,9 +127,9 @@ class PairFeatures:
     def _spared(self, target: Target, mention: NounMention, where: str, kind: str) -> Iterator[str]:
         """What it says that the prompt leaves a noun out, or leaves something out at all."""
         if mention.spared:
-            yield f"{where}: spared {kind}, {self.forms.spares_from}"
-        elif self.forms.spares_from:
-            yield f"{target.kind} where something is spared {self.forms.spares_from}"
+            yield f"{where}: spared {kind}"
+        elif self.forms.spares:
+            yield f"{target.kind} where something is spared"
 
 
 def _is_of_object(named: Named) -> bool:

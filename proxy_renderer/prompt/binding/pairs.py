@@ -29,7 +29,6 @@ class TargetPair:
         becoming: What it would be there.
         features: What can be said of the two, each once, in order: sums are the same in every process.
         names_itself: The look word is in the noun that names the target: "sunlight".
-        directs: It says where the light comes from that it describes.
     """
 
     look: PromptLook
@@ -37,7 +36,6 @@ class TargetPair:
     becoming: Becoming
     features: tuple[str, ...]
     names_itself: bool = False
-    directs: bool = False
 
 
 @dataclass(frozen=True)
@@ -73,26 +71,13 @@ def reading(text: str, words: SceneWords, vocabulary: Vocabulary) -> PromptPairs
     pairs = []
     for look in found.looks:
         facts = PairFeatures(look, forms)
+        itself = {number for number, noun in enumerate(nouns) if noun.covers(look.index)}
         may_describe = [*every, Target(TINGE)] if found.tinged(look) else every
         may_be = {t: b for t in may_describe if (b := becoming(look.token, t.kind, vocabulary))}
         pairs.append(
             [
-                TargetPair(
-                    look,
-                    t,
-                    b,
-                    tuple(sorted({*facts.of(t, b)})),
-                    names_itself=t.mention >= 0 and nouns[t.mention].covers(look.index),
-                    directs=_directs(b, vocabulary),
-                )
+                TargetPair(look, t, b, tuple(sorted({*facts.of(t, b)})), t.mention in itself)
                 for t, b in may_be.items()
             ]
         )
     return PromptPairs(found, nouns, pairs)
-
-
-def _directs(becoming: Becoming, vocabulary: Vocabulary) -> bool:
-    """Whether a word says where light comes from."""
-    entry = vocabulary.entries.get(becoming.entry)
-    effects = entry.effects if entry else ()
-    return any(e.name in ("azimuth", "elevation") and not e.weak for e in effects)

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..mentions.nouns import NounMention
-from ..mentions.passage import TIES
+from ..tokens import TIES
 from .clauses import ClauseForms
 
 _FAR = 4  # items from which distance says no more
@@ -46,12 +46,11 @@ class NounPlace:
             lead: What leads the look word.
         """
         where = self.where
-        yield where
         yield f"{where}: {kind}"
-        yield f"{where}: {min(len(self._between), _FAR)} between"
-        yield f"{where}: look led by {lead}"
         if not self._between and not self._apart:
             yield f"{self.side}: {kind} adjoins a {sort} word"
+        yield f"{where}: {min(len(self._between), _FAR)} between"
+        yield f"{where}: look led by {lead}"
         yield from self._ties()
         yield from self._led()
         if self.mention.members > 1:
@@ -61,7 +60,7 @@ class NounPlace:
         """What ties stand between the two."""
         for place in range(self._low + 1, self._high):
             if self.passage.items[place].ties:
-                over = f"{self.where} over {self.passage.items[place].token.text}"
+                over = f"{self.where} over {self.passage.items[place].text}"
                 looks = range(place, self._high) if self.side == "after" else ()
                 own = not self.forms.look_at.isdisjoint(looks)
                 yield from (over, f"{over}, {'with' if own else 'without'} a look after it")
@@ -71,8 +70,8 @@ class NounPlace:
         items, start = self.passage.items, self.mention.start
         for item in (items[p] for p in reversed(self.forms.places[items[start].clause]) if p < start):
             if item.ties:
-                yield f"{self.where} led by {item.token.text}"
-                yield from (f"{self.where} led by a {tie}" for tie in TIES if tie in item.token.lists)
+                yield f"{self.where} led by {item.text}"
+                yield from (f"{self.where} led by a {tie}" for tie in TIES if tie in item.lists)
             if not item.filler:
                 return
         if not items[start].filler:

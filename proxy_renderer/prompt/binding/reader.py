@@ -95,17 +95,12 @@ class PromptReader:
             word=word.text,
             entry=entry,
             slot=known.slot if known else "color",
-            region=thing.region,
-            kind=thing.kind,
             strength=word.strength,
             negated=word.negated,
-            owners=thing.owners,
-            role=thing.role,
             color=None if known else word.token.color,
-            thing=thing.name,
             guess=bool(word.token.guess),
             shades=word.token.shades if known else (),
-            lights=thing.lights,
+            **vars(thing),
         )
         if known and known.means and not word.negated:
             for part in stands_for(entry, self.vocabulary):
@@ -127,7 +122,7 @@ class PromptReader:
                 continue
             if mention.noun == "unknown" and not mention.named and mention.text != self.subject:
                 yield mention.text
-        tokens = [item.token for item in self.found.passage.items]
+        tokens = self.found.passage.items
         yield from (t.text for t in tokens if "count" in t.lists or (t.text.isdigit() and not t.known))
 
     def _guessed_names(self) -> Iterator[tuple[str, str]]:

@@ -6,8 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from ..mentions.nouns import REGIONS, NounMention, materials_of
-from ..mentions.spared import taken
+from ..mentions.nouns import REGIONS, NounMention, materials_of, taken
 from ..names import is_detail
 from ..types import SceneWords
 

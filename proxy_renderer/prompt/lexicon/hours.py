@@ -9,6 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from .spelling import any_of
 from .vocabulary import Vocabulary
 
 _HALF, _DAY = 12, 24
@@ -63,14 +64,14 @@ def _beside(match: re.Match[str], vocabulary: Vocabulary) -> str:
 def _patterns() -> list[re.Pattern[str]]:
     """What tells a time by the clock, a time by the sun, and words that change nothing of where light comes from."""
     rows, sun = _rows()["clock"], _rows()["sun"]
-    halves = _any([*rows["first"], *rows["second"], *rows["night"]])
-    does = _any([phrase for name, phrases in sun.items() if name != "between" for phrase in phrases])
+    halves = any_of([*rows["first"], *rows["second"], *rows["night"]])
+    does = any_of([phrase for name, phrases in sun.items() if name != "between" for phrase in phrases])
     clock = (
-        rf"\b(?P<at>at )?(?:{_any(rows['minutes'])} )?(?P<hour>{_any(rows['numbers'])}|\d{{1,2}})"
-        rf"(?P<minutes>(?<=\d):\d\d(?! ?:))?(?: ?(?P<exact>{_any(rows['exact'])}))?(?: ?(?P<half>{halves}))?(?!\w)"
+        rf"\b(?P<at>at )?(?:{any_of(rows['minutes'])} )?(?P<hour>{any_of(rows['numbers'])}|\d{{1,2}})"
+        rf"(?P<minutes>(?<=\d):\d\d(?! ?:))?(?: ?(?P<exact>{any_of(rows['exact'])}))?(?: ?(?P<half>{halves}))?(?!\w)"
     )
-    by_sun = rf"\b(?:the )?sun(?:'s)? (?:(?:{_any(sun['between'])}) )*?(?P<does>{does})\b"
-    exactly = rf"\bfrom (?:{_any(_rows()['where']['exactly'])}) "
+    by_sun = rf"\b(?:the )?sun(?:'s)? (?:(?:{any_of(sun['between'])}) )*?(?P<does>{does})\b"
+    exactly = rf"\bfrom (?:{any_of(_rows()['where']['exactly'])}) "
     return [re.compile(pattern, re.IGNORECASE) for pattern in (clock, by_sun, exactly)]
 
 
@@ -85,8 +86,3 @@ def _rows() -> dict[str, Any]:
 
     rows: dict[str, Any] = listed(tomllib.loads(Path(__file__).with_name("hours.toml").read_text("utf-8")))
     return rows
-
-
-def _any(phrases: list[str]) -> str:
-    """A pattern of any of the phrases, the longest that fits."""
-    return "(?:" + "|".join(map(re.escape, sorted(phrases, key=len, reverse=True))) + ")"

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Words as they are compared: without accents, without the ending of a plural."""
+"""Words as they are compared and looked for: without accents, without the ending of a plural, one of many."""
 
 from __future__ import annotations
 
+import re
 import unicodedata
+from collections.abc import Iterable
 
 _SIBILANTS = ("ses", "xes", "ches", "shes")
 
@@ -21,3 +23,8 @@ def singular(word: str) -> str:
     if word.endswith(_SIBILANTS):
         return word[:-2]
     return word[:-1] if word.endswith("s") and not word.endswith("ss") and len(word) > 3 else word
+
+
+def any_of(phrases: Iterable[str]) -> str:
+    """A pattern of any of the phrases, the longest that fits."""
+    return "(?:" + "|".join(map(re.escape, sorted(phrases, key=len, reverse=True))) + ")"

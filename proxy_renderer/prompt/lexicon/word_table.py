@@ -11,6 +11,8 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from .vocabulary import shipped_vocabulary
+
 if TYPE_CHECKING:
     import numpy as np
 
@@ -18,12 +20,7 @@ FILE = Path(__file__).with_name("words.safetensors")
 KINDS = ("known", "adjective", "noun")
 """How a word of the table may speak of a look: by heart, before any noun, or as a matter ("made of tinfoil")."""
 
-_ENDINGS = (
-    "like", "ness", "iness", "ing", "ings", "ed", "ly", "ily", "y", "ic", "ical", "ia", "s", "es", "ish", "ment", "ity", "e",
-    "er", "ier", "iest", "en", "ous", "al",
-)  # fmt: skip
-_DENIALS, _LACK = ("non", "anti", "un"), "less"
-_SHORTEST = 4  # letters of a stem
+_SHORTEST, _SHORTEST_LACKED = 4, 2  # letters of a stem; what is not there has more
 
 
 @dataclass(frozen=True)
@@ -65,7 +62,7 @@ class WordTable:
     def rows(self, word: str) -> list[int]:
         """Rows that make up a word: its own, or those of a compound's two parts ("thundercloud")."""
         row = self.find(word)
-        if row is not None or self.is_english(word) or word.startswith(_DENIALS):
+        if row is not None or self.is_english(word) or word.startswith(_denials()):
             return [] if row is None else [row]
         for cut in sorted(range(3, len(word) - 2), key=lambda c: abs(2 * c - len(word))):
             parts = word[:cut], word[cut:]
@@ -127,13 +124,9 @@ def table() -> WordTable:
 
 def stem(word: str) -> str:
     """What is left of a word without its endings: "gloominess" and "gloomy" have the same stem."""
-    shorter = True
-    while shorter:
-        fitting = [
-            word.removesuffix(e) for e in _ENDINGS if word.endswith(e) and len(word) - len(e) >= _SHORTEST
-        ]
-        shorter = bool(fitting)
-        word = min(fitting, key=len) if fitting else word
+    endings = shipped_vocabulary().words["endings"]
+    while shorter := {base for e in endings if _SHORTEST <= len(base := word.removesuffix(e)) < len(word)}:
+        word = min(shorter, key=len)
     if len(word) > _SHORTEST and word[-1] == word[-2]:  # "walnutty", "foggy"
         word = word[:-1]
     return word.removesuffix("i") if len(word) > _SHORTEST else word
@@ -141,8 +134,13 @@ def stem(word: str) -> str:
 
 def denied(word: str) -> str:
     """What a word says is not there: "moonless", "unpolished"; "" for other words."""
-    if word.endswith(_LACK):
-        return word.removesuffix(_LACK) if len(word) > len(_LACK) + 2 else ""
-    prefix = next((p for p in _DENIALS if word.startswith(p)), "")
-    base = word.removeprefix(prefix)
-    return stem(base) if prefix and base in table().index else ""
+    for ending in shipped_vocabulary().words["lacks"]:
+        if len(base := word.removesuffix(ending)) < len(word):
+            return base if len(base) > _SHORTEST_LACKED else ""
+    bases = (word.removeprefix(prefix) for prefix in _denials() if word.startswith(prefix))
+    return next((stem(base) for base in bases if base in table().index), "")
+
+
+def _denials() -> tuple[str, ...]:
+    """What words begin with that say what is not there."""
+    return tuple(shipped_vocabulary().words["denials"])

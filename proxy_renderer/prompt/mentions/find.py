@@ -11,10 +11,10 @@ from ..tokens import Token
 from .joined import joined
 from .names import FITS, parts
 from .nouns import Named, NounMention
-from .passage import Item, Passage
+from .passage import Passage
 from .picked import with_picks
+from .row import NounRow
 from .scene import SceneIndex
-from .spared import with_spared
 
 _LONGEST = 3  # tokens of a name
 _SURE = (*(f"{s} {way}" for s in ("material", "object", "group", "light") for way in FITS[:2]),)
@@ -31,9 +31,13 @@ def mentions(passage: Passage, index: SceneIndex, vocabulary: Vocabulary) -> lis
     """
     finder = _Finder(passage, index, vocabulary)
     found = [*finder.single()]
-    single = [mention for mention in found if not finder.determines(mention, found)]
-    single = with_spared(passage, with_picks(passage, single, index, vocabulary))
-    return [*single, *joined(passage, single, index.words)]
+    determiners = NounRow(passage, found, vocabulary).determiners()
+    single = [mention for mention in found if mention.start not in determiners]
+    single = with_picks(passage, single, index, vocabulary)
+    spared = NounRow(passage, single, vocabulary).spared()
+    single = [replace(mention, spared=mention.start in spared) for mention in single]
+    lists = (joined(run, index.words) for run in NounRow(passage, single, vocabulary).joined())
+    return [*single, *filter(None, lists)]
 
 
 class _Finder:
@@ -48,19 +52,8 @@ class _Finder:
         while start < len(self.items):
             found = self._at(start)
             if found:
-                yield self._with_side(found)
+                yield found
             start = found.end + 1 if found else start + 1
-
-    def determines(self, mention: NounMention, single: list[NounMention]) -> bool:
-        """Whether "all" only says that all of the noun after it is meant: "all bottles", "all of the fruit"."""
-        if mention.noun != "others" or not self.items[mention.start].filler:
-            return False
-        ahead = enumerate(self.items[mention.end + 1 :], mention.end + 1)
-        place = next((n for n, i in ahead if not (i.filler or "of" in i.token.lists)), len(self.items))
-        if not any(m.start == place and m.named for m in single):
-            return False
-        known = self.vocabulary.entries.get(self.items[place].token.entry)
-        return not self.items[place].names_a_look or (known is not None and known.slot == "setting")
 
     def _at(self, start: int) -> NounMention | None:
         """The one that begins at an item."""
@@ -68,10 +61,8 @@ class _Finder:
             return None
         for count in range(_LONGEST, 1, -1):
             if named := self._of_several(start, count):
-                return self._mention(
-                    start, start + count - 1, self.items[start + count - 1].token.noun, named
-                )
-        token = self.items[start].token
+                return self._mention(start, start + count - 1, self.items[start + count - 1].noun, named)
+        token = self.items[start]
         if "others" in token.lists:
             return NounMention(start, start, token.text, "others")
         said = parts(token.name if token.scene and token.guess else token.text)
@@ -79,14 +70,12 @@ class _Finder:
             return None
         named = self._of_one(token, said)
         noun = self._noun(start)
-        if not named and noun in ("unknown", "") and self._gives_light(start):
-            noun = "light"
         return self._mention(start, start, noun, named) if named or noun else None
 
     def _mention(self, start: int, end: int, noun: str, named: list[Named]) -> NounMention:
         """A noun with the light that it means: "key light" the key, "light" light in general ("")."""
-        text, roles = " ".join(i.token.text for i in self.items[start : end + 1]), self.vocabulary.roles
-        last = self.items[end].token
+        text, roles = " ".join(i.text for i in self.items[start : end + 1]), self.vocabulary.roles
+        last = self.items[end]
         role = next((roles[word] for word in last.text.split() if word in roles), "")
         role = last.noun if last.noun in ("fill", "rim") else role
         return NounMention(start, end, text, noun, role, tuple(named))
@@ -97,7 +86,7 @@ class _Finder:
         apart = any(i.clause != row[0].clause or i.ties for i in row)
         if len(row) < count or apart or row[0].filler or row[-1].filler:
             return []
-        said = parts(" ".join(i.token.text for i in row))
+        said = parts(" ".join(i.text for i in row))
         return self._surely(self.index.named(said)) or self._lamps(said)
 
     def _of_one(self, token: Token, said: tuple[str, ...]) -> list[Named]:
@@ -109,7 +98,8 @@ class _Finder:
             return self._surely(named)
         if named or token.known or token.color:
             return named
-        return [n for n in self.index.named(said[-1:], guess=True) if self._may_be_guessed(n, token)]
+        several = token.text.endswith("s")  # "a car" is not its wheels
+        return [n for n in self.index.named(said[-1:], guess=True) if several or not self.index.is_several(n)]
 
     def _surely(self, named: list[Named]) -> list[Named]:
         return [n for n in named if not n.signs.isdisjoint(_SURE)]
@@ -120,44 +110,10 @@ class _Finder:
         return [n for n in self.index.named(said[:-1]) if n.kind == "lights"] if any_light else []
 
     def _noun(self, start: int) -> str:
-        """The kind of thing that a token is: "unknown" for a word that nobody knows, or that is a mood, and here the thing itself."""
-        token = self.items[start].token
-        if token.noun:
+        """The kind of thing that a token is: "unknown" for a word that nobody knows, or that is a mood, or here the thing itself."""
+        token = self.items[start]
+        if "thing" not in token.lists and (token.known or token.near):
             return token.noun
-        styled = any(i.filler for i in self.items[start + 1 : start + 2])  # "castle look"
-        before = self._before(start)  # "in a dark castle"
-        is_place = before is not None and not before.token.lists.isdisjoint(("around", "inside"))
-        may_be = "thing" in token.lists and not (styled or is_place)
-        return "unknown" if may_be or not (token.known or token.near) else ""
-
-    def _gives_light(self, start: int) -> bool:
-        """Whether a word ends what gives the light: "firefly" of "lit by a red firefly"."""
-        clause, before = self.items[start].clause, self._before(start)
-        ends = all(i.clause != clause or i.filler or i.ties for i in self.items[start + 1 : start + 2])
-        return ends and before is not None and "lighting" in before.token.lists
-
-    def _before(self, start: int) -> Item | None:
-        """What a clause says before a noun and its looks."""
-        clause = self.items[start].clause
-        said = [i for i in self.passage.content(0, start) if i.clause == clause and not i.names_a_look]
-        return said[-1] if said else None
-
-    def _with_side(self, mention: NounMention) -> NounMention:
-        """A light with those that stand where a word beside it says: "light from the left", "left light"."""
-        if mention.noun != "light":
-            return mention
-        content, vocabulary = self.passage.content, self.vocabulary
-        before, after = content(mention.start - 2, mention.start), content(mention.end + 1, mention.end + 4)
-        for item in (*before[-1:], *after[:1]):
-            rows = vocabulary.adjectives.get(item.token.adjective, {})
-            entry = vocabulary.entries.get(item.token.entry or rows.get("otherwise", ""))
-            turns = [e for e in entry.effects if e.mode == "camera" and e.name == "azimuth"] if entry else []
-            if item.clause == self.items[mention.start].clause and turns:
-                sided = self.index.sided(turns[0].lower[0], turns[0].upper[0])
-                return replace(mention, named=(*mention.named, *sided))
-        return mention
-
-    def _may_be_guessed(self, named: Named, token: Token) -> bool:
-        """Whether a guess may be right: "a car" is none of its four wheels, nor a boat its sail."""
-        sure = token.text.endswith("s") or all(sign.endswith("misspelled") for sign in named.signs)
-        return sure or not (self.index.in_parts or self.index.has_several(named))
+        before = [i for i in self.passage.content(0, start) if not i.names_a_look]
+        gives_light = before and "lighting" in before[-1].lists  # "lit by a red firefly"
+        return token.noun or ("light" if gives_light else "unknown")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Nouns that are listed with nothing said between them: "box and cup", "bezel, strap and dial"."""
+"""What nouns name together that are listed with nothing said between them: "box and cup", "bezel, strap and dial"."""
 
 from __future__ import annotations
 
@@ -7,67 +7,36 @@ from collections.abc import Iterator
 
 from ..types import SceneWords
 from .nouns import REGIONS, Named, NounMention, fit_rank, fit_signs, materials_of, surest
-from .passage import Passage
 
 
-def joined(passage: Passage, single: list[NounMention], words: SceneWords) -> Iterator[NounMention]:
-    """One mention of each list of nouns.
+def joined(run: list[NounMention], words: SceneWords) -> NounMention | None:
+    """One mention of several: what each names in the surest way, once of all sources and once of materials; None if nothing.
 
     Args:
-        passage: The prompt.
-        single: Its nouns.
+        run: The nouns.
         words: The names in the scene.
     """
-    run: list[NounMention] = []
-    starts = {m.start for m in single}
-    for mention in [m for m in single if m.named or (m.noun in REGIONS and m.end + 1 not in starts)]:
-        if run and not _are_joined(passage, run[-1], mention):
-            yield from _union(run, words)
-            run = []
-        run.append(mention)
-    yield from _union(run, words)
-
-
-def _are_joined(passage: Passage, one: NounMention, other: NounMention) -> bool:
-    """Whether only "and" or a comma is between two nouns; the other may have a word before it: "mugs and tea tag"."""
-    between = passage.content(one.end + 1, other.start)
-    apart = passage.items[other.start].clause - passage.items[one.end].clause
-    listed = ["listing" in item.token.lists for item in between]
-    named = bool(one.named and other.named)  # "that armchair, it stays" lists nothing
-    if any("again" in item.token.lists for item in passage.items[one.end + 1 : other.start]):
-        return False
-    tied = all(listed) or (listed[0] and len(listed) == 2 and not between[1].token.known)
-    return tied and (apart == 1 and named if apart else bool(between))
-
-
-def _union(run: list[NounMention], words: SceneWords) -> Iterator[NounMention]:
-    """One mention of several: what each of them names in the surest way, once of all sources and once of materials."""
-    if len(run) < 2 or not any(mention.named for mention in run):
-        return
-    named = []
-    for kind in ("things", "lights"):
-        for first in ("material", "object", "first", "whole"):
-            each = [surest(m, kind, first) or _region(m, kind, words) for m in run]
-            every = [n for n in each if n]
-            if len(every) == len(run):
-                names = frozenset().union(*(n.names for n in every))
-                signs = frozenset.intersection(*(n.signs for n in every)) | _least_sure(every)
-                named.append(Named(kind, names, signs | {"joined", f"joined {first}"}))
-    unique = {(n.kind, n.names): n for n in reversed(named)}
+    if not any(mention.named for mention in run):
+        return None
+    named = {(n.kind, n.names): n for n in reversed([*_unions(run, words)])}
     text = " and ".join(mention.text for mention in run)
-    yield NounMention(
-        run[0].start,
-        run[-1].end,
-        text,
-        named=tuple(unique.values()),
-        members=len(run),
-        spared=all(mention.spared for mention in run),
+    spared = all(mention.spared for mention in run)
+    return NounMention(
+        run[0].start, run[-1].end, text, named=tuple(named.values()), members=len(run), spared=spared
     )
 
 
-def _least_sure(every: list[Named]) -> frozenset[str]:
-    """How the one of several is found that is the least sure: a list is no surer."""
-    return fit_signs(max(every, key=fit_rank))
+def _unions(run: list[NounMention], words: SceneWords) -> Iterator[Named]:
+    for kind, first in (
+        (k, f) for k in ("things", "lights") for f in ("material", "object", "first", "whole")
+    ):
+        each = [surest(m, kind, first) or _region(m, kind, words) for m in run]
+        every = [named for named in each if named]
+        if len(every) == len(run):
+            names = frozenset().union(*(n.names for n in every))
+            shared = frozenset.intersection(*(n.signs for n in every))
+            least_sure = fit_signs(max(every, key=fit_rank))  # a list is no surer
+            yield Named(kind, names, shared | least_sure | {"joined", f"joined {first}"})
 
 
 def _region(mention: NounMention, kind: str, words: SceneWords) -> Named | None:

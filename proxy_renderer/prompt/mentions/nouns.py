@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from ..types import SceneWords
@@ -10,6 +11,8 @@ from .names import FITS
 
 REGIONS = {"surroundings": "surroundings", "subject": "subject", "unknown": "subject"}
 """Kinds of nouns that mean a part of the picture where nothing of the scene is called so -> the part."""
+
+_VAGUE = FITS.index("alike")  # from here on a name is only guessed
 
 
 @dataclass(frozen=True)
@@ -97,3 +100,20 @@ def materials_of(region: str, words: SceneWords) -> frozenset[str]:
         words: The names in the scene.
     """
     return frozenset(name for name, its in words.materials.items() if its == region)
+
+
+def taken(mentions: Iterable[NounMention], words: SceneWords) -> frozenset[str]:
+    """The materials that nouns name in the surest way; what is left out by a word that no name has is the subject.
+
+    Args:
+        mentions: The nouns.
+        words: The names in the scene.
+    """
+    names: set[str] = set()
+    for mention in mentions:
+        best = surest(mention, "things", "object") if mention.members == 1 else None
+        vague = best is None or fit_rank(best) >= _VAGUE
+        if mention.spared and vague:
+            names |= materials_of(REGIONS.get(mention.noun, ""), words)
+        names |= best.names if best else set()
+    return frozenset(names)

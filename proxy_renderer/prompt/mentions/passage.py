@@ -3,48 +3,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
+from itertools import groupby
 
 from ..lexicon.nearest import Guess
 from ..lexicon.vocabulary import Vocabulary
 from ..tokens import Token
 
 _WISHES = {"action", "undo"}
-TIES = ("link", "around", "joiner", "comparison", "exception")
-"""Lists of words that only say how their neighbors belong together."""
-
-
-@dataclass(frozen=True)
-class Item:
-    """A token with its clause.
-
-    Attributes:
-        token: The token.
-        clause: Number of its clause.
-        wished: It is part of a wish that values cannot fulfill: "remove the chair".
-    """
-
-    token: Token
-    clause: int
-    wished: bool = False
-
-    @property
-    def ties(self) -> bool:
-        """Whether it only says how its neighbors belong together: "of", "with", "than"."""
-        return not self.token.lists.isdisjoint(TIES) and not self.token.entry
-
-    @property
-    def filler(self) -> bool:
-        """Whether it says nothing: articles and the like."""
-        t = self.token
-        return "stop" in t.lists and not (t.entry or t.color or t.adjective or t.noun)
-
-    @property
-    def names_a_look(self) -> bool:
-        """Whether it can be a look word."""
-        t = self.token
-        return bool(t.entry or t.color or t.adjective or t.near)
 
 
 @dataclass(frozen=True)
@@ -83,14 +50,14 @@ class Passage:
     """A prompt's tokens and look words.
 
     Attributes:
-        items: All tokens.
+        items: All tokens, with the numbers of their clauses.
         looks: The look words, in order.
         starts: Places of the items that begin a clause as it is written, those of a list too.
         wishes: What only a modeler can do, as the prompt says it.
         beyond: Words that no value can give.
     """
 
-    items: list[Item]
+    items: list[Token]
     looks: list[PromptLook] = field(default_factory=list)
     starts: set[int] = field(default_factory=set)
     wishes: list[list[str]] = field(default_factory=list)
@@ -111,16 +78,11 @@ class Passage:
         """
         between = self.items[one.index + 1 : other.index]
         parted = self.starts.intersection(range(one.index + 1, other.index + 1))
-        return not parted and all(item.token.strength is not None for item in between)
+        return not parted and all(item.strength is not None for item in between)
 
-    def content(self, start: int, end: int) -> list[Item]:
+    def content(self, start: int, end: int) -> list[Token]:
         """The items from start to end that say something, without `end`."""
         return [item for item in self.items[max(start, 0) : end] if not item.filler]
-
-    def ahead(self, place: int) -> list[Item]:
-        """What an item's clause says after it."""
-        clause = self.items[place].clause
-        return [item for item in self.content(place + 1, len(self.items)) if item.clause == clause]
 
 
 def passage(clauses: list[list[Token]], vocabulary: Vocabulary) -> Passage:
@@ -134,9 +96,9 @@ def passage(clauses: list[list[Token]], vocabulary: Vocabulary) -> Passage:
     for number, tokens in _listed(clauses):
         found.starts.add(len(found.items))
         found.items += _without_wishes(number, tokens, found)
-    for number in range(len(clauses)):
-        found.looks += _looks(found, number, vocabulary)
-    found.beyond = [i.token.text for i in found.items if "beyond" in i.token.lists and not i.wished]
+    for _, clause in groupby(enumerate(found.items), key=lambda each: each[1].clause):
+        found.looks += _looks(found, clause, vocabulary)
+    found.beyond = [i.text for i in found.items if "beyond" in i.lists and not i.wished]
     return found
 
 
@@ -150,7 +112,7 @@ def _listed(clauses: list[list[Token]]) -> Iterator[tuple[int, list[Token]]]:
         number += not (listed and "listing" in following[1].lists)
 
 
-def _without_wishes(number: int, tokens: list[Token], found: Passage) -> Iterator[Item]:
+def _without_wishes(number: int, tokens: list[Token], found: Passage) -> Iterator[Token]:
     """The tokens of a clause; what asks for things to be added or removed is marked."""
     until = 0
     for index, token in enumerate(tokens):
@@ -162,20 +124,21 @@ def _without_wishes(number: int, tokens: list[Token], found: Passage) -> Iterato
                 until = index + 1 + len(asked)
                 said = [t.text for t in tokens[index:until] if not t.lists & {"stop", "joiner"}]
                 found.wishes.append(said)
-        yield Item(token, number, index < until)
+        yield replace(token, clause=number, wished=index < until)
 
 
-def _looks(found: Passage, clause: int, vocabulary: Vocabulary) -> Iterator[PromptLook]:
+def _looks(
+    found: Passage, clause: Iterable[tuple[int, Token]], vocabulary: Vocabulary
+) -> Iterator[PromptLook]:
     """The look words of a clause, with the intensities and negations before them."""
     prefix: list[str] = []
     strength, negated = 1.0, False
-    for index, item in enumerate(found.items):
-        token = item.token
-        if item.clause != clause or item.wished or "beyond" in token.lists:
+    for index, token in clause:
+        if token.wished or "beyond" in token.lists:
             continue
         following = next(iter(found.content(index + 1, len(found.items))), None)
-        look = _look_token(item, negated, vocabulary)
-        if token.strength is not None and _is_intensity(item, following, vocabulary):
+        look = _look_token(token, negated, vocabulary)
+        if token.strength is not None and _is_intensity(token, following, vocabulary):
             strength *= token.strength
             prefix.append(token.text)
         elif token.lists & {"negation", "undo"}:
@@ -187,31 +150,30 @@ def _looks(found: Passage, clause: int, vocabulary: Vocabulary) -> Iterator[Prom
             text = " ".join([*said, token.text])
             yield PromptLook(index, look, text, strength, negated and not absent)
             prefix, strength = [], 1.0
-        elif item.ties or token.lists & {"action"}:
+        elif token.ties or token.lists & {"action"}:
             negated = negated and "either" in token.lists
-        elif not item.filler:
+        elif not token.filler:
             prefix, strength = [], 1.0
 
 
-def _look_token(item: Item, negated: bool, vocabulary: Vocabulary) -> Token | None:
+def _look_token(token: Token, negated: bool, vocabulary: Vocabulary) -> Token | None:
     """The token of a look word; what there is none of is one too: "no shadows". None for other tokens."""
-    token = item.token
     if token.near:
         return replace(token, entry=token.near.entry, guess=token.near.entry, name=token.near.near)
     if negated and token.noun in vocabulary.absent and not token.entry:
         return replace(token, entry=vocabulary.absent[token.noun], noun="")
-    return token if item.names_a_look and not item.ties else None
+    return token if token.names_a_look and not token.ties else None
 
 
-def _is_intensity(item: Item, following: Item | None, vocabulary: Vocabulary) -> bool:
+def _is_intensity(token: Token, following: Token | None, vocabulary: Vocabulary) -> bool:
     """Whether "strong" strengthens the next look word ("strong fog"), or is itself one ("strong light")."""
-    if not item.names_a_look:
+    if not token.names_a_look:
         return True
-    if following is None or following.clause != item.clause or not following.names_a_look:
+    if following is None or following.clause != token.clause or not following.names_a_look:
         return False
-    noun = following.token.noun
+    noun = following.noun
     lamp = ("lamp",) if noun in ("light", "fill", "rim") else ()
-    return vocabulary.adjectives.get(item.token.adjective, {}).keys().isdisjoint((noun, *lamp))
+    return vocabulary.adjectives.get(token.adjective, {}).keys().isdisjoint((noun, *lamp))
 
 
 def _speaks_of_looks(tokens: list[Token]) -> bool:

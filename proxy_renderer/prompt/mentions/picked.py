@@ -6,9 +6,11 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import chain
 
 from ..lexicon.vocabulary import Vocabulary
 from ..names import plain_name
+from ..tokens import Token
 from ..types import SceneWords
 from .names import parts
 from .nouns import Named, NounMention
@@ -37,7 +39,7 @@ def with_picks(
     """
     found = {mention.start: _with_number(passage, mention, index) for mention in single}
     for place, item in enumerate(passage.items):
-        way = _way(item.token.text, vocabulary)
+        way = _way(item.text, vocabulary)
         if way is None or item.wished:
             continue
         noun = _noun_of(passage, place, single)
@@ -45,7 +47,7 @@ def with_picks(
         groups += [g for m in single if m.end < place and not noun and len(g := _group(m, index)) > 1][-1:]
         one = next((o for g in [*groups, *_alike(index.words)] if (o := _picked(way, g, index.words))), "")
         if one:
-            target = noun or found.get(place) or NounMention(place, place, item.token.text)
+            target = noun or found.get(place) or NounMention(place, place, item.text)
             known = found.get(target.start, target)
             found[target.start] = _picking(known, index.worn(one), f"picked {way}")
     return [found[start] for start in sorted(found)]
@@ -63,7 +65,7 @@ def _with_number(passage: Passage, mention: NounMention, index: SceneIndex) -> N
     after = passage.items[mention.end + 1 : mention.end + 2]
     group = _group(mention, index)
     near = after and after[0].clause <= passage.items[mention.end].clause + 1
-    one = _numbered(after[0].token.text, group) if len(group) > 1 and near else ""
+    one = _numbered(after[0].text, group) if len(group) > 1 and near else ""
     return _picking(mention, index.worn(one), "picked by number") if one else mention
 
 
@@ -82,18 +84,19 @@ def _group(mention: NounMention, index: SceneIndex) -> list[str]:
 
 def _noun_of(passage: Passage, place: int, single: list[NounMention]) -> NounMention | None:
     """The noun that a word picks one of: right after it, or before it and "on the"."""
-    items, clause = passage.items, passage.items[place].clause
-    near = [m for m in single if items[m.start].clause == clause and not m.covers(place)]
-    for mention in near:
-        between = passage.content(place + 1, mention.start)
-        if place < mention.start <= place + _NEAR and all(i.names_a_look for i in between):
-            return mention
-    for mention in reversed(near):
-        between = items[mention.end + 1 : place]
-        said = any(i.ties for i in between) or " " in items[place].token.text
-        if mention.end < place <= mention.end + _NEAR and said and all(i.filler or i.ties for i in between):
-            return mention
-    return None
+    items = passage.items
+    near = [m for m in single if items[m.start].clause == items[place].clause and not m.covers(place)]
+    after = (m for m in near if place < m.start <= place + _NEAR)
+    before = (m for m in reversed(near) if m.end < place <= m.end + _NEAR)
+    right_after = (m for m in after if all(i.names_a_look for i in passage.content(place + 1, m.start)))
+    led_back = (m for m in before if _leads_back(items[m.end + 1 : place], items[place]))
+    return next(chain(right_after, led_back), None)
+
+
+def _leads_back(between: list[Token], pick: Token) -> bool:
+    """Whether a word picks one of what was named before: "the ball on the left"."""
+    said = any(token.ties for token in between) or " " in pick.text
+    return said and all(token.filler or token.ties for token in between)
 
 
 def _picked(way: str, group: list[str], words: SceneWords) -> str:

@@ -5,14 +5,12 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from functools import cached_property
 
-from ..names import in_parts, is_detail, limbs_of, plain_name
+from ..names import is_detail, limbs_of, plain_name
 from ..types import GLOW, SceneWords
 from .names import best, fit, guessed_fit, parts
 from .nouns import Named
 
-_SIDE = 75.0  # degrees from where words say that a light is
 _TYPES = {"SUN": "sun", "SPOT": "spot"}
 """Types of lights that people call by name."""
 _Fits = Callable[[Mapping[str, tuple[str, ...]]], dict[str, str]]
@@ -65,23 +63,14 @@ class SceneIndex:
         surest = best(ways.values())
         return [name for name, way in ways.items() if surest and way == surest]
 
-    @cached_property
-    def in_parts(self) -> bool:
-        """Whether the subject is one thing, of which only parts have names."""
-        return in_parts(self.words)
-
-    def has_several(self, named: Named) -> bool:
-        """Whether several objects of one name wear what is named.
+    def is_several(self, named: Named) -> bool:
+        """Whether several objects wear what is named.
 
         Args:
             named: Materials.
         """
-        wearers = [
-            plain_name(o)
-            for o, worn in self.words.object_materials.items()
-            if not named.names.isdisjoint(worn)
-        ]
-        return len(wearers) > len({*wearers})
+        worn = self.words.object_materials.values()
+        return sum(not named.names.isdisjoint(its) for its in worn) > 1
 
     def worn(self, name: str) -> frozenset[str]:
         """The materials of an object.
@@ -90,19 +79,6 @@ class SceneIndex:
             name: Of the object.
         """
         return frozenset(self.words.object_materials.get(name, ()))
-
-    def sided(self, low: float, high: float) -> list[Named]:
-        """The lights on a side, the nearest one alone.
-
-        Args:
-            low: Least azimuth relative to the camera, degrees.
-            high: Greatest one.
-        """
-        turns = {name: x.turn for name, x in self.words.lights.items() if x.turn is not None}
-        middle = (low + high) / 2.0
-        near = sorted((abs((turn - middle + 180.0) % 360.0 - 180.0), name) for name, turn in turns.items())
-        beside = [name for apart, name in near[:1] if apart < _SIDE]
-        return [Named("lights", frozenset({name}), frozenset({"side"})) for name in beside]
 
     def _of_things(self, fits: _Fits) -> Iterator[_Found]:
         sources = (("material", self._materials), ("object", self._objects), ("group", self._groups))

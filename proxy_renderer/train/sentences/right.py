@@ -8,7 +8,7 @@ from difflib import SequenceMatcher
 
 from ...prompt.binding.pairs import PromptPairs, TargetPair
 from ...prompt.binding.targets import MATTER, TINGE
-from ...prompt.lexicon.vocabulary import as_meant
+from ...prompt.lexicon.vocabulary import as_meant, shipped_vocabulary
 from ...prompt.names import is_detail
 from ...prompt.types import GLOW
 from .labels import ROLES, LabeledScene, LabeledSentence, LabelTarget, LookWord
@@ -59,10 +59,12 @@ def _unlabeled(
     A word that names a thing of the scene is no setting besides: "lake" of "lake emerald" where there is a lake. Other
     settings may have been no look word yet when the sentence was labeled: neither reading of them is wrong.
     """
-    if any(pair.directs for pair in pairs):
+    directs = [_directs(pair) for pair in pairs]
+    if any(directs):
         lit = [t for word in sentence.words for t in word.targets if t.kind in ("lights", "light", *ROLES)]
         wanted = lit or [LabelTarget("light")]
-        return [pair.directs and any(is_right(pair, t, sentence.scene) for t in wanted) for pair in pairs]
+        rightly = (any(is_right(pair, t, sentence.scene) for t in wanted) for pair in pairs)
+        return [both == (True, True) for both in zip(directs, rightly, strict=True)]
     may_be = [kind for kind in _NAMED if not (a_thing and kind == "surroundings")]
     themselves = [pair.names_itself and pair.target.kind in may_be for pair in pairs]
     known = any(t and pair.target.names for t, pair in zip(themselves, pairs, strict=True))
@@ -75,6 +77,13 @@ def _unlabeled(
     return [r or a for r, a in zip(right, around, strict=True)]
 
 
+def _directs(pair: TargetPair) -> bool:
+    """Whether a word says where the light comes from that it describes."""
+    entry = shipped_vocabulary().entries.get(pair.becoming.entry)
+    effects = entry.effects if entry else ()
+    return any(e.name in ("azimuth", "elevation") and not e.weak for e in effects)
+
+
 def _covers(word: LookWord, place: tuple[int, int] | None) -> bool:
     return place is not None and place[0] < word.end and word.start < place[1]
 
@@ -85,7 +94,7 @@ def _places(text: str, read: PromptPairs) -> dict[int, tuple[int, int]]:
     "Night" of "three in the morning" stands where all four do; "glossy black" of "glosy blak" word by word.
     """
     theirs = [(as_meant(m.group()), m.span()) for m in _WORD.finditer(text)]
-    mine = [(word, i) for i, item in enumerate(read.passage.items) for word in item.token.text.split()]
+    mine = [(word, i) for i, item in enumerate(read.passage.items) for word in item.text.split()]
     matcher = SequenceMatcher(None, [w for w, _ in mine], [w for w, _ in theirs], autojunk=False)
     places: dict[int, tuple[int, int]] = {}
     for kind, first, last, start, end in matcher.get_opcodes():
