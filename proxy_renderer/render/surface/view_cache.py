@@ -85,6 +85,7 @@ class ViewCache:
     ) -> None:
         self.scene, self.geometry, self.metals = scene, geometry, metals
         self.signature = view.signature()
+        moving = [lamp.moving for lamp in lamps]  # as gradients want it: before they are off
         with torch.no_grad():
             self.samples = samples = take(geometry, view.detached(), smooth)
             self._hits = samples.hits.pick(slice(0, samples.surfaces))
@@ -93,7 +94,7 @@ class ViewCache:
             surface = geometry.surface(self._hits, toward[:, : samples.surfaces])
             self._view_samples = ViewSamples.of(self._bumped(surface, toward), toward)
             surface = self._view_samples.surface
-            self.clusters = LightClusters.of(lamps, [lamp.moving for lamp in lamps], surface)
+            self.clusters = LightClusters.of(lamps, moving, surface)
             self._direct = DirectLights(geometry, samples, self._view_samples, self.clusters)
             self._view = view.detached()
             generator = torch.Generator().manual_seed(seed)
