@@ -91,7 +91,7 @@ def _covers(word: LookWord, place: tuple[int, int] | None) -> bool:
 def _places(text: str, read: PromptPairs) -> dict[int, tuple[int, int]]:
     """Item -> where its words stand in the artist's text; what the reader has put otherwise, where others are missing.
 
-    "Night" of "three in the morning" stands where all four do; "glossy black" of "glosy blak" word by word.
+    "Night" of "three in the morning" stands where all four do; as many words as are missing, mistyped ones, stand one by one.
     """
     theirs = [(as_meant(m.group()), m.span()) for m in _WORD.finditer(text)]
     mine = [(word, i) for i, item in enumerate(read.passage.items) for word in item.text.split()]
