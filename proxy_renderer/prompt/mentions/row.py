@@ -11,16 +11,16 @@ from ..tokens import Token
 from .nouns import REGIONS, NounMention
 from .passage import Passage
 
-# Nouns, each followed by "n" or "m" for its other tokens: a thing that is no look but a place, a light likewise, another name, a part
-# of the picture without a name, any other noun.
-_LISTABLE, _NOUNS = "TKNM", "TKNMI"
-_NOUN = f"[{_NOUNS}][nm]*"
+# The letters. Nouns: T a thing, K a light, N another name, and a noun that is a look; M a part of the picture, I anything else
+# without a name in the scene; n and m are their other tokens. Others: Q "all", O "the rest", L a look, _ filler, u unknown, . what is
+# known, a comma between clauses, and those of _LETTERS.
 _LETTERS = {
     "P": {"spared"}, "X": {"exception"}, "G": {"again"}, "A": {"listing"},
     "F": {"of"}, "W": {"save", "refusal"}, "B": {"save"}, "R": {"refusal"},
 }  # fmt: skip
-"""Letter of a token that is no noun -> lists that it is in. There are also "Q" all, "O" others, "L" look, "_" filler, "u" unknown,
-"." the rest, and "," between clauses."""
+"""Letter of a token that is no noun -> lists of the vocabulary's grammar that it is in."""
+_LISTABLE, _NOUNS = "TKNM", "TKNMI"
+_NOUN = f"[{_NOUNS}][nm]*"
 _LISTED = f"(?:[_ALOQu]*{_NOUN}(?:_*A[_ALOQu]*{_NOUN})*)"
 _THINGS = "(?:[_A]*Tn*(?:_*A[_A]*Tn*)*)"
 _SPARED = [
