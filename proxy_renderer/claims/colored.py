@@ -19,7 +19,7 @@ from .measures.picture import Part
 _LIGHTNESS, _CHROMA, _LEAST_CHROMA = 10.0, 0.25, 2.5
 """How far a color may be from the one that can be shown, OKLab times 100: lightness, and a share of its chroma but at least
 this."""
-_FAINTEST, _OFF_GRAY = 3.0, 0.6
+_FAINTEST, _OFF_GRAY = 1.8, 0.6
 """Chroma from which a color is not gray, and how much of what it has beyond the least a picture of it may lack."""
 _ASIDE, _LEAST_ASIDE = 0.2, 1.5
 """How far across its hue, as a share of its chroma, but at least this: hue says the more the more chroma there is."""
