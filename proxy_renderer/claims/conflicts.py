@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from ..color.floats import lab_from_srgb
-from ..color.shades import warm
+from ..color.shades import WARM, warm
 from ..prompt.types import Attribute
 from ..schema import Values
 from .claim import Claim
@@ -19,9 +19,6 @@ USUAL = ("atmosphere", "setting")
 
 _OPPOSED = 0.5
 """Cosine between a tint and the other direction, from where a picture cannot have both."""
-
-_WARM = (0.45, 0.89)
-"""Direction of warm light, as `measures.color.warmth` has it."""
 
 _LIT, _STILL = 44.0, 0.7
 """L* of a picture in colored light at least, and the share of the color's own lightness that is enough for dark colors."""
@@ -166,7 +163,7 @@ def cast_of(claim: Claim) -> Values:
     """The direction in a and b in which a claim wants the light of the whole picture to be colored; () for other claims."""
     if not is_light(claim) or claim.measure == "accent":
         return ()
-    return claim.direction or tuple(asks(claim) * part for part in _WARM if asks(claim))
+    return claim.direction or tuple(asks(claim) * part / math.hypot(*WARM) for part in WARM if asks(claim))
 
 
 def is_painted(claim: Claim, attribute: Attribute) -> bool:

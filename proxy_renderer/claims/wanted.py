@@ -90,9 +90,15 @@ def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
     painted = [c for attribute, row in said for c in row if is_painted(c, attribute)]
     colored = [c for c in claims if c.measure == "color"] + painted
     tints = [cast for c in claims if (cast := cast_of(c))]
-    shown = (on_things(lit(c, colored) if is_light(c) else in_the_dark(c, darkest)) for c in claims)
-    shown = (in_colored_light(c, tints) for c in shown)
-    return (*shown, *_of_every_picture(parsed), *_unburnt(claims), *_undrowned(parsed, claims))
+    shown = (
+        lit(c, colored) if is_light(c) else in_colored_light(in_the_dark(c, darkest), tints) for c in claims
+    )
+    return (
+        *map(on_things, shown),
+        *_of_every_picture(parsed),
+        *_unburnt(claims),
+        *_undrowned(parsed, claims),
+    )
 
 
 def _rank(attribute: Attribute, claims: Sequence[Claim]) -> tuple[bool, int, int]:

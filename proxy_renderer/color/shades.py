@@ -9,7 +9,9 @@ from collections.abc import Sequence
 from ..schema import Values
 from .floats import chroma, lab_from_srgb, oklab_from_srgb, srgb_from_hex, srgb_from_oklab
 
-_WARM = (0.5, 1.0)  # in a* and b*, see `claims.measures.color.warmth`
+WARM = (0.5, 1.0)
+"""What counts as warm of a* and b*, see `claims.measures.color.warmth`."""
+
 _GRAYISH = 20.0  # chroma below which a hue says little
 
 # Several typical shades for each basic color: the nearest one decides.
@@ -60,7 +62,7 @@ def hue_apart(one: Values, other: Values) -> float:
 
 def warm(a: float, b: float) -> float:
     """Cosine between a tint, in a* and b*, and the way from blue to orange: 1 is warm, -1 is cool."""
-    return (_WARM[0] * a + _WARM[1] * b) / (math.hypot(*_WARM) * max(math.hypot(a, b), 1e-6))
+    return (WARM[0] * a + WARM[1] * b) / (math.hypot(*WARM) * max(math.hypot(a, b), 1e-6))
 
 
 def basic(srgb: Sequence[float]) -> str:

@@ -74,12 +74,13 @@ def _reaches(
     regions = sorted(_free_regions(parsed, entries, owners))  # the subject first
     names = [name for region in regions for name in _largest(owners.materials(region), sources)]
     keys = [key for name in names if (key := f"material/{name}/base_color") in instances]
-    why = "the subject stands out from its surroundings"
-    yield from ((key, (_shades(instances[key].value), -1, why)) for key in keys)
     unnamed = [key for key in keys if entries[key].priority is None]
     if wants_color(parsed, instances, unnamed):
         why = "vivid colors are seen on something"
         yield from ((key, (ends, -1, why)) for key, ends in colored(instances, unnamed))
+    else:
+        why = "the subject stands out from its surroundings"
+        yield from ((key, (_shades(instances[key].value), -1, why)) for key in unnamed)
     if BACKDROP in instances:
         yield BACKDROP, (_times(instances[BACKDROP].value, _WORLD), -1, "the subject stands out from it")
     if "film/exposure" in instances:

@@ -116,10 +116,10 @@ class Confiner:
         plan = carry(Plan({key: entries[key] for key in instances}, advice.plan.notes), earlier)
         return replace(advice, plan=plan_everything(instances, self._baseline) if self._baseline else plan)
 
-    def confine(
+    def confined(
         self, advice: Advice, u: Tensor, start: Start | None, reach: RoundReach, claims: Sequence[Claim]
     ) -> Confined:
-        """Projects u into the box of a plan.
+        """The round of a plan: its ranges, their box, and u projected into it.
 
         Args:
             advice: With the plan.

@@ -179,7 +179,7 @@ class Search:
         self._judge_by(advice, u)
         for shot in self.shots[1:]:
             shot.take(advice.plan)
-        return self.confiner.confine(advice, u, start, reach, self.claims)
+        return self.confiner.confined(advice, u, start, reach, self.claims)
 
     def _judge_by(self, advice: Advice, u: Tensor) -> None:
         """Has pictures judged as this round's advice says; what the words claim is as understood at first, at u (N,)."""

@@ -59,20 +59,23 @@ class DirectLights:
         other._kept = dict(self._kept)
         return other
 
-    def has_moved(self, index: int, lamps: Sequence[LightSource]) -> bool:
-        """Whether a light, or one of its cluster, has moved since its shadows were traced, or they never were.
+    def forget_moved(self, index: int, lamps: Sequence[LightSource]) -> bool:
+        """Forgets a light's shadows if it, or one of its cluster, has moved; returns whether they have to be traced.
 
         Args:
             index: The light's.
             lamps: All lights.
         """
         kept = self._kept.get(index)
-        return kept is None or kept.signature != self._signature(index, lamps)
+        if kept is not None and kept.signature == self._signature(index, lamps):
+            return False
+        self._kept.pop(index, None)
+        return True
 
     def of(
         self, index: int, lamps: Sequence[LightSource], view_samples: ViewSamples, view: View
     ) -> DirectLight:
-        """The direct light of one of the lights; differentiable where it, or the camera, moves.
+        """The direct light of one of the lights, as it was before unless `forget_moved`; differentiable where it, or the camera, moves.
 
         Args:
             index: The light's.
@@ -81,8 +84,6 @@ class DirectLights:
             view: The camera.
         """
         lamp, moving = lamps[index], lamps[index].moving or view_samples.moving
-        if self.has_moved(index, lamps):
-            self._kept.pop(index, None)
         kept = self._kept.get(index)
         if not moving and kept is not None and kept.direct_light is not None:
             return kept.direct_light

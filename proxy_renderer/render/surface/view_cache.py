@@ -188,9 +188,9 @@ class ViewCache:
         self, index: int, lamps: Sequence[LightSource], view_samples: ViewSamples, view: View
     ) -> DirectLight:
         """Direct light of one of the lights; its shadows are traced again when it, or one of its cluster, has moved."""
-        row = self.clusters.row[index]
+        row, moved = self.clusters.row[index], self._direct.forget_moved(index, lamps)
         first = index == self.clusters.clusters[row].members[0]
-        if first and (row not in self._bounced or self._direct.has_moved(index, lamps)):
+        if first and (moved or row not in self._bounced):
             self._bounce(row, lamps[index])
         return self._direct.of(index, lamps, view_samples, view)
 
