@@ -33,7 +33,6 @@ DATA = (
     "proxy_renderer/prompt/lexicon/words.safetensors",
     "proxy_renderer/prompt/languages/*.toml",
     "proxy_renderer/prompt/languages/unread.txt",
-    "proxy_renderer/planning/view_colors.txt",
     "proxy_renderer/claims/heads.toml",
     "proxy_renderer/batch/flamenco.js",
     "proxy_renderer/batch/page/*.js",

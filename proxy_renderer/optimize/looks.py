@@ -18,7 +18,7 @@ from . import context
 from .drawing import chosen_values
 from .plan import feasible_ranges
 from .shots import ShotState
-from .vector import project
+from .vector import begun, project
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class Looks:
             advisor: Makes the plan.
 
         Returns:
-            (N,) the artist's point, projected into the plan's ranges; and the advice.
+            (N,) the artist's point with the colors that words name, projected into the plan's ranges; and the advice.
 
         Raises:
             VibeError: No word of the prompt is known.
@@ -66,7 +66,7 @@ class Looks:
         now = context.plan_context(proxy, values, self.before)
         advice = advisor.advise(self.before.display, vector.instances, now)
         ranges = feasible_ranges(advice.plan, vector.instances, values)
-        return project(self._home, *vector.bounds(ranges)), advice
+        return project(begun(vector, advice.plan, self._home), *vector.bounds(ranges)), advice
 
     def values(self, u: Tensor) -> EarlyLook:
         """The values of u (N,), without a picture."""

@@ -40,7 +40,8 @@ class RoundObjective:
             the camera is held.
         lower: (N,) lower corner of the feasible box.
         upper: (N,) upper corner.
-        pull: (N,) weight in [0, 1] of the prior on each component, 0 where words name the value.
+        home: (N,) the artist's values, and colors that words name.
+        pull: (N,) weight in [0, 1] of the pull to them, 0 where words name a range.
         any_hue: Keys of colors whose hue is free.
         differences: Whether slopes are taken by differences, see `inner.slopes.difference_slopes`.
         weights: Of the claims, of the prior and of the consistency of hues.
@@ -53,6 +54,7 @@ class RoundObjective:
         free: set[str],
         lower: Tensor,
         upper: Tensor,
+        home: Tensor,
         pull: Tensor,
         weights: Weights,
         any_hue: Set[str] = frozenset(),
@@ -60,9 +62,10 @@ class RoundObjective:
     ) -> None:
         self.seen, self.vector, self.free = seen, vector, free
         self._lower, self._span = lower, (upper - lower).clamp_min(1e-9)
-        self._home, self._differences = vector.encode({}), differences
+        self._home, self._differences = home, differences
         self._pull, self._weights = pull, weights
-        self._hued = (upper - lower > 1e-9) * (1.0 + _UNNAMED * (pull > 0.0))
+        unnamed = (pull > 0.0) & (home == vector.encode({}))
+        self._hued = (upper - lower > 1e-9) * (1.0 + _UNNAMED * unnamed)
         colors = [
             vector.slices[key] for key in free - any_hue if vector.instances[key].parameter.components == 3
         ]
@@ -196,7 +199,7 @@ class RoundObjective:
         return guidance(picture.display, picture.mask, generator)
 
     def _held(self, u: Tensor) -> Tensor:
-        """() the pull to the artist's values, and that of a color's components to each other."""
+        """() the pull home, and that of a color's components to each other."""
         where, home = ((x - self._lower) / self._span for x in (u, self._home))
         prior = prior_loss(where, home.clamp(0.0, 1.0), self._pull)
         hue = hue_consistency_loss(where, self._colors, self._hued)

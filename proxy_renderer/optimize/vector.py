@@ -10,6 +10,7 @@ from copy import copy
 import torch
 from torch import Tensor
 
+from ..planning.types import Plan
 from ..schema import Instance, Values
 
 _FLATTEST = 0.05
@@ -181,6 +182,18 @@ def project(u: Tensor, lower: Tensor, upper: Tensor) -> Tensor:
         upper: (N,) upper corner.
     """
     return torch.minimum(torch.maximum(u, lower), upper)
+
+
+def begun(vector: ParameterVector, plan: Plan, u: Tensor) -> Tensor:
+    """(N,) a point with what words name where its search begins, see `PlanEntry.start`.
+
+    Args:
+        vector: Of the scene.
+        plan: The first round's.
+        u: (N,) the artist's point.
+    """
+    starts = {key: entry.start for key, entry in plan.items() if entry.start is not None}
+    return torch.where(vector.mark(starts), vector.encode(starts), u)
 
 
 def around(u: Tensor, lower: Tensor, upper: Tensor, share: float) -> tuple[Tensor, Tensor]:

@@ -3,40 +3,60 @@
 
 from __future__ import annotations
 
-from ..color.floats import chroma, lab_from_srgb, linear_from_srgb, luminance, srgb_from_hex, srgb_from_linear
-from ..color.shades import hue_apart, shade
+from ..color.floats import lab_from_srgb, linear_from_srgb, luminance, srgb_from_hex
+from ..color.shades import shade
 from ..prompt.colors import fog_color
 from ..prompt.lexicon.entries import Effect
 from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.types import Attribute
 from ..schema import Instance, Values
-from .display import radiance, reachable
+from .grays import radiance
 from .sources import Range, Sources
 
 _BLACKEST, _WHITEST = 0.006, 0.85  # hardly a real surface reflects less, or more
-_BRIGHTEST = 2.5  # radiance of a backdrop that has a color
-_DARK = 0.02  # radiance below which a backdrop is black
+_BLACK = 0.02  # component below which a backdrop is black
 _SEEN = 0.7  # relative departure from gray that a tint has at least
-_DEEP = 0.4  # of that scale: the box of a darker color is smaller, as its hues are nearer
+_DEEP = 0.4  # of the scale below: the box of a darker color is smaller, as its hues are nearer
 _MOOD = 0.6  # of a tint, where light, air and film share it: things keep some color of their own
-_ALIKE, _OPPOSED = 60.0, 120.0
-"""Degrees of hue from warm light up to which a color bears it, and from which on it does not."""
-_MADE_UP = 0.9  # share of such light's color that a surface then makes up for
 _BOX = 0.06  # half the width of a color's box, in steps that look even
+_LESS, _MORE = (0.65, -0.1), (1.35, 0.15)
+"""Ends of a surface's components, on the same scale: a share of the named color's, and what is added to that. Claims find
+what looks as named under the scene's light and view."""
+_SHOWN = (0.5, 3.0)
+"""Multiples of a color's brightest component that a backdrop may have, for the same reason."""
 OWN_COLOR = ("base_color", "tint")
 """Parameters that hold a material's color."""
 _NEUTRAL_BOX = 0.02  # the same for white and gray: a little tint makes them another color
 
 
+def named_color(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Values | None:
+    """The linear color that a color word gives to a surface or a backdrop; None for all else."""
+    named = effect.color == "@" and effect.mode in ("color", "shown")
+    return (
+        _painted(effect, attribute, instance, sources)
+        if named and instance.parameter.kind == "color"
+        else None
+    )
+
+
 def color_range(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Range:
     """The range that an effect with a color asks for; not clipped."""
-    srgb, view = _named(effect, attribute, sources), sources.context.view
+    named = named_color(effect, attribute, instance, sources)
+    if named:
+        return _wide(named)
+    srgb = _color_of(effect, attribute, sources)
     if effect.mode == "shown" and instance.parameter.kind == "scalar":
         return _shown_strength(srgb, instance, sources)
     if effect.mode == "cast":
         amount = _MOOD * 0.2 if attribute.kind in ("ambience", "fog") else 0.2
         cast = _cast(linear_from_srgb(srgb), 0.06 if instance.parameter.name == "lift" else amount)
         return tuple(v - 0.02 for v in cast), tuple(v + 0.02 for v in cast)
+    return _box(_painted(effect, attribute, instance, sources))
+
+
+def _painted(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Values:
+    """The linear color that an effect is about, as its parameter holds it."""
+    srgb = _color_of(effect, attribute, sources)
     if effect.mode == "gel":
         linear = _gel(
             linear_from_srgb(srgb), 0.9 * (_MOOD * _purity(srgb) if attribute.kind == "ambience" else 1.0)
@@ -44,46 +64,19 @@ def color_range(effect: Effect, attribute: Attribute, instance: Instance, source
     elif effect.mode == "albedo":
         linear = _fog_albedo(srgb)
     elif effect.mode == "shown":
-        linear = reachable(srgb, view, _BRIGHTEST)
-        linear = tuple(v / max(linear) for v in linear) if max(linear) > _DARK else linear
+        linear = linear_from_srgb(srgb)
+        linear = tuple(v / max(linear) for v in linear) if max(linear) > _BLACK else linear
     else:
-        tint = _tint(srgb, sources)
-        linear = _surface(srgb, view, sources.illumination, sources.veil, tint)
+        linear = _albedo(linear_from_srgb(srgb))
     if instance.parameter.family == "material/tint":
         texture = max(sources.context.texture_luminance.get(instance.owner, 0.4), 0.02)
         linear = tuple(v / texture for v in linear)
     if attribute.strength < 0.8:
         linear = tuple(a + (b - a) * attribute.strength for a, b in zip(instance.value, linear, strict=True))
-    return _box(linear)
+    return linear
 
 
-def _surface(srgb: Values, view: str, illumination: float, veil: float, tint: Values) -> Values:
-    """The albedo that is displayed as a color under the light, of some tint, that is going to fall on it."""
-    if lab_from_srgb(srgb)[0] > 93:
-        return (
-            (_WHITEST,) * 3
-            if chroma(lab_from_srgb(srgb)) < 4
-            else tuple(_WHITEST * v for v in linear_from_srgb(srgb))
-        )
-    light = min(max(illumination, 0.6), 5.0)
-    wanted = reachable(srgb, view, _WHITEST * light)
-    albedo = tuple(max(v - veil, 0.7 * v) / (light * t) for v, t in zip(wanted, tint, strict=True))
-    return tuple(min(max(v, _BLACKEST), _WHITEST) for v in albedo)
-
-
-def _tint(srgb: Values, sources: Sources) -> Values:
-    """The color of the light that a surface makes up for, to look as named.
-
-    Eyes are used to warm and cool lamps, but not so far that they see blue where candles leave violet.
-    """
-    against = hue_apart(srgb, srgb_from_linear(tuple(v / max(sources.warmth) for v in sources.warmth)))
-    share = _MADE_UP * min(max((against - _ALIKE) / (_OPPOSED - _ALIKE), 0.0), 1.0)
-    return tuple(
-        gel**sources.constancy * warm**share for gel, warm in zip(sources.cast, sources.warmth, strict=True)
-    )
-
-
-def _named(effect: Effect, attribute: Attribute, sources: Sources) -> Values:
+def _color_of(effect: Effect, attribute: Attribute, sources: Sources) -> Values:
     if effect.color == "@":
         return attribute.color or (0.5, 0.5, 0.5)
     if effect.color == "own":
@@ -109,6 +102,20 @@ def _box(linear: Values) -> Range:
     neutral = max(shown) - min(shown) < _NEUTRAL_BOX and min(shown) > 0.25
     half = _NEUTRAL_BOX if neutral else _BOX * min(max(max(shown) / _DEEP, 0.5), 1.0)
     return tuple(max(v - half, 0.0) ** 2.2 for v in shown), tuple((v + half) ** 2.2 for v in shown)
+
+
+def _albedo(linear: Values) -> Values:
+    """The color as real surfaces have it: none reflects nothing, or all."""
+    most = min(_WHITEST / max(*linear, 1e-6), 1.0)
+    return tuple(max(most * v, _BLACKEST) for v in linear)
+
+
+def _wide(linear: Values) -> Range:
+    """All that may look like a linear color in some light: darker and lighter, and purer or paler."""
+    shown = [max(v, 0.0) ** (1 / 2.2) for v in linear]
+    ends = (tuple(max(a * v + b, 0.0) ** 2.2 for v in shown) for a, b in (_LESS, _MORE))
+    lower, upper = ends
+    return lower, tuple(min(u, max(v, _WHITEST)) for u, v in zip(upper, linear, strict=True))
 
 
 def _gel(linear: Values, purity: float) -> Values:
@@ -145,7 +152,7 @@ def _shown_strength(srgb: Values, instance: Instance, sources: Sources) -> Range
     if lab_from_srgb(srgb)[0] > 93:
         ends = tuple(radiance(goal, context.view) for goal in (88.0, 93.0))
     else:
-        bright = max(reachable(srgb, context.view, _BRIGHTEST))
-        ends = (0.8 * bright, 1.25 * bright) if bright > _DARK else (0.0, 1.0)
+        bright = max(linear_from_srgb(srgb))
+        ends = tuple(share * bright for share in _SHOWN) if bright > _BLACK else (0.0, 1.0)
     picture = sources.world.picture
     return tuple((min(v / 2**sources.exposure / picture, 10.0),) for v in ends)  # type: ignore[return-value]

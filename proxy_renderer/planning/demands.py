@@ -22,6 +22,7 @@ class Demand:
     Attributes:
         vague: What it is about is said better by other words.
         usual: It is what a place usually has: it counts only where no other word is about the parameter.
+        start: Where the search begins, as `PlanEntry.start`.
     """
 
     key: str
@@ -33,6 +34,7 @@ class Demand:
     priority: int
     vague: bool = False
     usual: bool = False
+    start: tuple[float, ...] | None = None
 
     @property
     def rank(self) -> tuple[bool, bool, bool, int, bool]:

@@ -8,7 +8,7 @@ from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.names import is_detail, kind_of
 from ..prompt.types import GLOW, Attribute, Parsed
 from ..schema import Instance, Values
-from .illumination import facing_radiance
+from .lights.facing import facing_radiance
 from .lights.meant import KnownLight, assigned, named
 from .types import PlanContext
 

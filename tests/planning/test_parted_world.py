@@ -69,7 +69,8 @@ def test_green_is_seen_and_the_light_of_the_night_is_shed(tmp_path):
     parsed = parse(prompt, scene_words(scene))
     entries = plan(parsed, compose(parsed), dict(scene.instances), PlanContext())
     green, light = entries[COLOR], entries["world/color"]
-    assert green.lower[1] > 2 * max(green.upper[0], green.upper[2])
+    red, brightest, blue = green.upper
+    assert brightest > 2 * max(red, blue)
     assert "green" in green.reason
     assert light.upper[1] < light.lower[2]  # the blue of nights
     assert "green" not in light.reason

@@ -33,6 +33,7 @@ from ..inner.least_squares import solve
 from ..looks import Looks
 from ..progress import Clock, Observer
 from ..shots import ShotInput, ShotState, gathered
+from ..vector import begun
 from .confiner import UNBOUND, Confined, Confiner, RoundReach, Start
 from .judges import make_guidance, weights_of
 from .selection import Selection, select
@@ -179,6 +180,8 @@ class Search:
         self._judge_by(advice, u)
         for shot in self.shots[1:]:
             shot.take(advice.plan)
+        if not earlier and not (start and start.drawn is not None):
+            u = begun(self.vector, advice.plan, u)
         return self.confiner.confined(advice, u, start, reach, self.claims)
 
     def _judge_by(self, advice: Advice, u: Tensor) -> None:

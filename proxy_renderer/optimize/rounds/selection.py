@@ -24,13 +24,16 @@ from ..inner.least_squares import linearize
 from ..inner.linear_model import LinearModel
 from ..objective import RoundObjective
 from ..shots import ShotState
-from ..vector import ParameterVector
+from ..vector import ParameterVector, begun
 
 _HALF, _MISSED = 1.5, 3.0
 """Places in the order of priorities that half the gain costs, and how many more where claims are missed for long: what words
 name goes first, but what it cannot earn is left to what can."""
 
 _FAINTEST = 2.0**-20
+
+_NAMED = 1.0
+"""Weight of the pull of a color to the one that words name: it gives way to what claims see, not to similarity alone."""
 
 _ALIKE, _NOTHING_NEW = 0.9, 0.1
 """Share of what a parameter does to the claims that another one does too, and of its gain that is left beside that one."""
@@ -101,9 +104,9 @@ def select(
     probed = {k for k in relevant if vector.instances[k].parameter.group != "camera" or plan[k].prior == 0.0}
     probed = relevant if options.baseline else probed
     any_hue = {key for key in probed if plan[key].any_hue}
-    pull = _pull(plan, vector, probed)
+    held = begun(vector, plan, vector.encode({})), _pull(plan, vector, probed)
     objective = RoundObjective(
-        shots, vector, probed, lower, upper, pull, weights, any_hue, bool(options.like)
+        shots, vector, probed, lower, upper, *held, weights, any_hue, bool(options.like)
     )
     if options.baseline:
         return Selection(sorted(relevant), objective)
@@ -188,8 +191,8 @@ def _probe(
 
 
 def _pull(plan: Plan, vector: ParameterVector, probed: set[str]) -> Tensor:
-    """(N,) weight in [0, 1] of the prior: on what may be optimized though no word named it."""
+    """(N,) weight in [0, 1] of the prior: on what may be optimized though no word named it, and on colors that words name."""
     weight = torch.zeros(vector.size, dtype=torch.float64)
     for key in probed:
-        weight[vector.slices[key]] = plan[key].prior
+        weight[vector.slices[key]] = plan[key].prior if plan[key].start is None else _NAMED
     return weight

@@ -24,7 +24,7 @@ OWNERS = {
     "film": "film",
 }
 """Who an effect may name -> schema group."""
-RANGE_MODES = ("", "times", "plus", "shade", "camera", "sides", "lightness", "aim", "share")
+RANGE_MODES = ("", "times", "plus", "shade", "camera", "sides", "lightness", "share")
 SLOTS = ("finish", "material", "color", "lighting", "atmosphere", "grade", "mood", "setting")
 _TEXT: tuple[type, str] = (str, 'Write text in quotes: "...".')
 _LIST: tuple[type, str] = (list, 'Write a list of effects: ["film/contrast 1.1..1.3 !2"].')
