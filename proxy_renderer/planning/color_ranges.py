@@ -30,13 +30,14 @@ _NEUTRAL_BOX = 0.02  # the same for white and gray: a little tint makes them ano
 
 
 def named_color(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Values | None:
-    """The linear color that a color word gives to a surface or a backdrop; None for all else."""
-    named = effect.color == "@" and effect.mode in ("color", "shown")
-    return (
-        _painted(effect, attribute, instance, sources)
-        if named and instance.parameter.kind == "color"
-        else None
-    )
+    """The linear color that a color word gives to a surface, or any word to what is seen of the world; None for all else.
+
+    Claims say how it looks in the end. The color of a material, as gold has it, is a value that its word names.
+    """
+    seen = effect.mode == "shown" and (effect.color == "@" or instance.parameter.group == "world")
+    if instance.parameter.kind == "color" and (seen or (effect.mode == "color" and effect.color == "@")):
+        return _painted(effect, attribute, instance, sources)
+    return None
 
 
 def color_range(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Range:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 from ..color.floats import srgb_from_linear
@@ -23,6 +24,8 @@ from .types import Plan, PlanContext, PlanEntry
 from .wishes import STAGES, Wishes, is_usual, stage_of
 
 _NOT = 0.6  # "not glossy" asks for a mild "matte"
+_OF_SHADOWS = ("size", "angle")
+"""Parameters that begin in the middle of their ranges: edges of shadows have slopes that say little of where hardness is found."""
 _SECOND = 6  # how much later a mood's own words come than the prompt's
 
 
@@ -199,5 +202,7 @@ class _Planner:
         reason = "; ".join(dict.fromkeys(d.reason for d in winners))
         usual = all(d.weak for d in winners)
         start = winners[0].start and within(winners[0].start, lower, upper)
+        if instance.parameter.name in _OF_SHADOWS and instance.value != within(instance.value, lower, upper):
+            start = tuple(math.sqrt(a * b) for a, b in zip(lower, upper, strict=True))
         priority = min(d.priority for d in winners)
         return PlanEntry(lower, upper, priority, reason, prior=0.0, usual=usual, start=start)

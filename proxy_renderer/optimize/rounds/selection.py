@@ -32,7 +32,7 @@ name goes first, but what it cannot earn is left to what can."""
 
 _FAINTEST = 2.0**-20
 
-_NAMED = 1.0
+_NAMED = 0.15
 """Weight of the pull of a color to the one that words name: it gives way to what claims see, not to similarity alone."""
 
 _ALIKE, _NOTHING_NEW = 0.9, 0.1
