@@ -134,9 +134,14 @@ class _Planner:
                 if demand.usual and not first.usual:
                     continue
                 low, high = tuple(map(max, lower, demand.lower)), tuple(map(min, upper, demand.upper))
-                if all(a <= b for a, b in zip(low, high, strict=True)):
+                agrees = all(a <= b for a, b in zip(low, high, strict=True))
+                if agrees and not first.start:  # what is left of a named color's room would be another color
                     lower, upper, winners = low, high, [*winners, demand]
-                elif not any(demand.rank[:3] + first.rank[:3]) and demand.reason != first.reason:
+                elif (
+                    (demand.start or not agrees)
+                    and not any(demand.rank[:3] + first.rank[:3])
+                    and demand.reason != first.reason
+                ):
                     pair = demand.attribute.word, first.attribute.word
                     self.beaten.setdefault(pair, {})[key] = None
             self.settled[key] = (lower, upper), winners

@@ -6,7 +6,8 @@ import math
 import pytest
 import torch
 
-from proxy_renderer.optimize.vector import ParameterVector, nearest_turn, opened, project
+from proxy_renderer.optimize.vector import ParameterVector, begun, nearest_turn, opened, project
+from proxy_renderer.planning.types import Plan, PlanEntry
 from proxy_renderer.schema import FAMILIES, PARAMETERS, Instance
 
 
@@ -126,3 +127,14 @@ def test_a_range_opens_no_farther_than_to_the_artists_value():
     low, high = opened(lower, upper, torch.tensor([math.inf, math.inf, 0.5]), own)
     torch.testing.assert_close(low, torch.tensor([0.45, 0.0, 0.4], dtype=torch.float64))
     torch.testing.assert_close(high, torch.tensor([1.0, 0.9, 0.8], dtype=torch.float64))
+
+
+def test_what_words_name_begins_where_they_say_and_the_rest_at_home():
+    painted = instance("material/base_color", (0.2, 0.2, 0.2), "Body")
+    other = instance("material/base_color", (0.7, 0.1, 0.1), "Wall")
+    vector = vector_of(painted, other)
+    teal, ends = (0.0, 0.3, 0.3), ((0.0, 0.1, 0.1), (0.1, 0.6, 0.6))
+    plan = Plan({painted.key: PlanEntry(*ends, 1, "'teal'", start=teal), other.key: PlanEntry(*ends, 2, "")})
+    values = vector.values(begun(vector, plan, vector.encode({})))
+    assert values[painted.key] == pytest.approx(teal, abs=1e-6)
+    assert values[other.key] == other.value

@@ -400,6 +400,12 @@ def test_untouched_parameters_are_irrelevant_and_reasons_quote_the_word():
     assert all(e.prior > 0 for e in plan_.values() if e.priority is None)
 
 
+def test_the_size_of_a_lamp_begins_in_the_middle():
+    entry = make_plan("harsh light, hard shadows")["light/Key/size"]
+    assert entry.start is not None
+    assert 1.2 * entry.lower[0] < entry.start[0] < entry.upper[0] / 1.2
+
+
 def test_locks_are_respected_and_said():
     instances = make_instances()
     key = "material/Body/base_color"
