@@ -69,7 +69,7 @@ class Weights:
     attributes: float = 0.5
     border: float = 0.5
     visibility: float = 2.5
-    claims: float = 0.2
+    claims: float = 0.5
     prior: float = 0.5
     hue: float = 2.0
 
