@@ -6,7 +6,8 @@ import json
 import pytest
 
 from proxy_renderer.bench.binding import prompts, run
-from proxy_renderer.bench.binding.captions import pair, sentence, summary
+from proxy_renderer.bench.binding.caption_files import pair, sentence
+from proxy_renderer.bench.binding.captions import summary
 from proxy_renderer.bench.binding.explaining import measured
 from proxy_renderer.bench.binding.judge import judge
 from proxy_renderer.bench.binding.reading import read
