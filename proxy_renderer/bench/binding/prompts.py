@@ -19,14 +19,14 @@ from .explaining import explained
 BACKDROP, LAMP = "Cyclorama", LabeledLight("Area", "AREA", "key", turn=-40.0)
 """What is in a scene beside its things, with names that captions do not use."""
 _PLAIN = LabeledScene("plain", "product", ("Cube",), {n: (n,) for n in ("Cube", BACKDROP)}, lights=(LAMP,))
-_SLOW = 1.0  # seconds that no prompt may take
+_SLOW = 1.0  # seconds of the processor that no prompt may take
 _LISTED = 40  # words
 
 
 @dataclass(frozen=True)
 class _Outcome:
     kind: str  # "understood", "refused" or "fault"
-    seconds: float
+    seconds: float  # of the processor
     unused: tuple[str, ...] = ()
     says: str = ""
 
@@ -41,7 +41,7 @@ def measured(texts: Iterable[str], misses: bool) -> dict[str, Any]:
     Returns:
         `understood`: prompts that ask for at least one look, see `sealed.table.share`; `entire`: how many of them leave
         no word unused; `refused`: in one line with a remedy; `faults`: what else went wrong; `slow`: prompts that took
-        more than a second; `milliseconds`: of a prompt; `unused`: word -> how many prompts.
+        more than a second of the processor; `milliseconds`: of the processor for a prompt; `unused`: word -> how many prompts.
     """
     whole = stand_in(_PLAIN)
     explained("red", whole)  # word vectors are loaded once
@@ -70,13 +70,13 @@ def lines(results: Mapping[str, Any]) -> list[str]:
         *results["faults"],
         f"Prompts understood at least in part: {table.told(results['understood'])}, {results['entire']} of them with no "
         f"word unused. Refused with a remedy: {results['refused']}. Faults: {len(results['faults'])}. "
-        f"Longer than a second: {results['slow']}. A prompt took {table.taken(results['milliseconds'])}.",
+        f"Longer than a second: {results['slow']}. A prompt took {table.taken(results['milliseconds'])} of the processor.",
     ]
 
 
 def _outcome(text: str, whole: SceneStandIn) -> _Outcome:
     """Of one prompt; a refusal that has no remedy or several lines is a fault as much as any other error."""
-    start = time.perf_counter()
+    start = time.process_time()
     kind, says = "understood", ""
     unused: tuple[str, ...] = ()
     try:
@@ -86,4 +86,4 @@ def _outcome(text: str, whole: SceneStandIn) -> _Outcome:
         says = f"{text}: {error}"
     except Exception as error:  # there should be none, which is what is measured
         kind, says = "fault", f"{text}: {error!r}"
-    return _Outcome(kind, time.perf_counter() - start, unused, says)
+    return _Outcome(kind, time.process_time() - start, unused, says)

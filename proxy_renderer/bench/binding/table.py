@@ -114,7 +114,7 @@ def show(results: Mapping[str, Any]) -> None:
     closing = f"Attributes that no label covers: {results['extra']}. Sentences that were refused: {results['unread']}. "
     closing += f"A sentence took {taken(results['milliseconds'])}."
     if prompts := results["explaining"]["prompts"]:
-        closing += f" Explaining {prompts} prompts of some 40 words took {taken(results['explaining'])} each."
+        closing += f" Explaining {prompts} prompts of some 40 words took {taken(results['explaining'])} of the processor each."
     console.print(closing, markup=False, highlight=False)
 
 
