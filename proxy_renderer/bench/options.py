@@ -206,8 +206,15 @@ def _like(sub: argparse.ArgumentParser) -> None:
 
 
 def _binding(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument(
-        "--sentences", required=True, metavar="DIR", help="folder of scenes.toml and sentences_NN.toml"
+    read = sub.add_mutually_exclusive_group(required=True)
+    read.add_argument(
+        "--sentences", default="", metavar="DIR", help="folder of scenes.toml and sentences_NN.toml"
+    )
+    read.add_argument(
+        "--captions",
+        default="",
+        metavar="FILE",
+        help="captions by others instead: T2I-CompBench's .txt, GenEval's .jsonl, PartiPrompts' .tsv",
     )
     sub.add_argument("--kind", default="", metavar="NAME", help="only sentences of this kind: lamps")
     sub.add_argument(

@@ -157,3 +157,25 @@ def test_a_named_color_comes_before_a_word_that_only_changes_one():
     parsed = parse("the ball is teal, the ball is darker", words)
     entry = plan(parsed, compose(parsed), {instance.key: instance}, PlanContext())[instance.key]
     assert entry.upper[0] < 0.1 < entry.upper[1]
+
+
+@pytest.mark.parametrize(
+    ("prompt", "things", "looks"),
+    [
+        ("a rubber tire and a wooden desk", ("tire", "desk"), {"rubber": "tire", "wooden": "desk"}),
+        ("a wooden spoon and a glass window", ("spoon", "window"), {"wooden": "spoon", "glass": "window"}),
+        (
+            "a fabric curtain and a fluffy towel",
+            ("curtain", "towel"),
+            {"fabric": "curtain", "fluffy": "towel"},
+        ),
+    ],
+)
+def test_a_material_before_a_thing_is_its_look_though_things_are_called_so(prompt, things, looks):
+    worn = {thing: (thing,) for thing in things}
+    scene = SceneWords(
+        objects=dict.fromkeys(things, "subject"),
+        materials=dict.fromkeys(things, "subject"),
+        object_materials=worn,
+    )
+    assert {a.word: a.owners for a in parse(prompt, scene).attributes} == {w: (t,) for w, t in looks.items()}

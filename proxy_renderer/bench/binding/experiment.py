@@ -16,14 +16,16 @@ from ...schema import VibeError, atomic
 from ...train import binding
 from ...train.sentences import read_folder
 from ...train.sentences.labels import SENTENCE_KINDS, LabeledSentence
-from . import table
+from . import explaining, table
+from .captions import measure
 from .judge import judge
 from .reading import SentenceReading, read
 
 
 def run(
     out: Path,
-    sentences: str,
+    sentences: str = "",
+    captions: str = "",
     kind: str = "",
     misses: bool = False,
     folds: int = 0,
@@ -32,18 +34,23 @@ def run(
 
     Args:
         out: The folder.
-        sentences: Folder of scenes.toml and sentences_NN.toml.
+        sentences: Folder of scenes.toml and sentences_NN.toml; "" for captions.
+        captions: File of captions by others instead.
         kind: Only sentences of this kind; "" for all.
         misses: Print each mistaken sentence, and write it into results.json.
         folds: Parts into which the scenes are divided; the sentences of each are read with weights that are fitted to
             those of the others. 0 for the weights that are shipped.
 
     Returns:
-        The content of results.json, see `table.summary`.
+        The content of results.json, see `table.summary`, and `explaining`, see there; or see `captions.measure`.
 
     Raises:
-        VibeError: The folder is not of the format, or has no such sentence.
+        VibeError: The folder or file is not of the format, or has no such sentence; captions with `kind` or `folds`.
     """
+    if captions and (kind or folds):
+        raise VibeError("Captions have no kinds and no scenes of their own.", "Leave out --kind and --folds.")
+    if captions:
+        return measure(out, captions, misses)
     every = read_folder(Path(sentences))
     labeled = [s for s in every if kind in ("", s.kind)]
     if not labeled:
@@ -56,7 +63,8 @@ def run(
 
     reading(labeled[0])  # word vectors are loaded once
     verdicts = [judge(s, reading(s), vocabulary) for s in labeled]
-    results = table.summary(verdicts) | ({"misses": table.missed(verdicts)} if misses else {})
+    results = {**table.summary(verdicts), "explaining": explaining.measured(labeled)}
+    results |= {"misses": table.missed(verdicts)} if misses else {}
     atomic.write_text(out / "results.json", json.dumps(results, indent=1, ensure_ascii=False))
     table.show(results)
     return results

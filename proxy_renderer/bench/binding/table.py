@@ -41,7 +41,7 @@ def summary(verdicts: Sequence[SentenceVerdict]) -> dict[str, Any]:
         "unread": sum(bool(verdict.error) for verdict in verdicts),
         **{name: {kind: _figures(group) for kind, group in each.items()} for name, each in groups.items()},
         "by_target": {t: _word_figures(w for w in words if _target(w) == t) for t in targets},
-        "milliseconds": _milliseconds([verdict.seconds for verdict in verdicts]),
+        "milliseconds": milliseconds([verdict.seconds for verdict in verdicts]),
     }
 
 
@@ -68,7 +68,12 @@ def _target(word: WordVerdict) -> str:
     return word.word.targets[0].kind
 
 
-def _milliseconds(seconds: Sequence[float]) -> dict[str, float]:
+def milliseconds(seconds: Sequence[float]) -> dict[str, float]:
+    """`median` and `percentile_90` of times.
+
+    Args:
+        seconds: At least one.
+    """
     ordered = sorted(1000.0 * each for each in seconds)
     last = ordered[min(len(ordered) * _PERCENTILE // 100, len(ordered) - 1)]
     return {"median": round(statistics.median(ordered), 2), f"percentile_{_PERCENTILE}": round(last, 2)}
@@ -105,13 +110,31 @@ def show(results: Mapping[str, Any]) -> None:
         console.print(_table(title, {**results[name], "all": results}))
         console.print()
     for row in results.get("misses", ()):
-        console.print(_lines(row), markup=False, highlight=False)
-    spent = results["milliseconds"]
+        console.print(mistaken(row), markup=False, highlight=False)
     closing = f"Attributes that no label covers: {results['extra']}. Sentences that were refused: {results['unread']}. "
-    closing += (
-        f"A sentence took {spent['median']} ms (median), {spent['percentile_90']} ms (90th percentile)."
-    )
+    closing += f"A sentence took {taken(results['milliseconds'])}."
+    if prompts := results["explaining"]["prompts"]:
+        closing += f" Explaining {prompts} prompts of some 40 words took {taken(results['explaining'])} of the processor each."
     console.print(closing, markup=False, highlight=False)
+
+
+def told(part: Mapping[str, Any]) -> str:
+    """ "186 of 200 (93.0 %, 89 to 96 %)".
+
+    Args:
+        part: A `share`.
+    """
+    low, high = part["interval"]
+    return f"{_of(part)} ({part['share'] or 0:.1%}, {low:.0%} to {high:.0%})"
+
+
+def taken(spent: Mapping[str, float]) -> str:
+    """A median and a percentile in words.
+
+    Args:
+        spent: Of `milliseconds`.
+    """
+    return f"{spent['median']} ms (median), {spent['percentile_90']} ms (90th percentile)"
 
 
 def _table(title: str, rows: Mapping[str, Mapping[str, Any]]) -> Table:
@@ -133,8 +156,12 @@ def _of(part: Mapping[str, Any]) -> str:
     return f"{part['held']} of {part['asked']}"
 
 
-def _lines(row: Mapping[str, Any]) -> str:
-    """A mistaken sentence, and below it what is wrong."""
+def mistaken(row: Mapping[str, Any]) -> str:
+    """A mistaken sentence, and below it what is wrong.
+
+    Args:
+        row: One of `missed`.
+    """
     words = [
         f"{w['word']}: wanted {w['wanted']}, found {'; '.join(w['found']) or 'nothing'}" for w in row["words"]
     ]

@@ -68,9 +68,21 @@ class _Finder:
         said = parts(token.name if token.scene and token.guess else token.text)
         if not said or not token.lists.isdisjoint(_NO_NOUNS):
             return None
-        named = self._of_one(token, said)
+        named = [] if self._is_of_the_next(start) else self._of_one(token, said)
         noun = self._noun(start)
         return self._mention(start, start, noun, named) if named or noun else None
+
+    def _is_of_the_next(self, start: int) -> bool:
+        """Whether a material is said of the thing after it: the fabric of "fabric curtain", though a towel is cloth too."""
+        pair = self.items[start : start + 2]
+        if (
+            len(pair) < 2
+            or pair[0].clause != pair[1].clause
+            or self.vocabulary.slot(pair[0].entry) != "material"
+        ):
+            return False
+        own, following = (self.index.named(parts(token.text)) for token in pair)
+        return not self._surely(own) and bool(self._surely(following))
 
     def _mention(self, start: int, end: int, noun: str, named: list[Named]) -> NounMention:
         """A noun with the light that it means: "key light" the key, "light" light in general ("")."""

@@ -54,7 +54,7 @@ def fit(words: tuple[str, ...], name: tuple[str, ...]) -> str:
     if words in (name, tuple(n for n in name if len(n) > 1)) or joined == "".join(name):
         return "exact"
     if len(words) > 1:
-        meant = all(w in name or any(senses(w) & senses(n) for n in name) for w in words)
+        meant = all(w in name or any(_means(w, n, words) for n in name) for w in words)
         return "all" if meant or joined in name else ""
     (word,) = words
     head = _head(name)
@@ -66,6 +66,12 @@ def fit(words: tuple[str, ...], name: tuple[str, ...]) -> str:
     if mine & (senses(name[-1]) | senses(head[-1]) | senses(" ".join(name))):
         return "synonym"
     return _as_part(name, "part's synonym") if any(mine & senses(n) for n in name[:-1]) else ""
+
+
+def _means(word: str, part: str, words: tuple[str, ...]) -> bool:
+    """Whether a word stands for a part of a name; not "rubber" for "tire" in "rubber tire", where it is a look."""
+    said = _is_of_surfaces(word) and any(senses(w) & senses(part) for w in words if w != word)
+    return bool(senses(word) & senses(part)) and not said
 
 
 def _head(name: tuple[str, ...]) -> tuple[str, ...]:
