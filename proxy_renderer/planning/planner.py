@@ -9,7 +9,7 @@ from ..color.floats import srgb_from_linear
 from ..prompt.lexicon.entries import Effect
 from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.lexicon.vocabulary import Vocabulary
-from ..prompt.meaning import is_vague
+from ..prompt.heads import is_vague
 from ..prompt.types import Attribute, Parsed, Prompts
 from ..schema import Instance, Values, labels
 from .demands import Demand, lacking, reason_of

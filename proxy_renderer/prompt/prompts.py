@@ -79,7 +79,7 @@ class _Captions:
     """
 
     def __init__(self, vocabulary: Vocabulary) -> None:
-        self.entries = vocabulary.entries
+        self.vocabulary, self.entries = vocabulary, vocabulary.entries
 
     def words(self, attribute: Attribute) -> str:
         """What the encoder is told for a word: its expansion, with the intensity kept."""
@@ -136,7 +136,7 @@ class _Captions:
 
     def _opposite(self, attribute: Attribute) -> VocabularyEntry | None:
         entry = self.entries.get(attribute.entry)
-        return self.entries.get(entry.opposite) if entry else None
+        return self.vocabulary.opposite(entry) if entry else None
 
 
 def _color(attribute: Attribute) -> str:

@@ -77,6 +77,10 @@ class Vocabulary:
         """What a phrase means on its own; None where it is no look."""
         return self.entries.get(self.synonyms.get(phrase, ""))
 
+    def opposite(self, entry: VocabularyEntry) -> VocabularyEntry | None:
+        """The entry that an entry names as its opposite; None where it names none."""
+        return self.entries.get(entry.opposite)
+
     def slot(self, phrase: str) -> str:
         """The slot of what a phrase means on its own; "" where it is no look."""
         entry = self.entry(phrase)
