@@ -80,6 +80,6 @@ def understood(prompt: str, words: SceneWords, context: PlanContext) -> Parsed:
     vocabulary = default_vocabulary()
     parsed = parse(prompt, words, vocabulary)
     if context.world_share is not None and context.world_share < SLIVER:
-        forget_sky(parsed)
+        forget_sky(parsed, vocabulary)
     forget_parts(parsed, context.material_share, vocabulary)
     return parsed

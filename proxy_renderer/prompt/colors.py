@@ -50,6 +50,7 @@ def color_regions(parsed: Parsed, attributes: list[Attribute]) -> None:
         parsed: Gets the colors, and what contradicts them.
         attributes: Those that count.
     """
+    parsed.colors = {}
     for kind, region in COLOR_REGIONS.items():
         named = [(a, a.color) for a in attributes if a.kind == kind and a.color and not a.negated]
         named.sort(key=lambda each: (bool(each[0].cause), bool(each[0].owners) and kind == "subject"))
@@ -58,9 +59,7 @@ def color_regions(parsed: Parsed, attributes: list[Attribute]) -> None:
             if region not in parsed.colors:
                 parsed.colors[region] = display_color(fog_color(color) if kind == "fog" else color, region)
                 parsed.targets[f"{region}_color"] = color_class(attribute)
-            elif first.entry != attribute.entry and not (
-                kind == "fog" or attribute.cause or attribute.owners
-            ):
+            elif first.entry != attribute.entry and not (attribute.cause or attribute.owners):
                 parsed.conflicts.append(
                     f"'{attribute.word}' gives way to '{first.word}', which was named first."
                 )

@@ -30,8 +30,8 @@ def spoken(text: str, vocabulary: Vocabulary, names: Container[str] = ()) -> str
             return f"no {key}"
         if key in names:
             return f"the {key} is {value}"
-        noun = key in vocabulary.nouns and key not in vocabulary.lists["stop"]
-        return f"{value} {key}" if noun and len(value.split()) <= _MOST else pair[0]
+        short = len(value.split()) <= _MOST
+        return f"{value} {key}" if short and key in vocabulary.nouns else pair[0]
 
     def colored(lights: re.Match[str]) -> str:
         """ "Two lights, one red, one blue" -> "red and blue lights"."""

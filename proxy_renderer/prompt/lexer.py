@@ -7,6 +7,7 @@ import re
 from dataclasses import replace
 from difflib import get_close_matches
 from functools import cached_property
+from operator import ne
 
 from .lexicon.entries import normalize
 from .lexicon.nearest import Nearest
@@ -82,26 +83,27 @@ class Lexer:
         return tokens
 
     def _phrase(self, text: str) -> Token:
-        v = self.vocabulary
-        for spelling in (text, text.removesuffix("s"), text.removesuffix("es"), text.removesuffix("ed")):
-            short = len(spelling) < 3 and spelling != text
-            if short or (text == spelling + "ed" and (" " in text or spelling in v.nouns)):
-                continue  # "car parked" is no car park
-            token = Token(
-                text,
-                v.synonyms.get(spelling, ""),
-                v.colors.get(spelling),
-                spelling if spelling in v.adjectives else "",
-                v.nouns.get(spelling, "") or self._head_noun(spelling),
-                spelling in self.names,
-                v.intensity.get(spelling),
-                frozenset(kind for kind, phrases in v.lists.items() if spelling in phrases),
-            )
+        """What a phrase is: as it stands, without an ending, or as what it compares."""
+        tint = tending(text, self.vocabulary.colors)
+        for token in map(self._spelled_so, _spellings(text)):
             if token.known:
-                token.name = spelling
-                token.color = token.color or tending(text, v.colors)
-                return token
-        return self._compared(text) or Token(text, color=tending(text, v.colors))
+                return replace(token, text=text, color=token.color or tint)
+        return self._compared(text) or Token(text, color=tint)
+
+    def _spelled_so(self, spelling: str) -> Token:
+        """A token with every role that a spelling has."""
+        v = self.vocabulary
+        return Token(
+            spelling,
+            v.synonyms.get(spelling, ""),
+            v.colors.get(spelling),
+            spelling if spelling in v.adjectives else "",
+            v.nouns.get(spelling, "") or self._head_noun(spelling),
+            spelling in self.names,
+            v.intensity.get(spelling),
+            frozenset(kind for kind, phrases in v.lists.items() if spelling in phrases),
+            name=spelling,
+        )
 
     def _compared(self, text: str) -> Token | None:
         """ "Cooler" and "glossiest" as what they compare: an adjective, a finish or a mood."""
@@ -147,6 +149,13 @@ class Lexer:
         return replace(self._phrase(known), text=token.text, guess=known) if known else token
 
 
+def _spellings(text: str) -> list[str]:
+    """A phrase, and what it may be a form of; "car parked" is no car park."""
+    endings = ("s", "es") if " " in text else ("s", "es", "ed")
+    bases = (text.removesuffix(ending) for ending in endings)
+    return [text, *(base for base in bases if len(base) > 2)]
+
+
 def _spelling(v: Vocabulary) -> list[str]:
     """Look words that may be misspelled."""
     return sorted(w for w in {*v.synonyms, *v.colors, *v.adjectives} if " " not in w and len(w) > 3)
@@ -154,6 +163,4 @@ def _spelling(v: Vocabulary) -> list[str]:
 
 def _is_swapped(word: str, typed: str) -> bool:
     """Whether two letters inside a word changed places: "wihte", "balck"."""
-    if len(word) != len(typed):
-        return False
-    return sum(a != b for a, b in zip(word, typed, strict=True)) == 2 and sorted(word) == sorted(typed)
+    return sorted(word) == sorted(typed) and sum(map(ne, word, typed)) == 2

@@ -62,9 +62,8 @@ def fixture(thing: str, vocabulary: Vocabulary) -> frozenset[str]:
 
 def side(said: Iterable[Attribute], vocabulary: Vocabulary) -> tuple[float, float] | None:
     """Azimuths relative to the camera, degrees, that words say a light comes from; None if they do not."""
-    effects = (effect for attribute in said for effect in _strong(attribute, vocabulary))
-    turns = ((e.lower[0], e.upper[0]) for e in effects if e.name == "azimuth" and e.mode == "camera")
-    return next(turns, None)
+    effects = (effect for attribute in said for effect in _strong(attribute, "azimuth", vocabulary))
+    return next(((e.lower[0], e.upper[0]) for e in effects if e.mode == "camera"), None)
 
 
 def _mentions(attributes: list[Attribute], vocabulary: Vocabulary) -> list[Mention]:
@@ -96,33 +95,32 @@ def _continues(
     if mention.role != attribute.role or any(_contradicts(a, attribute, vocabulary) for a in mention.said):
         return False
     goes_on = newest and not (words and mention.fixture)
-    return goes_on or (words == mention.fixture and bool(words or attribute.role))
+    return goes_on or words == mention.fixture
 
 
 def _contradicts(one: Attribute, other: Attribute, vocabulary: Vocabulary) -> bool:
     """Whether no light can be both: of two colors, or on two sides."""
     if one.negated or other.negated:
         return False
-    sides = side([one], vocabulary), side([other], vocabulary)
-    if sides[0] and sides[1] and (sides[0][1] < sides[1][0] or sides[1][1] < sides[0][0]):
+    here, there = side([one], vocabulary), side([other], vocabulary)
+    if here and there and max(here[0], there[0]) > min(here[1], there[1]):
         return True
     if one.color and other.color:
         return one.entry != other.entry
-    tones = _tone(one, vocabulary), _tone(other, vocabulary)
-    if tones[0] is None or tones[1] is None or one.thing == other.thing:  # "a cold green light" is one
-        return False
-    return hue_apart(tones[0], tones[1]) > _APART
+    tones = [*filter(None, (_tone(one, vocabulary), _tone(other, vocabulary)))]
+    is_one = one.thing == other.thing  # "a cold green light"
+    return len(tones) == 2 and not is_one and hue_apart(*tones) > _APART
 
 
 def _tone(attribute: Attribute, vocabulary: Vocabulary) -> Values | None:
     """sRGB of the color that a word gives to light; None for white light and for words that give none."""
-    if attribute.color:
-        return attribute.color
-    for effect in (e for e in _strong(attribute, vocabulary) if e.name == "temperature"):
+    for effect in _strong(attribute, "temperature", vocabulary):
         return _WARM if effect.upper[0] < _WHITE[0] else _COOL if effect.lower[0] > _WHITE[1] else None
-    return None
+    return attribute.color
 
 
-def _strong(attribute: Attribute, vocabulary: Vocabulary) -> list[Effect]:
-    entry = vocabulary.entries.get(attribute.entry) if not attribute.color else None
-    return [e for e in entry.effects if not e.weak and e.owner in ("light", "lights")] if entry else []
+def _strong(attribute: Attribute, name: str, vocabulary: Vocabulary) -> list[Effect]:
+    """What a word that is no color does to one parameter of lights, not weakly."""
+    entry = vocabulary.entries.get("" if attribute.color else attribute.entry)
+    effects = [e for e in entry.effects if e.name == name] if entry else []
+    return [e for e in effects if e.owner in ("light", "lights") and not e.weak]

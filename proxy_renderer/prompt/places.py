@@ -18,7 +18,7 @@ def guess_places(tokens: Sequence[Token], vocabulary: Vocabulary) -> None:
         vocabulary: What is known.
     """
     for place, token in enumerate(tokens):
-        if not (token.known or token.near or token.guess) and _is_around(tokens[:place]):
+        if not (token.known or token.near) and _is_around(tokens[:place]):
             token.near = vocabulary.made(Places).guess(token.text)
 
 

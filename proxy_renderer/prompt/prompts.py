@@ -24,6 +24,8 @@ _OF_MATTER = ("color", "finish", "material", "setting")
 _OF_ALL = ("lighting", "atmosphere", "grade", "mood")
 _KINDS = {"subject": ("subject", "highlight", "glow"), "surroundings": ("surroundings", "sky")}
 """Region -> kinds of things whose matter is seen there."""
+_ALL = {"subject": "silhouette", "surroundings": "fog"}
+"""Region -> what is all that is seen of it."""
 _UNNAMED = {"subject": "object", "surroundings": "background"}
 """Region -> what it is called where the prompt does not say."""
 _COLORED = ("light", "fill", "rim", "shadow", "highlight", "glow", "ambience")
@@ -59,7 +61,7 @@ def _called(region: str, parsed: Parsed) -> str:
 
 def _is_of(region: str, attribute: Attribute) -> bool:
     """Whether a word describes the matter of a region, the colors of fog and sky included."""
-    whole = ("fog" if region == "surroundings" else "silhouette") in (attribute.kind, attribute.entry)
+    whole = _ALL[region] in (attribute.kind, attribute.entry)
     return whole or (attribute.kind in _KINDS[region] and attribute.slot in _OF_MATTER)
 
 
@@ -79,7 +81,7 @@ class _Captions:
     """
 
     def __init__(self, vocabulary: Vocabulary) -> None:
-        self.entries = vocabulary.entries
+        self.vocabulary, self.entries = vocabulary, vocabulary.entries
 
     def words(self, attribute: Attribute) -> str:
         """What the encoder is told for a word: its expansion, with the intensity kept."""
@@ -136,7 +138,7 @@ class _Captions:
 
     def _opposite(self, attribute: Attribute) -> VocabularyEntry | None:
         entry = self.entries.get(attribute.entry)
-        return self.entries.get(entry.opposite) if entry else None
+        return self.vocabulary.opposite(entry) if entry else None
 
 
 def _color(attribute: Attribute) -> str:

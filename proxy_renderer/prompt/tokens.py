@@ -118,12 +118,8 @@ def _shaded_material(leading: list[str], rest: list[str], v: Vocabulary) -> Toke
     """A material with its own color, lighter or darker: "dark oak", "very pale wood"."""
     name = " ".join(rest)
     entry = v.entry(name)
-    if (
-        entry is None
-        or entry.slot != "material"
-        or not entry.is_colored
-        or leading[-1] not in v.words["lightness"]
-    ):
+    lightened = leading[-1] in v.words["lightness"]
+    if entry is None or not (lightened and entry.is_colored):
         return None
     return Token(" ".join([*leading, name]), entry.name, name=name, shades=_shades(leading, v))
 
@@ -132,11 +128,8 @@ def _led_by_shades(words: list[str], v: Vocabulary) -> Iterator[tuple[list[str],
     """Shade words with their intensities, and what follows; "very dark blue" is darker than the dark blue of the list."""
     for split in range(1, len(words)):
         leading, rest = words[:split], words[split:]
-        if (
-            " ".join(rest) in v.colors
-            and rest[0] in v.shades
-            and all(v.intensity.get(w, 0) > 1 for w in leading)
-        ):
+        listed = " ".join(rest) in v.colors and rest[0] in v.shades
+        if listed and all(v.intensity.get(w, 0) > 1 for w in leading):
             leading = rest[:1]
         if leading[-1] in v.shades and all(w in v.shades or w in v.intensity for w in leading):
             yield leading, rest
@@ -150,7 +143,7 @@ def _shades(leading: list[str], v: Vocabulary) -> tuple[ShadeArguments, ...]:
 
 def _shade(row: dict[str, float], strength: float) -> ShadeArguments:
     """What one shade word does; "very" does the same to it again, "slightly" half of it."""
-    strength = strength**2 if strength > 1 else strength
+    strength = max(strength, strength**2)
     lightness = max(1 - (1 - row.get("lightness", 1.0)) * strength, 0.05)
     tinted = 1 - (1 - row.get("chroma", 1.0)) * strength
     return lightness, tinted, row.get("towards", 60.0), row.get("warmth", 0.0) * strength

@@ -62,7 +62,7 @@ def test_a_part_is_not_its_region():
 def test_a_sky_out_of_sight_is_its_light():
     parsed = parse("blue dusk, red sky, green walls", SceneWords())
     assert next(a.kind for a in parsed.attributes if a.color) == "sky"
-    forget_sky(parsed)
+    forget_sky(parsed, default_vocabulary())
     assert [a.kind for a in parsed.attributes if a.color] == ["ambience", "ambience", "surroundings"]
     tints = [claim for claim in claims_of(parsed, default_vocabulary()) if claim.measure == "tint"]
     assert {(claim.word, claim.part) for claim in tints} >= {("blue", "picture")}

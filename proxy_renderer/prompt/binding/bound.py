@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ...schema.spec import Region
 from ..meaning import NamedThing
-from ..mentions.nouns import NounMention
+from ..mentions.nouns import NounMention, materials_of
 from ..types import SceneWords
 from .means import KIND_OF_SLOT
 from .pairs import PromptPairs, TargetPair
@@ -115,19 +115,15 @@ class Things:
     def _is_all_around(self, pair: TargetPair, owners: tuple[str, ...]) -> bool:
         """Whether "background" means the only wall of a scene, or "the rest" all of them: then it is all that lies around, the sky too."""
         by_kind = pair.target.kind == "others" or any(s.endswith("synonym") for s in pair.target.signs)
-        around = {name for name, region in self.scene.materials.items() if region == "surroundings"}
-        return by_kind and {*owners} == around
+        return by_kind and {*owners} == materials_of("surroundings", self.scene)
 
     def _rest(self) -> frozenset[str]:
         """All materials that no word names otherwise, nor the prompt excepts; details only if nothing else is left."""
-        named: set[str] = set()
-        for other in self.chosen:
-            kind = other.target.kind
-            if kind == "things":
-                named |= other.target.names
-            elif kind in ("subject", "surroundings"):
-                named |= {n for n, region in self.scene.materials.items() if region == kind}
-        return rest(self.found.mentions, self.scene, frozenset(named))
+        each = (
+            t.names if t.kind == "things" else materials_of(t.kind, self.scene)
+            for t in (pair.target for pair in self.chosen)
+        )
+        return rest(self.found.mentions, self.scene, frozenset().union(*each))
 
     def _picture(self, pair: TargetPair) -> Thing:
         """The picture as a whole, or what a word about many things is about in the first place."""

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
+
 from ..lexicon.vocabulary import Vocabulary
 from ..mentions.nouns import NounMention
 from ..mentions.passage import Passage
@@ -28,9 +30,7 @@ class ClauseForms:
         self.passage, self.mentions, self.vocabulary = passage, mentions, vocabulary
         self.look_at = {look.index for look in passage.looks}
         self.noun_at = {i for m in mentions for i in range(m.start, m.end + 1) if m.members == 1}
-        self.places: list[list[int]] = [
-            [] for _ in range(passage.items[-1].clause + 1 if passage.items else 0)
-        ]
+        self.places: dict[int, list[int]] = defaultdict(list)
         for place, item in enumerate(passage.items):
             self.places[item.clause].append(place)
         self.spares = any(mention.spared for mention in mentions)

@@ -74,15 +74,14 @@ class PromptReader:
 
     def _is_a_name(self, index: int) -> bool:
         """Whether a word that could be a look names a thing of the scene: a pier where there is one."""
-        return any(m.named and m.start <= index <= m.end for m in self.found.mentions)
+        return any(m.named and m.covers(index) for m in self.found.mentions)
 
     def _entry(self, pair: TargetPair, after: list[TargetPair]) -> str:
         """What a look word becomes; of "emerald velvet" the emerald is the color of the next material."""
         token, becoming = pair.look.token, pair.becoming
         own = token.name or token.text
         if after and token.color and becoming.slot == after[0].becoming.slot == "material":
-            adjoins = after[0].look.index == pair.look.index + 1
-            return own if adjoins and after[0].target == pair.target else becoming.entry
+            return own if after[0].look.index == pair.look.index + 1 else becoming.entry
         return becoming.entry or own
 
     def _attributes(self, word: PromptLook, entry: str, thing: Thing) -> Iterator[Attribute]:
@@ -117,13 +116,9 @@ class PromptReader:
     def _unknown(self) -> Iterator[str]:
         """Words that name nothing that is known, and are no look either."""
         bound = {pair.look.index for pair in self.chosen if pair.target.kind != "none"}
-        for mention in self.found.mentions:
-            if mention.start in bound:
-                continue
-            if mention.noun == "unknown" and not mention.named and mention.text != self.subject:
-                yield mention.text
-        tokens = self.found.passage.items
-        yield from (t.text for t in tokens if "count" in t.lists or (t.text.isdigit() and not t.known))
+        unknown = (m for m in self.found.mentions if m.noun == "unknown" and not m.named)
+        yield from (m.text for m in unknown if m.start not in bound and m.text != self.subject)
+        yield from (t.text for t in self.found.passage.items if "count" in t.lists or t.text.isdigit())
 
     def _guessed_names(self) -> Iterator[tuple[str, str]]:
         """Words that stand for a thing of the scene of the same sort, or are its name with a mistake."""

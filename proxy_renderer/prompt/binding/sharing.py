@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 from ..names import is_detail
 from ..types import SceneWords
-from .becoming import SURFACE
 from .pairs import PromptPairs, TargetPair
 from .targets import MATTER
 
@@ -66,9 +65,9 @@ def told(shares: list[Share]) -> str:
 def _may_share(pair: TargetPair) -> bool:
     """Whether a word is about several materials that it does not tell apart; a finish of "glossy red and white balls" is all of theirs."""
     if pair.target.kind == "subject":
-        return pair.becoming.slot in SURFACE and not pair.look.negated
+        return not pair.look.negated
     several = pair.target.kind in MATTER and "several" in pair.target.signs
-    return several and pair.becoming.slot in _PAINTS and not pair.look.negated
+    return several and pair.becoming.slot in _PAINTS
 
 
 def _looks(pairs: _Look, read: PromptPairs) -> list[_Look]:

@@ -58,20 +58,51 @@ def gloss(text: str, scene: SceneWords, vocabulary: Vocabulary) -> Gloss:
     words = _WORD.findall(text.lower())
     if all(folded(word) in names or _is_english(word, vocabulary) for word in words):
         return Gloss(text, text)
-    phrases = vocabulary.made(_phrases)
-    best, most = None, 0
-    for lexicon in lexicons():
-        found = pieces(text, lexicon, names, phrases)
-        foreign, english = _letters(found, text, vocabulary)
-        guest = foreign <= english
-        if foreign > most and (not guest or _has_looks(found, text, lexicon, vocabulary)):
-            best, most = (lexicon, [_own(p, text, vocabulary) for p in found] if guest else found), foreign
-    if best is None:
+    tried = (_Attempt(text, lexicon, names, vocabulary) for lexicon in lexicons())
+    best = max(tried, key=lambda attempt: attempt.letters)
+    if not best.letters:
         return Gloss(text, text)
-    lexicon, found = best
-    said = [_as_english(piece, vocabulary) for piece in ordered(found, lexicon, vocabulary)]
+    said = [_as_english(piece, vocabulary) for piece in ordered(best.pieces, best.lexicon, vocabulary)]
     english_text = " ".join(piece.english for piece in said if piece.english)
-    return Gloss(text, _TIGHT.sub(r"\1", english_text), lexicon.name, tuple(said))
+    return Gloss(text, _TIGHT.sub(r"\1", english_text), best.lexicon.name, tuple(said))
+
+
+class _Attempt:
+    """A prompt as if it were in one language.
+
+    Args:
+        text: The prompt.
+        lexicon: Of the language.
+        names: Parts of the names in the scene, folded.
+        vocabulary: What English words mean.
+
+    Attributes:
+        letters: Of the words that only the language knows; 0 for an English prompt in which nothing else is a look of the language.
+        pieces: What the prompt is made of.
+    """
+
+    def __init__(
+        self, text: str, lexicon: LanguageLexicon, names: frozenset[str], vocabulary: Vocabulary
+    ) -> None:
+        self.lexicon = lexicon
+        self.pieces = pieces(text, lexicon, names, vocabulary.made(_phrases))
+        said = [text[p.start : p.end] for p in self.pieces]
+        both = [(p, _is_english(words, vocabulary)) for p, words in zip(self.pieces, said, strict=True)]
+        mine = [p for p, is_english in both if p.kind in TABLES and not is_english]
+        theirs = [p for p, is_english in both if p.kind == "phrase" or (p.kind == "unknown" and is_english)]
+        self.letters = _length(mine)
+        if _length(mine) <= _length(theirs):  # a guest in an English prompt
+            self.letters *= [p.kind for p in mine].count("looks") > lexicon.spaces
+            self.pieces = [
+                replace(p, english=words, kind="phrase", shade="")
+                if p.kind in TABLES and p not in mine
+                else p
+                for p, words in zip(self.pieces, said, strict=True)
+            ]
+
+
+def _length(found: list[Piece]) -> int:
+    return sum(piece.end - piece.start for piece in found)
 
 
 def scene_parts(scene: SceneWords) -> frozenset[str]:
@@ -85,32 +116,6 @@ def _phrases(vocabulary: Vocabulary) -> frozenset[str]:
     words, shipped = frozenset([*vocabulary.synonyms, *vocabulary.colors]), shipped_vocabulary()
     own = words - shipped.synonyms.keys() - shipped.colors.keys()
     return own | {word for word in words if " " in word}
-
-
-def _letters(found: list[Piece], text: str, vocabulary: Vocabulary) -> tuple[int, int]:
-    """Letters of the words that only the language knows, and of those that only English knows."""
-    foreign = english = 0
-    for piece in found:
-        said = text[piece.start : piece.end]
-        is_english = _is_english(said, vocabulary)
-        if piece.kind == "phrase" or (piece.kind == "unknown" and is_english):
-            english += len(said)
-        elif piece.kind in TABLES and not is_english:
-            foreign += len(said)
-    return foreign, english
-
-
-def _has_looks(found: list[Piece], text: str, lexicon: LanguageLexicon, vocabulary: Vocabulary) -> bool:
-    """Whether an English prompt has look words of a language in it, and not just something that looks like one."""
-    looks = [p for p in found if p.kind == "looks" and not _is_english(text[p.start : p.end], vocabulary)]
-    return len(looks) > lexicon.spaces
-
-
-def _own(piece: Piece, text: str, vocabulary: Vocabulary) -> Piece:
-    """What English knows, as it is in an English prompt."""
-    said = text[piece.start : piece.end]
-    is_english = piece.kind in TABLES and _is_english(said, vocabulary)
-    return replace(piece, english=said, kind="phrase", shade="") if is_english else piece
 
 
 def _is_english(text: str, vocabulary: Vocabulary) -> bool:

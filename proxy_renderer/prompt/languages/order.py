@@ -86,9 +86,9 @@ def _fronted(found: list[Piece], vocabulary: Vocabulary) -> list[Piece]:
     """What stands behind its words in another language and before them in English: "seat than" as "than seat"."""
     while match := _FRONTED.search(_kinds(found, vocabulary)):
         start, end = match.start(), match.start(2)
-        before, _, after = found[end].english.partition(_PLACE)
-        first, last = (replace(found[end], english=said.strip(), kind="grammar") for said in (before, after))
-        found = [*found[:start], first, *found[start:end], *([last] if after else []), *found[end + 1 :]]
+        said = found[end].english.split(_PLACE)
+        first, *last = (replace(found[end], english=part.strip(), kind="grammar") for part in said)
+        found = [*found[:start], first, *found[start:end], *last, *found[end + 1 :]]
     return found
 
 
@@ -101,8 +101,7 @@ def _led_by_looks(nouns: list[Piece], looks: list[Piece], ahead: list[Piece]) ->
     for piece in looks:
         unit.append(piece)
         if piece.kind in _LOOKS:
-            joins = [p for p in unit if p.english == "and"]
-            turned = [*(p for p in unit if p not in joins), *joins, *turned]
+            turned = [*sorted(unit, key=lambda p: p.english == "and"), *turned]
             unit = []
     return turned + nouns
 
@@ -111,15 +110,14 @@ def _compared(found: list[Piece], vocabulary: Vocabulary) -> list[Piece]:
     """ "More dark" as "darker", where the vocabulary knows that word."""
     placed: list[Piece] = []
     for piece in found:
-        last = placed[-1] if placed else None
-        if last and last.english == "more" and piece.kind in _LOOKS:
-            forms = (piece.english + "er", piece.english + "r", piece.english[:-1] + "ier")
-            form = next((f for f in forms if f in vocabulary.adjectives), "")
-            if form:
-                start, end = min(last.start, piece.start), max(last.end, piece.end)
-                placed[-1] = Piece(form, start, end, piece.kind)
-                continue
-        placed.append(piece)
+        last = placed[-1] if placed else piece
+        forms = (piece.english + "er", piece.english + "r", piece.english[:-1] + "ier")
+        form = next((f for f in forms if f in vocabulary.adjectives), "")
+        if form and last.english == "more":
+            start, end = min(last.start, piece.start), max(last.end, piece.end)
+            placed[-1] = Piece(form, start, end, piece.kind)
+        else:
+            placed.append(piece)
     return placed
 
 
@@ -135,8 +133,8 @@ def _shaded(found: list[Piece], vocabulary: Vocabulary) -> list[Piece]:
 
 def _once(found: list[Piece]) -> list[Piece]:
     """ "Side light" for "side light light"."""
-    return [
-        piece
-        for before, piece in zip([None, *found], found, strict=False)
-        if not (before and f" {before.english}".endswith(f" {piece.english}") and piece.kind == "things")
-    ]
+    placed = found[:1]
+    for before, piece in pairwise(found):
+        said_twice = piece.kind == "things" and f" {before.english}".endswith(f" {piece.english}")
+        placed += [] if said_twice else [piece]
+    return placed

@@ -14,10 +14,14 @@ from ..lexicon.spelling import folded
 
 _LONGEST = 5  # words of a wording
 _SHORTEST = 3  # letters of a part of a compound
+_LETTERS = 12  # of a word that is not written apart, at most
 _WORD = re.compile(r"[^\W_]+['’]?|(?<!\w)[-_]|[-_](?!\w)|[^\w\s-]")
 _SPACELESS = re.compile(r"[\u2e80-\u9fff\uf900-\ufaff]")
+_LATIN = re.compile(r"[a-zA-Z0-9]+")
 _KATAKANA = re.compile(r"[\u30a0-\u30ff]+")
 _MARKS = {"、": ",", "。": ".", "・": " ", "「": '"', "」": '"'}
+
+_Form = tuple[Wording, Meaning]
 
 
 @dataclass(frozen=True)
@@ -101,10 +105,9 @@ def _segments(run: str, offset: int, lexicon: LanguageLexicon, names: Container[
 
 def _known_length(run: str, place: int, lexicon: LanguageLexicon, names: Container[str]) -> int:
     """How many letters from a place on are a known word; 0 for none. Katakana and Latin are not cut inside of words."""
-    whole = re.compile(r"[a-zA-Z0-9]+").match(run, place)
-    if whole:
-        return whole.end() - place
-    for length in range(min(12, len(run) - place), 0, -1):
+    if latin := _LATIN.match(run, place):
+        return latin.end() - place
+    for length in range(min(_LETTERS, len(run) - place), 0, -1):
         word = folded(run[place : place + length])
         if word in lexicon.bases or word in names:
             return length
@@ -121,11 +124,10 @@ def _phrase_length(cuts: list[Cut], phrases: Container[str]) -> int:
 def _first(cuts: list[Cut], lexicon: LanguageLexicon, names: Container[str]) -> tuple[int, list[Piece]]:
     """The piece that begins with the first word, and how many words it takes; several pieces of a compound."""
     for count in range(min(_LONGEST, len(cuts)), 0, -1):
-        wording = _wording([folded(cut.text).replace("’", "'") for cut in cuts[:count]], lexicon)
-        meaning = lexicon.meaning(wording) if wording else None
-        if wording and meaning:
-            piece = _piece(cuts[0].start, cuts[count - 1].end, meaning, wording, lexicon)
-            named = count == 1 and meaning.table == "things" and _is_named(cuts[0], wording, names)
+        form = _form([folded(cut.text).replace("’", "'") for cut in cuts[:count]], lexicon)
+        if form:
+            piece = _piece(cuts[0].start, cuts[count - 1].end, form, lexicon)
+            named = count == 1 and piece.kind == "things" and _is_named(cuts[0], form[0], names)
             return count, [Piece(cuts[0].text, piece.start, piece.end, "name") if named else piece]
     cut = cuts[0]
     if not cut.text[0].isalnum():
@@ -140,29 +142,27 @@ def _is_named(cut: Cut, wording: Wording, names: Container[str]) -> bool:
     return folded(cut.text) in names or wording[0] in names
 
 
-def _wording(words: list[str], lexicon: LanguageLexicon) -> Wording | None:
-    """The wording that words are a form of; None where they are none."""
-    each = [lexicon.bases.get(word, ()) for word in words]
-    return next((w for w in product(*each) if lexicon.meaning(w)), None) if all(each) else None
+def _form(words: list[str], lexicon: LanguageLexicon) -> _Form | None:
+    """The wording that words are inflected from, and what it says; None where they are none."""
+    each = product(*(lexicon.bases.get(word, ()) for word in words))
+    return next(((wording, said) for wording in each if (said := lexicon.meaning(wording))), None)
 
 
-def _piece(start: int, end: int, meaning: Meaning, wording: Wording, lexicon: LanguageLexicon) -> Piece:
+def _piece(start: int, end: int, form: _Form, lexicon: LanguageLexicon) -> Piece:
+    wording, meaning = form
     return Piece(meaning.english, start, end, meaning.table, lexicon.shades.get(wording, ""))
 
 
 def _compound(cut: Cut, lexicon: LanguageLexicon) -> list[Piece]:
     """The parts of a compound, the longest first part that there is; none where it is no compound of known words."""
     word = folded(cut.text)
-    if not lexicon.links:
-        return []
-    for place in range(len(word) - _SHORTEST, _SHORTEST - 1, -1):
-        last = _wording([word[place:]], lexicon)
-        heads = [word[:place], *(word[:place].removesuffix(x) for x in lexicon.links)]
-        first = next((h for h in heads if len(h) >= _SHORTEST and lexicon.meaning((h,))), None)
+    places = range(len(word) - _SHORTEST, _SHORTEST - 1, -1) if lexicon.links else ()
+    for place in places:
+        heads = [word[:place], *(word[:place].removesuffix(link) for link in lexicon.links)]
+        firsts = ((h,) for h in heads if len(h) >= _SHORTEST)
+        first = next(((head, said) for head in firsts if (said := lexicon.meaning(head))), None)
+        last = _form([word[place:]], lexicon)
         if first and last:
-            return [
-                _piece(cut.start, cut.end, meaning, wording, lexicon)
-                for wording in ((first,), last)
-                if (meaning := lexicon.meaning(wording)) and meaning.table != "grammar"
-            ]
+            parts = (_piece(cut.start, cut.end, form, lexicon) for form in (first, last))
+            return [part for part in parts if part.kind != "grammar"]
     return []

@@ -89,8 +89,8 @@ class VocabularyEntry:
 
     @property
     def is_colored(self) -> bool:
-        """Whether it gives a surface a color of its own: oak."""
-        return any(e.name == "base_color" and e.mode in ("", "color") for e in self.effects)
+        """Whether it is a material with a color of its own: oak."""
+        return self.slot == "material" and any(e.name == "base_color" for e in self.effects)
 
 
 def normalize(phrase: str) -> str:

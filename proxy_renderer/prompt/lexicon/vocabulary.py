@@ -77,6 +77,10 @@ class Vocabulary:
         """What a phrase means on its own; None where it is no look."""
         return self.entries.get(self.synonyms.get(phrase, ""))
 
+    def opposite(self, entry: VocabularyEntry) -> VocabularyEntry | None:
+        """The entry that an entry names as its opposite; None where it names none."""
+        return self.entries.get(entry.opposite)
+
     def slot(self, phrase: str) -> str:
         """The slot of what a phrase means on its own; "" where it is no look."""
         entry = self.entry(phrase)
@@ -148,15 +152,13 @@ def load(text: str, colors: str) -> Vocabulary:
 
 def _check_links(entries: dict[str, VocabularyEntry], adjectives: dict[str, dict[str, str]]) -> None:
     """Raises VibeError where an opposite, or what an adjective stands for, is no entry."""
-    for name, entry in entries.items():
-        if entry.opposite and normalize(entry.opposite) not in entries:
-            problem = f"Vocabulary: '{name}' has the unknown opposite '{entry.opposite}'."
-            raise VibeError(problem, "Name an entry.")
-    for word, kinds in adjectives.items():
-        for target in kinds.values():
-            if target not in entries:
-                problem = f"Vocabulary: the adjective '{word}' names no entry '{target}'."
-                raise VibeError(problem, "Name an entry.")
+    links = [(f"the opposite of '{n}'", normalize(e.opposite)) for n, e in entries.items() if e.opposite]
+    links += [
+        (f"the adjective '{word}'", entry) for word, its in adjectives.items() for entry in its.values()
+    ]
+    for what, entry in links:
+        if entry not in entries:
+            raise VibeError(f"Vocabulary: {what} names no entry '{entry}'.", "Name an entry.")
 
 
 def _read_elsewhere(

@@ -108,7 +108,7 @@ class _Finder:
             named = self.index.named(said[-1:])
         if "stop" in token.lists and not token.noun:
             return self._surely(named)
-        if named or token.known or token.color:
+        if named or token.known:
             return named
         several = token.text.endswith("s")  # "a car" is not its wheels
         return [n for n in self.index.named(said[-1:], guess=True) if several or not self.index.is_several(n)]

@@ -5,13 +5,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
-from itertools import groupby
+from itertools import groupby, takewhile
 
 from ..lexicon.nearest import Guess
 from ..lexicon.vocabulary import Vocabulary
 from ..tokens import Token
 
 _WISHES = {"action", "undo"}
+_ENDS = {*_WISHES, "again"}
+"""Lists of words that end a wish."""
+_LAMPS = ("light", "fill", "rim")
 
 
 @dataclass(frozen=True)
@@ -41,8 +44,8 @@ class PromptLook:
     @property
     def less(self) -> bool:
         """Whether it is to be there in a smaller degree than now: a step towards its opposite."""
-        itself = self.token.text.startswith("less ")  # "less contrast" is a word of its own
-        return self.text.startswith("less ") and not (itself or self.negated)
+        word_of_its_own = self.token.text.startswith("less ")  # "less contrast"
+        return self.text.startswith("less ") and not word_of_its_own
 
 
 @dataclass
@@ -98,7 +101,7 @@ def passage(clauses: list[list[Token]], vocabulary: Vocabulary) -> Passage:
         found.items += _without_wishes(number, tokens, found)
     for _, clause in groupby(enumerate(found.items), key=lambda each: each[1].clause):
         found.looks += _looks(found, clause, vocabulary)
-    found.beyond = [i.text for i in found.items if "beyond" in i.lists and not i.wished]
+    found.beyond = [i.text for i in found.items if "beyond" in i.lists]
     return found
 
 
@@ -116,10 +119,8 @@ def _without_wishes(number: int, tokens: list[Token], found: Passage) -> Iterato
     """The tokens of a clause; what asks for things to be added or removed is marked."""
     until = 0
     for index, token in enumerate(tokens):
-        if token.lists & _WISHES and index >= until:
-            rest = tokens[index + 1 :]
-            ends = (i for i, t in enumerate(rest) if t.lists & (_WISHES | {"again"}))
-            asked = rest[: next(ends, len(rest))]
+        if token.lists & _WISHES:
+            asked = [*takewhile(lambda t: not t.lists & _ENDS, tokens[index + 1 :])]
             if not _speaks_of_looks(asked):
                 until = index + 1 + len(asked)
                 said = [t.text for t in tokens[index:until] if not t.lists & {"stop", "joiner"}]
@@ -162,7 +163,7 @@ def _look_token(token: Token, negated: bool, vocabulary: Vocabulary) -> Token | 
         return replace(token, entry=token.near.entry, guess=token.near.entry, name=token.near.near)
     if negated and token.noun in vocabulary.absent and not token.entry:
         return replace(token, entry=vocabulary.absent[token.noun], noun="")
-    return token if token.names_a_look and not token.ties else None
+    return token if token.names_a_look else None
 
 
 def _is_intensity(token: Token, following: Token | None, vocabulary: Vocabulary) -> bool:
@@ -171,13 +172,11 @@ def _is_intensity(token: Token, following: Token | None, vocabulary: Vocabulary)
         return True
     if following is None or following.clause != token.clause or not following.names_a_look:
         return False
-    noun = following.noun
-    lamp = ("lamp",) if noun in ("light", "fill", "rim") else ()
-    return vocabulary.adjectives.get(token.adjective, {}).keys().isdisjoint((noun, *lamp))
+    nouns = (following.noun, "lamp") if following.noun in _LAMPS else (following.noun,)
+    return vocabulary.adjectives.get(token.adjective, {}).keys().isdisjoint(nouns)
 
 
 def _speaks_of_looks(tokens: list[Token]) -> bool:
     """Whether an action is about light, fog or the like, rather than about things."""
-    if not all(t.known and "count" not in t.lists for t in tokens):
-        return False
-    return any(t.entry or t.noun in ("light", "fill", "rim", "fog") for t in tokens)
+    speaks = any(t.entry or t.noun in (*_LAMPS, "fog") for t in tokens)
+    return speaks and all(t.known and "count" not in t.lists for t in tokens)

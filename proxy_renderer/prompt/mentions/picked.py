@@ -64,8 +64,7 @@ def _with_number(passage: Passage, mention: NounMention, index: SceneIndex) -> N
     """A noun with the number or letter after it."""
     after = passage.items[mention.end + 1 : mention.end + 2]
     group = _group(mention, index)
-    near = after and after[0].clause <= passage.items[mention.end].clause + 1
-    one = _numbered(after[0].text, group) if len(group) > 1 and near else ""
+    one = _numbered(after[0].text, group) if len(group) > 1 and after else ""
     return _picking(mention, index.worn(one), "picked by number") if one else mention
 
 

@@ -12,7 +12,7 @@ from .nouns import REGIONS, NounMention
 from .passage import Passage
 
 # The letters. Nouns: T a thing, K a light, N another name, and a noun that is a look; M a part of the picture, I anything else
-# without a name in the scene; n and m are their other tokens. Others: Q "all", O "the rest", L a look, _ filler, u unknown, . what is
+# without a name in the scene; n are their other tokens. Others: Q "all", O "the rest", L a look, _ filler, u unknown, . what is
 # known, a comma between clauses, and those of _LETTERS.
 _LETTERS = {
     "P": {"spared"}, "X": {"exception"}, "G": {"again"}, "A": {"listing"},
@@ -20,7 +20,7 @@ _LETTERS = {
 }  # fmt: skip
 """Letter of a token that is no noun -> lists of the vocabulary's grammar that it is in."""
 _LISTABLE, _NOUNS = "TKNM", "TKNMI"
-_NOUN = f"[{_NOUNS}][nm]*"
+_NOUN = f"[{_NOUNS}]n*"
 _LISTED = f"(?:[_ALOQu]*{_NOUN}(?:_*A[_ALOQu]*{_NOUN})*)"
 _THINGS = "(?:[_A]*Tn*(?:_*A[_A]*Tn*)*)"
 _SPARED = [
@@ -35,7 +35,7 @@ _SPARED = [
 ]
 _ALL = re.compile("Q(?=[_F]*[TK])")  # "all of the fruit"
 _JOINED = re.compile(  # "box and cup"; over a comma only names: "bezel, strap and dial"
-    f"[{_LISTABLE}][nm]*(?:(?:(?:_*A)+_*(?:[uI]_*)?|(?<=[TKNn])[_A]*,[_A]*(?=[TKN]))[{_LISTABLE}][nm]*)+"
+    f"[{_LISTABLE}]n*(?:(?:(?:_*A)+_*(?:[uI]_*)?|(?<=[TKNn])[_A]*,[_A]*(?=[TKN]))[{_LISTABLE}]n*)+"
 )
 
 
@@ -51,7 +51,7 @@ class NounRow:
     def __init__(self, passage: Passage, single: Iterable[NounMention], vocabulary: Vocabulary) -> None:
         self._vocabulary = vocabulary
         self._nouns = {mention.start: mention for mention in single}
-        self._inside = {i: m for m in self._nouns.values() for i in range(m.start + 1, m.end + 1)}
+        self._inside = {i for m in self._nouns.values() for i in range(m.start + 1, m.end + 1)}
         self._places: list[int] = []
         self._letters = ""
         for place, token in enumerate(passage.items):
@@ -77,8 +77,8 @@ class NounRow:
         return (self._nouns[place] for place in places)
 
     def _letter(self, place: int, token: Token) -> str:
-        if noun := self._inside.get(place):
-            return "n" if noun.named else "m"
+        if place in self._inside:
+            return "n"
         noun = self._nouns.get(place)
         if noun and noun.noun == "others":
             return "Q" if token.filler else "O"
