@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import cast
 
 from ..color.floats import chroma, lab_from_srgb, srgb_from_hex
-from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.heads import heads_of
+from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.types import Attribute, Parsed
 from .claim import Claim
 from .colored import in_colored_light, in_the_dark, of_color, of_matter, part_of

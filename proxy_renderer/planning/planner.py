@@ -6,10 +6,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..color.floats import srgb_from_linear
+from ..prompt.heads import is_vague
 from ..prompt.lexicon.entries import Effect
 from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.lexicon.vocabulary import Vocabulary
-from ..prompt.heads import is_vague
 from ..prompt.types import Attribute, Parsed, Prompts
 from ..schema import Instance, Values, labels
 from .demands import Demand, lacking, reason_of
