@@ -16,7 +16,7 @@ from ...schema import VibeError
 from ...train.sentences.labels import LabeledScene, LabeledSentence, LabelTarget, LookWord
 from .prompts import BACKDROP, LAMP
 
-Part = tuple[str, int, str]
+NounLook = tuple[str, int, str]
 """A look word, its place in the caption, and the noun that it describes."""
 
 _THING = r"(?:an? |the )?([a-z-]+) ([a-z-]+(?: [a-z-]+){0,2})"
@@ -62,7 +62,7 @@ def unlabeled(path: Path) -> list[str]:
     return texts
 
 
-def sentence(text: str, parts: Sequence[Part]) -> LabeledSentence | None:
+def sentence(text: str, parts: Sequence[NounLook]) -> LabeledSentence | None:
     """A caption with labels, in a scene of its things, a backdrop and a lamp that no caption names.
 
     Args:
@@ -81,7 +81,7 @@ def sentence(text: str, parts: Sequence[Part]) -> LabeledSentence | None:
     return LabeledSentence(scene, "things", text, tuple(words))
 
 
-def pair(text: str) -> list[Part]:
+def pair(text: str) -> list[NounLook]:
     """The looks and things of "a LOOK THING and a LOOK THING"; none of a caption that says more, or says it otherwise.
 
     Args:
@@ -93,13 +93,13 @@ def pair(text: str) -> list[Part]:
     return [(found[i], found.start(i), found[i + 1].lower()) for i in (1, 3)]
 
 
-def _listed(path: Path) -> list[tuple[str, list[Part]]]:
+def _listed(path: Path) -> list[tuple[str, list[NounLook]]]:
     """The captions of a file, with what is known of their words."""
     lines = [line.strip() for line in _text(path).splitlines() if line.strip()]
     return [_told(path, line) for line in lines] if path.suffix == ".jsonl" else [(t, pair(t)) for t in lines]
 
 
-def _told(path: Path, line: str) -> tuple[str, list[Part]]:
+def _told(path: Path, line: str) -> tuple[str, list[NounLook]]:
     """A caption of GenEval, with the colors that its metadata tells."""
     try:
         row = json.loads(line)
