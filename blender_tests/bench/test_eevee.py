@@ -70,7 +70,7 @@ def test_a_vibe_leaves_eevee_at_work(studio, tmp_path):
         assert np.isfinite(second).all()
         assert second.std() > 0.005  # neither black nor fog all over
         middle = second[16:32, 16:32].mean((0, 1))
-        assert middle[0] > 1.3 * max(middle[1], middle[2])
+        assert middle[0] > 1.2 * max(middle[1], middle[2])  # through thick fog
         assert second.mean() < first.mean()
     assert bpy.ops.vibe.revert() == {"FINISHED"}
     assert difference(before, contents()) == {}

@@ -23,7 +23,7 @@ from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import VibeError
 from proxy_renderer.schema.messages import Options
 
-_BRIGHT_RIM = 24.0
+_BRIGHT_RIM = 38.0
 """L* of an outline above the inside, which the ranges of "rim light" do not make."""
 
 
