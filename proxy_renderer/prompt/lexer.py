@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Container
 from dataclasses import replace
 from difflib import get_close_matches
 from functools import cached_property
@@ -85,7 +86,7 @@ class Lexer:
     def _phrase(self, text: str) -> Token:
         """What a phrase is: as it stands, without an ending, or as what it compares."""
         tint = tending(text, self.vocabulary.colors)
-        for token in map(self._spelled_so, _spellings(text)):
+        for token in map(self._spelled_so, _spellings(text, self.vocabulary.nouns)):
             if token.known:
                 return replace(token, text=text, color=token.color or tint)
         return self._compared(text) or Token(text, color=tint)
@@ -149,10 +150,11 @@ class Lexer:
         return replace(self._phrase(known), text=token.text, guess=known) if known else token
 
 
-def _spellings(text: str) -> list[str]:
-    """A phrase, and what it may be a form of; "car parked" is no car park."""
-    endings = ("s", "es") if " " in text else ("s", "es", "ed")
-    bases = (text.removesuffix(ending) for ending in endings)
+def _spellings(text: str, nouns: Container[str]) -> list[str]:
+    """A phrase, and what it may be a form of; "car parked" is no car park, and "walled" no wall."""
+    bases = [text.removesuffix("s"), text.removesuffix("es")]
+    past = text.removesuffix("ed")
+    bases += [] if " " in text or past in nouns else [past]
     return [text, *(base for base in bases if len(base) > 2)]
 
 

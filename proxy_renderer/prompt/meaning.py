@@ -25,6 +25,8 @@ _MAIN = 0.5  # share of its region above which a thing's color is the region's
 _CLEAR = 0.02  # density of air that has no color
 _OUTER = {"surroundings", "atmosphere", "setting", "fog"}
 """Regions, slots and kinds of what is not the subject's."""
+_OF_REGIONS = ("subject_", "surroundings_")
+"""What heads begin with that speak of a region, and not of the picture or its light."""
 NamedThing = tuple[str, Region, tuple[str, ...]]
 
 
@@ -97,10 +99,14 @@ def forget_parts(parsed: Parsed, shares: dict[str, float], vocabulary: Vocabular
         shares: Material -> fraction of its region's pixels.
         vocabulary: What words mean.
     """
-    known = parsed.targets.keys()
+    said = parsed.targets
     large = (a for a in parsed.attributes if sum(shares.get(n, 1.0) for n in a.owners or ("",)) >= _MAIN)
     _settle(parsed, [*large], vocabulary)
-    parsed.targets = {head: value for head, value in parsed.targets.items() if head in known}
+    parsed.targets = {
+        head: value
+        for head, value in said.items()
+        if not head.startswith(_OF_REGIONS) or parsed.targets.get(head) == value
+    }
 
 
 def _objects(attributes: list[Attribute], subject: str, things: list[NamedThing]) -> list[PromptObject]:

@@ -82,3 +82,19 @@ def test_warmth_is_about_blenders_blackbody(kelvin):
     theirs = blackbody(torch.tensor(kelvin))
     ours = torch.tensor(kelvin_color(kelvin))
     assert (ours - theirs / theirs.max()).abs().max() < 0.12
+
+
+def test_what_small_parts_say_leaves_their_region_to_nobody_else():
+    """Of small green grass under a sky that nobody sees the surroundings are neither green nor blue; "neon" is the picture's."""
+    scene = SceneWords(
+        "", {"Grass": "surroundings", "Cup": "subject"}, {"Grass": "surroundings", "Cup": "subject"},
+        {"Grass": ("Grass",), "Cup": ("Cup",)},
+    )  # fmt: skip
+    vocabulary, shares = default_vocabulary(), {"Grass": 0.2, "Cup": 0.2}
+    parsed = parse("green grass, blue sky", scene)
+    forget_sky(parsed, vocabulary)
+    forget_parts(parsed, shares, vocabulary)
+    assert "surroundings_color" not in parsed.targets
+    parsed = parse("neon cup", scene)
+    forget_parts(parsed, shares, vocabulary)
+    assert parsed.targets["saturation"] == "vivid"

@@ -179,3 +179,8 @@ def test_a_material_before_a_thing_is_its_look_though_things_are_called_so(promp
         object_materials=worn,
     )
     assert {a.word: a.owners for a in parse(prompt, scene).attributes} == {w: (t,) for w, t in looks.items()}
+
+
+def test_a_walled_garden_is_no_wall():
+    parsed = parse("a walled garden", scene({"Wall": "Plaster"}))
+    assert [a.thing for a in parsed.attributes if not a.cause] == ["garden"]
