@@ -9,15 +9,13 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..planning.advice import understood
+from ..planning.advice import OfflineAdvisor
 from ..planning.explanation import as_dict, explain
-from ..planning.planner import plan
 from ..planning.types import PlanContext
 from ..prompt.binding.reader import PromptReader
 from ..prompt.binding.why import why
 from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.parser import prepared
-from ..prompt.prompts import compose
 from ..prompt.types import SceneWords
 from ..scene.plain import plain_instances
 from ..schema import Instance
@@ -47,12 +45,9 @@ def account(
     words, instances, context = _read(prompt, scene, subject) if scene else _plain()
     if with_reasons:
         return _reasons(prompt, words)
-    parsed = understood(prompt, words, context)
-    prompts = compose(parsed)
-    decided = plan(parsed, prompts, instances, context)
-    if as_json:
-        return json.dumps(as_dict(parsed, prompts, decided), indent=2, ensure_ascii=False)
-    return explain(parsed, prompts, decided)
+    advice = OfflineAdvisor(prompt, words).advise(None, instances, context)
+    decided = advice.parsed, advice.prompts, advice.plan
+    return json.dumps(as_dict(*decided), indent=2, ensure_ascii=False) if as_json else explain(*decided)
 
 
 def _reasons(prompt: str, words: SceneWords) -> str:

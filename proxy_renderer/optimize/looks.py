@@ -56,7 +56,7 @@ class Looks:
             advisor: Makes the plan.
 
         Returns:
-            (N,) the artist's point with the colors that words name, projected into the plan's ranges; and the advice.
+            (N,) the artist's point with the starts of what words name, projected into the plan's ranges; and the advice.
 
         Raises:
             VibeError: No word of the prompt is known.

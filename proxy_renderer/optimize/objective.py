@@ -40,7 +40,7 @@ class RoundObjective:
             the camera is held.
         lower: (N,) lower corner of the feasible box.
         upper: (N,) upper corner.
-        home: (N,) the artist's values, and colors that words name.
+        home: (N,) the artist's values, and where words have the search begin, see `PlanEntry.start`.
         pull: (N,) weight in [0, 1] of the pull to them, 0 where words name a range.
         any_hue: Keys of colors whose hue is free.
         differences: Whether slopes are taken by differences, see `inner.slopes.difference_slopes`.

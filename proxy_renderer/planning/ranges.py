@@ -77,11 +77,7 @@ def _over_glow(low: Values, high: Values, own: Values) -> Range:
 
 def clip(low: Values, high: Values, instance: Instance) -> Range:
     """Componentwise intersection with the hard bounds; what lies outside becomes the nearest bound."""
-    pairs = list(
-        zip(_spread(low, instance), _spread(high, instance), instance.lower, instance.upper, strict=True)
-    )
-    lower = tuple(min(max(a, bottom), top) for a, _, bottom, top in pairs)
-    upper = tuple(min(max(b, bottom), top) for _, b, bottom, top in pairs)
+    lower, upper = (within(_spread(end, instance), instance.lower, instance.upper) for end in (low, high))
     return lower, tuple(map(max, lower, upper))
 
 

@@ -9,10 +9,8 @@ from contextlib import suppress
 from itertools import groupby
 from typing import Any
 
-from ...planning.advice import understood
+from ...planning.advice import OfflineAdvisor
 from ...planning.explanation import explain
-from ...planning.planner import plan
-from ...prompt.prompts import compose
 from ...prompt.types import Parsed
 from ...schema import VibeError
 from ...train.sentences.labels import LabeledScene, LabeledSentence
@@ -46,10 +44,9 @@ def explained(text: str, whole: SceneStandIn) -> Parsed:
     Raises:
         VibeError: The prompt asks for no look.
     """
-    parsed = understood(text, whole.words, whole.context)
-    prompts = compose(parsed)
-    explain(parsed, prompts, plan(parsed, prompts, whole.instances, whole.context))
-    return parsed
+    advice = OfflineAdvisor(text, whole.words).advise(None, whole.instances, whole.context)
+    explain(advice.parsed, advice.prompts, advice.plan)
+    return advice.parsed
 
 
 def _by_scene(sentences: Sequence[LabeledSentence]) -> Iterator[tuple[LabeledScene, list[str]]]:

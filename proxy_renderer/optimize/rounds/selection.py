@@ -33,7 +33,8 @@ name goes first, but what it cannot earn is left to what can."""
 _FAINTEST = 2.0**-20
 
 _NAMED = 0.15
-"""Weight of the pull of a color to the one that words name: it gives way to what claims see, not to similarity alone."""
+"""Weight of the pull to where words have the search begin, as to a named color: it gives way to what claims see, not to
+similarity alone."""
 
 _ALIKE, _NOTHING_NEW = 0.9, 0.1
 """Share of what a parameter does to the claims that another one does too, and of its gain that is left beside that one."""
@@ -191,7 +192,7 @@ def _probe(
 
 
 def _pull(plan: Plan, vector: ParameterVector, probed: set[str]) -> Tensor:
-    """(N,) weight in [0, 1] of the prior: on what may be optimized though no word named it, and on colors that words name."""
+    """(N,) weight in [0, 1] of the pull home: on what may be optimized though no word named it, and on what has a start."""
     weight = torch.zeros(vector.size, dtype=torch.float64)
     for key in probed:
         weight[vector.slices[key]] = plan[key].prior if plan[key].start is None else _NAMED
