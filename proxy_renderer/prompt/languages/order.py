@@ -100,7 +100,7 @@ def _led_by_looks(nouns: list[Piece], looks: list[Piece], ahead: list[Piece]) ->
     unit: list[Piece] = []
     for piece in looks:
         unit.append(piece)
-        if piece.kind in _LOOKS:
+        if piece.kind in _LOOKS:  # a unit ends in its look
             turned = [*sorted(unit, key=lambda p: p.english == "and"), *turned]
             unit = []
     return turned + nouns
@@ -109,16 +109,21 @@ def _led_by_looks(nouns: list[Piece], looks: list[Piece], ahead: list[Piece]) ->
 def _compared(found: list[Piece], vocabulary: Vocabulary) -> list[Piece]:
     """ "More dark" as "darker", where the vocabulary knows that word."""
     placed: list[Piece] = []
-    for piece in found:
-        last = placed[-1] if placed else piece
-        forms = (piece.english + "er", piece.english + "r", piece.english[:-1] + "ier")
-        form = next((f for f in forms if f in vocabulary.adjectives), "")
-        if form and last.english == "more":
-            start, end = min(last.start, piece.start), max(last.end, piece.end)
-            placed[-1] = Piece(form, start, end, piece.kind)
-        else:
-            placed.append(piece)
+    for more, piece in zip([None, *found], found, strict=False):
+        form = _comparative(piece, vocabulary) if more and more.english == "more" else ""
+        if more and form:
+            placed.pop()
+            start, end = min(more.start, piece.start), max(more.end, piece.end)
+            piece = replace(piece, english=form, start=start, end=end, shade="")
+        placed.append(piece)
     return placed
+
+
+def _comparative(piece: Piece, vocabulary: Vocabulary) -> str:
+    """The word for more of a look; "" where the vocabulary has none."""
+    word = piece.english if piece.kind in _LOOKS else ""
+    forms = (f"{word}er", f"{word}r", f"{word[:-1]}ier")
+    return next((form for form in forms if form in vocabulary.adjectives), "")
 
 
 def _shaded(found: list[Piece], vocabulary: Vocabulary) -> list[Piece]:

@@ -6,22 +6,20 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Container, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import product
 
 from ..lexicon.languages import LanguageLexicon, Meaning, Wording
-from ..lexicon.spelling import folded
+from ..lexicon.spelling import any_of, folded
 
 _LONGEST = 5  # words of a wording
 _SHORTEST = 3  # letters of a part of a compound
-_LETTERS = 12  # of a word that is not written apart, at most
+_SCENES = 8  # whose names are kept with the words of a language
 _WORD = re.compile(r"[^\W_]+['’]?|(?<!\w)[-_]|[-_](?!\w)|[^\w\s-]")
 _SPACELESS = re.compile(r"[\u2e80-\u9fff\uf900-\ufaff]")
-_LATIN = re.compile(r"[a-zA-Z0-9]+")
-_KATAKANA = re.compile(r"[\u30a0-\u30ff]+")
+_KATAKANA = r"[\u30a0-\u30ff]+"
 _MARKS = {"、": ",", "。": ".", "・": " ", "「": '"', "」": '"'}
-
-_Form = tuple[Wording, Meaning]
 
 
 @dataclass(frozen=True)
@@ -44,17 +42,8 @@ class Piece:
     shade: str = ""
 
 
-@dataclass(frozen=True)
-class Cut:
-    """A word as it stands in the prompt."""
-
-    text: str
-    start: int
-    end: int
-
-
 def pieces(
-    text: str, lexicon: LanguageLexicon, names: Container[str], phrases: Container[str] = ()
+    text: str, lexicon: LanguageLexicon, names: frozenset[str], phrases: Container[str] = ()
 ) -> list[Piece]:
     """All of a prompt, in its order.
 
@@ -65,104 +54,81 @@ def pieces(
         phrases: What the vocabulary knows as it stands: "film noir", and the artist's own words.
     """
     cuts = list(_cuts(text, lexicon, names))
+    cutter = _Cutter(text, lexicon, names, phrases)
     found: list[Piece] = []
     while cuts:
-        count = _phrase_length(cuts, phrases)
-        new = [Piece(text[cuts[0].start : cuts[count - 1].end], cuts[0].start, cuts[count - 1].end, "phrase")]
-        if not count:
-            count, new = _first(cuts, lexicon, names)
-        found += new
+        counts = range(min(_LONGEST, len(cuts)), 0, -1)
+        wholes = ((count, whole) for count in counts if (whole := cutter.whole(cuts[:count])))
+        count, whole = next(wholes, (1, None))
+        found += [whole] if whole else cutter.parts(cuts[0])
         del cuts[:count]
     return found
 
 
-def _cuts(text: str, lexicon: LanguageLexicon, names: Container[str]) -> Iterator[Cut]:
+def _cuts(text: str, lexicon: LanguageLexicon, names: frozenset[str]) -> Iterator[Piece]:
     """Words and marks; where words are not written apart, the longest that the lexicon or the scene knows."""
     for match in _WORD.finditer(text):
         start, word = match.start(), match.group()
-        if lexicon.spaces or not _SPACELESS.search(word):
-            yield Cut(word, start, match.end())
-        else:
-            yield from _segments(word, start, lexicon, names)
+        apart = lexicon.spaces or not _SPACELESS.search(word)
+        for part in [word] if apart else _known(lexicon, names).split(word):
+            if part:
+                yield Piece(part, start, start + len(part), "unknown")
+            start += len(part)
 
 
-def _segments(run: str, offset: int, lexicon: LanguageLexicon, names: Container[str]) -> Iterator[Cut]:
-    """A run of letters without spaces, cut by longest match; what nobody knows stays together."""
-    unknown = place = 0
-    while place < len(run):
-        length = _known_length(run, place, lexicon, names)
-        if not length:
-            place += 1
-            continue
-        if unknown < place:
-            yield Cut(run[unknown:place], offset + unknown, offset + place)
-        yield Cut(run[place : place + length], offset + place, offset + place + length)
-        place += length
-        unknown = place
-    if unknown < len(run):
-        yield Cut(run[unknown:], offset + unknown, offset + len(run))
+@lru_cache(_SCENES)
+def _known(lexicon: LanguageLexicon, names: frozenset[str]) -> re.Pattern[str]:
+    """What letters without spaces are cut into; Katakana and Latin are not cut inside of words."""
+    return re.compile(f"([a-zA-Z0-9]+|{any_of({*lexicon.bases, *names} - {''})}|{_KATAKANA})")
 
 
-def _known_length(run: str, place: int, lexicon: LanguageLexicon, names: Container[str]) -> int:
-    """How many letters from a place on are a known word; 0 for none. Katakana and Latin are not cut inside of words."""
-    if latin := _LATIN.match(run, place):
-        return latin.end() - place
-    for length in range(min(_LETTERS, len(run) - place), 0, -1):
-        word = folded(run[place : place + length])
-        if word in lexicon.bases or word in names:
-            return length
-    katakana = _KATAKANA.match(run, place)
-    return katakana.end() - place if katakana else 0
+@dataclass(frozen=True)
+class _Cutter:
+    """Finds what words mean; all as in `pieces`."""
+
+    text: str
+    lexicon: LanguageLexicon
+    names: Container[str]
+    phrases: Container[str]
+
+    def whole(self, cuts: list[Piece]) -> Piece | None:
+        """Some words in a row as one piece; None where they are none."""
+        start, end = cuts[0].start, cuts[-1].end
+        said = Piece(self.text[start:end], start, end, "unknown")
+        if " ".join(cut.english.lower() for cut in cuts) in self.phrases:
+            return replace(said, kind="phrase")
+        words = [folded(cut.english).replace("’", "'") for cut in cuts]
+        wording = self._wording(words)
+        if wording is None:
+            return None
+        meaning = self.lexicon.meanings[wording]
+        named = len(cuts) == 1 and (words[0] in self.names or wording[0] in self.names)
+        return replace(said, kind="name") if named and meaning.table == "things" else _meant(said, meaning)
+
+    def parts(self, cut: Piece) -> list[Piece]:
+        """What a word is that no lexicon has: a mark, a name, a compound; itself where nobody knows it."""
+        if not cut.english[0].isalnum():
+            mark = _MARKS.get(cut.english) or unicodedata.normalize("NFKC", cut.english)
+            return [replace(cut, english=mark, kind="mark")]
+        if folded(cut.english) in self.names:
+            return [replace(cut, kind="name")]
+        both = next(self._compounds(folded(cut.english)), [])
+        return [_meant(cut, meaning) for meaning in both if meaning.table != "grammar"] or [cut]
+
+    def _wording(self, words: list[str]) -> Wording | None:
+        """The wording that words are a form of; None where they are none."""
+        each = [self.lexicon.bases.get(word, ()) for word in words]
+        return next((w for w in product(*each) if w in self.lexicon.meanings), None)
+
+    def _compounds(self, word: str) -> Iterator[list[Meaning]]:
+        """What the two parts of a compound mean, the longest first part first."""
+        for place in range(len(word) - _SHORTEST, _SHORTEST - 1, -1) if self.lexicon.links else ():
+            last = self._wording([word[place:]])
+            heads = [word[:place], *(word[:place].removesuffix(link) for link in self.lexicon.links)]
+            first = next(((h,) for h in heads if len(h) >= _SHORTEST and (h,) in self.lexicon.meanings), None)
+            if first and last:
+                yield [self.lexicon.meanings[first], self.lexicon.meanings[last]]
 
 
-def _phrase_length(cuts: list[Cut], phrases: Container[str]) -> int:
-    """How many words make up a phrase that stays; 0 for none."""
-    counts = range(min(_LONGEST, len(cuts)), 0, -1)
-    return next((n for n in counts if " ".join(c.text.lower() for c in cuts[:n]) in phrases), 0)
-
-
-def _first(cuts: list[Cut], lexicon: LanguageLexicon, names: Container[str]) -> tuple[int, list[Piece]]:
-    """The piece that begins with the first word, and how many words it takes; several pieces of a compound."""
-    for count in range(min(_LONGEST, len(cuts)), 0, -1):
-        form = _form([folded(cut.text).replace("’", "'") for cut in cuts[:count]], lexicon)
-        if form:
-            piece = _piece(cuts[0].start, cuts[count - 1].end, form, lexicon)
-            named = count == 1 and piece.kind == "things" and _is_named(cuts[0], form[0], names)
-            return count, [Piece(cuts[0].text, piece.start, piece.end, "name") if named else piece]
-    cut = cuts[0]
-    if not cut.text[0].isalnum():
-        mark = _MARKS.get(cut.text) or unicodedata.normalize("NFKC", cut.text)
-        return 1, [Piece(mark, cut.start, cut.end, "mark")]
-    if folded(cut.text) in names:
-        return 1, [Piece(cut.text, cut.start, cut.end, "name")]
-    return 1, _compound(cut, lexicon) or [Piece(cut.text, cut.start, cut.end, "unknown")]
-
-
-def _is_named(cut: Cut, wording: Wording, names: Container[str]) -> bool:
-    return folded(cut.text) in names or wording[0] in names
-
-
-def _form(words: list[str], lexicon: LanguageLexicon) -> _Form | None:
-    """The wording that words are inflected from, and what it says; None where they are none."""
-    each = product(*(lexicon.bases.get(word, ()) for word in words))
-    return next(((wording, said) for wording in each if (said := lexicon.meaning(wording))), None)
-
-
-def _piece(start: int, end: int, form: _Form, lexicon: LanguageLexicon) -> Piece:
-    wording, meaning = form
-    return Piece(meaning.english, start, end, meaning.table, lexicon.shades.get(wording, ""))
-
-
-def _compound(cut: Cut, lexicon: LanguageLexicon) -> list[Piece]:
-    """The parts of a compound, the longest first part that there is; none where it is no compound of known words."""
-    word = folded(cut.text)
-    places = range(len(word) - _SHORTEST, _SHORTEST - 1, -1) if lexicon.links else ()
-    for place in places:
-        heads = [word[:place], *(word[:place].removesuffix(link) for link in lexicon.links)]
-        firsts = ((h,) for h in heads if len(h) >= _SHORTEST)
-        first = next(((head, said) for head in firsts if (said := lexicon.meaning(head))), None)
-        last = _form([word[place:]], lexicon)
-        if first and last:
-            parts = (_piece(cut.start, cut.end, form, lexicon) for form in (first, last))
-            return [part for part in parts if part.kind != "grammar"]
-    return []
+def _meant(cut: Piece, meaning: Meaning) -> Piece:
+    return replace(cut, english=meaning.english, kind=meaning.table, shade=meaning.shade)

@@ -6,12 +6,13 @@ from __future__ import annotations
 import tomllib
 from collections import defaultdict
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from ...schema import VibeError
+from .mistakes import at_line
 from .spelling import folded
 
 TABLES = ("grammar", "behind", "looks", "things", "shades")
@@ -28,13 +29,15 @@ class Meaning:
     Attributes:
         english: In English; "" for what English leaves out.
         table: One of `TABLES`.
+        shade: What it is beside a color or a material; "" for the same.
     """
 
     english: str
     table: str
+    shade: str = ""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LanguageLexicon:
     """The words of a language.
 
@@ -44,7 +47,6 @@ class LanguageLexicon:
         adjectives: Whether they stand "before" or "after" their noun.
         links: What stands between the parts of a compound.
         meanings: Wording, word by word -> what it says.
-        shades: Wording -> shade that it is beside a color or a material.
         bases: Word as it may be inflected -> words of wordings that it may be.
         looks: English look word -> its wordings in the language.
         things: English name of a thing -> its names in the language.
@@ -55,15 +57,9 @@ class LanguageLexicon:
     adjectives: str
     links: tuple[str, ...]
     meanings: dict[Wording, Meaning]
-    shades: dict[Wording, str]
     bases: dict[str, tuple[str, ...]]
     looks: dict[str, tuple[str, ...]]
     things: dict[str, tuple[str, ...]]
-
-    def meaning(self, words: Wording) -> Meaning | None:
-        """What a wording says, shades included."""
-        shade = self.shades.get(words)
-        return self.meanings.get(words) or (Meaning(shade, "shades") if shade else None)
 
 
 @cache
@@ -86,18 +82,16 @@ def load(path: Path) -> LanguageLexicon:
     _check(path, text, content)
     settings = content["language"]
     meanings: dict[Wording, Meaning] = {}
-    shades: dict[Wording, str] = {}
     rows = {table: {e: _listed(row) for e, row in content.get(table, {}).items()} for table in TABLES}
     for table, english, wording in ((t, e, w) for t in TABLES for e in rows[t] for w in rows[t][e]):
         words = tuple(folded(wording).replace("'", "' ").replace("-", " ").split())
+        known = meanings.setdefault(words, Meaning(english, table))
         if table == "shades":
-            shades.setdefault(words, english)
-        else:
-            meanings.setdefault(words, Meaning(english, table))
-    every = {word for wording in (*meanings, *shades) for word in wording}
+            meanings[words] = replace(known, shade=known.shade or english)
+    every = {word for wording in meanings for word in wording}
     return LanguageLexicon(
         settings["name"], settings["spaces"], settings.get("adjectives", "before"),
-        _listed(settings.get("links", "")), meanings, shades,
+        _listed(settings.get("links", "")), meanings,
         _bases(every, _listed(settings.get("endings", ""))), rows["looks"], rows["things"],
     )  # fmt: skip
 
@@ -124,36 +118,31 @@ def _bases(words: set[str], endings: tuple[str, ...]) -> dict[str, tuple[str, ..
 def _check(path: Path, text: str, content: dict[str, Any]) -> None:
     """Raises VibeError at the first mistake."""
     for what, quoted, remedy in _mistakes(content):
-        lines = text.splitlines()
-        line = next((i for i, row in enumerate(lines, 1) if quoted and quoted in row), 1)
-        raise VibeError(f"{path}, line {line}: {what}.", remedy)
+        raise at_line(path, text, what, remedy, quoted)
 
 
 def _mistakes(content: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
     """What is wrong, a text of its line, and the remedy."""
-    settings = content.get("language", {})
-    for key in ("name", "spaces"):
-        if key not in settings:
-            yield f"[language] has no '{key}'", "[language]", 'Write name = "German" and spaces = true.'
+    tables = dict(content)
+    settings = tables.pop("language", {})
+    if not {"name", "spaces"} <= settings.keys():
+        yield "[language] has no name or no spaces", "[language]", 'Write name = "German" and spaces = true.'
     for key, value in settings.items():
-        if key not in _SETTINGS or not isinstance(value, _SETTINGS[key]):
+        if not isinstance(value, _SETTINGS.get(key, ())):
             yield f"'{key}' is not known, or of the wrong type", key, f"Use: {', '.join(_SETTINGS)}."
     if settings.get("adjectives", "before") not in _SIDES:
         yield "adjectives stand before or after nouns", "adjectives", 'Write adjectives = "after".'
     for ending in _listed(str(settings.get("endings", ""))):
         if "/" not in ending:
             yield f"the ending '{ending}' has no '/'", "endings", "Write the ending typed / that of the word."
-    for table, rows in content.items():
-        if table != "language" and table not in TABLES:
-            yield f"'{table}' is no table", f"[{table}]", f"Use: [language], [{'], ['.join(TABLES)}]."
-            continue
-        yield from _mistaken_rows(table, rows)
+    for table in tables.keys() - TABLES:
+        yield f"'{table}' is no table", f"[{table}]", f"Use: [language], [{'], ['.join(TABLES)}]."
+    for table, rows in tables.items():
+        yield from _mistaken_rows(rows, may_repeat=table == "things")
 
 
-def _mistaken_rows(table: str, rows: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
-    """Mistakes in one table: what is no text, and a wording that is there twice."""
-    if table == "language":
-        return
+def _mistaken_rows(rows: dict[str, Any], may_repeat: bool) -> Iterator[tuple[str, str, str]]:
+    """Mistakes in one table: what is no text, and a wording that is there twice where it may not be."""
     known: dict[str, str] = {}
     for english, row in rows.items():
         if not isinstance(row, str):
@@ -161,5 +150,5 @@ def _mistaken_rows(table: str, rows: dict[str, Any]) -> Iterator[tuple[str, str,
             continue
         for wording in _listed(row):
             first = known.setdefault(wording, english)
-            if first != english and table != "things":
+            if first != english and not may_repeat:
                 yield f"'{wording}' is in two rows, '{first}' and '{english}'", row, "Delete one of the two."

@@ -18,6 +18,8 @@ from __future__ import annotations
 import os
 import re
 import tomllib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -27,10 +29,13 @@ from ...color.floats import srgb_from_hex
 from ...folders import config_folder
 from ...schema import VibeError
 from .entries import VocabularyEntry, normalize, read_entry
-from .vocabulary import Vocabulary, shipped_vocabulary
+from .mistakes import at_line
+from .vocabulary import Vocabulary, check_opposite, shipped_vocabulary
 
 VARIABLE = "VIBE_VOCABULARY"
 _TABLES = {"look": "entries", "colors": "color names"}
+_CODE = re.compile("#[0-9a-fA-F]{6}")
+_QUOTED = re.compile("'([^']+)'")
 _LARGEST = 2_000_000  # bytes; a vocabulary is text that somebody wrote
 
 
@@ -73,19 +78,19 @@ def extend(base: Vocabulary, path: Path) -> Vocabulary:
         VibeError: Something in the file is wrong; names the file, the line and the remedy.
     """
     text, rows = _read(path)
-    entries = dict(base.entries)
-    for name, row in rows.get("look", {}).items():
-        entries[normalize(name)] = _entry(path, text, name, row)
-    synonyms = dict(base.synonyms)
-    colors = dict(base.colors)
-    for name in map(normalize, rows.get("look", {})):
-        for word in entries[name].words:
-            synonyms[word] = name
-            colors.pop(word, None)
-        _check_links(path, text, entries, name)
+    entries, synonyms, colors = dict(base.entries), dict(base.synonyms), dict(base.colors)
+    looks = rows.get("look", {})
+    for name, row in looks.items():
+        with _located(path, text, name):
+            entries[normalize(name)] = _entry(name, row)
+    for name, own in ((name, entries[normalize(name)]) for name in looks):
+        with _located(path, text, name):
+            check_opposite(own, entries)
+        synonyms |= dict.fromkeys(own.words, own.name)
+        colors = {color: srgb for color, srgb in colors.items() if color not in own.words}
     for name, code in rows.get("colors", {}).items():
-        if not isinstance(code, str) or not re.fullmatch(r"#[0-9a-fA-F]{6}", code):
-            raise _problem(path, text, name, f"'{code}' is not a color", 'Write it as "#rrggbb".')
+        if not _CODE.fullmatch(str(code)):
+            raise at_line(path, text, f"'{code}' is not a color", 'Write it as "#rrggbb".', name)
         colors[normalize(name)] = srgb_from_hex(code)
     return replace(base, entries=entries, synonyms=synonyms, colors=colors)
 
@@ -107,32 +112,22 @@ def _read(path: Path) -> tuple[str, dict[str, Any]]:
     for table, content in rows.items():
         if table not in _TABLES or not isinstance(content, dict):
             remedy = f"Use [look.NAME] or [colors]; these hold {' and '.join(_TABLES.values())}."
-            raise _problem(path, text, table, f"'{table}' is no part of a vocabulary", remedy)
+            raise at_line(path, text, f"'{table}' is no part of a vocabulary", remedy, table)
     return text, rows
 
 
-def _entry(path: Path, text: str, name: str, row: Any) -> VocabularyEntry:
+def _entry(name: str, row: Any) -> VocabularyEntry:
+    if not isinstance(row, dict):
+        raise VibeError(f"'{name}' is not a table.", f'Write [look."{name}"] above its rows.')
+    return read_entry(normalize(name), row)
+
+
+@contextmanager
+def _located(path: Path, text: str, name: str) -> Iterator[None]:
+    """What is wrong with an entry, with the line of what the error quotes."""
     try:
-        if not isinstance(row, dict):
-            raise VibeError(f"'{name}' is not a table.", f'Write [look."{name}"] above its rows.')
-        return read_entry(normalize(name), row)
+        yield
     except VibeError as error:
-        quoted = re.search(r"'([^']+)'", error.message)
-        raise _problem(path, text, name, error.message.removeprefix("Vocabulary: ").rstrip("."), error.remedy,
-                       quoted.group(1) if quoted else "") from error  # fmt: skip
-
-
-def _check_links(path: Path, text: str, entries: dict[str, VocabularyEntry], name: str) -> None:
-    opposite = entries[name].opposite
-    if opposite and normalize(opposite) not in entries:
-        raise _problem(
-            path, text, name, f"'{name}' has the unknown opposite '{opposite}'", "Name an entry.", opposite
-        )
-
-
-def _problem(path: Path, text: str, name: str, what: str, remedy: str, quoted: str = "") -> VibeError:
-    """An error that names the line: the one that holds what is quoted, at or after the entry's head."""
-    lines = text.splitlines()
-    head = next((i for i, line in enumerate(lines) if name in line), 0)
-    line = next((i for i in range(head, len(lines)) if quoted and quoted in lines[i]), head)
-    return VibeError(f"{path}, line {line + 1}: {what}.", remedy)
+        what = error.message.removeprefix("Vocabulary: ").rstrip(".")
+        quoted = (said for said in _QUOTED.findall(what) if said != name)
+        raise at_line(path, text, what, error.remedy, name, *quoted) from error

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -152,13 +152,19 @@ def load(text: str, colors: str) -> Vocabulary:
 
 def _check_links(entries: dict[str, VocabularyEntry], adjectives: dict[str, dict[str, str]]) -> None:
     """Raises VibeError where an opposite, or what an adjective stands for, is no entry."""
-    links = [(f"the opposite of '{n}'", normalize(e.opposite)) for n, e in entries.items() if e.opposite]
-    links += [
-        (f"the adjective '{word}'", entry) for word, its in adjectives.items() for entry in its.values()
-    ]
-    for what, entry in links:
-        if entry not in entries:
-            raise VibeError(f"Vocabulary: {what} names no entry '{entry}'.", "Name an entry.")
+    for entry in entries.values():
+        check_opposite(entry, entries)
+    for word, kinds in adjectives.items():
+        if unknown := ", ".join({*kinds.values()} - entries.keys()):
+            problem = f"Vocabulary: the adjective '{word}' names no entry '{unknown}'."
+            raise VibeError(problem, "Name an entry.")
+
+
+def check_opposite(entry: VocabularyEntry, entries: Container[str]) -> None:
+    """Raises VibeError where the opposite of an entry is none."""
+    if entry.opposite and normalize(entry.opposite) not in entries:
+        problem = f"Vocabulary: '{entry.name}' has the unknown opposite '{entry.opposite}'."
+        raise VibeError(problem, "Name an entry.")
 
 
 def _read_elsewhere(
