@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 
 from ..schema import VibeError
 from ..schema.limits import LONGEST_PROMPT
@@ -104,7 +105,7 @@ def parse(
     return parsed
 
 
-def _quoted(words: list[str]) -> str:
+def _quoted(words: Iterable[str]) -> str:
     return ", ".join(f"'{word}'" for word in dict.fromkeys(words))
 
 

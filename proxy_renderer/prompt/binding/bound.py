@@ -9,13 +9,14 @@ from ...schema.spec import Region
 from ..meaning import NamedThing
 from ..mentions.nouns import NounMention, materials_of
 from ..types import SceneWords
-from .means import KIND_OF_SLOT
 from .pairs import PromptPairs, TargetPair
 from .sharing import shared_out, told
 from .targets import MATTER, NOWHERE, ROLES, rest
 
 _KINDS = {"lights": "light", "key": "light", "air": "fog"}
 """Kind of target -> kind of thing, where they differ."""
+_OF_SLOT = {"lighting": "light", "atmosphere": "fog", "grade": "tone", "setting": "surroundings"}
+"""Slot -> kind of thing that its words are about in a picture as a whole."""
 
 
 @dataclass(frozen=True)
@@ -132,7 +133,7 @@ class Things:
             return Thing("tone", self._name(pair), "whole") if named else Thing("ambience", "tint", "whole")
         if pair.becoming.way == "row":
             return Thing("tone", pair.look.token.text, "whole")
-        kind = KIND_OF_SLOT.get(pair.becoming.slot, "whole")
+        kind = _OF_SLOT.get(pair.becoming.slot, "whole")
         region: Region = "surroundings" if kind == "surroundings" else "whole"
         return Thing(kind, pair.look.token.text, region)
 

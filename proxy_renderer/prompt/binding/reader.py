@@ -6,17 +6,19 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
+from ...schema import VibeError
+from ..lexicon.entries import VocabularyEntry
 from ..lexicon.vocabulary import Vocabulary
 from ..meaning import NamedThing
 from ..mentions.passage import PromptLook
 from ..types import Attribute, Parsed, SceneWords
 from .assignment import assigned
 from .bound import Thing, Things
-from .means import stands_for
 from .model import shipped_weights
 from .pairs import PromptPairs, TargetPair, reading
 from .targets import TINGE
 
+_PLAIN = "Use plain look words that the vocabulary knows."
 _LESS = 0.7  # how much of the opposite "less" asks for
 
 
@@ -27,6 +29,7 @@ class PromptReader:
         vocabulary: What is known.
         scene: The names in the scene.
         weights: By feature; None for those that are shipped.
+        is_part: What is read is what a mood stands for; no mood may be in it.
 
     Attributes:
         mentioned: The nouns with a surface: name, region and materials.
@@ -38,9 +41,13 @@ class PromptReader:
     """
 
     def __init__(
-        self, vocabulary: Vocabulary, scene: SceneWords, weights: Mapping[str, float] | None = None
+        self,
+        vocabulary: Vocabulary,
+        scene: SceneWords,
+        weights: Mapping[str, float] | None = None,
+        is_part: bool = False,
     ) -> None:
-        self.vocabulary, self.scene = vocabulary, scene
+        self.vocabulary, self.scene, self.is_part = vocabulary, scene, is_part
         self.weights = shipped_weights() if weights is None else weights
         self.subject = scene.subject
         self.mentioned: list[NamedThing] = []
@@ -101,10 +108,21 @@ class PromptReader:
             shades=word.token.shades if known else (),
             **vars(thing),
         )
-        if known and known.means and not word.negated:
-            for part in stands_for(entry, self.vocabulary):
-                strength = part.strength * word.strength
-                yield replace(part, cause=word.text, strength=strength, guess=bool(word.token.guess))
+        for part in self._stands_for(known) if known and known.means and not word.negated else ():
+            strength = part.strength * word.strength
+            yield replace(part, cause=word.text, strength=strength, guess=bool(word.token.guess))
+
+    def _stands_for(self, mood: VocabularyEntry) -> Iterator[Attribute]:
+        """What a mood brings: the parts of its row `means`, each read by itself and without a scene."""
+        if self.is_part:
+            raise VibeError(f"Vocabulary: '{mood.name}', for which a mood stands, is a mood itself.", _PLAIN)
+        for part in mood.means.split(","):
+            reader = PromptReader(self.vocabulary, SceneWords(), self.weights, is_part=True)
+            attributes = reader.read(part).attributes
+            if not attributes:
+                what = f"'{part.strip()}', for which '{mood.name}' stands, is no look."
+                raise VibeError(f"Vocabulary: {what}", _PLAIN)
+            yield from attributes
 
     def _note_guess(self, pair: TargetPair, parsed: Parsed) -> None:
         token = pair.look.token
