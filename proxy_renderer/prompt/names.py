@@ -24,12 +24,16 @@ def name_words(kind: str) -> frozenset[str]:
     return frozenset(rows[kind].split())
 
 
+def spaced(name: str) -> list[str]:
+    """The words that a name is written with, in lower case: "SM_WoodTable.001" -> ["sm", "wood", "table"]."""
+    return normalize(re.sub(r"(?<=[a-z0-9])(?=[A-Z])|[\W_]|\d+", " ", name)).split()
+
+
 @cache
 def plain_name(name: str) -> str:
     """A name as somebody would say it: "WoodTable.001" -> "wood table", "SM_Cup.001_low" -> "cup", "Tyre Two" -> "tyre"."""
-    spaced = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|_", " ", re.sub(r"\.\d+", " ", name))
-    words = normalize(re.sub(r"[^\w\s]|\d+", " ", spaced)).split()
-    words = [w for w in words if w not in name_words("pipeline") and len(w) > 1] or words
+    every = spaced(name)
+    words = [w for w in every if w not in name_words("pipeline") and len(w) > 1] or every
     while len(words) > 1 and words[-1] in name_words("order"):
         words.pop()
     return " ".join(words)

@@ -59,26 +59,23 @@ class Retelling:
         if not found:
             return attribute
         look = self._words[found[-1]][1]
-        near = [p for p in self._pieces(found) if p.end <= look.start + 1 or p is look]
-        start = min((p.start for p in near), default=look.start)
+        start = next(p.start for p in self._pieces(found) if p.end <= look.start + 1 or p is look)
         return replace(attribute, word=self._text(found), english=attribute.word, place=(start, look.end))
 
     def _find(self, english: str, again: bool) -> list[int]:
         """Where words stand: the last ones together, those before them near; none where the last is not there."""
         words = _TOKEN.findall(normalize(english))
-        for length in range(len(words), 0, -1):
-            last, before = words[-length:], words[:-length]
-            for start in range(len(self._words) - length + 1):
-                span = [*range(start, start + length)]
-                fresh = again or start + length - 1 not in self._taken
-                if fresh and [self._words[i][0] for i in span] == last:
-                    self._taken.add(start + length - 1)
-                    return [*self._before(before, start), *span]
+        said = [word for word, _ in self._words]
+        for count in range(len(words), 0, -1):
+            ends = (end for end in range(count, len(said) + 1) if said[end - count : end] == words[-count:])
+            end = next((end for end in ends if again or end not in self._taken), 0)
+            if end:
+                self._taken.add(end)
+                start = end - count
+                near = range(max(start - _NEAR, 0), start)
+                before = [i for word in words[:-count] for i in near if said[i] == word]
+                return [*before, *range(start, end)]
         return []
-
-    def _before(self, words: list[str], start: int) -> list[int]:
-        near = range(max(start - _NEAR, 0), start)
-        return [i for word in words for i in near if self._words[i][0] == word]
 
     def _pieces(self, found: list[int]) -> list[Piece]:
         return sorted({self._words[i][1] for i in found}, key=lambda piece: (piece.start, piece.end))
@@ -86,9 +83,9 @@ class Retelling:
     def _text(self, found: list[int]) -> str:
         """The prompt's words, in its order."""
         spans = sorted({(piece.start, piece.end) for piece in self._pieces(found)})
-        prompt, text, last = self.gloss.prompt, "", None
+        text, last = "", spans[0][0]
         for start, end in spans:
-            gap = prompt[last:start] if last is not None else ""
-            text += (gap if not gap.strip() else " ") + prompt[start:end]
+            gap = self.gloss.prompt[last:start]
+            text += (" " if gap.strip() else gap) + self.gloss.prompt[start:end]
             last = end
         return text

@@ -3,17 +3,15 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from difflib import SequenceMatcher, get_close_matches
 from functools import cache
 
-from ..lexicon.entries import normalize
 from ..lexicon.spelling import folded, singular
 from ..lexicon.things import senses, thing_words
 from ..lexicon.vocabulary import shipped_vocabulary
 from ..lexicon.word_table import table
-from ..names import name_words
+from ..names import name_words, spaced
 
 FITS = (
     "exact", "all", "last", "whole", "synonym", "part", "part's synonym", "detail's whole", "alike", "misspelled",
@@ -28,10 +26,9 @@ _SHORTEST = 4  # letters of a word that may be misspelled
 @cache
 def parts(name: str) -> tuple[str, ...]:
     """What a name is made of: "SM_WoodTable.001" -> ("wood", "table"); a letter comes first, as in ("l", "lamp")."""
-    spaced = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|[\W_]|\d+", " ", name)
-    words = [singular(folded(w)) for w in normalize(spaced).split()]
-    letters = [w for w in words if w.isascii() and len(w) == 1]
-    words = [w for w in words if len(w) > 1 or not w.isascii()]
+    every = [singular(folded(w)) for w in spaced(name)]
+    letters = [w for w in every if w.isascii() and len(w) == 1]
+    words = [w for w in every if w not in letters]
     while len(words) > 1 and words[-1] in name_words("counted"):
         words.pop()
     return (*letters, *([w for w in words if w not in name_words("pipeline")] or words))
@@ -57,15 +54,19 @@ def fit(words: tuple[str, ...], name: tuple[str, ...]) -> str:
         meant = all(w in name or any(_means(w, n, words) for n in name) for w in words)
         return "all" if meant or joined in name else ""
     (word,) = words
-    head = _head(name)
-    if word in (name[-1], head[-1], "".join(name[-2:])):
-        return "last"
-    if word in name:
-        return _as_part(name, "part")
-    mine = senses(word)
-    if mine & (senses(name[-1]) | senses(head[-1]) | senses(" ".join(name))):
-        return "synonym"
-    return _as_part(name, "part's synonym") if any(mine & senses(n) for n in name[:-1]) else ""
+    mine, ends = senses(word), {name[-1], _head(name)[-1]}
+    ways = (
+        ("last", word in ends or word == "".join(name[-2:])),
+        (_as_part(name, "part"), word in name),
+        ("synonym", _is_one_of(mine, (*ends, " ".join(name)))),
+        (_as_part(name, "part's synonym"), _is_one_of(mine, name[:-1])),
+    )
+    return next((way for way, holds in ways if holds), "")
+
+
+def _is_one_of(mine: frozenset[str], others: Iterable[str]) -> bool:
+    """Whether what a word may name is what one of other words may name."""
+    return any(mine & senses(other) for other in others)
 
 
 def _means(word: str, part: str, words: tuple[str, ...]) -> bool:
@@ -76,10 +77,8 @@ def _means(word: str, part: str, words: tuple[str, ...]) -> bool:
 
 def _head(name: tuple[str, ...]) -> tuple[str, ...]:
     """A name without what it says of the look at its end: "armor" of "armor steel", "frame" of "frame black"."""
-    end = len(name)
-    while end > 1 and _is_of_surfaces(name[end - 1]):
-        end -= 1
-    return name if _is_of_surfaces(name[end - 1]) else name[:end]
+    ends = (end for end in range(len(name), 0, -1) if not _is_of_surfaces(name[end - 1]))
+    return name[: next(ends, None)]
 
 
 @cache
@@ -104,7 +103,7 @@ def guessed_fit(word: str, name: tuple[str, ...]) -> str:
     if not table().is_english(word) and len(word) >= _SHORTEST:
         near = max(SequenceMatcher(None, word, part).ratio() for part in name)
         meant = _corrected(word)
-        if near >= _MISSPELLED or (meant and senses(meant) & (senses(name[-1]) | senses(_head(name)[-1]))):
+        if near >= _MISSPELLED or (meant and _is_one_of(senses(meant), (name[-1], _head(name)[-1]))):
             return "misspelled"
     return "alike" if table().likeness(word, name[-1]) > _ALIKE else ""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
 
 from ..names import is_detail, limbs_of, plain_name
 from ..types import GLOW, SceneWords
@@ -41,10 +42,10 @@ class SceneIndex:
             said: Words of the prompt, as `parts` gives them.
             guess: Whether things of the same sort, or of nearly the same spelling, count.
         """
+        how = partial(guessed_fit, said[0]) if guess else partial(fit, said)
 
         def fits(names: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
-            each = ((name, (guessed_fit(said[0], p) if guess else fit(said, p))) for name, p in names.items())
-            return {name: way for name, way in each if way}
+            return {name: way for name, its in names.items() if (way := how(its))}
 
         found: dict[tuple[str, frozenset[str]], set[str]] = defaultdict(set)
         for kind, named in (("things", self._of_things(fits)), ("lights", self._of_lights(fits))):
@@ -95,7 +96,9 @@ class SceneIndex:
         if source == "material":
             yield from self._split([m for n in chosen for m in self._with_limbs(n)], (*signs, "whole"))
             return
-        objects = self._objects_of(source, chosen)
+        groups = self.words.groups if source == "group" else {}
+        every = (o for name in chosen for o in groups.get(name, (name,)))
+        objects = [o for o in every if self.words.object_materials.get(o)]
         worn = [m for o in objects for m in (*self.words.object_materials[o], *self._limbs[o])]
         yield from self._split(worn, (*signs, "whole"))
         yield [m for m in worn if not is_detail(m)], (*signs, "without details")
@@ -109,10 +112,6 @@ class SceneIndex:
             mine = [n for n in names if self.words.materials.get(n) == region]
             if len(mine) < len(names):
                 yield mine, (*signs, f"only {region}")
-
-    def _objects_of(self, source: str, names: Iterable[str]) -> list[str]:
-        every = names if source == "object" else (o for g in names for o in self.words.groups[g])
-        return [name for name in every if self.words.object_materials.get(name)]
 
     def _with_limbs(self, material: str) -> list[str]:
         """A material, and what the limbs wear of an object that is called like it."""
