@@ -67,10 +67,11 @@ def pieces(
 
 def _cuts(text: str, lexicon: LanguageLexicon, names: frozenset[str]) -> Iterator[Piece]:
     """Words and marks; where words are not written apart, the longest that the lexicon or the scene knows."""
+    tight = frozenset(filter(_SPACELESS.search, names))  # most scenes have none, and share a pattern
     for match in _WORD.finditer(text):
         start, word = match.start(), match.group()
         apart = lexicon.spaces or not _SPACELESS.search(word)
-        for part in [word] if apart else _known(lexicon, names).split(word):
+        for part in [word] if apart else _known(lexicon, tight).split(word):
             if part:
                 yield Piece(part, start, start + len(part), "unknown")
             start += len(part)
