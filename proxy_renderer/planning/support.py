@@ -7,12 +7,14 @@ only say how far from the artist's values the search may look; whether and where
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from ..color.floats import lab_from_srgb, srgb_from_linear
 from ..prompt.types import Parsed
 from ..schema import Instance, Values
 from ..schema.spec import Region
+from .grays import radiance
 from .owners import BACKDROP, Owners
 from .ranges import clip, facing_white
 from .sources import Range, Sources
@@ -23,6 +25,8 @@ _LATE = 12
 """Priority of exposure; what words name comes first."""
 
 _STOPS = 1.5  # that exposure may change
+_LIGHTEST, _DARKEST = 75.0, 50.0
+"""L* that the lightest twentieth of a picture may get at least, and the darkest at most: an artist's scene may be all black."""
 _KEY = (0.35, 4.0)  # multiples of the key's power; black things need much light
 _WORLD = (0.5, 2.0)  # multiples of the strength of the world, and of what is seen of it
 _SATURATION = (
@@ -84,8 +88,7 @@ def _reaches(
     if BACKDROP in instances:
         yield BACKDROP, (_times(instances[BACKDROP].value, _WORLD), -1, "the subject stands out from it")
     if "film/exposure" in instances:
-        (value,) = instances["film/exposure"].value
-        ends: Range = ((value - _STOPS,), (value + _STOPS,))
+        ends = _exposures(instances["film/exposure"], sources)
         yield "film/exposure", (ends, 0, "the subject is neither burnt nor black")
     for name in owners.key:
         for key in (f"light/{name}/power", f"light/{name}/strength", f"{name}/emission"):
@@ -96,6 +99,23 @@ def _reaches(
     if parsed.colors and "film/saturation" in instances:
         ends = _times(instances["film/saturation"].value, (1.0, _SATURATION))
         yield "film/saturation", (ends, 2, "the named colors are seen")
+
+
+def _exposures(exposure: Instance, sources: Sources) -> Range:
+    """Some stops around the artist's, and as many as a picture that is all dark, or all light, lacks."""
+    (artist,), (now,) = exposure.value, sources.context.values.get(exposure.key, exposure.value)
+    lower, upper = artist - _STOPS, artist + _STOPS
+    if sources.context.picture and sources.context.picture.percentiles:
+        darkest, _, lightest = sources.context.picture.percentiles
+        lower = min(lower, now + min(_stops(darkest, _DARKEST, sources), 0.0))
+        upper = max(upper, now + max(_stops(lightest, _LIGHTEST, sources), 0.0))
+    return (lower,), (upper,)
+
+
+def _stops(lightness: float, wanted: float, sources: Sources) -> float:
+    """From a gray of some L* to another."""
+    view = sources.context.view
+    return math.log2(radiance(wanted, view) / radiance(lightness, view))
 
 
 def _largest(names: list[str], sources: Sources) -> list[str]:
