@@ -1,22 +1,28 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How far lamps may go, and how large they may get, before they stand in a floor, a ceiling or a wall."""
+"""How far lamps may go, how far off and how large they may be, before they stand in a floor, a ceiling or a wall."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Collection, Mapping, Sequence
+from itertools import product
 
 import numpy as np
 import torch
 from torch import Tensor
 
-from ..render.geometry.visibility import RayGeometry
+from ..render.geometry.visibility import Hits, RayGeometry
 from ..render.lights.types import light_sources, light_type
 from ..render.lights.types.area import AreaLight
 from ..render.lights.types.light_source import LightSource
 from ..scene import Light, SceneData
 from ..scene.values import RenderValues
+from ..schema import Values, orbit
 
-_KEPT = 0.8  # share of the way to a floor or ceiling that a lamp may go: it has a size
+_KEPT = 0.8  # share of the way to a floor, a ceiling or a wall that a lamp may go: it has a size
+_PLACE = ("azimuth", "elevation", "distance", "power")
+_NEAREST = 0.3  # share of its distance to the subject that a lamp keeps at least, see `schema.parameters`
+_PARTS = 16  # surfaces of the subject that a ray from its middle passes, at most
 _FLAT = 1e-12  # twice the area, seen from above, below which a triangle is a wall
 
 
@@ -51,6 +57,62 @@ def sizes(scene: SceneData, geometry: RayGeometry) -> dict[str, float]:
         growth = max(float((_KEPT * free / length).min()), 1.0)
         widest[key] = min(widest.get(key, math.inf), growth * scene.value(key)[0])
     return widest
+
+
+def nearer(
+    scene: SceneData,
+    geometry: RayGeometry,
+    ranges: Mapping[str, tuple[Values, Values]],
+    named: Collection[str],
+) -> dict[str, tuple[Values, Values]]:
+    """Other ranges for lamps that would stand behind a wall where words want them: nearer, with as much less power.
+
+    Where there is no room for a lamp, it keeps its direction. One that is shut in as it stands is the artist's affair.
+
+    Args:
+        scene: With the artist's values.
+        geometry: Its surfaces.
+        ranges: Of its parameters, in schema units, by key.
+        named: Keys whose ranges words name.
+    """
+    found: dict[str, tuple[Values, Values]] = {}
+    for light in (light for light in scene.lights if not light.fixed):
+        azimuth, elevation, distance, power = (f"light/{light.name}/{name}" for name in _PLACE)
+        if azimuth not in named or distance not in scene.instances:
+            continue
+        turn, tilt, off = (scene.value(key)[0] for key in (azimuth, elevation, distance))
+        turns = [ranges[azimuth][end][0] for end in (0, 1)]
+        tilts = [ranges[elevation][end][0] if elevation in named else tilt for end in (0, 1)]
+        asked = [*product(turns, tilts), (sum(turns) / 2, sum(tilts) / 2)]
+        here, *there = _free(scene, geometry, [(turn, tilt), *asked])
+        share = min(there) / off
+        if here <= _KEPT * off or share >= 1.0:
+            continue
+        if share < _NEAREST:
+            found |= {azimuth: ((turn,), (turn,)), elevation: ((tilt,), (tilt,))}
+        else:
+            (low,), (high,) = ranges[power]
+            found |= {distance: ((share * off,),) * 2, power: ((share**2 * low,), (share**2 * high,))}
+    return found
+
+
+def _free(scene: SceneData, geometry: RayGeometry, angles: Sequence[tuple[float, float]]) -> list[float]:
+    """How far a lamp may stand off at each azimuth and elevation and still light the subject, meters.
+
+    Infinite in the open; 0 where there is no room for it between the subject, which is in nobody's way, and a wall.
+    """
+    toward = torch.tensor([orbit.direction(*each) for each in angles], device=geometry.device).T
+    origin = torch.tensor(scene.pivot, device=geometry.device)[:, None].expand_as(toward)
+    mine = torch.tensor([o.subject for o in scene.objects], device=geometry.device)[geometry.object]
+    hits = geometry.nearest(origin, toward, "shadow")
+    skin = torch.zeros_like(hits.distance)
+    for _ in range(_PARTS):
+        own = hits.hit & mine[hits.triangle]
+        skin = torch.where(own, hits.distance, skin)
+        further = geometry.onward(hits, origin, toward, "shadow").parts
+        hits = Hits(*(torch.where(own, new, old) for new, old in zip(further, hits.parts, strict=True)))
+    free = _KEPT * hits.distance
+    return torch.where(free > skin, free, 0.0).tolist()
 
 
 def _arms(lamp: LightSource) -> Tensor:
