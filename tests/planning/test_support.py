@@ -8,6 +8,7 @@ import pytest
 from plan_parts import CONTEXT, make_instances, make_plan
 
 from proxy_renderer.color.floats import lab_from_srgb, srgb_from_linear
+from proxy_renderer.planning.types import PictureStats
 
 FLOOR, BODY = "material/Floor/base_color", "material/Body/base_color"
 
@@ -41,6 +42,29 @@ def test_a_surface_that_no_word_names_may_become_another_shade_of_its_own_color(
     assert entry.upper[0] > 0.05
     assert entry.upper[0] / entry.upper[1] == pytest.approx(2.0)
     assert entry.lower[0] < 0.01
+
+
+def exposures(percentiles, now=0.0):
+    """The range of exposure for a picture with these L* at 5, 50 and 95 percent, and the stops of its proxy."""
+    stats = PictureStats(percentiles=percentiles)
+    entry = make_plan(
+        "teal dolphin", context=replace(CONTEXT, picture=stats, values={"film/exposure": (now,)})
+    )
+    return entry["film/exposure"].lower[0], entry["film/exposure"].upper[0]
+
+
+def test_a_scene_that_is_all_dark_or_all_light_may_be_exposed_as_it_needs():
+    assert exposures((5.0, 40.0, 90.0)) == (-1.5, 1.5)
+    lower, upper = exposures((0.1, 0.5, 6.0))
+    assert lower == -1.5
+    assert upper > 5.0
+    lower, upper = exposures((92.0, 95.0, 97.0))
+    assert lower < -3.0
+    assert upper == 1.5
+
+
+def test_what_a_round_has_gained_in_exposure_stays_in_reach():
+    assert exposures((10.0, 40.0, 75.0), now=4.0)[1] == pytest.approx(4.0)
 
 
 def test_of_many_surfaces_only_those_that_are_seen_much_may_change():
