@@ -52,7 +52,7 @@ class Weights:
         direction: Change of the whole picture in the direction of the words.
         negative: λ_neg.
         color: Named colors; the paper's for the background's, used for the subject's too.
-        attributes: Cross-entropy of the attribute heads.
+        attributes: Cross-entropy of the attribute heads, where claims do not measure what they guess.
         border: Subject on the picture's border.
         visibility: A subject that cannot be told from its surroundings, or cannot be seen.
         claims: What the words claim of the picture, see `claims.claim`.
@@ -202,7 +202,7 @@ class PromptGuidance:
         if len(self.positive["whole"]):
             toward = direction_loss(features["whole"], self.start, self.positive["whole"], self.plain)
             terms["direction"] = w.direction * toward
-        if self.wanted:
+        if self.wanted and w.attributes:
             for_heads = self._of_heads(self.wanted, display, mask, features, generator)
             terms["attributes"] = w.attributes * self.wanted.loss(*for_heads)
         lab = lab_from_srgb(display)

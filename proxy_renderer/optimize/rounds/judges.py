@@ -15,10 +15,15 @@ from ..baseline import GlobalGuidance
 
 
 def weights_of(options: Options) -> Weights:
-    """Of the loss: the baseline has similarity alone."""
+    """Of the loss: the baseline has similarity alone.
+
+    Attribute heads only count where claims do not: those measure the same classes, which heads guess. A head that is wrong about
+    a "dusty pink" outweighs the claim that is right about it, and draws the paint away.
+    """
     if options.baseline:
         return replace(Weights(), claims=0.0, prior=0.0, hue=0.0)
-    return Weights().without(options.leave_out)
+    weights = Weights().without(options.leave_out)
+    return replace(weights, attributes=0.0) if weights.claims else weights
 
 
 def make_guidance(
