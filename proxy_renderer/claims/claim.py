@@ -27,11 +27,11 @@ _NEARLY = 1.0
 HOLDS = 1.0
 """A claim that is missed by no more noticeable steps holds."""
 
-_INSIDE = 0.5
-"""Share of half an interval's width that is left at its ends when values are sought: what only just passes as navy in a
-prediction is another blue to some who look at the picture."""
+_INSIDE, _INSIDE_COLOR = 0.5, 0.85
+"""Share of half an interval's width that is left at its ends when values are sought; the latter for colors: what only just
+passes as navy is another blue to some who look at the picture."""
 
-_MARGIN = 2.0
+_MARGIN = 3.0
 """The same for an interval with one end, in noticeable steps."""
 
 _MANY = 8  # claims about mean colors that are worth being measured together
@@ -167,7 +167,8 @@ class Claim:
     def _sought(self, like: Tensor, before: Tensor | None) -> tuple[Tensor, Tensor]:
         _, lower, upper = self.in_steps(like, before)
         most = math.inf if self.measure == "color" else _MARGIN if self.word else 0.0
-        inward = (_INSIDE * (upper - lower) / 2).clamp_max(most)
+        inside = _INSIDE_COLOR if self.measure == "color" else _INSIDE
+        inward = (inside * (upper - lower) / 2).clamp_max(most)
         return self.weight * (lower + inward), self.weight * (upper - inward)
 
     def miss(self, value: Tensor, before: Tensor | None) -> float:
