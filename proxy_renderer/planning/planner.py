@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 from ..color.floats import srgb_from_linear
@@ -25,7 +24,9 @@ from .wishes import STAGES, Wishes, is_usual, stage_of
 
 _NOT = 0.6  # "not glossy" asks for a mild "matte"
 _OF_SHADOWS = ("size", "angle")
-"""Parameters that begin in the middle of their ranges: edges of shadows have slopes that say little of where hardness is found."""
+"""Parameters that begin well inside of their ranges: edges of shadows have slopes that say little of where hardness is found."""
+_WELL_INSIDE = 0.75
+"""Where, from the end that is nearer to the artist's value: the sun's shadows are hard, not just harder."""
 _SECOND = 6  # how much later a mood's own words come than the prompt's
 
 
@@ -208,6 +209,7 @@ class _Planner:
         usual = all(d.weak for d in winners)
         start = winners[0].start and within(winners[0].start, lower, upper)
         if instance.parameter.name in _OF_SHADOWS and instance.value != within(instance.value, lower, upper):
-            start = tuple(math.sqrt(a * b) for a, b in zip(lower, upper, strict=True))
+            near, far = (lower, upper) if instance.value < lower else (upper, lower)
+            start = (near[0] ** (1 - _WELL_INSIDE) * far[0] ** _WELL_INSIDE,)
         priority = min(d.priority for d in winners)
         return PlanEntry(lower, upper, priority, reason, prior=0.0, usual=usual, start=start)

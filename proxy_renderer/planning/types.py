@@ -91,7 +91,7 @@ class PlanEntry:
         prior: Weight in [0, 1] of the pull to the artist's value: 0 where words named the value.
         usual: Whether words only have it so as a rule, as nights are blue: it gives way to other words, but not to claims.
         any_hue: Whether a color may take any hue within its range, which is then no box around a named color.
-        start: Where the search begins, within the range: the color that words name, the middle of a lamp's sizes. None for
+        start: Where the search begins, within the range: the color that words name, well inside of a lamp's sizes. None for
             the artist's value, projected.
     """
 
