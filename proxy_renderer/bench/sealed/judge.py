@@ -10,7 +10,6 @@ from typing import Any
 
 import torch
 
-from ...claims.measures.color import color
 from ...color.floats import Values, oklab_from_srgb, srgb_from_linear
 from ..paper import measures
 from ..paper.finished import FinishedPicture
@@ -28,6 +27,8 @@ _LIGHTNESS, _HUE, _CHROMA, _GRAYNESS = (18.0, 30.0), (25.0, 35.0), (0.5, 0.3), (
 share of the chroma. The second of each counts where the same prompt asks for light or for a grade that changes it."""
 _CAST_HUE, _CAST_CHROMA = 40.0, 5.0
 """How far the hue of a picture may be from that of a colored lamp, degrees, and how much color it needs, in hundredths."""
+_COLORED = 0.1, 0.6, 0.9
+"""Quantiles of lightness from and up to which pixels say a thing's hue and chroma, and up to which its lightness."""
 _ROUGHNESS = 0.35
 """How far roughness may be from a measured material's."""
 _PLAIN, _AS_BEFORE = 0.5, 0.8
@@ -194,9 +195,15 @@ def _near(name: str, value: float | None, wanted: float, allowed: float) -> Find
 
 
 def _seen(shot: FinishedPicture, region: str) -> Sequence[float]:
-    """The mean color of a region without its deepest shadows and its highlights, OKLab in hundredths."""
-    lab: list[float] = color(shot.measured, torch.from_numpy(shot.region(region))).tolist()
-    return lab
+    """The mean color of a region without its deepest shadows and its highlights, OKLab in hundredths.
+
+    Hue and chroma are those of its darker part: where it is glossy, the rest has those of the lights.
+    """
+    seen = shot.measured.oklab[torch.from_numpy(shot.region(region))]
+    low, matte, high = torch.quantile(seen[:, 0], seen.new_tensor(_COLORED))
+    dark = seen[:, 0] >= low
+    light, *rest = seen[dark & (seen[:, 0] <= high), 0], *seen[dark & (seen[:, 0] <= matte), 1:].T
+    return [float(part.mean()) for part in (light, *rest)]
 
 
 def _hundredths(srgb: Sequence[float]) -> Sequence[float]:

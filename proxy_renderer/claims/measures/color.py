@@ -14,6 +14,9 @@ _REST = 0.1
 _MIRRORED = 0.4
 """Share of its lightest pixels that say little of its hue and chroma: where it is glossy, they have those of the lights."""
 
+_PLAIN = 1.0
+"""Chroma, OKLab times 100, that pixels count for beside their own, where lightness is read: gray things have none."""
+
 _ACCENT = 0.1
 """Share of a region that one of several colors of light has to tint."""
 
@@ -22,7 +25,10 @@ _ENDS = 0.3
 
 
 def color(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Mean color of a region without its deepest shadows and its highlights; hue and chroma are those of its darker part.
+    """Color of a region without its deepest shadows and its highlights, as people name it.
+
+    Its lightness is that of where its color shows: what mirrors a white wall says little of a teal. Hue and chroma are those
+    of its darker part.
 
     Args:
         picture: The picture.
@@ -33,8 +39,10 @@ def color(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """
     light, seen = picture.oklab[..., 0].detach()[where], picture.oklab[where]
     low, matte, high = torch.quantile(light, light.new_tensor([_REST, 1 - _MIRRORED, 1 - _REST]))
-    lightness = seen[(light >= low) & (light <= high), :1].mean(0)
-    return torch.cat([lightness, seen[(light >= low) & (light <= matte), 1:].mean(0)])
+    inside = (light >= low) & (light <= high)
+    colored = seen[inside, 1:].detach().norm(dim=-1) + _PLAIN
+    lightness = (colored * seen[inside, 0]).sum() / colored.sum()
+    return torch.cat([lightness[None], seen[inside & (light <= matte), 1:].mean(0)])
 
 
 def tint(picture: MeasuredPicture, where: Tensor) -> Tensor:
