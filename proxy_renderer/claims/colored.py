@@ -35,6 +35,8 @@ _LIT_WHITE = 6.0
 _COLORED = 12.0  # C* below which a color tints nothing
 _TINTED = (6.0, 3.0)
 """How far in a color's direction a tinted picture lies, or how much farther than before; in a* and b*."""
+_LIT = (12.0, 8.0)
+"""The same where the light itself has the color: in yellow light white things are yellow, not only less blue."""
 
 _BLACK, _WHITE = 35.0, 85.0  # L* of a name up to which air is black, and from which it is white
 _AIR = (35.0, 74.0)
@@ -73,8 +75,9 @@ def of_color(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
             yield from map(as_accent, tints)
             return
         most = max(_DROWNED * chroma(lab_from_srgb(srgb)), _LEAST_DROWNED)
+        least, change = _LIT if attribute.kind == "light" else _TINTED
         tints = tinted(attribute.word, "picture", "picture", srgb)
-        yield from (replace(claim, upper=(most,)) for claim in tints)
+        yield from (replace(claim, lower=(least,), upper=(most,), change=change) for claim in tints)
     elif attribute.kind in _TONED:
         yield from _toned(attribute, srgb)
     elif attribute.kind == "fog":
