@@ -91,8 +91,8 @@ def test_a_vibe_from_the_panel_with_the_key_of_the_preferences(installed, tmp_pa
         assert bpy.ops.vibe.run() == {"FINISHED"}
         vibe_render.session.state.addon_state.close()
     assert {h["authorization"] for h in model.headers} == {f"Bearer {KEY}"}
-    assert (
-        scene.vibe.changes["film/glare"].reason == "model: dreamy"
+    assert scene.vibe.changes["film/glare"].reason.startswith(
+        "model: dreamy"
     )  # held though the next round had no model
     without_key(tmp_path)
 

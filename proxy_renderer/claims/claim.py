@@ -31,7 +31,7 @@ _INSIDE, _INSIDE_COLOR = 0.5, 0.85
 """Share of half an interval's width that is left at its ends when values are sought; the latter for colors: what only just
 passes as navy is another blue to some who look at the picture."""
 
-_MARGIN = 3.0
+_MARGIN = 2.0
 """The same for an interval with one end, in noticeable steps."""
 
 _MANY = 8  # claims about mean colors that are worth being measured together

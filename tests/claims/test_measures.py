@@ -339,16 +339,16 @@ def test_residuals_know_what_is_missing_and_fall_towards_it() -> None:
 
 
 def test_values_are_sought_inside_of_what_holds() -> None:
-    """A color near its middle, others three noticeable steps from the end; what a mood stands for counts less."""
+    """A color near its middle, others two noticeable steps from the end; what a mood stands for counts less."""
     color = Claim("navy", "ball", "color", "subject", (20.0, -4.0, -16.0), (40.0, 4.0, -8.0))
     _, lower, upper = (MEASURES["color"].notice * end for end in color.aim(torch.zeros(3), None))
     assert torch.allclose(lower, torch.tensor([28.5, -0.6, -12.6]))
     assert torch.allclose(upper, torch.tensor([31.5, 0.6, -11.4]))
     dark = Claim("dark", "picture", "lightness", "picture", (-float("inf"),), (30.0,))
     value, _, most = dark.aim(torch.tensor([50.0]), None)
-    assert (float(value), float(most)) == (25.0, 12.0)
+    assert (float(value), float(most)) == (25.0, 13.0)
     light, _, least = replace(dark, weight=0.5).aim(torch.tensor([50.0]), None)
-    assert (float(light), float(least)) == (12.5, 6.0)
+    assert (float(light), float(least)) == (12.5, 6.5)
     assert dark.miss(torch.tensor([30.0]), None) == 0
 
 

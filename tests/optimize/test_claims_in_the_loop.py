@@ -23,8 +23,8 @@ from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import VibeError
 from proxy_renderer.schema.messages import Options
 
-_BRIGHT_RIM = 38.0
-"""L* of an outline above the inside, which the ranges of "rim light" do not make."""
+_DENSE = 0.9
+"""Share of light that the air takes away, which the ranges of "thick fog" do not make."""
 
 
 @pytest.fixture
@@ -137,14 +137,13 @@ def test_a_round_that_made_it_worse_is_taken_back_first_with_narrower_ranges_the
 @pytest.mark.slow
 def test_a_claim_out_of_reach_of_its_words_ranges_is_earned_in_wider_ones(search, monkeypatch):
     def demanding(*told):
-        """A rim that is lighter than the words' ranges make it."""
+        """Air that is denser than the words' ranges make it."""
         return tuple(
-            replace(c, lower=(_BRIGHT_RIM,), change=None) if c.measure == "rim" else c
-            for c in claims_of(*told)
+            replace(c, lower=(_DENSE,), change=None) if c.measure == "haze" else c for c in claims_of(*told)
         )
 
     monkeypatch.setattr(rounds, "claims_of", demanding)
-    begun = search("blue night, rim light, glossy", steps=12, rounds=4, size=64)
+    begun = search("thick fog", steps=12, rounds=4, size=64)
     outcome = Refinement(begun, Start(begun.vector.encode({}))).run()
     first, *wider = (record["missed"] for record in outcome.rounds)
     assert first["claims"] > 0
