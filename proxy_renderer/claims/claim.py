@@ -94,6 +94,9 @@ class Claim:
         where = region_of(seen, self.part, self.materials)
         if self.part == "surroundings" and not self.materials and self.measure in _AIR and where.sum() < _FEW:
             where = torch.ones_like(where)
+        if self.part == "subject" and not self.materials and self.measure == "color":
+            own = where & ~region_of(seen, "picture", seen.around) if seen.around else where
+            where = own if own.sum() > _SEEN * where.sum() else where
         if self.box:
             where = where & _inside(self.box, where)
         rest = where.clone()

@@ -12,7 +12,7 @@ from proxy_renderer.claims.claim import Claim, ClaimSet
 from proxy_renderer.claims.colored import tinted
 from proxy_renderer.claims.measures.picture import MeasuredPicture, region_of
 from proxy_renderer.claims.measures.registry import MEASURES
-from proxy_renderer.color.tensors import linear_from_srgb, srgb_from_linear
+from proxy_renderer.color.tensors import linear_from_srgb, oklab_from_srgb, srgb_from_linear
 from proxy_renderer.render.gbuffer import GBuffer
 
 SIZE = 96
@@ -350,6 +350,22 @@ def test_values_are_sought_inside_of_what_holds() -> None:
     light, _, least = replace(dark, weight=0.5).aim(torch.tensor([50.0]), None)
     assert (float(light), float(least)) == (12.5, 6.5)
     assert dark.miss(torch.tensor([30.0]), None) == 0
+
+
+def test_the_color_of_a_subject_is_not_that_of_what_it_shares_with_its_surroundings() -> None:
+    """A sofa whose back wears the wall's paper is as brown as its seat."""
+    paper, shown = torch.tensor([0.8, 0.8, 0.8]), torch.tensor([0.5, 0.3, 0.1])
+    material = (torch.arange(SIZE) < SIZE // 2).long().expand(SIZE, SIZE)
+    picture = torch.where(material[..., None] == 1, paper, shown)
+    plain = edged(20.0).seen
+    seen = replace(plain, subject=torch.ones(SIZE, SIZE), material=material, materials=("Seat", "Paper"))
+    claim = Claim("brown", "sofa", "color", "subject", (0.0,) * 3, (100.0,) * 3)
+    both, own = (
+        claim.value(MeasuredPicture(picture, each), claim.region(each))
+        for each in (seen, replace(seen, around=("Paper",)))
+    )
+    assert torch.allclose(own, 100 * oklab_from_srgb(shown), atol=0.5)
+    assert not torch.allclose(both, own, atol=2.0)
 
 
 def test_the_edges_of_a_pattern_are_no_shadows() -> None:
