@@ -7,6 +7,8 @@ from loop_parts import PROMPT, Silent
 from tiny_job import write_job
 
 from proxy_renderer.engine.report import changed_values, parameter_records
+from proxy_renderer.guidance.guide import Weights
+from proxy_renderer.guidance.losses import claims_loss
 from proxy_renderer.optimize import objective as objectives
 from proxy_renderer.optimize import pipeline
 from proxy_renderer.optimize.baseline import GlobalGuidance
@@ -33,9 +35,11 @@ def worth(outcome):
     shot = outcome.shots[0]
     with torch.no_grad():
         picture = shot.draw(outcome.u)
-        missed = sum(float(r.square().sum()) for r in shot.residuals(picture))
+        residuals = shot.residuals(picture)
+        missed = sum(float(r.square().sum()) for r in residuals)
         terms = shot.guidance(picture.display, picture.mask, fixed_views())
-    return missed, float(sum(terms.values()))
+        claims = Weights().claims * claims_loss(residuals)
+    return missed, float(sum(terms.values()) + claims)
 
 
 @pytest.mark.parametrize("prompt", ["very dark, blue ball", "red ball, bright background, high contrast"])
