@@ -4,22 +4,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
 import torch
 from torch import Tensor
 
+from ..planning.types import PlanEntry
 from ..render.geometry.visibility import Hits, RayGeometry
 from ..render.lights.types import light_sources, light_type
 from ..render.lights.types.area import AreaLight
 from ..render.lights.types.light_source import LightSource
 from ..scene import Light, SceneData
 from ..scene.values import RenderValues
-from ..schema import Values, orbit
+from ..schema import orbit
 
 _KEPT = 0.8  # share of the way to a floor, a ceiling or a wall that a lamp may go: it has a size
+_WALL = "a wall stands where the words want the lamp"
 _PLACE = ("azimuth", "elevation", "distance", "power")
 _NEAREST = 0.3  # share of its distance to the subject that a lamp keeps at least, see `schema.parameters`
 _PARTS = 16  # surfaces of the subject that a ray from its middle passes, at most
@@ -59,41 +62,48 @@ def sizes(scene: SceneData, geometry: RayGeometry) -> dict[str, float]:
     return widest
 
 
-def nearer(
-    scene: SceneData,
-    geometry: RayGeometry,
-    ranges: Mapping[str, tuple[Values, Values]],
-    named: Collection[str],
-) -> dict[str, tuple[Values, Values]]:
-    """Other ranges for lamps that would stand behind a wall where words want them: nearer, with as much less power.
+def nearer(scene: SceneData, geometry: RayGeometry, plan: Mapping[str, PlanEntry]) -> dict[str, PlanEntry]:
+    """Other entries for lamps that would stand behind a wall where words want them: nearer, with as much less power.
 
     Where there is no room for a lamp, it keeps its direction. One that is shut in as it stands is the artist's affair.
 
     Args:
         scene: With the artist's values.
         geometry: Its surfaces.
-        ranges: Of its parameters, in schema units, by key.
-        named: Keys whose ranges words name.
+        plan: What may happen to its parameters, by key.
     """
-    found: dict[str, tuple[Values, Values]] = {}
+    found: dict[str, PlanEntry] = {}
     for light in (light for light in scene.lights if not light.fixed):
-        azimuth, elevation, distance, power = (f"light/{light.name}/{name}" for name in _PLACE)
-        if azimuth not in named or distance not in scene.instances:
+        azimuth, elevation, distance, power = keys = [f"light/{light.name}/{name}" for name in _PLACE]
+        if not plan.keys() >= {*keys} or not _is_named(plan[azimuth]):
             continue
-        turn, tilt, off = (scene.value(key)[0] for key in (azimuth, elevation, distance))
-        turns = [ranges[azimuth][end][0] for end in (0, 1)]
-        tilts = [ranges[elevation][end][0] if elevation in named else tilt for end in (0, 1)]
+        turn, tilt, off = (scene.value(key)[0] for key in keys[:3])
+        turns = plan[azimuth].lower[0], plan[azimuth].upper[0]
+        tilts = (
+            (plan[elevation].lower[0], plan[elevation].upper[0])
+            if _is_named(plan[elevation])
+            else (tilt,) * 2
+        )
         asked = [*product(turns, tilts), (sum(turns) / 2, sum(tilts) / 2)]
         here, *there = _free(scene, geometry, [(turn, tilt), *asked])
         share = min(there) / off
         if here <= _KEPT * off or share >= 1.0:
             continue
-        if share < _NEAREST:
-            found |= {azimuth: ((turn,), (turn,)), elevation: ((tilt,), (tilt,))}
-        else:
-            (low,), (high,) = ranges[power]
-            found |= {distance: ((share * off,),) * 2, power: ((share**2 * low,), (share**2 * high,))}
+        if share < _NEAREST or scene.instances[distance].locked:
+            found |= {
+                key: PlanEntry((at,), (at,), None, _WALL) for key, at in ((azimuth, turn), (elevation, tilt))
+            }
+            continue
+        found[distance] = PlanEntry((share * off,), (share * off,), None, f"nearer: {_WALL}")
+        if not scene.instances[power].locked:
+            dim, bright = (share**2 * end[0] for end in (plan[power].lower, plan[power].upper))
+            found[power] = replace(plan[power], lower=(dim,), upper=(bright,))
     return found
+
+
+def _is_named(entry: PlanEntry) -> bool:
+    """Whether words name a range."""
+    return entry.priority is not None and not entry.prior
 
 
 def _free(scene: SceneData, geometry: RayGeometry, angles: Sequence[tuple[float, float]]) -> list[float]:

@@ -11,6 +11,7 @@ from tiny_job import KEY_LIGHT, write_job
 
 from proxy_renderer.bench.scenes import balls
 from proxy_renderer.optimize.headroom import elevations, nearer, sizes
+from proxy_renderer.planning.types import PlanEntry
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 
@@ -95,24 +96,38 @@ def walled(tmp_path, behind):
 AZIMUTH, ELEVATION, DISTANCE, POWER = (
     f"light/Key/{name}" for name in ("azimuth", "elevation", "distance", "power")
 )
-BEHIND = {AZIMUTH: ((170.0,), (190.0,)), ELEVATION: ((-89.0,), (89.0,)), POWER: ((100.0,), (400.0,))}
+BEHIND = {
+    AZIMUTH: PlanEntry((170.0,), (190.0,), 1, "'from behind'", prior=0.0),
+    ELEVATION: PlanEntry((-89.0,), (89.0,), None, "no word touches it"),
+    DISTANCE: PlanEntry((1.2,), (16.0,), None, "no word touches it"),
+    POWER: PlanEntry((100.0,), (400.0,), 3, "'bright'", prior=0.0),
+}
 
 
 def ranges_behind(scene):
-    return nearer(scene, Proxy(scene, (16, 12)).geometry, BEHIND, {AZIMUTH, POWER})
+    return nearer(scene, Proxy(scene, (16, 12)).geometry, BEHIND)
 
 
 def test_a_lamp_that_words_want_behind_a_wall_comes_nearer_and_dims(tmp_path):
     found = ranges_behind(walled(tmp_path, behind=2.5))
-    (low,), (high,) = found[DISTANCE]
+    (low,), (high,) = found[DISTANCE].lower, found[DISTANCE].upper
     share = low / KEY_LIGHT["distance"]
     assert low == high == pytest.approx(0.8 * 2.5 / math.cos(math.radians(KEY_LIGHT["elevation"])), rel=0.02)
-    assert found[POWER] == (pytest.approx((share**2 * 100,)), pytest.approx((share**2 * 400,)))
+    assert found[POWER].lower == pytest.approx((share**2 * 100,))
+    assert found[POWER].upper == pytest.approx((share**2 * 400,))
+
+
+def test_a_locked_power_stays_and_a_locked_distance_keeps_the_lamp_in_its_place(tmp_path):
+    scene = walled(tmp_path, behind=2.5)
+    locked = {key: replace(scene.instances[key], locked="keyframed") for key in (POWER, DISTANCE)}
+    power, distance = ({**scene.instances, key: locked[key]} for key in (POWER, DISTANCE))
+    assert ranges_behind(replace(scene, instances=power)).keys() == {DISTANCE}
+    assert ranges_behind(replace(scene, instances=distance)).keys() == {AZIMUTH, ELEVATION}
 
 
 def test_a_lamp_without_room_behind_the_subject_stays_where_it_is(tmp_path):
     found = ranges_behind(walled(tmp_path, behind=1.05))
-    assert found[AZIMUTH] == ((KEY_LIGHT["azimuth"],), (KEY_LIGHT["azimuth"],))
+    assert found[AZIMUTH].lower == found[AZIMUTH].upper == (KEY_LIGHT["azimuth"],)
     assert DISTANCE not in found
 
 

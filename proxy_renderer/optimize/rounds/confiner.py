@@ -109,7 +109,8 @@ class Confiner:
             picture = shot.draw(u)
             now = context.plan_context(shot.proxy, shot.vector.values(u), picture)
             asked = self.advisor.advise(picture.display, shot.vector.instances, now)
-            entries = {shot.names[own]: entry for own, entry in asked.plan.items()} | entries
+            mine = asked.plan | headroom.nearer(shot.scene, shot.proxy.geometry, asked.plan)
+            entries = {shot.names[own]: entry for own, entry in mine.items()} | entries
             advice = advice or asked
         assert advice is not None
         instances = self._vector.instances
@@ -160,13 +161,6 @@ class Confiner:
         for key, widest in self._widest.items():
             low_end, high_end = ((min(end[0], widest),) for end in ranges[key])
             ranges[key] = low_end, high_end
-        for shot in self._shots:
-            mine = {own: ranges[key] for own, key in shot.names.items()}
-            named = {
-                o for o, key in shot.names.items() if plan[key].priority is not None and not plan[key].prior
-            }
-            nearer = headroom.nearer(shot.scene, shot.proxy.geometry, mine, named)
-            ranges |= {shot.names[own]: ends for own, ends in nearer.items()}
         return ranges
 
     def _opens(self, key: str, entry: PlanEntry) -> bool:
