@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 
 import bpy
@@ -21,7 +22,11 @@ def own_folder(path: str, create: bool = False) -> Path:
         create: Whether to make it if it is not there.
     """
     try:
-        return Path(bpy.utils.extension_path_user(ADDON, path=path, create=create))
+        folder = Path(bpy.utils.extension_path_user(ADDON, path=path))
     except ValueError:
         place = f".user/user_default/vibe_render/{path}"
-        return Path(bpy.utils.user_resource("EXTENSIONS", path=place, create=create))
+        folder = Path(bpy.utils.user_resource("EXTENSIONS", path=place))
+    if create:  # Blender's own `create` gives "", the current folder, where another Blender makes it just now
+        with suppress(OSError):  # whoever writes into it says why that cannot be
+            folder.mkdir(parents=True, exist_ok=True)
+    return folder
