@@ -6,6 +6,7 @@ A preset is NAME.json with a picture NAME.jpg beside it. Other files in the fold
 
 from __future__ import annotations
 
+import contextlib
 import re
 import shutil
 import unicodedata
@@ -261,12 +262,29 @@ def _read(path: Path, _time: int, _size: int) -> Look:
 def _write(place: Path, look: preset.Preset, picture: Path | None, instead: Path | None = None) -> Look:
     """Writes a preset under its name, numbered where another preset, also a shipped one, has that name."""
     path, number, name = path_for(place, look.name), 1, look.name
-    while (path.exists() and path != instead) or (SHIPPED / path.name).exists():
+    while (SHIPPED / path.name).exists() or not (path == instead or _claimed(path)):
         number += 1
         look = replace(look, name=f"{name} {number}")
         path = path_for(place, look.name)
-    _put(path, look, picture)
+    try:
+        _put(path, look, picture)
+    except schema.VibeError:
+        if path != instead:
+            with contextlib.suppress(OSError):
+                path.unlink(missing_ok=True)
+        raise
     return _read(path, *_stamp(path))
+
+
+def _claimed(path: Path) -> bool:
+    """Whether a file's name was free and is ours now: another Blender may want it at the same moment."""
+    try:
+        path.open("x").close()
+    except FileExistsError:
+        return False
+    except OSError:  # whoever writes there says why that cannot be
+        return True
+    return True
 
 
 def _put(path: Path, look: preset.Preset, picture: Path | None) -> None:
