@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -94,16 +95,18 @@ class Claim:
         where = region_of(seen, self.part, self.materials)
         if self.part == "surroundings" and not self.materials and self.measure in _AIR and where.sum() < _FEW:
             where = torch.ones_like(where)
-        if self.part == "subject" and not self.materials and self.measure == "color":
-            own = where & ~region_of(seen, "picture", seen.around) if seen.around else where
-            where = own if own.sum() > _SEEN * where.sum() else where
         if self.box:
             where = where & _inside(self.box, where)
         rest = where.clone()
-        for part, materials in self.apart:
+        for part, materials in (*self.apart, *self._unpainted(seen)):
             rest &= ~region_of(seen, part, materials)
         where = rest if rest.sum() > _SEEN * where.sum() else where
         return where if where.sum() >= _FEW else None
+
+    def _unpainted(self, seen: GBuffer) -> Iterator[tuple[Part, tuple[str, ...]]]:
+        """Materials that a color of the subject is not painted on, though it wears them: those of its surroundings."""
+        if self.part == "subject" and self.measure == "color" and not self.materials and seen.surrounding:
+            yield "picture", seen.surrounding
 
     def value(self, picture: MeasuredPicture, where: Tensor) -> Tensor:
         """What a picture has in the region `where`: (n,), differentiable in it."""
@@ -169,9 +172,11 @@ class Claim:
 
     def _sought(self, like: Tensor, before: Tensor | None) -> tuple[Tensor, Tensor]:
         _, lower, upper = self.in_steps(like, before)
-        most = math.inf if self.measure == "color" else _MARGIN if self.word else 0.0
-        inside = _INSIDE_COLOR if self.measure == "color" else _INSIDE
-        inward = (inside * (upper - lower) / 2).clamp_max(most)
+        half = (upper - lower) / 2
+        if self.measure == "color":
+            inward = _INSIDE_COLOR * half
+        else:
+            inward = (_INSIDE * half).clamp_max(_MARGIN if self.word else 0.0)
         return self.weight * (lower + inward), self.weight * (upper - inward)
 
     def miss(self, value: Tensor, before: Tensor | None) -> float:

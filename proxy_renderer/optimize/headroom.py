@@ -12,6 +12,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from ..planning.ranges import clip
 from ..planning.types import PlanEntry
 from ..render.geometry.visibility import Hits, RayGeometry
 from ..render.lights.types import light_sources, light_type
@@ -19,7 +20,7 @@ from ..render.lights.types.area import AreaLight
 from ..render.lights.types.light_source import LightSource
 from ..scene import Light, SceneData
 from ..scene.values import RenderValues
-from ..schema import orbit
+from ..schema import Instance, orbit
 
 _KEPT = 0.8  # share of the way to a floor, a ceiling or a wall that a lamp may go: it has a size
 _WALL = "a wall stands where the words want the lamp"
@@ -75,35 +76,38 @@ def nearer(scene: SceneData, geometry: RayGeometry, plan: Mapping[str, PlanEntry
     found: dict[str, PlanEntry] = {}
     for light in (light for light in scene.lights if not light.fixed):
         azimuth, elevation, distance, power = keys = [f"light/{light.name}/{name}" for name in _PLACE]
-        if not plan.keys() >= {*keys} or not _is_named(plan[azimuth]):
+        if not plan.keys() >= {*keys} or not plan[azimuth].is_named:
             continue
         turn, tilt, off = (scene.value(key)[0] for key in keys[:3])
-        turns = plan[azimuth].lower[0], plan[azimuth].upper[0]
-        tilts = (
-            (plan[elevation].lower[0], plan[elevation].upper[0])
-            if _is_named(plan[elevation])
-            else (tilt,) * 2
-        )
+        turns, tilts = _ends(plan[azimuth], turn), _ends(plan[elevation], tilt)
         asked = [*product(turns, tilts), (sum(turns) / 2, sum(tilts) / 2)]
         here, *there = _free(scene, geometry, [(turn, tilt), *asked])
         share = min(there) / off
         if here <= _KEPT * off or share >= 1.0:
             continue
         if share < _NEAREST or scene.instances[distance].locked:
-            found |= {
-                key: PlanEntry((at,), (at,), None, _WALL) for key, at in ((azimuth, turn), (elevation, tilt))
-            }
+            found |= {azimuth: _held(turn, _WALL), elevation: _held(tilt, _WALL)}
             continue
-        found[distance] = PlanEntry((share * off,), (share * off,), None, f"nearer: {_WALL}")
+        found[distance] = _held(share * off, f"nearer: {_WALL}")
         if not scene.instances[power].locked:
-            dim, bright = (share**2 * end[0] for end in (plan[power].lower, plan[power].upper))
-            found[power] = replace(plan[power], lower=(dim,), upper=(bright,))
+            found[power] = _dimmed(plan[power], scene.instances[power], share**2)
     return found
 
 
-def _is_named(entry: PlanEntry) -> bool:
-    """Whether words name a range."""
-    return entry.priority is not None and not entry.prior
+def _ends(entry: PlanEntry, artist: float) -> tuple[float, float]:
+    """Of the range that words name; twice the artist's value where they name none."""
+    return (entry.lower[0], entry.upper[0]) if entry.is_named else (artist, artist)
+
+
+def _held(value: float, reason: str) -> PlanEntry:
+    return PlanEntry((value,), (value,), None, reason)
+
+
+def _dimmed(entry: PlanEntry, power: Instance, share: float) -> PlanEntry:
+    """A range of powers, a share of what it was; of what no word touches, that share of the artist's."""
+    was = _held(power.value[0], f"dimmer, for it comes nearer: {_WALL}") if entry.priority is None else entry
+    lower, upper = clip((share * was.lower[0],), (share * was.upper[0],), power)
+    return replace(was, lower=lower, upper=upper)
 
 
 def _free(scene: SceneData, geometry: RayGeometry, angles: Sequence[tuple[float, float]]) -> list[float]:
@@ -118,6 +122,8 @@ def _free(scene: SceneData, geometry: RayGeometry, angles: Sequence[tuple[float,
     skin = torch.zeros_like(hits.distance)
     for _ in range(_PARTS):
         own = hits.hit & mine[hits.triangle]
+        if not own.any():
+            break
         skin = torch.where(own, hits.distance, skin)
         further = geometry.onward(hits, origin, toward, "shadow").parts
         hits = Hits(*(torch.where(own, new, old) for new, old in zip(further, hits.parts, strict=True)))

@@ -104,6 +104,11 @@ class PlanEntry:
     any_hue: bool = False
     start: Values | None = None
 
+    @property
+    def is_named(self) -> bool:
+        """Whether words name the range."""
+        return self.priority is not None and self.prior == 0.0
+
 
 class Plan(dict[str, PlanEntry]):
     """An entry for every instance of the scene, by key.

@@ -100,7 +100,7 @@ def beside(
 
 def _named(plan: Plan) -> dict[str, PlanEntry]:
     """What words name, by key."""
-    return {key: entry for key, entry in plan.items() if entry.priority is not None and entry.prior == 0.0}
+    return {key: entry for key, entry in plan.items() if entry.is_named}
 
 
 def _alone(entry: PlanEntry) -> PlanEntry:

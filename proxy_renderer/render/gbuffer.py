@@ -26,7 +26,7 @@ class GBuffer:
         normal: (H, W, 3) unit normals in the camera's space: x to the right, y up, z towards it; zero for the world.
         transmittance: (H, W) share of light that fog lets through from what is seen.
         pattern: (H, W) luminance of textured base colors relative to their material's mean; 1 where none is linked.
-        around: Names of the materials of the surroundings, which the subject may wear too: words for it do not paint them.
+        surrounding: Names of the materials of the surroundings, which the subject may wear too: words for it do not paint them.
     """
 
     subject: Tensor
@@ -35,7 +35,7 @@ class GBuffer:
     normal: Tensor
     transmittance: Tensor
     pattern: Tensor
-    around: tuple[str, ...] = ()
+    surrounding: tuple[str, ...] = ()
 
 
 def gbuffer_of(
@@ -64,5 +64,5 @@ def gbuffer_of(
         normal=normal.T.reshape(*shape, 3),
         transmittance=transmittance,
         pattern=cache.pattern(),
-        around=tuple(m.name for m in scene.materials if m.role != "subject"),
+        surrounding=tuple(m.name for m in scene.materials if m.role != "subject"),
     )

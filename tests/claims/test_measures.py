@@ -362,7 +362,7 @@ def test_the_color_of_a_subject_is_not_that_of_what_it_shares_with_its_surroundi
     claim = Claim("brown", "sofa", "color", "subject", (0.0,) * 3, (100.0,) * 3)
     both, own = (
         claim.value(MeasuredPicture(picture, each), claim.region(each))
-        for each in (seen, replace(seen, around=("Paper",)))
+        for each in (seen, replace(seen, surrounding=("Paper",)))
     )
     assert torch.allclose(own, 100 * oklab_from_srgb(shown), atol=0.5)
     assert not torch.allclose(both, own, atol=2.0)

@@ -117,6 +117,14 @@ def test_a_lamp_that_words_want_behind_a_wall_comes_nearer_and_dims(tmp_path):
     assert found[POWER].upper == pytest.approx((share**2 * 400,))
 
 
+def test_a_lamp_that_comes_nearer_dims_though_no_word_touches_its_power(tmp_path):
+    scene = walled(tmp_path, behind=2.5)
+    untouched = {**BEHIND, POWER: PlanEntry((0.8,), (64000.0,), None, "no word touches it")}
+    found = nearer(scene, Proxy(scene, (16, 12)).geometry, untouched)
+    share = found[DISTANCE].lower[0] / KEY_LIGHT["distance"]
+    assert found[POWER].lower == found[POWER].upper == pytest.approx((share**2 * KEY_LIGHT["power"],))
+
+
 def test_a_locked_power_stays_and_a_locked_distance_keeps_the_lamp_in_its_place(tmp_path):
     scene = walled(tmp_path, behind=2.5)
     locked = {key: replace(scene.instances[key], locked="keyframed") for key in (POWER, DISTANCE)}

@@ -268,7 +268,7 @@ def _write(place: Path, look: preset.Preset, picture: Path | None, instead: Path
         path = path_for(place, look.name)
     try:
         _put(path, look, picture)
-    except schema.VibeError:
+    except BaseException:
         if path != instead:
             with contextlib.suppress(OSError):
                 path.unlink(missing_ok=True)
@@ -280,10 +280,8 @@ def _claimed(path: Path) -> bool:
     """Whether a file's name was free and is ours now: another Blender may want it at the same moment."""
     try:
         path.open("x").close()
-    except FileExistsError:
-        return False
-    except OSError:  # whoever writes there says why that cannot be
-        return True
+    except OSError as error:  # of anything but that it is there, whoever writes says why
+        return not isinstance(error, FileExistsError)
     return True
 
 

@@ -201,9 +201,8 @@ def _seen(shot: FinishedPicture, region: str) -> Sequence[float]:
     """
     seen = shot.measured.oklab[torch.from_numpy(shot.region(region))]
     low, matte, high = torch.quantile(seen[:, 0], seen.new_tensor(_COLORED))
-    dark = seen[:, 0] >= low
-    light, *rest = seen[dark & (seen[:, 0] <= high), 0], *seen[dark & (seen[:, 0] <= matte), 1:].T
-    return [float(part.mean()) for part in (light, *rest)]
+    plain, dark = (seen[(seen[:, 0] >= low) & (seen[:, 0] <= end)].mean(0) for end in (high, matte))
+    return [float(plain[0]), float(dark[1]), float(dark[2])]
 
 
 def _hundredths(srgb: Sequence[float]) -> Sequence[float]:

@@ -167,7 +167,7 @@ class Confiner:
         """Whether a range may open while claims are missed: one that words name, but no finish, which is what its word says."""
         parameter = self._vector.instances[key].parameter
         finish = parameter.group == "material" and parameter.kind != "color"
-        return entry.priority is not None and not (entry.prior or entry.usual or finish)
+        return entry.is_named and not (entry.usual or finish)
 
     def _family(self, key: str) -> str:
         return self._vector.instances[key].parameter.family

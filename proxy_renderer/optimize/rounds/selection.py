@@ -102,7 +102,7 @@ def select(
             "Unlock something, allow more groups, or use other words.",
         )
     # Moving the camera means tracing everything again: only words are worth that.
-    probed = {k for k in relevant if vector.instances[k].parameter.group != "camera" or plan[k].prior == 0.0}
+    probed = {k for k in relevant if vector.instances[k].parameter.group != "camera" or plan[k].is_named}
     probed = relevant if options.baseline else probed
     any_hue = {key for key in probed if plan[key].any_hue}
     held = begun(vector, plan, vector.encode({})), _pull(plan, vector, probed)
