@@ -11,6 +11,7 @@ from functools import cached_property
 import torch
 from torch import Tensor
 
+from ..color.floats import chroma, lab_from_srgb
 from ..render.gbuffer import GBuffer
 from ..schema import Values
 from .measures.flat import RegionMeans
@@ -34,6 +35,10 @@ passes as navy is another blue to some who look at the picture."""
 
 _MARGIN = 2.0
 """The same for an interval with one end, in noticeable steps."""
+
+_PLAIN = 40.0
+"""C* of a color from which the measure's own step counts for its chroma and hue. Between paler colors smaller differences are
+seen, in the proportions of CIEDE2000's weights of chroma, 1 + 0.045 C* (Sharma, Wu and Dalal 2005)."""
 
 _MANY = 8  # claims about mean colors that are worth being measured together
 _HARDEST = 100.0  # a miss, in noticeable steps, that nothing is worse than
@@ -147,13 +152,23 @@ class Claim:
             upper = min(upper, self.upper[0] - _NEARLY * self.change)
         return (min(self.lower[0], lower),), (max(self.upper[0], upper),)
 
+    @cached_property
+    def notice(self) -> float | Values:
+        """The least difference that people notice: one number, or one for each that the measure gives."""
+        step = MEASURES[self.measure].notice
+        if self.measure != "color" or self.color is None:
+            return step
+        own = min(chroma(lab_from_srgb(self.color)), _PLAIN)
+        aside = step * (1.0 + 0.045 * own) / (1.0 + 0.045 * _PLAIN)
+        return step, aside, aside
+
     def residual(self, value: Tensor, before: Tensor | None) -> Tensor:
         """How far a value (n,) lies outside of the interval: (n,) in steps that people notice, 0 inside."""
         return outside(*self.in_steps(value, before))
 
     def in_steps(self, value: Tensor, before: Tensor | None) -> tuple[Tensor, Tensor, Tensor]:
         """A value (n,), and the lower and the upper end of what is wanted, in steps that people notice."""
-        notice = MEASURES[self.measure].notice
+        notice = value.new_tensor(self.notice)
         lower, upper = (value.new_tensor(end) / notice for end in self.interval(before))
         return value / notice, lower, upper
 
@@ -168,7 +183,7 @@ class Claim:
             ends: As it has returned them before: they are the same for every value of a type.
         """
         lower, upper = ends or self._sought(value.detach(), before)
-        return self.weight * value / MEASURES[self.measure].notice, lower, upper
+        return self.weight * value / value.new_tensor(self.notice), lower, upper
 
     def _sought(self, like: Tensor, before: Tensor | None) -> tuple[Tensor, Tensor]:
         _, lower, upper = self.in_steps(like, before)

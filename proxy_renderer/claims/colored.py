@@ -38,6 +38,8 @@ _TINTED = (6.0, 3.0)
 _LIT = (12.0, 8.0)
 """The same where the light itself has the color: in yellow light white things are yellow, not only less blue."""
 
+_OFF_HUE = 6.0  # how far it may lie beside that direction, unless it did before
+
 _BLACK, _WHITE = 35.0, 85.0  # L* of a name up to which air is black, and from which it is white
 _AIR = (35.0, 74.0)
 """L* that black air has at most, and white air at least."""
@@ -76,13 +78,23 @@ def of_color(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
             return
         most = max(_DROWNED * chroma(lab_from_srgb(srgb)), _LEAST_DROWNED)
         least, change = _LIT if attribute.kind == "light" else _TINTED
-        tints = tinted(attribute.word, "picture", "picture", srgb)
-        yield from (replace(claim, lower=(least,), upper=(most,), change=change) for claim in tints)
+        for tint in tinted(attribute.word, "picture", "picture", srgb):
+            yield replace(tint, lower=(least,), upper=(most,), change=change)
+            if attribute.kind == "light":
+                yield _beside(tint)
     elif attribute.kind in _TONED:
         yield from _toned(attribute, srgb)
     elif attribute.kind == "fog":
         yield from tinted(attribute.word, thing, "surroundings", srgb)
         yield from _of_gray_air(attribute, srgb)
+
+
+def _beside(tint: Claim) -> Claim:
+    """That a picture in colored light has no other tint besides: in green light it is green, not turquoise."""
+    a, b = tint.direction
+    return replace(
+        tint, measure="off_hue", direction=(-b, a), lower=(-_OFF_HUE,), upper=(_OFF_HUE,), change=0.0
+    )
 
 
 def as_accent(tint: Claim) -> Claim:
@@ -129,7 +141,7 @@ def _around(shown: Values, named: float) -> tuple[Values, Values, Values]:
 
 
 def in_the_dark(claim: Claim, darkest: float) -> Claim:
-    """A claim about a color as it is in a picture that is to be dark: blue nights are no light blue.
+    """A claim about a color as it is in a picture that is to be dark: blue nights are no light blue, but no gray either.
 
     Args:
         claim: Any; others than those of colors stay.
@@ -140,10 +152,11 @@ def in_the_dark(claim: Claim, darkest: float) -> Claim:
     middle = (claim.lower[0] + claim.upper[0]) / 2
     level = 100 * oklab_from_srgb(srgb_from_lab((darkest, 0.0, 0.0)))[0]
     share = min(max(level / middle, _DIMMEST), 1.0)
+    shares = share, math.sqrt(share), math.sqrt(share)  # of lightness; chroma is what the color is known by
     return replace(
         claim,
-        lower=tuple(min(end, share * end) for end in claim.lower),
-        upper=tuple(max(end, share * end) for end in claim.upper),
+        lower=tuple(min(end, part * end) for end, part in zip(claim.lower, shares, strict=True)),
+        upper=tuple(max(end, part * end) for end, part in zip(claim.upper, shares, strict=True)),
     )
 
 

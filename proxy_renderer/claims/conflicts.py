@@ -30,11 +30,17 @@ _COLORED = ("warmth", "tint", "accent", "chroma")
 """Measures of what lies around that a color word for it fixes."""
 
 
+_SIDES = {"light_right", "light_up", "light_front"}
+"""Measures of where light comes from."""
+
+
 def parted(said: list[tuple[Attribute, tuple[Claim, ...]]]) -> list[tuple[Attribute, tuple[Claim, ...]]]:
     """Words with what they claim; colors of light that no picture can have all over, magenta and cyan, have a part of it each."""
     tints = [c for a, row in said if a.color for c in row if (c.part, c.measure) == ("picture", "tint")]
     apart = [c for c in tints if any(_against(c, other.direction) for other in tints)]
-    return [(a, tuple(as_accent(c) if c in apart else c for c in row)) for a, row in said]
+    words = {c.word for c in apart}
+    rest = [(a, [c for c in row if c.measure != "off_hue" or c.word not in words]) for a, row in said]
+    return [(a, tuple(as_accent(c) if c in apart else c for c in row)) for a, row in rest]
 
 
 def adds(claim: Claim, attribute: Attribute, first: Claim) -> bool:
@@ -42,7 +48,8 @@ def adds(claim: Claim, attribute: Attribute, first: Claim) -> bool:
 
     Of one measure of one thing, what is said and goes further in the same sense: an old detective movie is as gray as the
     movie, not as the old one. What is usual of a place gives way, and so does, around the subject, what a mood stands for to
-    what is said of the picture: a toy shop is no gray shop. Of several colors of a thing the first counts.
+    what is said of the picture: a toy shop is no gray shop. Of several colors of a thing the first counts. Where light comes
+    from is for the word that says it: a haunted house is lit from below, but not where light is to come from the right.
 
     Args:
         claim: Of a later word.
@@ -51,6 +58,8 @@ def adds(claim: Claim, attribute: Attribute, first: Claim) -> bool:
     """
     usual = attribute.slot in USUAL
     low, high = max(claim.lower[0], first.lower[0]), min(claim.upper[0], first.upper[0])
+    if attribute.cause and first.word != claim.word and {claim.measure, first.measure} <= _SIDES:
+        return False
     if _measured(claim) != _measured(first):
         around = (claim.measure, claim.part, first.part) == (first.measure, "surroundings", "picture")
         return not ((usual or attribute.cause) and around and low > high)
@@ -161,7 +170,7 @@ def asks(claim: Claim) -> int:
 
 def cast_of(claim: Claim) -> Values:
     """The direction in a and b in which a claim wants the light of the whole picture to be colored; () for other claims."""
-    if not is_light(claim) or claim.measure == "accent":
+    if not is_light(claim) or claim.measure in ("accent", "off_hue"):
         return ()
     return claim.direction or tuple(asks(claim) * part / math.hypot(*WARM) for part in WARM if asks(claim))
 
@@ -177,7 +186,7 @@ def is_painted(claim: Claim, attribute: Attribute) -> bool:
 
 def is_light(claim: Claim) -> bool:
     """Whether a claim is about the color of light, which things that have a color of their own hide."""
-    return claim.part == "picture" and claim.measure in ("warmth", "tint", "accent")
+    return claim.part == "picture" and claim.measure in ("warmth", "tint", "off_hue", "accent")
 
 
 def is_brightness(claim: Claim) -> bool:

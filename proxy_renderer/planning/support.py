@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from ..color.floats import lab_from_srgb, srgb_from_linear
-from ..prompt.types import Parsed
+from ..color.floats import lab_from_srgb, linear_from_srgb, luminance, srgb_from_linear
+from ..prompt.types import Attribute, Parsed
 from ..schema import Instance, Values
 from ..schema.spec import Region
 from .grays import radiance
@@ -29,6 +29,8 @@ _LIGHTEST, _DARKEST = 75.0, 50.0
 """L* that the lightest twentieth of a picture may get at least, and the darkest at most: an artist's scene may be all black."""
 _KEY = (0.35, 4.0)  # multiples of the key's power; black things need much light
 _WORLD = (0.5, 2.0)  # multiples of the strength of the world, and of what is seen of it
+_FAINT = 0.1  # the least multiple of the world's strength where light has a color: what the world sheds has another
+_AMBIENT = ("world/color", "world/tint")
 _SATURATION = (
     1.4  # the most that named colors are strengthened: reflections and the view's shoulder bleach them
 )
@@ -55,7 +57,8 @@ def supports(
     for key in free:
         (lower, upper), late, why = reaches[key]
         ends = clip(lower, upper, instances[key])
-        found[key] = PlanEntry(*ends, _LATE + late, f"supports the words: {why}", prior=0.5)
+        why = f"supports the words: {why}"
+        found[key] = PlanEntry(*ends, _LATE + late, why, prior=0.5, any_hue=key in _AMBIENT)
     return {key: found[key] for key in reaches if key in found} | _added_lights(instances, entries, sources)
 
 
@@ -94,8 +97,13 @@ def _reaches(
         for key in (f"light/{name}/power", f"light/{name}/strength", f"{name}/emission"):
             if key in instances:
                 yield key, (_times(instances[key].value, _KEY), 1, "the subject is readable")
+    gel = next((a.color for a in parsed.attributes if a.color and _is_of_all_light(a)), None)
     if "world/strength" in instances:
-        yield "world/strength", (_times(instances["world/strength"].value, _WORLD), 2, "shadows are readable")
+        times = _WORLD if gel is None else (_FAINT, _WORLD[1])
+        yield "world/strength", (_times(instances["world/strength"].value, times), 2, "shadows are readable")
+    for key in _AMBIENT:
+        if key in instances and gel is not None:
+            yield key, (_tinges(instances[key].value, gel), 1, "the light's color is seen in shadows too")
     if parsed.colors and "film/saturation" in instances:
         ends = _times(instances["film/saturation"].value, (1.0, _SATURATION))
         yield "film/saturation", (ends, 2, "the named colors are seen")
@@ -130,11 +138,30 @@ def _times(value: Values, multiples: tuple[float, float]) -> Range:
     return tuple(v * low for v in value), tuple(v * high for v in value)
 
 
+def _is_of_all_light(attribute: Attribute) -> bool:
+    """Whether a color is that of the light as a whole."""
+    return attribute.kind == "light" and not (attribute.negated or attribute.role or attribute.told_apart)
+
+
+def _tinges(color: Values, gel: Values) -> Range:
+    """From a linear color to that of a light, as bright."""
+    lit = linear_from_srgb(gel)
+    bright = luminance(color) / max(luminance(lit), 1e-3)
+    other = tuple(bright * v for v in lit)
+    return tuple(map(min, color, other)), tuple(map(max, color, other))
+
+
 def _shades(color: Values) -> Range:
     """From a darker to a lighter shade of a linear color."""
     now = lab_from_srgb(srgb_from_linear(color))[0]
     low, high = (((max(now + step, 0.0) + 16) / (now + 16)) ** 3 for step in (-_SHADE, _SHADE))
     return tuple(v * low for v in color), tuple(max(v, min(v * high, _WHITEST)) for v in color)
+
+
+def added_power(instance: Instance, sources: Sources) -> Values:
+    """The power that a light gets in the middle, where words ask for one that the scene lacks."""
+    (low,), (high,) = facing_white(instance, *_ADDED, sources)
+    return (math.sqrt(low * high),)
 
 
 def _added_lights(

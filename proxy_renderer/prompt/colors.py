@@ -13,6 +13,7 @@ from .types import Attribute, Parsed
 
 _BLACK = 12.0  # L* of a black thing whose form can be seen
 _DARKEST, _LIGHTEST = 14.0, 78.0  # L* of lit things of a strong color, navy and yellow
+_STRONG, _KEPT = 30.0, 0.7  # C* that lit things show in full, and the share of what a color has beyond it
 COLOR_REGIONS: dict[str, Region] = {
     "subject": "subject", "surroundings": "surroundings", "sky": "surroundings", "fog": "surroundings",
 }  # fmt: skip
@@ -32,8 +33,9 @@ def display_color(color: tuple[float, ...], region: Region) -> Lab:
     nothing lit is as black as its name.
     """
     light, a, b = lab_from_srgb(color)
-    if chroma((light, a, b)) > 20:
-        return min(max(light, _DARKEST), _LIGHTEST), 0.8 * a, 0.8 * b
+    if (own := chroma((light, a, b))) > _STRONG:
+        kept = (_STRONG + _KEPT * (own - _STRONG)) / own
+        return min(max(light, _DARKEST), _LIGHTEST), kept * a, kept * b
     ceiling = 95.0 if region == "surroundings" else 86.0
     return min(max(light, _BLACK), ceiling), a, b
 

@@ -41,6 +41,7 @@ The picture's own pattern stays: lights that are warmer than shadows are so in a
 _SETTLED = {
     "tint": CASTS,
     "accent": CASTS,
+    "off_hue": CASTS,
     "color": ("cast", "lightness", "mean"),
     "brown_distance": CASTS,
     "burnt": ("white_point",),

@@ -154,6 +154,7 @@ def test_every_measure_of_one_number_is_tried() -> None:
     assert set(MEASURES) - set(RISING) == {
         "color",
         "tint",
+        "off_hue",
         "accent",
         "mean",
         "cast",

@@ -163,6 +163,34 @@ def test_a_material_has_its_color_or_not_but_light_may_be_a_change() -> None:
     assert blue.change
 
 
+def test_in_colored_light_a_picture_has_no_other_tint_and_two_lights_share_it() -> None:
+    """In green light it is green, not turquoise; with a magenta one besides it is neither all over."""
+    tint, beside = (next(c for c in claims("green light") if c.measure == m) for m in ("tint", "off_hue"))
+    assert sum(a * b for a, b in zip(tint.direction, beside.direction, strict=True)) == pytest.approx(0.0)
+    assert beside.lower == tuple(-end for end in beside.upper)
+    assert not [c for c in claims("green light, magenta light") if c.measure == "off_hue"]
+
+
+def test_where_light_comes_from_is_for_the_word_that_says_it() -> None:
+    """A haunted house is lit from below, unless the prompt says where from."""
+    sides = {"light_right", "light_up", "light_front"}
+    assert [c.measure for c in claims("haunted house") if c.measure in sides] == ["light_up"]
+    both = [c.measure for c in claims("haunted house, light from the right") if c.measure in sides]
+    assert both == ["light_right"]
+
+
+def test_people_notice_less_of_a_difference_between_pale_colors() -> None:
+    """A lavender may lack less of its chroma than a cobalt; how light it is counts alike."""
+    pale, strong = (
+        next(c for c in claims(f"{name} vase") if c.measure == "color").notice
+        for name in ("dusty lavender", "cobalt blue")
+    )
+    assert isinstance(pale, tuple)
+    assert isinstance(strong, tuple)
+    assert pale[0] == strong[0] == MEASURES["color"].notice
+    assert pale[1] < 0.7 * strong[1]
+
+
 def test_what_a_mood_means_is_claimed_in_the_words_of_the_prompt() -> None:
     assert {c.word for c in claims("very cozy")} == {"very cozy"}
 

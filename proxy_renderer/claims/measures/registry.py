@@ -33,6 +33,7 @@ class Measure:
 MEASURES: dict[str, Measure] = {
     "color": Measure(color.color, "OKLab", 2.0, "color"),
     "tint": Measure(color.tint, "ab", 2.0, "tint"),
+    "off_hue": Measure(color.tint, "ab", 2.0, "tint beside the color of the light"),
     "accent": Measure(color.accent, "ab", 2.0, "tint of a tenth", directed=True),
     "lightness": Measure(color.lightness, "L*", 2.0, "lightness"),
     "chroma": Measure(color.chroma, "C*", 2.0, "chroma"),
