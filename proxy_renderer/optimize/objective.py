@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 _PICTURES = 5
 """Pictures that take as long as a backward pass through one."""
 
-_UNNAMED = 9.0
+_UNNAMED = 100.0
 """How much more a color that no word names is kept from other hues: a floor may be lighter, not greener."""
 
 

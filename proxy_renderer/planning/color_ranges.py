@@ -24,17 +24,19 @@ _LESS, _MORE = (0.65, -0.1), (1.35, 0.15)
 what looks as named under the scene's light and view."""
 _SHOWN = (0.5, 3.0)
 """Multiples of a color's brightest component that a backdrop may have, for the same reason."""
+_CAST, _EVEN = (0.6, 1.5), 0.01
+"""Shares of a film's usual tint that claims may choose between, and what a component may lie beside that."""
 OWN_COLOR = ("base_color", "tint")
 """Parameters that hold a material's color."""
 _NEUTRAL_BOX = 0.02  # the same for white and gray: a little tint makes them another color
 
 
 def named_color(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Values | None:
-    """The linear color that a color word gives to a surface, or any word to what is seen of the world; None for all else.
+    """The linear color that a word gives to a surface, to a glow, or to what is seen of the world; None for all else.
 
     Claims say how it looks in the end. The color of a material, as gold has it, is a value that its word names.
     """
-    seen = effect.mode == "shown" and (effect.color == "@" or instance.parameter.group == "world")
+    seen = effect.mode == "shown" and (effect.color in ("@", "own") or instance.parameter.group == "world")
     if instance.parameter.kind == "color" and (seen or (effect.mode == "color" and effect.color == "@")):
         return _painted(effect, attribute, instance, sources)
     return None
@@ -51,7 +53,9 @@ def color_range(effect: Effect, attribute: Attribute, instance: Instance, source
     if effect.mode == "cast":
         amount = _MOOD * 0.2 if attribute.kind in ("ambience", "fog") else 0.2
         cast = _cast(linear_from_srgb(srgb), 0.06 if instance.parameter.name == "lift" else amount)
-        return tuple(v - 0.02 for v in cast), tuple(v + 0.02 for v in cast)
+        faint, strong = (tuple(1 + share * (v - 1) for v in cast) for share in _CAST)
+        lower, upper = tuple(map(min, faint, strong)), tuple(map(max, faint, strong))
+        return tuple(v - _EVEN for v in lower), tuple(v + _EVEN for v in upper)
     return _box(_painted(effect, attribute, instance, sources))
 
 

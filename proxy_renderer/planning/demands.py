@@ -23,6 +23,7 @@ class Demand:
         vague: What it is about is said better by other words.
         usual: It is what a place usually has: it counts only where no other word is about the parameter.
         start: Where the search begins, as `PlanEntry.start`.
+        any_hue: As `PlanEntry.any_hue`.
     """
 
     key: str
@@ -35,6 +36,7 @@ class Demand:
     vague: bool = False
     usual: bool = False
     start: tuple[float, ...] | None = None
+    any_hue: bool = False
 
     @property
     def rank(self) -> tuple[bool, bool, bool, int, bool]:

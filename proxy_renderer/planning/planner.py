@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 from ..color.floats import srgb_from_linear
@@ -18,7 +19,7 @@ from .lights.facing import facing_radiance
 from .owners import BACKDROP, SEEN, Owners
 from .ranges import clip, effect_range, within
 from .sources import Range, Sources, WorldLook
-from .support import supports
+from .support import added_power, supports
 from .types import Plan, PlanContext, PlanEntry
 from .wishes import STAGES, Wishes, is_usual, stage_of
 
@@ -99,6 +100,13 @@ class _Planner:
             strength = _NOT
         demands = []
         for instance in self.owners.of(effect, attribute):
+            added = instance.owner in self.sources.context.added_lights
+            if added and effect.mode == "times" and effect.name == "power":
+                if (
+                    effect.lower[0] >= 1.0
+                ):  # it is there because words ask for it, and has nothing to be stronger than
+                    continue
+                instance = replace(instance, value=added_power(instance, self.sources))
             sources = replace(self.sources, own_color=self._own_color(instance.owner))
             vague, usual = is_vague(attribute, self.vocabulary), is_usual(attribute, effect)
             if instance.parameter.name.startswith("backdrop"):
@@ -121,7 +129,8 @@ class _Planner:
             reason = reason_of(attribute, shown.phrase if shown else "")
             start = named_color(effect, attribute, instance, sources) if effect.color else None
             rank = effect.weak, priority, vague, usual
-            demands.append(Demand(instance.key, lower, upper, attribute, reason, *rank, start))
+            wide = effect.mode == "cast"  # from faint to strong: no box whose corners are other hues
+            demands.append(Demand(instance.key, lower, upper, attribute, reason, *rank, start, wide))
         return demands
 
     def _settle(self, demands: list[Demand]) -> None:
@@ -208,8 +217,10 @@ class _Planner:
         reason = "; ".join(dict.fromkeys(d.reason for d in winners))
         usual = all(d.weak for d in winners)
         start = winners[0].start and within(winners[0].start, lower, upper)
-        if instance.parameter.name in _OF_SHADOWS and instance.value != within(instance.value, lower, upper):
+        moved = not math.isclose(instance.value[0], within(instance.value, lower, upper)[0], rel_tol=1e-6)
+        if instance.parameter.name in _OF_SHADOWS and moved:
             near, far = (lower, upper) if instance.value < lower else (upper, lower)
             start = (near[0] ** (1 - _WELL_INSIDE) * far[0] ** _WELL_INSIDE,)
         priority = min(d.priority for d in winners)
-        return PlanEntry(lower, upper, priority, reason, prior=0.0, usual=usual, start=start)
+        any_hue = winners[0].any_hue
+        return PlanEntry(lower, upper, priority, reason, prior=0.0, usual=usual, any_hue=any_hue, start=start)

@@ -12,12 +12,13 @@ from ..schema import Instance, Values
 from .ranges import clip
 from .sources import Range
 
-_GRAY = 8.0  # C* of a base color up to which it is gray
-_CHROMA, _LIGHTNESS = 52.0, (48.0, 68.0)  # C* and L* of the colors that surfaces get
-_HUES = (
-    45.0,
-    137.5,
-)  # degrees of the first one, orange, and from one to the next: the golden angle keeps them apart
+_GRAY, _HUELESS = (
+    15.0,
+    3.0,
+)  # C* of a base color up to which it is gray, and up to which it has no hue of its own
+_CHROMA, _OWN, _LIGHTNESS = 52.0, 36.0, (48.0, 68.0)  # C* and L* that surfaces get; C* of a hue of their own
+_HUES = 45.0, 137.5
+"""Degrees of the first hue, orange, and from one to the next: the golden angle keeps them apart."""
 _WITHIN = (0.75, 1.25)  # multiples of a color between which it is sought
 
 
@@ -34,7 +35,7 @@ def wants_color(parsed: Parsed, instances: dict[str, Instance], keys: Sequence[s
 
 
 def colored(instances: dict[str, Instance], keys: Sequence[str]) -> Iterator[tuple[str, Range]]:
-    """Ranges of base colors around hues that are told apart.
+    """Ranges of base colors around the hues that they have, or else around hues that are told apart.
 
     Args:
         instances: The scene's parameters.
@@ -42,10 +43,11 @@ def colored(instances: dict[str, Instance], keys: Sequence[str]) -> Iterator[tup
     """
     first, step = _HUES
     for number, key in enumerate(keys):
-        hue = math.radians(first + number * step)
-        own = lab_from_srgb(srgb_from_linear(instances[key].value))[0]
-        light = min(max(own, _LIGHTNESS[0]), _LIGHTNESS[1])
-        color = linear_from_srgb(srgb_from_lab((light, _CHROMA * math.cos(hue), _CHROMA * math.sin(hue))))
+        own, a, b = lab_from_srgb(srgb_from_linear(instances[key].value))
+        hueless = math.hypot(a, b) <= _HUELESS
+        hue = math.radians(first + number * step) if hueless else math.atan2(b, a)
+        light, strength = min(max(own, _LIGHTNESS[0]), _LIGHTNESS[1]), _CHROMA if hueless else _OWN
+        color = linear_from_srgb(srgb_from_lab((light, strength * math.cos(hue), strength * math.sin(hue))))
         low, high = (tuple(v * share for v in color) for share in _WITHIN)
         yield key, clip(low, high, instances[key])
 

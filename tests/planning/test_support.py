@@ -100,3 +100,54 @@ def hue_of(linear):
     _, a, b = lab_from_srgb(srgb_from_linear(linear))
     assert math.hypot(a, b) > 30
     return math.degrees(math.atan2(b, a)) % 360
+
+
+def test_where_light_has_a_color_what_the_world_sheds_may_have_it_too():
+    """A gray world gives gray shadows in green light; no word about the light as a whole, and it stays."""
+    instances = make_instances()
+    entry = make_plan("green light", instances)["world/color"]
+    value = instances["world/color"].value
+    assert entry.lower[0] < 0.5 * value[0]
+    assert entry.lower[1] == pytest.approx(value[1])
+    assert entry.any_hue
+    assert make_plan("green rim light", instances)["world/color"].priority is None
+
+
+def test_a_light_that_is_added_has_nothing_to_be_stronger_than():
+    """The power that the scene's file gives it says nothing; weaker is weaker than what words ask for."""
+    context = replace(CONTEXT, added_lights=("Back",))
+    instances = make_instances()
+    power = "light/Back/power"
+    instances[power] = replace(instances[power], value=(0.01,))
+    plain, bright, faint = (
+        make_plan(f"a {word}rim light", instances, context)[power] for word in ("", "bright ", "faint ")
+    )
+    assert (bright.lower, bright.upper) == (plain.lower, plain.upper)
+    assert 0.01 < faint.upper[0] < plain.lower[0]
+
+
+def test_gray_things_become_vivid_in_the_hue_that_they_have():
+    instances = make_instances()
+    instances[FLOOR] = replace(instances[FLOOR], value=(0.447, 0.389, 0.337))
+    entry = make_plan("vivid colors", instances)[FLOOR]
+    middle = [(a + b) / 2 for a, b in zip(entry.lower, entry.upper, strict=True)]
+    _, a, b = lab_from_srgb(srgb_from_linear(instances[FLOOR].value))
+    assert hue_of(middle) == pytest.approx(math.degrees(math.atan2(b, a)), abs=6)
+
+
+def test_a_lamp_that_has_a_size_as_words_want_it_begins_there():
+    """Also where the ends are reckoned from it: the last digit of a range is no reason to begin elsewhere."""
+    instances = make_instances()
+    size = "light/Key/size"
+    entry = make_plan("soft light", instances)[size]
+    instances[size] = replace(instances[size], value=(entry.lower[0] * (1 - 1e-12),))
+    assert make_plan("soft light", instances)[size].start is None
+    instances[size] = replace(instances[size], value=(entry.lower[0] / 4,))
+    assert make_plan("soft light", instances)[size].start is not None
+
+
+def test_a_tint_of_the_film_is_left_to_claims_from_faint_to_strong():
+    entry = make_plan("orange highlights")["film/gain"]
+    assert entry.any_hue
+    assert entry.upper[0] - 1 > 2 * (entry.lower[0] - 1) > 0
+    assert entry.lower[2] < entry.upper[2] < 1
