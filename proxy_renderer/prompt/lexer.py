@@ -78,8 +78,10 @@ class Lexer:
                 cuts = self._cuts_a_phrase(words, start, start + count)
                 token = (None if cuts else composed(part, self.vocabulary)) or self._phrase(" ".join(part))
                 if token.known or count == 1:
+                    end = self._end(words, start, start + count, token.entry)
+                    token = token if end == start + count else replace(token, text=" ".join(words[start:end]))
                     tokens.append(token if token.known else self._guess(token))
-                    start += count
+                    start = end
                     break
         return tokens
 
@@ -128,6 +130,15 @@ class Lexer:
         looks = first in v.colors or (first in v.shades and " ".join(words) not in v.synonyms)
         may_be_thing = last not in v.colors and (last not in v.synonyms or looks)
         return may_be_thing and self._phrase(first).known
+
+    def _end(self, words: list[str], start: int, end: int, entry: str) -> int:
+        """Where what names an entry ends: "light from the camera's side" is two phrases of one entry, the second inside of the first."""
+        synonyms = self.vocabulary.synonyms
+        later = range(min(end + _LONGEST - 1, len(words)), end, -1)
+        ends = (
+            j for j in later for i in range(start + 1, end) if synonyms.get(" ".join(words[i:j])) == entry
+        )
+        return next(ends, end) if entry else end
 
     def _cuts_a_phrase(self, words: list[str], start: int, end: int) -> bool:
         """Whether words from start to end take the first word of a listed phrase: "warm golden" of "golden hour"."""
