@@ -35,8 +35,9 @@ _LIT_WHITE = 6.0
 _COLORED = 12.0  # C* below which a color tints nothing
 _TINTED = (6.0, 3.0)
 """How far in a color's direction a tinted picture lies, or how much farther than before; in a* and b*."""
-_LIT = (12.0, 8.0)
-"""The same where the light itself has the color: in yellow light white things are yellow, not only less blue."""
+_LIT, _LIT_SHARE, _LIT_CHANGE = 20.0, 0.4, 0.8
+"""The same where the light itself has the color, but no more than this share of its chroma, and the share of that which is enough of a
+change: in yellow light white things are yellow, not only less blue."""
 
 _OFF_HUE = 6.0  # how far it may lie beside that direction, unless it did before
 
@@ -77,7 +78,10 @@ def of_color(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
             yield from map(as_accent, tints)
             return
         most = max(_DROWNED * chroma(lab_from_srgb(srgb)), _LEAST_DROWNED)
-        least, change = _LIT if attribute.kind == "light" else _TINTED
+        least, change = _TINTED
+        if attribute.kind == "light":
+            least = max(min(_LIT, _LIT_SHARE * chroma(lab_from_srgb(srgb))), least)
+            change = max(_LIT_CHANGE * least, change)
         for tint in tinted(attribute.word, "picture", "picture", srgb):
             yield replace(tint, lower=(least,), upper=(most,), change=change)
             if attribute.kind == "light":

@@ -169,6 +169,8 @@ def test_in_colored_light_a_picture_has_no_other_tint_and_two_lights_share_it() 
     assert sum(a * b for a, b in zip(tint.direction, beside.direction, strict=True)) == pytest.approx(0.0)
     assert beside.lower == tuple(-end for end in beside.upper)
     assert not [c for c in claims("green light, magenta light") if c.measure == "off_hue"]
+    (pale,) = [c for c in claims("pale blue light") if c.measure == "tint"]
+    assert pale.lower[0] < 0.6 * tint.lower[0]
 
 
 def test_where_light_comes_from_is_for_the_word_that_says_it() -> None:
