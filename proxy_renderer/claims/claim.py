@@ -36,9 +36,9 @@ passes as navy is another blue to some who look at the picture."""
 _MARGIN = 2.0
 """The same for an interval with one end, in noticeable steps."""
 
-_PLAIN = 40.0
+_SATURATED, _WIDENED = 40.0, 0.045
 """C* of a color from which the measure's own step counts for its chroma and hue. Between paler colors smaller differences are
-seen, in the proportions of CIEDE2000's weights of chroma, 1 + 0.045 C* (Sharma, Wu and Dalal 2005)."""
+seen, in the proportions of CIEDE2000's weights of chroma, 1 + 0.045 C* (Sharma, Wu and Dalal 2005): the second number."""
 
 _MANY = 8  # claims about mean colors that are worth being measured together
 _HARDEST = 100.0  # a miss, in noticeable steps, that nothing is worse than
@@ -158,8 +158,8 @@ class Claim:
         step = MEASURES[self.measure].notice
         if self.measure != "color" or self.color is None:
             return step
-        own = min(chroma(lab_from_srgb(self.color)), _PLAIN)
-        aside = step * (1.0 + 0.045 * own) / (1.0 + 0.045 * _PLAIN)
+        own = min(chroma(lab_from_srgb(self.color)), _SATURATED)
+        aside = step * (1.0 + _WIDENED * own) / (1.0 + _WIDENED * _SATURATED)
         return step, aside, aside
 
     def residual(self, value: Tensor, before: Tensor | None) -> Tensor:

@@ -71,26 +71,25 @@ def of_color(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
             attribute.word, thing, "color", part, lower, upper, attribute.owners, None, hue, color=shown
         )
     elif attribute.kind in _LIGHTING:
-        if (
-            attribute.told_apart or attribute.role or attribute.owners
-        ):  # one of several lights does not tint all
-            tints = tinted(attribute.word, "picture", "picture", srgb)
-            yield from map(as_accent, tints)
-            return
-        most = max(_DROWNED * chroma(lab_from_srgb(srgb)), _LEAST_DROWNED)
-        least, change = _TINTED
-        if attribute.kind == "light":
-            least = max(min(_LIT, _LIT_SHARE * chroma(lab_from_srgb(srgb))), least)
-            change = max(_LIT_CHANGE * least, change)
         for tint in tinted(attribute.word, "picture", "picture", srgb):
-            yield replace(tint, lower=(least,), upper=(most,), change=change)
-            if attribute.kind == "light":
-                yield _beside(tint)
+            yield from [as_accent(tint)] if attribute.of_one_light else _of_all_light(attribute, tint, srgb)
     elif attribute.kind in _TONED:
         yield from _toned(attribute, srgb)
     elif attribute.kind == "fog":
         yield from tinted(attribute.word, thing, "surroundings", srgb)
         yield from _of_gray_air(attribute, srgb)
+
+
+def _of_all_light(attribute: Attribute, tint: Claim, srgb: Values) -> Iterator[Claim]:
+    """That a color tints all of the picture, and, where it is the light's, that nothing else does."""
+    strength, (least, change) = chroma(lab_from_srgb(srgb)), _TINTED
+    if attribute.kind == "light":
+        least = max(min(_LIT, _LIT_SHARE * strength), least)
+        change = max(_LIT_CHANGE * least, change)
+    most = max(_DROWNED * strength, _LEAST_DROWNED)
+    yield replace(tint, lower=(least,), upper=(most,), change=change)
+    if attribute.kind == "light":
+        yield _beside(tint)
 
 
 def _beside(tint: Claim) -> Claim:

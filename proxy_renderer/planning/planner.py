@@ -102,9 +102,7 @@ class _Planner:
         for instance in self.owners.of(effect, attribute):
             added = instance.owner in self.sources.context.added_lights
             if added and effect.mode == "times" and effect.name == "power":
-                if (
-                    effect.lower[0] >= 1.0
-                ):  # it is there because words ask for it, and has nothing to be stronger than
+                if effect.lower[0] >= 1.0:  # words ask for it: it has nothing to be stronger than
                     continue
                 instance = replace(instance, value=added_power(instance, self.sources))
             sources = replace(self.sources, own_color=self._own_color(instance.owner))

@@ -140,7 +140,7 @@ def _times(value: Values, multiples: tuple[float, float]) -> Range:
 
 def _is_of_all_light(attribute: Attribute) -> bool:
     """Whether a color is that of the light as a whole."""
-    return attribute.kind == "light" and not (attribute.negated or attribute.role or attribute.told_apart)
+    return attribute.kind == "light" and not (attribute.negated or attribute.of_one_light)
 
 
 def _tinges(color: Values, gel: Values) -> Range:

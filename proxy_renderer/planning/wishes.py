@@ -36,8 +36,8 @@ class Wishes:
         if any(a.slot == "lighting" and not a.cause and e.name == "temperature" for a, e in strong):
             # "Street lamps on a rainy night": a light that is named is not the neon that such nights have.
             wishes = [w for w in wishes if not (w[0].cause and w[1].family == "light/color")]
-        gels = [a.color for a, _ in wishes if a.color and a.kind == "light" and not _is_one_light(a)]
-        return [(a, e) for a, e in wishes if _is_one_light(a) or not any(_opposes(e, gel) for gel in gels)]
+        gels = [a.color for a, _ in wishes if a.color and a.kind == "light" and not a.of_one_light]
+        return [(a, e) for a, e in wishes if a.of_one_light or not any(_opposes(e, gel) for gel in gels)]
 
     def _said(self) -> list[Attribute]:
         return [a for a in self._parsed.attributes if a not in self._parsed.overruled]
@@ -96,11 +96,6 @@ class Wishes:
 def is_usual(attribute: Attribute, effect: Effect) -> bool:
     """Whether a place only usually has it: the sky of a garden is blue, but not at night."""
     return attribute.slot == "setting" and effect.weak and effect.priority > _MAIN
-
-
-def _is_one_light(attribute: Attribute) -> bool:
-    """Whether a word is about one of several lights: what another one is like does not concern it."""
-    return bool(attribute.told_apart or attribute.role or attribute.owners)
 
 
 def _opposes(effect: Effect, gel: Values) -> bool:

@@ -105,6 +105,11 @@ class Attribute:
         """Whether it is said of some lights, and not of light as a whole."""
         return bool(self.lamp or self.lights)
 
+    @property
+    def of_one_light(self) -> bool:
+        """Whether it is about one of several lights: what another one is like does not concern it."""
+        return bool(self.told_apart or self.role or self.owners)
+
 
 @dataclass
 class PromptObject:

@@ -181,7 +181,7 @@ def test_where_light_comes_from_is_for_the_word_that_says_it() -> None:
     assert both == ["light_right"]
 
 
-def test_people_notice_less_of_a_difference_between_pale_colors() -> None:
+def test_between_pale_colors_smaller_differences_are_seen() -> None:
     """A lavender may lack less of its chroma than a cobalt; how light it is counts alike."""
     pale, strong = (
         next(c for c in claims(f"{name} vase") if c.measure == "color").notice
