@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from ..color.floats import chroma, lab_from_srgb, oklab_from_srgb, srgb_from_hex, srgb_from_lab
 from ..prompt.colors import display_color
-from ..prompt.lexicon.vocabulary import Vocabulary
+from ..prompt.lexicon.vocabulary import Vocabulary, VocabularyEntry
 from ..prompt.types import Attribute
 from ..schema import Values
 from ..schema.spec import Region
@@ -28,6 +28,14 @@ _FARTHEST = 12.0
 
 _DIM, _DIMMEST = 45.0, 0.5
 """L* of a whole picture from where it is dark, and the share of a color's lightness that is left of it at least."""
+
+_DARKEST, _LIGHTEST, _REPAINTED = 0.65, 22.0, 20.0
+"""Share of a gray material's lightness that it has at least, for white things have shades; L* that it may have beyond its own,
+for black ones have highlights; and what is enough of a change."""
+_WHITE_MATTER, _GRAY_MATTER = 75.0, 40.0
+"""L* from where a material cannot be too light, and up to which it cannot be too dark."""
+_REFLECTING = {"material/metallic": 0.5, "material/transmission": 0.5}
+"""Components -> the value from where a thing shows its surroundings, and is as light as they are."""
 
 _LIT_WHITE = 6.0
 """How far white things may lie in the direction of the light's color, OKLab times 100."""
@@ -144,13 +152,17 @@ def _around(shown: Values, named: float) -> tuple[Values, Values, Values]:
 
 
 def in_the_dark(claim: Claim, darkest: float) -> Claim:
-    """A claim about a color as it is in a picture that is to be dark: blue nights are no light blue, but no gray either.
+    """A claim about a thing's color as it is in a picture that is to be dark: blue nights are no light blue, but no gray either.
 
     Args:
-        claim: Any; others than those of colors stay.
+        claim: Any; others than those of the color or the lightness of a part stay.
         darkest: L* that the whole picture has at most.
     """
-    if claim.measure != "color" or darkest >= _DIM:
+    if darkest >= _DIM:
+        return claim
+    if claim.measure == "lightness" and claim.part != "picture":
+        return replace(claim, lower=(max(darkest / _DIM, _DIMMEST) * claim.lower[0],))
+    if claim.measure != "color":
         return claim
     middle = (claim.lower[0] + claim.upper[0]) / 2
     level = 100 * oklab_from_srgb(srgb_from_lab((darkest, 0.0, 0.0)))[0]
@@ -180,7 +192,7 @@ def in_colored_light(claim: Claim, casts: Iterable[Values]) -> Claim:
 
 
 def of_matter(attribute: Attribute, beside: Iterable[Attribute], vocabulary: Vocabulary) -> Iterator[Claim]:
-    """A material with a color of its own, as gold has: the thing is tinted by it.
+    """A material with a color of its own: gold tints the thing, coal is as dark as coal is.
 
     Args:
         attribute: Names a material.
@@ -198,6 +210,28 @@ def of_matter(attribute: Attribute, beside: Iterable[Attribute], vocabulary: Voc
             claims = tinted(attribute.word, attribute.thing or part, part, srgb, attribute.owners)
             # Gold that is blue is none, however much less blue than before.
             yield from (replace(claim, change=None) for claim in claims)
+            if not _reflects(entry):
+                yield from _as_light(attribute, srgb)
+
+
+def _reflects(entry: VocabularyEntry) -> bool:
+    """Whether a material mirrors its surroundings or lets them be seen, as metals and glass do."""
+    return any(
+        max(effect.upper, default=0.0) > _REFLECTING.get(effect.family, math.inf) for effect in entry.effects
+    )
+
+
+def _as_light(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
+    """That a thing of a gray material is about as light as that: snow is white, and asphalt is not."""
+    light, strength = lab_from_srgb(srgb)[0], chroma(lab_from_srgb(srgb))
+    if strength >= _COLORED:
+        return
+    lower = -math.inf if light < _GRAY_MATTER else _DARKEST * light
+    upper = math.inf if light > _WHITE_MATTER else light + _LIGHTEST
+    change = _REPAINTED if upper == math.inf else -_REPAINTED if lower == -math.inf else None
+    part = part_of(attribute)
+    thing, ends = attribute.thing or part, ((lower,), (upper,))
+    yield Claim(attribute.word, thing, "lightness", part, *ends, attribute.owners, change, color=srgb)
 
 
 def _paints(color: Attribute, matter: Attribute) -> bool:

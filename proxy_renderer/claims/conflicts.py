@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from ..color.floats import lab_from_srgb
+from ..color.floats import chroma, lab_from_srgb
 from ..color.shades import WARM, warm
 from ..prompt.types import Attribute
 from ..schema import Values
@@ -29,6 +29,7 @@ _MUTED = 0.7
 _COLORED = ("warmth", "tint", "accent", "chroma")
 """Measures of what lies around that a color word for it fixes."""
 
+_GRAY = 12.0  # C* of a color up to which a thing of it cannot be fresh or vivid
 
 _SIDES = {"light_right", "light_up", "light_front"}
 """Measures of where light comes from."""
@@ -131,15 +132,18 @@ def still_light(colors: Sequence[Claim], claims: Iterable[Claim]) -> list[Claim]
 def gives_way(claim: Claim, colors: Sequence[Claim], casts: Sequence[Claim]) -> bool:
     """Whether what colors claim that the prompt names rules out what a word usually is like.
 
-    A forest before a purple background is not green, a morning of pale blue light not warm, and a gallery at sunset not gray.
+    A forest before a purple background is not green, a morning of pale blue light not warm, a gallery at sunset not gray, and
+    fresh asphalt no more colored for being fresh.
 
     Args:
         claim: Of any word.
-        colors: Claims of color words.
+        colors: Claims of color words, and how light gray materials are.
         casts: Claims that light is warm, cool or of a color.
     """
     if claim in colors:
         return False
+    if claim.materials and claim.measure == "chroma" and claim.lower[0] > 0.0:
+        return any(_is_gray(c) and not {*c.materials}.isdisjoint(claim.materials) for c in colors)
     if claim.part == "picture" and claim.measure in ("warmth", "tint"):
         tints = [c for c in colors if (c.part, c.measure) == ("picture", "tint")]
         return any(_against(claim, c.direction) for c in tints)
@@ -150,6 +154,10 @@ def gives_way(claim: Claim, colors: Sequence[Claim], casts: Sequence[Claim]) -> 
         same = [c for c in colors if c.part == claim.part and not c.materials]
         return any(c.measure == "color" or _against(claim, c.direction) for c in same)
     return False
+
+
+def _is_gray(claim: Claim) -> bool:
+    return claim.color is not None and chroma(lab_from_srgb(claim.color)) < _GRAY
 
 
 def _against(claim: Claim, direction: Values) -> bool:

@@ -84,7 +84,8 @@ def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
             if all(adds(claim, attribute, first) for first in claims):
                 claims.append(claim)
     casts = [c for c in claims if c.part == "picture" and asks(c)] + said_colors
-    claims = [claim for claim in claims if not gives_way(claim, said_colors, casts)]
+    materials = [c for c in claims if c.color and c.measure == "lightness"]
+    claims = [claim for claim in claims if not gives_way(claim, said_colors + materials, casts)]
     darkest = min((c.upper[0] for c in claims if is_brightness(c)), default=math.inf)
     claims += still_light(said_colors, claims)
     painted = [c for attribute, row in said for c in row if is_painted(c, attribute)]

@@ -38,7 +38,7 @@ def named_color(effect: Effect, attribute: Attribute, instance: Instance, source
     """
     seen = effect.mode == "shown" and (effect.color in ("@", "own") or instance.parameter.group == "world")
     if instance.parameter.kind == "color" and (seen or (effect.mode == "color" and effect.color == "@")):
-        return _painted(effect, attribute, instance, sources)
+        return painted(effect, attribute, instance, sources)
     return None
 
 
@@ -56,10 +56,10 @@ def color_range(effect: Effect, attribute: Attribute, instance: Instance, source
         faint, strong = (tuple(1 + share * (v - 1) for v in cast) for share in _CAST)
         lower, upper = tuple(map(min, faint, strong)), tuple(map(max, faint, strong))
         return tuple(v - _EVEN for v in lower), tuple(v + _EVEN for v in upper)
-    return _box(_painted(effect, attribute, instance, sources))
+    return _box(painted(effect, attribute, instance, sources))
 
 
-def _painted(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Values:
+def painted(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Values:
     """The linear color that an effect is about, as its parameter holds it."""
     srgb = _color_of(effect, attribute, sources)
     if effect.mode == "gel":

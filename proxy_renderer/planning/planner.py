@@ -13,7 +13,7 @@ from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.types import Attribute, Parsed, Prompts
 from ..schema import Instance, Values, labels
-from .color_ranges import named_color
+from .color_ranges import named_color, painted
 from .demands import Demand, lacking, reason_of
 from .lights.facing import facing_radiance
 from .owners import BACKDROP, SEEN, Owners
@@ -28,6 +28,8 @@ _OF_SHADOWS = ("size", "angle")
 """Parameters that begin well inside of their ranges: edges of shadows have slopes that say little of where hardness is found."""
 _WELL_INSIDE = 0.75
 """Where, from the end that is nearer to the artist's value: the sun's shadows are hard, not just harder."""
+_OF_COLORS = ("shade", "times", "lightness")
+"""Modes of effects on the color that a thing has, or that its material gives it: fresh asphalt is a fresh dark gray."""
 _SECOND = 6  # how much later a mood's own words come than the prompt's
 
 
@@ -64,10 +66,12 @@ class _Planner:
         self.settled: dict[str, tuple[Range, list[Demand]]] = {}
         self.beaten: dict[tuple[str, str], dict[str, None]] = {}
         self.kept: dict[str, list[str]] = {}
+        self.matter: dict[str, Values] = {}
 
     def entries(self) -> dict[str, PlanEntry]:
         """An entry for every instance, from the words alone."""
         wishes = self.wishes.all()
+        self.matter = self._matter(wishes)
         for stage in range(STAGES):
             self._settle([d for a, e in wishes if stage_of(e) == stage for d in self._demands(a, e)])
             self._note_sources()
@@ -81,6 +85,15 @@ class _Planner:
         for reason, keys in self.kept.items():
             self.notes.append(f"Left alone, though the words ask for it: {labels.titles(keys)} ({reason}).")
         return entries
+
+    def _matter(self, wishes: list[tuple[Attribute, Effect]]) -> dict[str, Values]:
+        """The colors that things have by their material, as words name it."""
+        return {
+            instance.key: painted(effect, attribute, instance, self.sources)
+            for attribute, effect in wishes
+            if attribute.slot == "material" and effect.mode == "color"
+            for instance in self.owners.of(effect, attribute)
+        }
 
     def _unmet(self, wishes: list[tuple[Attribute, Effect]]) -> list[str]:
         """Words whose main wish no part of the scene can fulfill: a rim light where there is only one light."""
@@ -105,6 +118,8 @@ class _Planner:
                 if effect.lower[0] >= 1.0:  # words ask for it: it has nothing to be stronger than
                     continue
                 instance = replace(instance, value=added_power(instance, self.sources))
+            if effect.mode in _OF_COLORS and instance.key in self.matter:
+                instance = replace(instance, value=self.matter[instance.key])
             sources = replace(self.sources, own_color=self._own_color(instance.owner))
             vague, usual = is_vague(attribute, self.vocabulary), is_usual(attribute, effect)
             if instance.parameter.name.startswith("backdrop"):
