@@ -28,8 +28,8 @@ _OF_SHADOWS = ("size", "angle")
 """Parameters that begin well inside of their ranges: edges of shadows have slopes that say little of where hardness is found."""
 _WELL_INSIDE = 0.75
 """Where, from the end that is nearer to the artist's value: the sun's shadows are hard, not just harder."""
-_OF_COLORS = ("shade", "times", "lightness")
-"""Modes of effects on the color that a thing has, or that its material gives it: fresh asphalt is a fresh dark gray."""
+_RELATIVE = ("shade", "times", "plus", "lightness")
+"""Modes of effects on what a thing has, or what its material gives it: fresh asphalt is a smoother dark gray."""
 _SECOND = 6  # how much later a mood's own words come than the prompt's
 
 
@@ -87,13 +87,17 @@ class _Planner:
         return entries
 
     def _matter(self, wishes: list[tuple[Attribute, Effect]]) -> dict[str, Values]:
-        """The colors that things have by their material, as words name it."""
-        return {
-            instance.key: painted(effect, attribute, instance, self.sources)
-            for attribute, effect in wishes
-            if attribute.slot == "material" and effect.mode == "color"
-            for instance in self.owners.of(effect, attribute)
-        }
+        """The values that things have by the material that words name."""
+        found = {}
+        for attribute, effect in wishes:
+            if attribute.slot == "material" and effect.mode in ("", "color") and effect.name != "emission":
+                for instance in self.owners.of(effect, attribute):
+                    found[instance.key] = (
+                        painted(effect, attribute, instance, self.sources)
+                        if effect.color
+                        else within(instance.value, *effect_range(effect, attribute, instance, self.sources))
+                    )
+        return found
 
     def _unmet(self, wishes: list[tuple[Attribute, Effect]]) -> list[str]:
         """Words whose main wish no part of the scene can fulfill: a rim light where there is only one light."""
@@ -118,7 +122,7 @@ class _Planner:
                 if effect.lower[0] >= 1.0:  # words ask for it: it has nothing to be stronger than
                     continue
                 instance = replace(instance, value=added_power(instance, self.sources))
-            if effect.mode in _OF_COLORS and instance.key in self.matter:
+            if effect.mode in _RELATIVE and instance.key in self.matter:
                 instance = replace(instance, value=self.matter[instance.key])
             sources = replace(self.sources, own_color=self._own_color(instance.owner))
             vague, usual = is_vague(attribute, self.vocabulary), is_usual(attribute, effect)
