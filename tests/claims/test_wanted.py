@@ -397,6 +397,24 @@ def test_a_material_with_a_color_of_its_own_is_tinted_by_it_unless_another_one_i
     assert ("tint", "subject") in asked("a leather vase, blue background")
 
 
+def test_a_gray_material_is_about_as_light_as_it_is() -> None:
+    """Snow is white and coal black, less so at night; metals and glass are as light as what they show."""
+    (snow,), (coal,) = (of(f"{matter} vase", "lightness", "subject") for matter in ("snow", "soot"))
+    assert coal.upper[0] < 40.0 < 55.0 < snow.lower[0]
+    (concrete,) = of("concrete vase", "lightness", "subject")
+    assert coal.upper[0] < (concrete.lower[0] + concrete.upper[0]) / 2 < snow.lower[0]
+    (dim,) = of("snow vase, dim light", "lightness", "subject")
+    assert dim.lower[0] < snow.lower[0] - 10.0
+    for mirroring in ("chrome vase", "glass vase", "red vinyl vase"):
+        assert not of(mirroring, "lightness", "subject")
+
+
+def test_what_is_gray_by_its_material_is_not_colored_for_being_fresh() -> None:
+    assert of("fresh vase", "chroma", "subject")
+    assert not of("fresh asphalt vase", "chroma", "subject")
+    assert of("fresh oak vase", "chroma", "subject")
+
+
 def test_the_backdrop_that_is_named_says_how_light_a_place_is() -> None:
     (usual,) = [c for c in claims("in a gallery") if c.measure == "lightness" and c.part == "picture"]
     (beside,) = [

@@ -63,6 +63,16 @@ def test_the_best_round_is_the_result_and_others_are_not_waited_for_long(search,
     assert len(outcome.rounds) == 2 + refinement.PATIENCE  # the last one began elsewhere
 
 
+@pytest.mark.parametrize(("inner", "rounds"), [("least-squares", [0]), ("adam", [0, 1])])
+def test_similarity_counts_in_later_rounds_of_the_papers_loop_only(search, monkeypatch, inner, rounds):
+    begun = search(PROMPT, rounds=2, steps=2, inner=inner)
+    monkeypatch.setattr(Search, "missed", lambda self, u: Missed(1.0, 1))
+    monkeypatch.setattr(refinement, "CONVERGED", -1.0)
+    outcome = Refinement(begun, Start(begun.vector.encode({}))).run()
+    assert [n for n, record in enumerate(outcome.rounds) if "whole" in record["terms"]] == rounds
+    assert len(outcome.rounds) == 2
+
+
 def test_words_that_claim_nothing_do_not_end_the_rounds_early(search):
     begun = search("vhs", rounds=2, steps=2)
     confined(begun)
@@ -115,9 +125,9 @@ def test_a_round_that_made_it_worse_is_taken_back_first_with_narrower_ranges_the
     began, ends = [], []
     confine = Search.confine
 
-    def confined_at(self, u, earlier, start, reach):
+    def confined_at(self, u, earlier, start, reach, similar):
         began.append((u.clone(), reach))
-        return confine(self, u, earlier, start, reach)
+        return confine(self, u, earlier, start, reach, similar)
 
     def missed(self, u):
         ends.append(u.clone())

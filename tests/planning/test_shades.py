@@ -4,11 +4,14 @@
 import pytest
 
 from proxy_renderer.color.floats import chroma, lab_from_srgb, srgb_from_linear
+from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.ranges import effect_range
 from proxy_renderer.planning.sources import Sources
 from proxy_renderer.planning.types import PlanContext
 from proxy_renderer.prompt.lexicon.entries import parse_effect
-from proxy_renderer.prompt.types import Attribute
+from proxy_renderer.prompt.parser import parse
+from proxy_renderer.prompt.prompts import compose
+from proxy_renderer.prompt.types import Attribute, SceneWords
 from proxy_renderer.schema import FAMILIES, Instance
 
 RED = (0.4, 0.02, 0.03)
@@ -44,3 +47,24 @@ def test_slightly_changes_less():
 @pytest.mark.parametrize("chromas", ["0.25..0,0.6", "1.4..0,1.9"])
 def test_gray_stays_gray(chromas):
     assert chroma(shown(f"material/base_color shade 0,{chromas}", (0.3, 0.3, 0.3))) < 1
+
+
+def planned(prompt):
+    """The middles of the ranges of a red jacket's color and roughness."""
+    values = {"base_color": RED, "roughness": (0.2,)}
+    rows = [Instance(FAMILIES[f"material/{n}"], "Jacket", v, 1.0, "subject") for n, v in values.items()]
+    parsed = parse(prompt, SceneWords(objects={"Jacket": "subject"}, materials={"Jacket": "subject"}))
+    entries = plan(parsed, compose(parsed), {row.key: row for row in rows}, PlanContext())
+    return [
+        tuple((a + b) / 2 for a, b in zip(entry.lower, entry.upper, strict=True))
+        for entry in (entries[row.key] for row in rows)
+    ]
+
+
+def test_a_word_that_changes_a_color_changes_that_of_the_material_which_is_named():
+    """Fresh asphalt is a smoother asphalt, not a fresh red."""
+    color, (rough,) = planned("fresh asphalt jacket")
+    assert chroma(lab_from_srgb(srgb_from_linear(color))) < 10
+    own, (alone,) = planned("fresh jacket")
+    assert chroma(lab_from_srgb(srgb_from_linear(own))) > 30
+    assert alone < 0.2 < rough < planned("asphalt jacket")[1][0]
