@@ -27,7 +27,10 @@ _PICTURES = 5
 """Pictures that take as long as a backward pass through one."""
 
 _UNNAMED = 100.0
-"""How much more a color that no word names is kept from other hues: a floor may be lighter, not greener."""
+"""How much more a color that no word names is kept from other hues, and one between two grays: a floor may be lighter, not greener,
+and the darks of a picture may be lifted, not tinted."""
+_GRAY = 1e-4
+"""How far the components of a gray may lie apart."""
 
 
 class RoundObjective:
@@ -65,10 +68,13 @@ class RoundObjective:
         self._home, self._differences = home, differences
         self._pull, self._weights = pull, weights
         unnamed = (pull > 0.0) & (home == vector.encode({}))
-        self._hued = (upper - lower > 1e-9) * (1.0 + _UNNAMED * unnamed)
+        gray = torch.zeros_like(unnamed)
         colors = [
             vector.slices[key] for key in free - any_hue if vector.instances[key].parameter.components == 3
         ]
+        for part in colors:
+            gray[part] = all(float(end[part].max() - end[part].min()) < _GRAY for end in (lower, upper))
+        self._hued = (upper - lower > 1e-9) * (1.0 + _UNNAMED * (unnamed | gray))
         self._colors = (
             torch.tensor([[part.start + i for i in range(3)] for part in colors]).view(-1, 3).long()
         )

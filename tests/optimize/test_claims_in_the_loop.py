@@ -73,6 +73,16 @@ def test_similarity_counts_in_later_rounds_of_the_papers_loop_only(search, monke
     assert len(outcome.rounds) == 2
 
 
+@pytest.mark.parametrize(("prompt", "gray"), [("low contrast", True), ("teal shadows", False)])
+def test_the_darks_of_a_picture_are_lifted_and_not_tinted(search, prompt, gray):
+    begun = search(prompt)
+    now, home = confined(begun)
+    stiff = begun.select(now, home).objective.stiffness(begun.vector.mark(["film/lift"])).double()
+    tinted, even = torch.tensor([0.0, 1.0, 0.0]).double(), torch.ones(3).double()
+    assert even @ stiff @ even < 1.0
+    assert bool(tinted @ stiff @ tinted > 50.0) == gray
+
+
 def test_words_that_claim_nothing_do_not_end_the_rounds_early(search):
     begun = search("vhs", rounds=2, steps=2)
     confined(begun)
