@@ -73,11 +73,6 @@ class Weights:
     prior: float = 0.5
     hue: float = 2.0
 
-    @property
-    def similar(self) -> bool:
-        """Whether the encoder is asked at all."""
-        return any(getattr(self, name) for name in PARTS["encoder"])
-
     def without(self, parts: Collection[str]) -> Weights:
         """The same without some of `PARTS`: what each is worth can be measured so.
 
@@ -196,22 +191,6 @@ class PromptGuidance:
             generator: Chooses crops and backgrounds.
         """
         w = self.weights
-        terms = self._similarity(display, mask, generator) if w.similar else {}
-        lab = lab_from_srgb(display)
-        for region, target in self.colors.items():
-            terms[f"{region} color"] = w.color * color_loss(
-                lab, mask if region == "subject" else 1.0 - mask, target
-            )
-        terms["border"] = w.border * border_loss(mask)
-        terms["visibility"] = w.visibility * visibility_loss(lab, mask, light=self._light)
-        if not self.silhouette:
-            terms["form"] = w.visibility * form_loss(lab, mask, _FORM * self._light)
-            terms["shading contrast"] = w.visibility * shading_contrast_loss(lab, mask, self._shading)
-        return terms
-
-    def _similarity(self, display: Tensor, mask: Tensor, generator: torch.Generator) -> dict[str, Tensor]:
-        """The weighted terms of the encoder; arguments as for `__call__`."""
-        w = self.weights
         terms: dict[str, Tensor] = {}
         features = self._features(display, mask, generator)
         for region, weight in zip(_REGIONS, (w.subject, w.surroundings, w.whole), strict=True):
@@ -226,6 +205,16 @@ class PromptGuidance:
         if self.wanted and w.attributes:
             for_heads = self._of_heads(self.wanted, display, mask, features, generator)
             terms["attributes"] = w.attributes * self.wanted.loss(*for_heads)
+        lab = lab_from_srgb(display)
+        for region, target in self.colors.items():
+            terms[f"{region} color"] = w.color * color_loss(
+                lab, mask if region == "subject" else 1.0 - mask, target
+            )
+        terms["border"] = w.border * border_loss(mask)
+        terms["visibility"] = w.visibility * visibility_loss(lab, mask, light=self._light)
+        if not self.silhouette:
+            terms["form"] = w.visibility * form_loss(lab, mask, _FORM * self._light)
+            terms["shading contrast"] = w.visibility * shading_contrast_loss(lab, mask, self._shading)
         return terms
 
     def measure(self, display: Tensor, mask: Tensor) -> dict[str, float]:

@@ -27,13 +27,7 @@ def weights_of(options: Options) -> Weights:
 
 
 def make_guidance(
-    encoder: Encoder,
-    heads: Encoder | None,
-    prompt: str,
-    options: Options,
-    advice: Advice,
-    start: Render,
-    similar: bool = True,
+    encoder: Encoder, heads: Encoder | None, prompt: str, options: Options, advice: Advice, start: Render
 ) -> Guidance:
     """The guidance for a prompt; the baseline's is L_pos(I, t) alone.
 
@@ -44,7 +38,6 @@ def make_guidance(
         options: Whether it is the baseline's.
         advice: The composed captions, and what the words ask for.
         start: The artist's picture, on which the guidance is calibrated.
-        similar: Whether similarity counts.
     """
     parsed = advice.parsed
     if options.baseline:
@@ -55,5 +48,6 @@ def make_guidance(
     first = (start.display, start.mask)
     # The paper's full-image term has the raw text.
     prompts = replace(advice.prompts, whole=prompt) if options.inner == "adam" else advice.prompts
-    weights = weights_of(options) if similar else weights_of(options).without(("encoder",))
-    return PromptGuidance(encoder, heads, prompts, parsed.targets, parsed.colors, first, silhouette, weights)
+    return PromptGuidance(
+        encoder, heads, prompts, parsed.targets, parsed.colors, first, silhouette, weights_of(options)
+    )

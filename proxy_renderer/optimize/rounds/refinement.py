@@ -204,16 +204,6 @@ class Refinement:
         self._reach = RoundReach(share, opening)
         return True
 
-    @property
-    def _similar(self) -> bool:
-        """Whether similarity counts in the next round: it chooses among pictures that show what the words claim.
-
-        Where claims are missed, rounds after the first are for them alone: a counter of snow in dim light would stay
-        gray, for darker pictures are more like the words. The paper's own loop has similarity in all rounds.
-        """
-        search = self._search
-        return not (self._rounds and search.claims_words) or search.options.inner == "adam"
-
     def _is_as_alike_as_it_gets(self) -> bool:
         """Whether the last round has brought a picture of this very scene hardly nearer."""
         reference = self._search.reference
@@ -240,7 +230,7 @@ class Refinement:
         """Lines 2 to 16; returns whether another round may be worth it."""
         search, started = self._search, time.monotonic()
         plan = self._last.plan if self._last else Plan()
-        now = search.confine(self._u, plan, self._start, self._reach, self._similar)  # 2 to 5 and 7
+        now = search.confine(self._u, plan, self._start, self._reach)  # 2 to 5 and 7
         if self._elsewhere:
             now = replace(now, u=search.confiner.middle(now))
         elif not self._rounds and search.reference and search.reference.same:

@@ -166,14 +166,7 @@ class Search:
             distance = float(claims_loss(residuals)) if residuals else 0.0
         return Missed(round(distance, 3), sum(float(r.norm()) > HOLDS for r in residuals))
 
-    def confine(
-        self,
-        u: Tensor,
-        earlier: Plan,
-        start: Start | None,
-        reach: RoundReach = UNBOUND,
-        similar: bool = True,
-    ) -> Confined:
+    def confine(self, u: Tensor, earlier: Plan, start: Start | None, reach: RoundReach = UNBOUND) -> Confined:
         """Lines 2 to 5 and 7 of Algorithm 1 at u: render, parse, compose, confine, project.
 
         Args:
@@ -181,18 +174,17 @@ class Search:
             earlier: The plan of the round before; empty for the first.
             start: Where this refinement started; None for the artist's scene.
             reach: How far from u the round may go.
-            similar: Whether similarity to the words counts beside what they claim.
         """
         self.renew(u, self.number)
         advice = self.confiner.advise(u, earlier)
-        self._judge_by(advice, u, similar)
+        self._judge_by(advice, u)
         for shot in self.shots[1:]:
             shot.take(advice.plan)
         if not earlier and not (start and start.drawn is not None):
             u = begun(self.vector, advice.plan, u)
         return self.confiner.confined(advice, u, start, reach, self.claims)
 
-    def _judge_by(self, advice: Advice, u: Tensor, similar: bool) -> None:
+    def _judge_by(self, advice: Advice, u: Tensor) -> None:
         """Has pictures judged as this round's advice says; what the words claim is as understood at first, at u (N,)."""
         if not self._artists:  # the loop begins, at the artist's own values
             self._artists = [shot.draw(u) for shot in self.shots]
@@ -202,11 +194,11 @@ class Search:
             for shot, picture in zip(self.shots, self._artists, strict=True):
                 begun = shot.begin(u, picture)
                 shot.claims = None if self.options.baseline else ClaimSet.about(self.claims, begun)
-        asked = advice.prompts, advice.parsed.targets, advice.parsed.colors, similar
+        asked = advice.prompts, advice.parsed.targets, advice.parsed.colors
         if asked != self._asked:
             self._asked = asked
             for shot, picture in zip(self.shots, self._artists, strict=True):
-                shot.guidance = self._guidance(advice, picture, similar)
+                shot.guidance = self._guidance(advice, picture)
 
     def select(self, now: Confined, u: Tensor, shots: Sequence[ShotState] = ()) -> Selection:
         """What is minimized in a round, and over which parameters.
