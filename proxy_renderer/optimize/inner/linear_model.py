@@ -81,16 +81,11 @@ class LinearModel:
             stiffness=self.stiffness[components][:, components],
         )
 
-    def gains(
-        self, move: Tensor, free: Tensor, parts: Mapping[str, slice], low: Tensor, high: Tensor
-    ) -> dict[str, float]:
-        """How much lower the loss would be, if each of some components moved on beside those that are free: by one damped Newton step.
-
-        A stronger key leaves too bright a picture, and less exposure a dark one: each helps only with the other.
+    def gains(self, move: Tensor, parts: Mapping[str, slice], low: Tensor, high: Tensor) -> dict[str, float]:
+        """How much lower the loss would be, if some components moved on alone from x + move: by one damped Newton step.
 
         Args:
-            move: (n,) from x, to where the free components have the loss least.
-            free: (n,) bool.
+            move: (n,).
             parts: The components, by any name.
             low: (n,) least that may be moved.
             high: (n,) most.
@@ -101,22 +96,16 @@ class LinearModel:
         values, held = self.here.values + self.slopes @ move, self.stiffness @ move
         far = self.here.misses(values).clamp_min(1.0)[self.here.claim]
         missed = outside(values, self.here.lower, self.here.upper)
-        weights, loss = self.weight / far * (missed != 0), self.loss(move)
-        slope = self.slopes.T @ (weights * missed) + self.rest_slope + held
-        curvature = self.slopes.T @ (weights[:, None] * self.slopes) + self.stiffness
-        curvature = curvature + _DAMPING * torch.eye(len(curvature))
-        inside = free & (move > low) & (move < high)
+        weights, pull, loss = self.weight / far * (missed != 0), self.rest_slope + held, self.loss(move)
         found = {}
         for name, part in parts.items():
-            alone = torch.zeros_like(free)
-            alone[part] = True
-            losses = []
-            for mask in (alone, alone | inside):
-                newton = torch.linalg.solve(curvature[mask][:, mask], slope[mask])
-                there = move.clone()
-                there[mask] = (move[mask] - newton).clamp(low[mask], high[mask])
-                losses.append(self.loss(there))
-            found[name] = max(loss - min(losses), 0.0)
+            slopes, stiffness = self.slopes[:, part], self.stiffness[part, part]
+            curvature = slopes.T @ (weights[:, None] * slopes) + stiffness
+            slope = slopes.T @ (weights * missed) + pull[part]
+            newton = torch.linalg.solve(curvature + _DAMPING * torch.eye(len(stiffness)), slope)
+            there = move.clone()
+            there[part] = (move[part] - newton).clamp(low[part], high[part])
+            found[name] = max(loss - self.loss(there), 0.0)
         return found
 
     def alike(self, part: slice, other: slice) -> float:

@@ -152,7 +152,7 @@ def choose(
     left = dict(parts)
     keys: list[str] = []
     shared: dict[str, str] = {}
-    gains = alone = model.gains(move, free, left, low, high)
+    gains = alone = model.gains(move, left, low, high)
     most = max(alone.values(), default=0.0)
 
     def rank(key: str) -> tuple[float, str]:
@@ -164,7 +164,7 @@ def choose(
         part = left.pop(best)
         free[part] = True
         move = model.step(torch.where(free, low, 0.0), torch.where(free, high, 0.0))
-        gains = model.gains(move, free, left, low, high)
+        gains = model.gains(move, left, low, high)
         if sharing:
             same = [key for key, other in left.items() if model.alike(other, part) > _ALIKE]
             shared |= {key: best for key in same if gains[key] <= _NOTHING_NEW * alone[key]}
