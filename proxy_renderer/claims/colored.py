@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Color words as claims: the color of a thing, a tint of the light, the air or the film, teal shadows, and gold that is golden."""
+"""Color words as claims: the color of a thing, a tint of the light, the air or the film, and teal shadows."""
 
 from __future__ import annotations
 
@@ -7,9 +7,8 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
-from ..color.floats import chroma, lab_from_srgb, oklab_from_srgb, srgb_from_hex, srgb_from_lab
+from ..color.floats import chroma, lab_from_srgb, oklab_from_srgb, srgb_from_lab
 from ..prompt.colors import display_color
-from ..prompt.lexicon.vocabulary import Vocabulary, VocabularyEntry
 from ..prompt.types import Attribute
 from ..schema import Values
 from ..schema.spec import Region
@@ -29,18 +28,10 @@ _FARTHEST = 12.0
 _DIM, _DIMMEST = 45.0, 0.5
 """L* of a whole picture from where it is dark, and the share of a color's lightness that is left of it at least."""
 
-_DARKEST, _LIGHTEST, _REPAINTED = 0.65, 22.0, 20.0
-"""Share of a gray material's lightness that it has at least, for white things have shades; L* that it may have beyond its own,
-for black ones have highlights; and what is enough of a change."""
-_WHITE_MATTER, _GRAY_MATTER = 75.0, 40.0
-"""L* from where a material cannot be too light, and up to which it cannot be too dark."""
-_REFLECTING = {"material/metallic": 0.5, "material/transmission": 0.5}
-"""Components -> the value from where a thing shows its surroundings, and is as light as they are."""
-
 _LIT_WHITE = 6.0
 """How far white things may lie in the direction of the light's color, OKLab times 100."""
 
-_COLORED = 12.0  # C* below which a color tints nothing
+COLORED = 12.0  # C* below which a color tints nothing
 _TINTED = (6.0, 3.0)
 """How far in a color's direction a tinted picture lies, or how much farther than before; in a* and b*."""
 _LIT, _LIT_SHARE, _LIT_CHANGE = 20.0, 0.4, 0.8
@@ -117,7 +108,7 @@ def _of_gray_air(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
     """ "White fog" is light, "black smoke" is dark; nothing for air that has a color, or is gray."""
     light, a, b = lab_from_srgb(srgb)
     dark, bright = _AIR
-    if math.hypot(a, b) < _COLORED and not _BLACK < light < _WHITE:
+    if math.hypot(a, b) < COLORED and not _BLACK < light < _WHITE:
         ends = ((bright,), (math.inf,)) if light >= _WHITE else ((-math.inf,), (dark,))
         yield Claim(attribute.word, attribute.thing, "air_lightness", "surroundings", *ends)
 
@@ -191,61 +182,12 @@ def in_colored_light(claim: Claim, casts: Iterable[Values]) -> Claim:
     return replace(claim, lower=(light, *lower), upper=(lightest, *upper))
 
 
-def of_matter(attribute: Attribute, beside: Iterable[Attribute], vocabulary: Vocabulary) -> Iterator[Claim]:
-    """A material with a color of its own: gold tints the thing, coal is as dark as coal is.
-
-    Args:
-        attribute: Names a material.
-        beside: All of the prompt: a color that is named for the same thing is the color of what may have any, as leather.
-        vocabulary: Knows the material.
-    """
-    entry, part = vocabulary.entries[attribute.entry], part_of(attribute)
-    if entry.slot != "material" or part == "picture":
-        return
-    painted = any(_paints(other, attribute) for other in beside)
-    for effect in entry.effects:
-        own = effect.family == "material/tint" and effect.mode == "color" and effect.color[0] == "#"
-        if own and not (effect.weak and painted):
-            srgb = srgb_from_hex(effect.color)
-            claims = tinted(attribute.word, attribute.thing or part, part, srgb, attribute.owners)
-            # Gold that is blue is none, however much less blue than before.
-            yield from (replace(claim, change=None) for claim in claims)
-            if not _reflects(entry):
-                yield from _as_light(attribute, srgb)
-
-
-def _reflects(entry: VocabularyEntry) -> bool:
-    """Whether a material mirrors its surroundings or lets them be seen, as metals and glass do."""
-    return any(
-        max(effect.upper, default=0.0) > _REFLECTING.get(effect.family, math.inf) for effect in entry.effects
-    )
-
-
-def _as_light(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
-    """That a thing of a gray material is about as light as that: snow is white, and asphalt is not."""
-    light, strength = lab_from_srgb(srgb)[0], chroma(lab_from_srgb(srgb))
-    if strength >= _COLORED:
-        return
-    lower = -math.inf if light < _GRAY_MATTER else _DARKEST * light
-    upper = math.inf if light > _WHITE_MATTER else light + _LIGHTEST
-    change = _REPAINTED if upper == math.inf else -_REPAINTED if lower == -math.inf else None
-    part = part_of(attribute)
-    thing, ends = attribute.thing or part, ((lower,), (upper,))
-    yield Claim(attribute.word, thing, "lightness", part, *ends, attribute.owners, change, color=srgb)
-
-
-def _paints(color: Attribute, matter: Attribute) -> bool:
-    """Whether one of two attributes is the color of what the other says is the material."""
-    same = not (color.owners and matter.owners) or not {*color.owners}.isdisjoint(matter.owners)
-    return color.color is not None and not color.negated and color.region == matter.region and same
-
-
 def tinted(
     word: str, thing: str, part: Part, srgb: Values, materials: tuple[str, ...] = ()
 ) -> Iterator[Claim]:
     """That the mean color lies in a color's direction; nothing for a color that is none."""
     named = lab_from_srgb(srgb)
-    if (strength := chroma(named)) >= _COLORED:
+    if (strength := chroma(named)) >= COLORED:
         direction = named[1] / strength, named[2] / strength
         least, change = _TINTED
         yield Claim(word, thing, "tint", part, (least,), (math.inf,), materials, change, direction, srgb)

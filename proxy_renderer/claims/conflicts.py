@@ -12,7 +12,7 @@ from ..color.shades import WARM, warm
 from ..prompt.types import Attribute
 from ..schema import Values
 from .claim import Claim
-from .colored import as_accent
+from .colored import COLORED, as_accent
 
 USUAL = ("atmosphere", "setting")
 """Slots of words that say only what is usual of other measures than their own: the later, the less."""
@@ -26,10 +26,9 @@ _LIT, _STILL = 44.0, 0.7
 _MUTED = 0.7
 """Share of a named color's chroma that a picture keeps in which colors are muted."""
 
-_COLORED = ("warmth", "tint", "accent", "chroma")
+_FIXED = ("warmth", "tint", "accent", "chroma")
 """Measures of what lies around that a color word for it fixes."""
 
-_GRAY = 12.0  # C* of a color up to which a thing of it cannot be fresh or vivid
 
 _SIDES = {"light_right", "light_up", "light_front"}
 """Measures of where light comes from."""
@@ -147,7 +146,7 @@ def gives_way(claim: Claim, colors: Sequence[Claim], casts: Sequence[Claim]) -> 
     if claim.part == "picture" and claim.measure in ("warmth", "tint"):
         tints = [c for c in colors if (c.part, c.measure) == ("picture", "tint")]
         return any(_against(claim, c.direction) for c in tints)
-    if claim.part in ("surroundings", "sky") and claim.measure in _COLORED and not claim.materials:
+    if claim.part in ("surroundings", "sky") and claim.measure in _FIXED and not claim.materials:
         gray = (claim.part, claim.measure) == ("surroundings", "chroma")
         if gray and any(c.part == "picture" and c.word != claim.word for c in casts):
             return True
@@ -157,7 +156,7 @@ def gives_way(claim: Claim, colors: Sequence[Claim], casts: Sequence[Claim]) -> 
 
 
 def _is_gray(claim: Claim) -> bool:
-    return claim.color is not None and chroma(lab_from_srgb(claim.color)) < _GRAY
+    return claim.color is not None and chroma(lab_from_srgb(claim.color)) < COLORED
 
 
 def _against(claim: Claim, direction: Values) -> bool:

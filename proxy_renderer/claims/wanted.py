@@ -16,7 +16,7 @@ from ..prompt.heads import heads_of
 from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.types import Attribute, Parsed
 from .claim import Claim
-from .colored import in_colored_light, in_the_dark, of_color, of_matter, part_of
+from .colored import in_colored_light, in_the_dark, of_color, part_of
 from .comparing import compares
 from .conflicts import (
     USUAL,
@@ -33,6 +33,7 @@ from .conflicts import (
     parted,
     still_light,
 )
+from .matter import of_matter
 from .measures.picture import Part
 from .notation import ClaimText, read_claim
 
@@ -84,8 +85,8 @@ def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
             if all(adds(claim, attribute, first) for first in claims):
                 claims.append(claim)
     casts = [c for c in claims if c.part == "picture" and asks(c)] + said_colors
-    materials = [c for c in claims if c.color and c.measure == "lightness"]
-    claims = [claim for claim in claims if not gives_way(claim, said_colors + materials, casts)]
+    grays = [c for c in claims if c.color and c.measure == "lightness"]
+    claims = [claim for claim in claims if not gives_way(claim, said_colors + grays, casts)]
     darkest = min((c.upper[0] for c in claims if is_brightness(c)), default=math.inf)
     claims += still_light(said_colors, claims)
     painted = [c for attribute, row in said for c in row if is_painted(c, attribute)]

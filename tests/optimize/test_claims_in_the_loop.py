@@ -63,16 +63,6 @@ def test_the_best_round_is_the_result_and_others_are_not_waited_for_long(search,
     assert len(outcome.rounds) == 2 + refinement.PATIENCE  # the last one began elsewhere
 
 
-@pytest.mark.parametrize(("inner", "rounds"), [("least-squares", [0]), ("adam", [0, 1])])
-def test_similarity_counts_in_later_rounds_of_the_papers_loop_only(search, monkeypatch, inner, rounds):
-    begun = search(PROMPT, rounds=2, steps=2, inner=inner)
-    monkeypatch.setattr(Search, "missed", lambda self, u: Missed(1.0, 1))
-    monkeypatch.setattr(refinement, "CONVERGED", -1.0)
-    outcome = Refinement(begun, Start(begun.vector.encode({}))).run()
-    assert [n for n, record in enumerate(outcome.rounds) if "whole" in record["terms"]] == rounds
-    assert len(outcome.rounds) == 2
-
-
 @pytest.mark.parametrize(("prompt", "gray"), [("low contrast", True), ("teal shadows", False)])
 def test_the_darks_of_a_picture_are_lifted_and_not_tinted(search, prompt, gray):
     begun = search(prompt)
@@ -135,9 +125,9 @@ def test_a_round_that_made_it_worse_is_taken_back_first_with_narrower_ranges_the
     began, ends = [], []
     confine = Search.confine
 
-    def confined_at(self, u, earlier, start, reach, similar):
+    def confined_at(self, u, earlier, start, reach):
         began.append((u.clone(), reach))
-        return confine(self, u, earlier, start, reach, similar)
+        return confine(self, u, earlier, start, reach)
 
     def missed(self, u):
         ends.append(u.clone())
