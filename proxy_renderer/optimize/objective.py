@@ -27,10 +27,10 @@ _PICTURES = 5
 """Pictures that take as long as a backward pass through one."""
 
 _UNNAMED = 100.0
-"""How much more a color that no word names is kept from other hues, and one between two grays: a floor may be lighter, not greener,
-and the darks of a picture may be lifted, not tinted."""
-_GRAY = 1e-4
-"""How far the components of a gray may lie apart."""
+"""How much more a color that no word names is kept from other hues: a floor may be lighter, not greener."""
+_GRAY, _BETWEEN_GRAYS = 1e-4, 8.0
+"""How far the components of a gray may lie apart, and how much more a color between two of them is kept from having a hue: the darks
+of a picture may be lifted, not tinted."""
 
 
 class RoundObjective:
@@ -74,7 +74,7 @@ class RoundObjective:
         ]
         for part in colors:
             gray[part] = all(float(end[part].max() - end[part].min()) < _GRAY for end in (lower, upper))
-        self._hued = (upper - lower > 1e-9) * (1.0 + _UNNAMED * (unnamed | gray))
+        self._hued = (upper - lower > 1e-9) * (1.0 + _UNNAMED * unnamed + _BETWEEN_GRAYS * gray)
         self._colors = (
             torch.tensor([[part.start + i for i in range(3)] for part in colors]).view(-1, 3).long()
         )
