@@ -7,12 +7,14 @@ import re
 import unicodedata
 from collections.abc import Iterable
 
+_LETTERS = str.maketrans({"ß": "ss", "ł": "l", "ø": "o", "đ": "d", "æ": "ae", "œ": "oe"})
+"""Letters that are no others with an accent -> how they are written without them."""
 _SIBILANTS = ("ses", "xes", "ches", "shes")
 
 
 def folded(word: str) -> str:
     """A word in lower case and without accents."""
-    parts = unicodedata.normalize("NFKD", word.lower().replace("ß", "ss"))
+    parts = unicodedata.normalize("NFKD", word.lower().translate(_LETTERS))
     return unicodedata.normalize("NFC", "".join(c for c in parts if not 0x300 <= ord(c) < 0x370))
 
 
