@@ -108,3 +108,21 @@ def found(prompt, lights):
 def test_a_light_that_is_said_to_be_blue_is_not_warm_by_its_time_of_day(prompt, blue):
     key = make_plan(prompt)["light/Key/temperature"]
     assert (key.upper[0] >= 5500) == blue
+
+
+@pytest.mark.parametrize(
+    ("prompt", "takes"),
+    [
+        ("lit by a 12000 K lamp", True),
+        ("cool light", False),
+        ("3200 K key light", False),
+        ("matte teal", False),
+    ],
+)
+def test_the_world_may_take_the_color_of_a_temperature_that_is_told_for_all_lights(prompt, takes):
+    """A world that is warm drowns light of 12,000 K; where words only say cool, it is as the artist has it."""
+    plan = plan_of(prompt, TWO)
+    assert ("shadows too" in plan["world/color"].reason) == takes
+    if takes:
+        red, _, blue = plan["world/color"].upper
+        assert blue > red
