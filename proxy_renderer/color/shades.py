@@ -65,6 +65,19 @@ def warm(a: float, b: float) -> float:
     return (WARM[0] * a + WARM[1] * b) / (math.hypot(*WARM) * max(math.hypot(a, b), 1e-6))
 
 
+def relative_shade(srgb: Values, lighter: float, chroma: float, strength: float = 1.0) -> Values:
+    """A color some of the way to white, or, below 0, to black, and more or less of a color.
+
+    Args:
+        srgb: In [0, 1].
+        lighter: Share of the way, in [-1, 1].
+        chroma: Multiplies the distance from gray.
+        strength: Of the word that asks for it: above 1 for "very", below for "slightly".
+    """
+    way = min(abs(lighter * strength), 1.0)
+    return shade(srgb, 1.0 - way, chroma**strength, 100.0 * (lighter > 0))
+
+
 def basic(srgb: Sequence[float]) -> str:
     """The basic color (see `attributes.COLORS`) that a person would call this one."""
     lab = lab_from_srgb(srgb)

@@ -90,7 +90,7 @@ class _Planner:
         """The values that things have by the material that words name."""
         found = {}
         for attribute, effect in wishes:
-            if attribute.slot == "material" and effect.mode in ("", "color") and effect.name != "emission":
+            if attribute.slot == "material" and effect.mode in ("", "color"):
                 for instance in self.owners.of(effect, attribute):
                     found[instance.key] = (
                         painted(effect, attribute, instance, self.sources)

@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 
 from ..color.floats import lab_from_srgb, linear_from_srgb, luminance, srgb_from_lab, srgb_from_linear
-from ..color.shades import hue_apart, shade
+from ..color.shades import hue_apart, relative_shade
 from ..prompt.lexicon.entries import Effect
 from ..prompt.types import Attribute
 from ..schema import Instance, Values
@@ -156,9 +156,7 @@ def _shade(effect: Effect, strength: float, instance: Instance, _: Sources) -> R
     """The artist's color made lighter or darker, and more or less of a color."""
     own = srgb_from_linear(instance.value)
     corners = [
-        linear_from_srgb(
-            shade(own, 1 - min(abs(lighter * strength), 1.0), chroma**strength, 100.0 * (lighter > 0))
-        )
+        linear_from_srgb(relative_shade(own, lighter, chroma, strength))
         for lighter in (effect.lower[0], effect.upper[0])
         for chroma in (effect.lower[1], effect.upper[1])
     ]

@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterator
 
 from ..color.floats import lab_from_srgb, linear_from_srgb, luminance, srgb_from_linear
+from ..prompt.lexicon.kelvins import temperature
 from ..prompt.types import Attribute, Parsed
 from ..schema import Instance, Values
 from ..schema.spec import Region
@@ -31,7 +32,6 @@ _LIGHTEST, _DARKEST = 75.0, 50.0
 _KEY = (0.35, 4.0)  # multiples of the key's power; black things need much light
 _WORLD = (0.5, 2.0)  # multiples of the strength of the world, and of what is seen of it
 _FAINT = 0.1  # the least multiple of the world's strength where light has a color: what the world sheds has another
-_TOLD = 1.1  # share by which the ends of a range of temperatures differ that a number told
 _AMBIENT = ("world/color", "world/tint")
 _SATURATION = (
     1.4  # the most that named colors are strengthened: reflections and the view's shoulder bleach them
@@ -99,8 +99,7 @@ def _reaches(
         for key in (f"light/{name}/power", f"light/{name}/strength", f"{name}/emission"):
             if key in instances:
                 yield key, (_times(instances[key].value, _KEY), 1, "the subject is readable")
-    gel = next((a.color for a in parsed.attributes if a.color and _is_of_all_light(a)), None)
-    gel = gel or _told_temperature(entries)
+    gel = next((gel for a in parsed.attributes if _is_of_all_light(a) and (gel := _gel(a))), None)
     if "world/strength" in instances:
         times = _WORLD if gel is None else (_FAINT, _WORLD[1])
         yield "world/strength", (_times(instances["world/strength"].value, times), 2, "shadows are readable")
@@ -142,18 +141,14 @@ def _times(value: Values, multiples: tuple[float, float]) -> Range:
 
 
 def _is_of_all_light(attribute: Attribute) -> bool:
-    """Whether a color is that of the light as a whole."""
+    """Whether a word is about the light as a whole."""
     return attribute.kind == "light" and not (attribute.negated or attribute.of_one_light)
 
 
-def _told_temperature(entries: dict[str, PlanEntry]) -> Values | None:
-    """The color of a temperature that is told for all lights, "lit by 2700 K"; None where it is only warm, or of one light."""
-    told = [
-        entry for key, entry in entries.items() if key.startswith("light/") and key.endswith("/temperature")
-    ]
-    if not told or any(e.priority is None or e.upper[0] > _TOLD * e.lower[0] for e in told):
-        return None
-    return srgb_from_linear(kelvin_color(math.sqrt(told[0].lower[0] * told[0].upper[0])))
+def _gel(attribute: Attribute) -> Values | None:
+    """The color that a word gives to light, by its name or by kelvins; None where light is only warm."""
+    kelvins = temperature(attribute.entry)
+    return attribute.color or (srgb_from_linear(kelvin_color(kelvins)) if kelvins else None)
 
 
 def _tinges(color: Values, gel: Values) -> Range:

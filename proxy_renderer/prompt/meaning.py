@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..color.shades import shade
+from ..color.shades import relative_shade
 from ..schema.spec import Region
 from .colors import color_regions
 from .heads import settle
@@ -84,7 +84,7 @@ def _shaded(attributes: list[Attribute], prompt: str, vocabulary: Vocabulary) ->
         same = (before.kind, before.owners) == (attribute.kind, attribute.owners)
         if effect and attribute.color and same and both in prompt:
             lighter, share = ((a + b) / 2 for a, b in zip(effect.lower, effect.upper, strict=True))
-            color = shade(attribute.color, 1.0 - abs(lighter), share, 100.0 * (lighter > 0.0))
+            color = relative_shade(attribute.color, lighter, share, before.strength)
             found[-1] = replace(attribute, word=both, color=color)
         else:
             found.append(attribute)

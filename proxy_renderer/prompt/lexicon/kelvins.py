@@ -28,6 +28,12 @@ def told(text: str) -> str:
     return _NUMBER.sub(named, text)
 
 
+def temperature(entry: str) -> int | None:
+    """The kelvins of an entry that is called by them; None for others."""
+    number, _, unit = entry.partition(" ")
+    return int(number) if unit == "kelvin" and number.isdigit() else None
+
+
 def entries() -> dict[str, dict[str, Any]]:
     """Name -> the rows of an entry, as in vocabulary.toml, for each temperature that can be told."""
     return {_name(kelvins): _entry(kelvins) for kelvins in range(_LEAST, _MOST + 1, _STEP)}
