@@ -169,6 +169,11 @@ def _sealed(sub: argparse.ArgumentParser) -> None:
         help="draw from this (default: the hash of the clone's commit)",
     )
     sub.add_argument(
+        "--long",
+        action="store_true",
+        help="prompts of three to five asks, as the paper's (default: one to three)",
+    )
+    sub.add_argument(
         "--rival",
         default="",
         choices=(*BASELINES, PROJECTION),

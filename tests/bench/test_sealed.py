@@ -56,6 +56,15 @@ def test_prompts_are_varied_and_say_their_asks(many):
         assert all(ask.words.lower() in job.prompt.lower() for ask in job.asks)
 
 
+def test_long_prompts_ask_for_as_much_as_those_of_the_paper(many):
+    long = [prompts.draw("many", number, long=True) for number in range(200)]
+    assert {len(job.asks) for job in long} == {3, 4, 5}
+    assert {ask.kind for job in long for ask in job.asks} == {ask.kind for job in many for ask in job.asks}
+    for job in long:
+        assert not prompts.clash(job.asks)
+        assert all(ask.words.lower() in job.prompt.lower() for ask in job.asks)
+
+
 def test_every_ask_is_judged_by_something(many):
     assert all(ask.shows or ask.color is not None or ask.material for job in many for ask in job.asks)
 

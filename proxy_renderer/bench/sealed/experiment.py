@@ -15,7 +15,7 @@ from ...schema import VibeError, atomic
 from ..sheet import Strip, save_sheets
 from . import contest, table
 from .commit import judged_commit
-from .prompts import draw
+from .prompts import SealedJob, draw
 from .trial import SealedTrial
 
 _MOST = 100_000
@@ -25,6 +25,7 @@ def run(
     out: Path,
     jobs: int = 24,
     drawn_from: str = "",
+    long: bool = False,
     size: int = 160,
     samples: int = 32,
     rival: str = "",
@@ -36,6 +37,7 @@ def run(
         out: The folder. OUT/runs keeps each job's scene and pictures; one that is there is not done again.
         jobs: How many prompts; fewer are the first of more.
         drawn_from: The seed, any text; "" for the hash of the judged commit.
+        long: Prompts of three to five asks, see `prompts.draw`.
         size: Longer side of the pictures, pixels.
         samples: Of Cycles.
         rival: One that gets the same jobs, see `contest.rival_row`; "" for none.
@@ -58,7 +60,7 @@ def run(
     for number in range(jobs):
 
         def carried_out(options: Sequence[str] = (), number: int = number) -> table.JobResult:
-            return _row(_trial(out, chosen, number, size, samples, options))
+            return _row(_trial(out, chosen, draw(chosen, number, long), size, samples, options))
 
         row = carried_out()
         print(f"[{number + 1}/{jobs}] {row['prompt']}: {table.line(row)}", flush=True)
@@ -68,7 +70,7 @@ def run(
             rivals.append(contest.rival_row(rival, rate, row, carried_out))
             print(f"    {rival}: {table.line(rivals[-1])}", flush=True)
             strips.append(_strip(rivals[-1], out))
-    budget = {"size": size, "samples": samples, "rival": rival, "rate": rate}
+    budget = {"long": long, "size": size, "samples": samples, "rival": rival, "rate": rate}
     results = table.summary(rows) | {"seed": chosen, "changed_files": changed, **budget}
     if rival:
         results["contest"] = contest.summary(rows, rivals)
@@ -80,12 +82,13 @@ def run(
     return results
 
 
-def _trial(out: Path, seed: str, number: int, size: int, samples: int, options: Sequence[str]) -> SealedTrial:
+def _trial(
+    out: Path, seed: str, job: SealedJob, size: int, samples: int, options: Sequence[str]
+) -> SealedTrial:
     """A trial in a folder that is named by all that it depends on, but for changed files."""
-    job = draw(seed, number)
-    depends = [seed, number, size, samples, *options, job.prompt, job.scene.plain]
+    depends = [seed, job.number, size, samples, *options, job.prompt, job.scene.plain]
     name = hashlib.sha256(json.dumps(depends).encode()).hexdigest()[:16]
-    folder = out / "runs" / f"{number:03d}-{name}"
+    folder = out / "runs" / f"{job.number:03d}-{name}"
     return SealedTrial(job, folder, size, samples, ["--vlm-model=off", *options])
 
 

@@ -116,17 +116,18 @@ class SealedJob:
         return Looseness(any(ask.kind in _RECOLORING for ask in self.asks), bool(taken & _RELIGHTING))
 
 
-def draw(seed: str, number: int) -> SealedJob:
-    """The job of a number; it depends on nothing but the seed and the number.
+def draw(seed: str, number: int, long: bool = False) -> SealedJob:
+    """The job of a number; it depends on nothing but what is given here.
 
     Args:
         seed: Any text.
         number: From 0.
+        long: A prompt of three to five asks, as the paper's are; otherwise one of one to three.
     """
     luck = random.Random(f"{seed}/{number}")
     scene = draw_scene(luck)
     while True:
-        template = luck.choice(_words()["templates"])
+        template = luck.choice(_words()["long_templates" if long else "templates"])
         slots = [name for _, name, _, _ in Formatter().parse(template) if name]
         if "ground" in slots and not scene.ground:
             continue
