@@ -9,7 +9,7 @@ from collections.abc import Iterable
 
 _LETTERS = str.maketrans({"ß": "ss", "ł": "l", "ø": "o", "đ": "d", "æ": "ae", "œ": "oe"})
 """Letters that are no others with an accent -> how they are written without them."""
-_SIBILANTS = ("ses", "xes", "ches", "shes")
+_SIBILANTS = ("sses", "nses", "xes", "ches", "shes")
 
 
 def folded(word: str) -> str:

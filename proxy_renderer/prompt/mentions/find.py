@@ -10,7 +10,7 @@ from ..lexicon.vocabulary import Vocabulary
 from ..tokens import Token
 from .joined import joined
 from .names import FITS, parts
-from .nouns import Named, NounMention
+from .nouns import Named, NounMention, fit_signs
 from .passage import Passage
 from .picked import with_picks
 from .row import NounRow
@@ -68,21 +68,34 @@ class _Finder:
         said = parts(token.name if token.scene and token.guess else token.text)
         if not said or not token.lists.isdisjoint(_NO_NOUNS):
             return None
-        named = [] if self._is_of_the_next(start) else self._of_one(token, said)
+        named = [] if self._is_of_the_next(start) else self._of_one(start, said)
         noun = self._noun(start)
         return self._mention(start, start, noun, named) if named or noun else None
 
     def _is_of_the_next(self, start: int) -> bool:
-        """Whether a material is said of the thing after it: the fabric of "fabric curtain", though a towel is cloth too."""
-        pair = self.items[start : start + 2]
-        if (
-            len(pair) < 2
-            or pair[0].clause != pair[1].clause
-            or self.vocabulary.slot(pair[0].entry) != "material"
-        ):
+        """Whether a look is said of the thing after it: "red" of "red leather seats" is no red lamp, nor "fabric" of "fabric curtain" a towel."""
+        token = self.items[start]
+        head = self._head_after(start)
+        if head is None or not token.names_a_look or token.noun:
             return False
-        own, following = (self.index.named(parts(token.text)) for token in pair)
-        return not self._surely(own) and bool(self._surely(following))
+        if not token.entry:
+            return True
+        own, following = (self.index.named(parts(each.text)) for each in (token, head))
+        meant = any(n.kind == "things" for n in following)
+        if self._surely(own):
+            return bool(self._surely(following)) and self.items[start + 1] is head
+        return bool(self._surely(following)) or (meant and _translated(own))
+
+    def _head_after(self, start: int) -> Token | None:
+        """The noun that follows, with nothing but looks between."""
+        for token in self.items[start + 1 :]:
+            if token.clause != self.items[start].clause or token.ties or token.filler:
+                return None
+            if token.noun or self.index.named(parts(token.text)):
+                return token
+            if not (token.names_a_look or token.strength):
+                return None
+        return None
 
     def _mention(self, start: int, end: int, noun: str, named: list[Named]) -> NounMention:
         """A noun with the light that it means: "key light" the key, "light" light in general ("")."""
@@ -101,17 +114,21 @@ class _Finder:
         said = parts(" ".join(i.text for i in row))
         return self._surely(self.index.named(said)) or self._lamps(said)
 
-    def _of_one(self, token: Token, said: tuple[str, ...]) -> list[Named]:
+    def _of_one(self, start: int, said: tuple[str, ...]) -> list[Named]:
         """What a token names by itself, by its last word if by nothing else, or what it may stand for."""
-        named = self.index.named(said) or self._lamps(said)
+        token = self.items[start]
+        plural = token.text.endswith("s")
+        named = self.index.named(said, plural) or self._lamps(said)
         if not named and len(said) > 1 and token.noun != "tone":  # "the whole picture" hangs on no wall
             named = self.index.named(said[-1:])
         if "stop" in token.lists and not token.noun:
             return self._surely(named)
         if named or token.known:
             return named
-        several = token.text.endswith("s")  # "a car" is not its wheels
-        return [n for n in self.index.named(said[-1:], guess=True) if several or not self.index.is_several(n)]
+        guessed = self.index.named(said[-1:], guess=True)
+        if self._head_after(start):  # "ball gown" is no glove, though a ball is for sports too
+            guessed = [n for n in guessed if any(sign.endswith("misspelled") for sign in n.signs)]
+        return [n for n in guessed if plural or not self.index.is_several(n)]  # "a car" is not its wheels
 
     def _surely(self, named: list[Named]) -> list[Named]:
         return [n for n in named if not n.signs.isdisjoint(_SURE)]
@@ -129,3 +146,8 @@ class _Finder:
         before = [i for i in self.passage.content(0, start) if not i.names_a_look]
         gives_light = before and "lighting" in before[-1].lists  # "lit by a red firefly"
         return token.noun or ("light" if gives_light else "unknown")
+
+
+def _translated(named: list[Named]) -> bool:
+    """Whether no name has the very word: "wooden" of "wood planks"."""
+    return all(sign.endswith("synonym") for n in named for sign in fit_signs(n))

@@ -51,7 +51,7 @@ def fit(words: tuple[str, ...], name: tuple[str, ...]) -> str:
     if words in (name, tuple(n for n in name if len(n) > 1)) or joined == "".join(name):
         return "exact"
     if len(words) > 1:
-        meant = all(w in name or any(_means(w, n, words) for n in name) for w in words)
+        meant = all(w in name or any(_means(w, n) for n in name) for w in words)
         return "all" if meant or joined in name else ""
     (word,) = words
     mine, ends = senses(word), {name[-1], _head(name)[-1]}
@@ -69,16 +69,24 @@ def _is_one_of(mine: frozenset[str], others: Iterable[str]) -> bool:
     return any(mine & senses(other) for other in others)
 
 
-def _means(word: str, part: str, words: tuple[str, ...]) -> bool:
-    """Whether a word stands for a part of a name; not "rubber" for "tire" in "rubber tire", where it is a look."""
-    said = _is_of_surfaces(word) and any(senses(w) & senses(part) for w in words if w != word)
-    return bool(senses(word) & senses(part)) and not said
+def _means(word: str, part: str) -> bool:
+    """Whether a word stands for a part of a name; a look only for itself: "rubber tire" is no "tire", "oak floor" no "floor wood"."""
+    return bool(senses(word) & senses(part)) and not _is_of_surfaces(word)
 
 
 def _head(name: tuple[str, ...]) -> tuple[str, ...]:
-    """A name without what it says of the look at its end: "armor" of "armor steel", "frame" of "frame black"."""
-    ends = (end for end in range(len(name), 0, -1) if not _is_of_surfaces(name[end - 1]))
+    """A name without what it says at its end of the look, or which one it is: "frame" of "frame black", "tent" of "tent small"."""
+    ends = (
+        end
+        for end in range(len(name), 0, -1)
+        if not (_is_of_surfaces(name[end - 1]) or _picks(name[end - 1]))
+    )
     return name[: next(ends, None)]
+
+
+def _picks(word: str) -> bool:
+    """Whether a word of a name says which one of several alike things it is: "small", "left"."""
+    return word in shipped_vocabulary().picks or word in name_words("order")
 
 
 @cache
@@ -92,7 +100,8 @@ def _as_part(name: tuple[str, ...], otherwise: str) -> str:
     """Of "car" in "car shell" and in "car wheel": a limb stands for the whole, a detail does not."""
     if name[-1] in name_words("details"):
         return "detail's whole"
-    return "whole" if name[-1] in name_words("limbs") and otherwise == "part" else otherwise
+    as_whole = {"part": "whole", "part's synonym": "synonym"}
+    return as_whole[otherwise] if name[-1] in name_words("limbs") else otherwise
 
 
 @cache

@@ -14,6 +14,8 @@ from .nouns import Named
 
 _TYPES = {"SUN": "sun", "SPOT": "spot"}
 """Types of lights that people call by name."""
+_OF_ITS_KIND = ("exact", "last", "whole", "synonym")
+"""Ways to fit the name of a thing that is what a word says, or a limb of it."""
 _Fits = Callable[[Mapping[str, tuple[str, ...]]], dict[str, str]]
 _Found = tuple[Iterable[str], tuple[str, ...]]
 """Names, and the signs by which they were found."""
@@ -35,11 +37,12 @@ class SceneIndex:
         self._limbs = {name: limbs_of(name, words) for name in words.objects}
         self._worn_by_limbs = {name for worn in self._limbs.values() for name in worn}
 
-    def named(self, said: tuple[str, ...], guess: bool = False) -> list[Named]:
+    def named(self, said: tuple[str, ...], plural: bool = False, guess: bool = False) -> list[Named]:
         """All that words may name.
 
         Args:
             said: Words of the prompt, as `parts` gives them.
+            plural: Whether they speak of several, so that all of the kind may be meant, and not only what is called exactly so.
             guess: Whether things of the same sort, or of nearly the same spelling, count.
         """
         how = partial(guessed_fit, said[0]) if guess else partial(fit, said)
@@ -48,7 +51,7 @@ class SceneIndex:
             return {name: way for name, its in names.items() if (way := how(its))}
 
         found: dict[tuple[str, frozenset[str]], set[str]] = defaultdict(set)
-        for kind, named in (("things", self._of_things(fits)), ("lights", self._of_lights(fits))):
+        for kind, named in (("things", self._of_things(fits, plural)), ("lights", self._of_lights(fits))):
             for names, signs in named:
                 if every := frozenset(names):
                     found[kind, every] |= {*signs, *(("several",) if len(every) > 1 else ())}
@@ -81,7 +84,7 @@ class SceneIndex:
         """
         return frozenset(self.words.object_materials.get(name, ()))
 
-    def _of_things(self, fits: _Fits) -> Iterator[_Found]:
+    def _of_things(self, fits: _Fits, plural: bool) -> Iterator[_Found]:
         sources = (("material", self._materials), ("object", self._objects), ("group", self._groups))
         for source, names in sources:
             ways = fits(names)
@@ -90,6 +93,9 @@ class SceneIndex:
                 chosen = [name for name, its in ways.items() if its == way]
                 signs = (f"{source} {way}", *(() if way == surest else ("less sure",)))
                 yield from self._chosen(source, chosen, signs)
+            kind = [name for name, way in ways.items() if way in _OF_ITS_KIND]
+            if plural and source != "material" and len({ways[name] for name in kind}) > 1:
+                yield from self._chosen(source, kind, (f"{source} {surest}", "every one"))
 
     def _chosen(self, source: str, chosen: list[str], signs: tuple[str, ...]) -> Iterator[_Found]:
         """The materials of what was chosen: all of them, without details, and the first one of each object."""
