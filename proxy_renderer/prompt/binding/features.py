@@ -113,6 +113,7 @@ class PairFeatures:
         place = NounPlace(self.forms, self.look.index, mention)
         yield from place.facts(kind, self._sort, self._lead)
         yield from self._spared(target, mention, place.where, kind)
+        yield from (f"{place.where}: {noun}" for noun in self._nearer(mention))
         yield f"{target.kind} by noun {mention.noun or 'of the scene'}"
         if self.token.adjective and any(mention.covers(place) for place in self.forms.look_at):
             yield f"'{self.token.adjective}' of {target.kind} by a noun that is a look"
@@ -123,6 +124,13 @@ class PairFeatures:
         elif several and mention.members == 1:
             yield f"several at {kind} by a singular"
             yield from (f"several at {kind} by a singular, {sign}" for sign in target.signs)
+
+    def _nearer(self, mention: NounMention) -> Iterator[str]:
+        """What the clause names right after the look word, where the noun is of another: "brass" of "a red cup, a brass chandelier"."""
+        items, look = self.passage.items, self.look.index
+        if items[mention.start].clause != items[look].clause:
+            own = [m for m in self.mentions if items[m.start].clause == items[look].clause and m.start > look]
+            yield from (fact for fact in self._beside(own) if fact.endswith("right after"))
 
     def _spared(self, target: Target, mention: NounMention, where: str, kind: str) -> Iterator[str]:
         """What it says that the prompt leaves a noun out, or leaves something out at all."""

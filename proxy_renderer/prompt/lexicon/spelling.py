@@ -14,6 +14,8 @@ _SIBILANTS = ("sses", "nses", "xes", "ches", "shes")
 
 def folded(word: str) -> str:
     """A word in lower case and without accents."""
+    if word.isascii():
+        return word.lower()
     parts = unicodedata.normalize("NFKD", word.lower().translate(_LETTERS))
     return unicodedata.normalize("NFC", "".join(c for c in parts if not 0x300 <= ord(c) < 0x370))
 

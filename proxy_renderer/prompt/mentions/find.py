@@ -57,7 +57,7 @@ class _Finder:
 
     def _at(self, start: int) -> NounMention | None:
         """The one that begins at an item."""
-        if self.items[start].wished or self.items[start].ties:
+        if self.items[start].wished or self.items[start].ties or self._is_done(start):
             return None
         for count in range(_LONGEST, 1, -1):
             if named := self._of_several(start, count):
@@ -71,6 +71,14 @@ class _Finder:
         named = [] if self._is_of_the_next(start) else self._of_one(start, said)
         noun = self._noun(start)
         return self._mention(start, start, noun, named) if named or noun else None
+
+    def _is_done(self, start: int) -> bool:
+        """Whether a clause begins with what is to be done to a thing of the scene: "paint the crate" names no paint."""
+        clause = [i for i in self.items[start:] if i.clause == self.items[start].clause]
+        before = [i for i in self.passage.content(0, start) if i.clause == self.items[start].clause]
+        if before or len(clause) < 3 or "definite" not in clause[1].lists:
+            return False
+        return bool(self.index.named(parts(clause[2].text)))
 
     def _is_of_the_next(self, start: int) -> bool:
         """Whether a look is said of the thing after it: "red" of "red leather seats" is no red lamp, nor "fabric" of "fabric curtain" a towel."""

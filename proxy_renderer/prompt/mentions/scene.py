@@ -90,6 +90,8 @@ class SceneIndex:
             ways = fits(names)
             surest = best(ways.values())
             for way in dict.fromkeys(ways.values()):  # in an order that is the same in every process
+                if way == "whole" and surest == "exact" and not plural:  # a duck is not its head alone
+                    continue
                 chosen = [name for name, its in ways.items() if its == way]
                 signs = (f"{source} {way}", *(() if way == surest else ("less sure",)))
                 yield from self._chosen(source, chosen, signs)
