@@ -55,10 +55,13 @@ def senses(word: str) -> frozenset[str]:
 
 @cache
 def english_things() -> frozenset[str]:
-    """Names of things by the words that are shipped, without those of lexicons: what is no place."""
-    english = _english()
+    """Names of things in English, by the words that are shipped."""
+    is_english = table().is_english
+    every = ((name, *others.split(", ")) for name, others in _english().items())
     return frozenset(
-        normalize(word) for name, others in english.items() for word in (name, *others.split(","))
+        normalize(word)
+        for name, *others in every
+        for word in (name, *(each for each in others if all(map(is_english, each.split()))))
     )
 
 

@@ -8,7 +8,7 @@ from difflib import SequenceMatcher, get_close_matches
 from functools import cache
 
 from ..lexicon.spelling import folded, singular
-from ..lexicon.things import senses, thing_words
+from ..lexicon.things import english_things, senses
 from ..lexicon.vocabulary import shipped_vocabulary
 from ..lexicon.word_table import table
 from ..names import name_words, spaced
@@ -120,7 +120,7 @@ def guessed_fit(word: str, name: tuple[str, ...]) -> str:
 @cache
 def _corrected(word: str) -> str:
     """The known thing that a misspelled word is nearest to; "" if none is near."""
-    known = [w for w in thing_words().rows if w[0] == word[0]]
+    known = [w for w in sorted(english_things()) if w[0] == word[0]]
     return next(iter(get_close_matches(word, known, 1, _MISSPELLED)), "")
 
 
