@@ -23,14 +23,19 @@ from .sentences.stand_in import stand_in
 L2 = 1.5
 """Of the penalty: half of it times the sum of squares."""
 FOLDS = 5
+HARD = 0.5
+"""How much a hard sentence counts beside others."""
 
 
-def examples(sentences: Sequence[LabeledSentence], vocabulary: Vocabulary) -> list[Example]:
+def examples(
+    sentences: Sequence[LabeledSentence], vocabulary: Vocabulary, counts: float = 1.0
+) -> list[Example]:
     """Sentences as the reader takes them.
 
     Args:
         sentences: With their labels.
         vocabulary: What words mean.
+        counts: How much each counts beside others.
     """
     found = []
     scenes = {s.scene.name: s.scene for s in sentences}
@@ -39,7 +44,7 @@ def examples(sentences: Sequence[LabeledSentence], vocabulary: Vocabulary) -> li
         words = words_of[sentence.scene.name]
         read = reading(prepared(sentence.text, words, vocabulary), words, vocabulary)
         right = tuple(tuple(each) for each in right_pairs(sentence, read))
-        found.append(Example(sentence.scene.name, read, right))
+        found.append(Example(sentence.scene.name, read, right, counts))
     return found
 
 
@@ -99,18 +104,24 @@ def main() -> None:
         metavar="DIR",
         help="folder of scenes.toml and sentences_NN.toml",
     )
+    parser.add_argument(
+        "--hard", type=Path, metavar="DIR", help="folder of harder ones than prompts are, which count half"
+    )
     parser.add_argument("--l2", type=float, default=L2, help="weight of the penalty (default: %(default)s)")
     parser.add_argument("--out", type=Path, default=FILE, help="file of weights (default: the one in use)")
     options = parser.parse_args()
     start = time.perf_counter()
     every = examples(read_folder(options.sentences), shipped_vocabulary())
+    if options.hard:
+        every += examples(read_folder(options.hard), shipped_vocabulary(), HARD)
     fitted = fit(every, options.l2)
     figures = {
         "look words": sum(len(e.decided) for e in every),
         "right": round(accuracy([(e, fitted.weights) for e in every]), 4),
         "right, of scenes left out": round(accuracy([(e, fitted.without[e.scene]) for e in every]), 4),
     }
-    command = f"python -m proxy_renderer.train.binding --sentences {options.sentences} --l2 {options.l2:g}"
+    hard = f" --hard {options.hard}" if options.hard else ""
+    command = f"python -m proxy_renderer.train.binding --sentences {options.sentences}{hard} --l2 {options.l2:g}"
     write(options.out, fitted.weights, command, figures)
     print(f"{figures}; {len(fitted.weights)} weights in {options.out}; {time.perf_counter() - start:.0f} s")
 

@@ -36,11 +36,13 @@ class Example:
         scene: Name of the sentence's scene.
         read: Its look words with all their pairs.
         right: Of each look word's pairs, whether they are what the label says; nowhere, where none can be.
+        counts: How much the sentence counts beside others of its length.
     """
 
     scene: str
     read: PromptPairs
     right: tuple[tuple[bool, ...], ...]
+    counts: float = 1.0
 
     @property
     def decided(self) -> list[tuple[list[TargetPair], tuple[bool, ...]]]:
@@ -50,6 +52,8 @@ class Example:
 
 def fit_pairs(every: Sequence[Example], l2: float) -> FactWeights:
     """The weights of facts about pairs.
+
+    A sentence of n look words counts as much as the root of n of one: prompts are short, and most labeled words stand in long ones.
 
     Args:
         every: Sentences.
@@ -66,14 +70,18 @@ def fit_pairs(every: Sequence[Example], l2: float) -> FactWeights:
     names = sorted(name for name, where in counts.items() if len(where) >= _LEAST)
     column = {name: i for i, name in enumerate(names)}
     matrix = _matrix([pairs for pairs, _ in words], column)
-    starts = np.cumsum([0, *(len(pairs) for pairs, _ in words)])[:-1]
+    sizes = [len(pairs) for pairs, _ in words]
+    starts = np.cumsum([0, *sizes])[:-1]
     right = np.concatenate([right for _, right in words])
+    each = np.concatenate([np.full(n := len(e.decided), e.counts / max(n, 1) ** 0.5) for e in every])
+    each *= len(each) / each.sum()
+    of_pairs = np.repeat(each, sizes)
 
     def loss(weights: np.ndarray) -> tuple[float, np.ndarray]:
         found = matrix @ weights
         whole, wanted = _share(found, starts), _share(np.where(right, found, -np.inf), starts)
-        value = float((whole[0] - wanted[0]).sum())
-        return value, matrix.T @ (whole[1] - wanted[1])
+        value = float(each @ (whole[0] - wanted[0]))
+        return value, matrix.T @ (of_pairs * (whole[1] - wanted[1]))
 
     return _least(loss, names, l2)
 
