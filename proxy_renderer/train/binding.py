@@ -121,7 +121,9 @@ def main() -> None:
         "right, of scenes left out": round(accuracy([(e, fitted.without[e.scene]) for e in every]), 4),
     }
     hard = f" --hard {options.hard}" if options.hard else ""
-    command = f"python -m proxy_renderer.train.binding --sentences {options.sentences}{hard} --l2 {options.l2:g}"
+    command = (
+        f"python -m proxy_renderer.train.binding --sentences {options.sentences}{hard} --l2 {options.l2:g}"
+    )
     write(options.out, fitted.weights, command, figures)
     print(f"{figures}; {len(fitted.weights)} weights in {options.out}; {time.perf_counter() - start:.0f} s")
 

@@ -182,12 +182,22 @@ def test_a_prompt_is_read_alike_in_every_process():
     assert told.pop().strip()
 
 
-def test_a_name_that_all_lights_have_means_light_as_a_whole() -> None:
+def test_light_is_any_light_though_one_is_called_so() -> None:
     """A light called "Light" is not told apart by "warm light"."""
     one = replace(GARAGE, lights={"Light": LightWords("AREA", "key", 0.0)})
-    two = replace(
-        GARAGE, lights={"Light": LightWords("AREA", "key", 0.0), "Lamp": LightWords("POINT", "fill", 60.0)}
-    )
-    for scene, apart in ((one, ()), (two, ("Light",))):
+    two = replace(one, lights=one.lights | {"Lamp": LightWords("POINT", "fill", 60.0)})
+    for scene in (one, two):
         (warm,) = (a for a in parse("dusk, warm light", scene).attributes if a.word == "warm light")
-        assert warm.lights == apart
+        assert warm.lights == ()
+
+
+def test_a_light_is_told_by_its_number() -> None:
+    called = {name: LightWords("AREA", "fill", 0.0) for name in ("Area", "Area.001", "Light", "Light.002")}
+    scene = replace(GARAGE, lights=called)
+    for prompt, name in (
+        ("area blue", "Area"),
+        ("Area.001 blue", "Area.001"),
+        ("Light.002 blue", "Light.002"),
+    ):
+        (blue,) = (a for a in parse(prompt, scene).attributes if a.word == "blue")
+        assert blue.lights == (name,)

@@ -127,8 +127,13 @@ class _Finder:
         token = self.items[start]
         plural = token.text.endswith("s")
         named = self.index.named(said, plural) or self._lamps(said)
+        last = said[-1:]
         if not named and len(said) > 1 and token.noun != "tone":  # "the whole picture" hangs on no wall
-            named = self.index.named(said[-1:])
+            named, said = self.index.named(last), last
+        if said == last and last[0] in self.vocabulary.lists["anylight"]:
+            named = [
+                n for n in named if n.signs != {"light exact"}
+            ]  # any light, though one is called "Light"
         if "stop" in token.lists and not token.noun:
             return self._surely(named)
         if named or token.known:

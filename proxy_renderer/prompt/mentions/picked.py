@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import chain
+from typing import Literal
 
 from ..lexicon.vocabulary import Vocabulary
 from ..names import plain_name
@@ -65,15 +66,31 @@ def _with_number(passage: Passage, mention: NounMention, index: SceneIndex) -> N
     after = passage.items[mention.end + 1 : mention.end + 2]
     group = _group(mention, index)
     one = _numbered(after[0].text, group) if len(group) > 1 and after else ""
-    return _picking(mention, index.worn(one), "picked by number") if one else mention
+    if one:
+        return _picking(mention, index.worn(one), "picked by number")
+    lamp = _lamp_called(mention, after[0].text if after else "")
+    return _picking(mention, frozenset({lamp}), "picked by number", "lights") if lamp else mention
 
 
-def _picking(mention: NounMention, materials: frozenset[str], sign: str) -> NounMention:
-    """A noun that means some materials above all; what else is known of them stays known."""
-    known = [n for n in mention.named if n.kind == "things" and n.names == materials]
+def _lamp_called(mention: NounMention, number: str) -> str:
+    """Of "Area" and "Area.001" the light that a noun with this number, or without one, is the name of; "" where it is none's."""
+    every = (n.names for n in mention.named if n.kind == "lights" and len(n.names) > 1)
+    ends = {name: "".join(re.findall(r"\d+$", name)) for name in sorted(frozenset().union(*every))}
+    said = number if number.isdecimal() else ""
+    if mention.noun == "light" and not said:
+        return ""
+    meant = [name for name, end in ends.items() if _bare(end) == _bare(said)]
+    return meant[0] if len(meant) == 1 else ""
+
+
+def _picking(
+    mention: NounMention, names: frozenset[str], sign: str, kind: Literal["things", "lights"] = "things"
+) -> NounMention:
+    """A noun that means some materials or lights above all; what else is known of them stays known."""
+    known = [n for n in mention.named if n.kind == kind and n.names == names]
     signs = frozenset().union(*(n.signs for n in known), {"picked", sign})
     rest = [n for n in mention.named if n not in known]
-    return replace(mention, named=(*rest, Named("things", materials, signs)))
+    return replace(mention, named=(*rest, Named(kind, names, signs)))
 
 
 def _group(mention: NounMention, index: SceneIndex) -> list[str]:
