@@ -69,6 +69,7 @@ class _Finder:
         if not said or not token.lists.isdisjoint(_NO_NOUNS):
             return None
         named = [] if self._is_of_the_next(start) else self._of_one(start, said)
+        named += self._of_the_material_before(start, named)
         noun = self._noun(start)
         return self._mention(start, start, noun, named) if named or noun else None
 
@@ -93,6 +94,20 @@ class _Finder:
         if self._surely(own):
             return bool(self._surely(following)) and self.items[start + 1] is head
         return bool(self._surely(following)) or (meant and _translated(own))
+
+    def _of_the_material_before(self, start: int, named: list[Named]) -> list[Named]:
+        """What of a noun is of the material before it: of "glass cube" the cubes that wear glass."""
+        before = self.items[max(start - 1, 0) : start]
+        if not before or before[0].clause != self.items[start].clause or not before[0].entry:
+            return []
+        own = self.index.named(parts(before[0].text))
+        things = [(n, m) for n in named for m in own if n.kind == m.kind == "things"]
+        both = dict.fromkeys((n, n.names & m.names) for n, m in things)
+        return [
+            Named("things", names, n.signs | {"of the material before"})
+            for n, names in both
+            if names and names != n.names
+        ]
 
     def _head_after(self, start: int) -> Token | None:
         """The noun that follows, with nothing but looks between."""
