@@ -201,3 +201,13 @@ def test_a_light_is_told_by_its_number() -> None:
     ):
         (blue,) = (a for a in parse(prompt, scene).attributes if a.word == "blue")
         assert blue.lights == (name,)
+
+
+def test_one_light_is_no_headlight() -> None:
+    headlights = replace(
+        GARAGE,
+        objects=GARAGE.objects | {"Headlights": "subject"},
+        materials=GARAGE.materials | {"LampGlass": "subject"},
+        object_materials={**GARAGE.object_materials, "Headlights": ("LampGlass",)},
+    )
+    assert {a.kind for a in parse("soft warm light", headlights).attributes} == {"light"}

@@ -145,10 +145,8 @@ class _Finder:
         last = said[-1:]
         if not named and len(said) > 1 and token.noun != "tone":  # "the whole picture" hangs on no wall
             named, said = self.index.named(last), last
-        if said == last and last[0] in self.vocabulary.lists["anylight"]:
-            named = [
-                n for n in named if n.signs != {"light exact"}
-            ]  # any light, though one is called "Light"
+        if said == last and last[0] in self.vocabulary.lists["anylight"]:  # though one may be called "Light"
+            named = [n for n in named if n.signs != {"light exact"} and (plural or not _translated([n]))]
         if "stop" in token.lists and not token.noun:
             return self._surely(named)
         if named or token.known:
