@@ -55,9 +55,9 @@ def senses(word: str) -> frozenset[str]:
 
 @cache
 def english_things() -> frozenset[str]:
-    """Names of things in English, by the words that are shipped."""
+    """Names of things in English that are no places, by the words that are shipped."""
     is_english = table().is_english
-    every = ((name, *others.split(", ")) for name, others in _english().items())
+    every = ((name, *others.split(", ")) for name, others in _tables()["things"].items())
     return frozenset(
         normalize(word)
         for name, *others in every
@@ -67,8 +67,16 @@ def english_things() -> frozenset[str]:
 
 @cache
 def _english() -> dict[str, str]:
-    rows: dict[str, str] = tomllib.loads(Path(__file__).with_name("things.toml").read_text("utf-8"))["things"]
-    return rows
+    tables = _tables()
+    return tables["things"] | tables["more"]
+
+
+@cache
+def _tables() -> dict[str, dict[str, str]]:
+    tables: dict[str, dict[str, str]] = tomllib.loads(
+        Path(__file__).with_name("things.toml").read_text("utf-8")
+    )
+    return tables
 
 
 @cache
