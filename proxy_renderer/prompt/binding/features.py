@@ -29,6 +29,7 @@ class PairFeatures:
         self._sort = "guessed" if look.guess else forms.sort_of(look.token) + self._name
         self._lead = forms.lead(look.index)
         self._turn = forms.turn(forms.passage.items[look.index].clause)
+        self._next = [*self._next_nouns()]
         self._unnamed = [*self._named_instead()]  # the same for all that no noun names
 
     def of(self, target: Target, becoming: Becoming) -> Iterator[str]:
@@ -113,7 +114,8 @@ class PairFeatures:
         place = NounPlace(self.forms, self.look.index, mention)
         yield from place.facts(kind, self._sort, self._lead)
         yield from self._spared(target, mention, place.where, kind)
-        yield from (f"{place.where}: {noun}" for noun in self._nearer(mention))
+        if self.passage.items[mention.start].clause != self.passage.items[self.look.index].clause:
+            yield from (f"{place.where}: {noun}" for noun in self._next)
         yield f"{target.kind} by noun {mention.noun or 'of the scene'}"
         if self.token.adjective and any(mention.covers(place) for place in self.forms.look_at):
             yield f"'{self.token.adjective}' of {target.kind} by a noun that is a look"
@@ -125,12 +127,11 @@ class PairFeatures:
             yield f"several at {kind} by a singular"
             yield from (f"several at {kind} by a singular, {sign}" for sign in target.signs)
 
-    def _nearer(self, mention: NounMention) -> Iterator[str]:
-        """What the clause names right after the look word, where the noun is of another: "brass" of "a red cup, a brass chandelier"."""
+    def _next_nouns(self) -> Iterator[str]:
+        """What the clause names right after the look word: "brass" of "a red cup, a brass chandelier" has a noun of its own."""
         items, look = self.passage.items, self.look.index
-        if items[mention.start].clause != items[look].clause:
-            own = [m for m in self.mentions if items[m.start].clause == items[look].clause and m.start > look]
-            yield from (fact for fact in self._beside(own) if fact.endswith("right after"))
+        own = [m for m in self.mentions if items[m.start].clause == items[look].clause and m.start > look]
+        yield from (fact for fact in self._beside(own) if fact.endswith("right after"))
 
     def _spared(self, target: Target, mention: NounMention, where: str, kind: str) -> Iterator[str]:
         """What it says that the prompt leaves a noun out, or leaves something out at all."""
