@@ -140,7 +140,7 @@ class _Planner:
                 upper = max(upper, instance.value) if self._glow(instance.owner) > lower[0] else upper
             priority = effect.priority + (2 if effect.weak else 0) + (_SECOND if attribute.cause else 0)
             light = f"material/{instance.owner}" if instance.parameter.group == "material" else instance.owner
-            priority += 2 * (effect.owner == "lights" and light not in self.owners.key)
+            priority += 2 * (effect.owner == "lights" and light not in self.owners.lights.key)
             # A color that is named comes before a word that only changes it: "a teal ball, the ball darker".
             priority += effect.mode == "times" and instance.parameter.kind == "color"
             reason = reason_of(attribute, shown.phrase if shown else "")
@@ -174,7 +174,7 @@ class _Planner:
             self.settled[key] = (lower, upper), winners
 
     def _note_sources(self) -> None:
-        context, key = self.sources.context, self.owners.key
+        context, key = self.sources.context, self.owners.lights.key
         facing = facing_radiance(self.instances, context, self._planned, key)
         self.sources = replace(self.sources, key=facing)
         world = backdrop = self._world("", context.environment_luminance)

@@ -66,7 +66,7 @@ def supports(
 
 def _free_regions(parsed: Parsed, entries: dict[str, PlanEntry], owners: Owners) -> list[Region]:
     """Regions whose shade no word fixes: a subject of which one part has a named color keeps the others."""
-    colors = (f"material/{name}/base_color" for name in owners.materials("subject"))
+    colors = (f"material/{name}/base_color" for name in owners.materials.of_region("subject"))
     painted = any(key in entries and entries[key].priority is not None for key in colors)
     regions: list[Region] = ["surroundings"] if painted else ["surroundings", "subject"]
     return [region for region in regions if region not in parsed.colors]
@@ -81,7 +81,7 @@ def _reaches(
 ) -> Iterator[tuple[str, tuple[Range, int, str]]]:
     """Keys, and for each how far it may go, how much later than exposure it comes, and why."""
     regions = sorted(_free_regions(parsed, entries, owners))  # the subject first
-    names = [name for region in regions for name in _largest(owners.materials(region), sources)]
+    names = [name for region in regions for name in _largest(owners.materials.of_region(region), sources)]
     keys = [key for name in names if (key := f"material/{name}/base_color") in instances]
     unnamed = [key for key in keys if entries[key].priority is None]
     if wants_color(parsed, instances, unnamed):
@@ -95,7 +95,7 @@ def _reaches(
     if "film/exposure" in instances:
         ends = _exposures(instances["film/exposure"], sources)
         yield "film/exposure", (ends, 0, "the subject is neither burnt nor black")
-    for name in owners.key:
+    for name in owners.lights.key:
         for key in (f"light/{name}/power", f"light/{name}/strength", f"{name}/emission"):
             if key in instances:
                 yield key, (_times(instances[key].value, _KEY), 1, "the subject is readable")

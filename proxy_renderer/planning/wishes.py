@@ -49,14 +49,16 @@ class Wishes:
         shared: dict[int, Attribute] = {}
         if any(a.lamp for a in gels):
             shared = {
-                id(a): replace(a, kind="world") for a in gels if a.lamp and not self._owners.lamps[a.lamp]
+                id(a): replace(a, kind="world")
+                for a in gels
+                if a.lamp and not self._owners.lights.told_apart[a.lamp]
             }
         elif gels and self._would_hide(gels[0], said):
             shared = {id(gels[0]): replace(gels[0], role="others")}
         return [shared.get(id(a), a) for a in said]
 
     def _one_light(self) -> bool:
-        return len(self._owners.lights) + len(self._owners.glows) <= len(self._owners.key)
+        return len(self._owners.lights.every) <= len(self._owners.lights.key)
 
     def _would_hide(self, gel: Attribute, said: list[Attribute]) -> bool:
         """Whether a color of light, without a direction, leaves nothing of the subject's: "orange pumpkin, purple light".

@@ -29,16 +29,16 @@ def instances(brighter: str) -> dict[str, Instance]:
 @pytest.mark.parametrize("brighter", TYPES)
 def test_the_brightest_light_is_the_key(brighter):
     context = PlanContext(light_types={kind.title(): kind for kind in TYPES})
-    assert Owners(parse("noir", SceneWords()), instances(brighter), context, default_vocabulary()).key == [
-        brighter.title()
-    ]
+    assert Owners(
+        parse("noir", SceneWords()), instances(brighter), context, default_vocabulary()
+    ).lights.key == [brighter.title()]
 
 
 def test_a_lights_own_exposure_counts():
     context = PlanContext(light_types={kind.title(): kind for kind in TYPES}, light_stops={"Spot": 1.0})
-    assert Owners(parse("noir", SceneWords()), instances("SUN"), context, default_vocabulary()).key == [
-        "Spot"
-    ]
+    assert Owners(
+        parse("noir", SceneWords()), instances("SUN"), context, default_vocabulary()
+    ).lights.key == ["Spot"]
 
 
 def test_of_many_small_things_all_that_are_about_as_large_are_meant():

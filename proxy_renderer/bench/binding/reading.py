@@ -98,7 +98,7 @@ def read(
     lights = own | {name: STANDBY[name] for name in names}
     roles = {r: frozenset(n for n, role in lights.items() if role == r) for r in ("key", "fill", "rim")}
     if not roles["key"]:
-        roles["key"] = _plain(binding.owners.key)
+        roles["key"] = _plain(binding.owners.lights.key)
     return SentenceReading(reaches, roles, seconds)
 
 

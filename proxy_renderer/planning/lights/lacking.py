@@ -13,6 +13,7 @@ from ...schema import Instance
 from ..owners import Owners
 from ..types import PlanContext
 from ..wishes import Wishes
+from .choice import SceneLights
 from .meant import role_of
 
 _BEHIND = 110.0  # degrees from the camera beyond which a light stands behind the subject
@@ -35,7 +36,9 @@ def lacking(
         vocabulary: What words mean.
     """
     owners = Owners(parsed, instances, context, vocabulary)
-    roles = [_described(owners, number) for number, names in owners.lamps.items() if not names]
+    missing = [number for number, names in owners.lights.told_apart.items() if not names]
+    said = ([a for a in parsed.attributes if a.lamp == number] for number in missing)
+    roles = [_described(group, owners.lights, vocabulary) for group in said]
     for attribute, effect in Wishes(parsed, vocabulary, owners).all():
         role = _asked(effect, attribute, owners)
         roles += [role] if role and role not in roles else []
@@ -46,15 +49,14 @@ def lacking(
     return found
 
 
-def _described(owners: Owners, number: int) -> str:
-    """The role of a light that the prompt tells apart and that is missing."""
-    said = [a for a in owners.parsed.attributes if a.lamp == number]
+def _described(said: list[Attribute], lights: SceneLights, vocabulary: Vocabulary) -> str:
+    """The role of a light that words tell apart and that is missing."""
     if given := role_of(said):
         return given
-    ends = side(said, owners.vocabulary)
+    ends = side(said, vocabulary)
     if ends and abs((sum(ends) / 2 + 180.0) % 360.0 - 180.0) > _BEHIND:
         return "rim"
-    return "fill" if owners.lights else "key"
+    return "fill" if lights.lamps else "key"
 
 
 def _asked(effect: Effect, attribute: Attribute, owners: Owners) -> str:
@@ -63,7 +65,7 @@ def _asked(effect: Effect, attribute: Attribute, owners: Owners) -> str:
         return ""
     owner = attribute.role if effect.owner in ("light", "lights") and attribute.role else effect.owner
     if owner in ("rim", "fill"):
-        return "" if owners.of_role(owner) else owner
+        return "" if owners.lights.of_role(owner) else owner
     if owner == "others":
         return "" if owners.of(effect, attribute) else "fill"
-    return "key" if effect.name in ("azimuth", "elevation") and not owners.lights else ""
+    return "key" if effect.name in ("azimuth", "elevation") and not owners.lights.lamps else ""

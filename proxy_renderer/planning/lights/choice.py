@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which lights a word is about: those that it names, those with a role, the key, or all."""
+
+from __future__ import annotations
+
+from ...prompt.lexicon.entries import Effect
+from ...prompt.lexicon.vocabulary import Vocabulary
+from ...prompt.types import GLOW, Attribute, Parsed
+from ...schema import Instance
+from ..types import PlanContext
+from .facing import facing_radiance
+from .meant import KnownLight, assigned, named
+
+_SHARE = 0.15  # of the light on the subject from which a glow counts as a light of the scene
+_OF_GLOWS = {"power": "emission", "color": "emission_color", "temperature": "emission_color"}
+"""What the parameters of lights are of glowing materials; they have neither place nor size to change."""
+_PLACES = ("azimuth", "elevation", "distance", "size", "angle")
+_NAMED = ("light", "subject", "surroundings")
+"""Kinds of things by whose name a prompt may call a light."""
+_BEHIND = 180.0
+
+
+class SceneLights:
+    """The lights of a scene by role, and what glows as they do.
+
+    Args:
+        parsed: The prompt.
+        instances: The scene's parameters.
+        context: Its lights and glows.
+        vocabulary: What words mean.
+
+    Attributes:
+        key: Names of the key lights; the one that is brightest on the subject where no light has that role.
+        rim: Names of the rim lights; else the one nearest to behind the subject, if there are several.
+        fill: Names of the fill lights.
+        lamps: All lights.
+        glows: Glowing materials that light the scene as lights do, as "material/NAME"; they may be key and fill too.
+        told_apart: Number of a light that the prompt tells apart -> names, of which the first is meant above all.
+    """
+
+    def __init__(
+        self,
+        parsed: Parsed,
+        instances: dict[str, Instance],
+        context: PlanContext,
+        vocabulary: Vocabulary,
+    ) -> None:
+        self._instances, self._context, self._vocabulary = instances, context, vocabulary
+        self.lamps = list(dict.fromkeys(i.owner for i in instances.values() if i.parameter.group == "light"))
+        self.glows = self._glowing()
+        self.key = self._key()
+        self.rim = [n for n in self.of_role("rim") if n not in self.key] or self._nearest_behind()
+        self.fill = [n for n in [*self.of_role("fill"), *self.glows] if n not in self.key]
+        self.told_apart = assigned(parsed.attributes, self._known(), vocabulary)
+
+    @property
+    def every(self) -> list[str]:
+        """All lights and glows."""
+        return [*self.lamps, *self.glows]
+
+    def of_role(self, role: str) -> list[str]:
+        """The lights that have a role in the scene."""
+        return [
+            n for n in self.lamps if any(i.owner == n and i.role == role for i in self._instances.values())
+        ]
+
+    def values(self, effect: Effect, attribute: Attribute) -> list[Instance]:
+        """The parameters on which an effect of a word acts; of a glow, those that stand for a light's."""
+        glowing = _OF_GLOWS.get(effect.name)
+        keys = [
+            f"{light}/{glowing}" if light.startswith(GLOW) else f"light/{light}/{effect.name}"
+            for light in self.meant(effect, attribute)
+            if glowing or not light.startswith(GLOW)
+        ]
+        return [self._instances[key] for key in keys if key in self._instances]
+
+    def meant(self, effect: Effect, attribute: Attribute) -> list[str]:
+        """The lights and glows on which an effect of a word acts."""
+        owner, role = effect.owner, attribute.role
+        if effect.name in _PLACES and not set(self.key) & set(self.lamps):
+            return [] if role or owner in ("rim", "fill", "others") else self._brightest(self.lamps)
+        own = self._spoken_of(attribute)
+        if own is not None and owner not in ("rim", "fill"):
+            return self._of_own(own, effect)
+        if owner == "others":
+            return self._but(self._with_role(role if role in ("rim", "fill") else "key"))
+        if owner not in ("light", "lights"):
+            return self._with_role(owner)
+        if role:
+            return self._with_role(role)
+        return self.key if owner == "light" else self.every
+
+    def _of_own(self, own: list[str], effect: Effect) -> list[str]:
+        """Of the lights that a word is said of those on which its effect acts, or all that no word is said of."""
+        if effect.owner == "others":
+            return self._but([*own, *(name for names in self.told_apart.values() for name in names)])
+        turned = effect.owner != "lights" and effect.name in ("azimuth", "elevation")
+        return own[:1] if turned else own
+
+    def _with_role(self, role: str) -> list[str]:
+        """The lights that stand for a role: "key", "rim", "fill", or "others" than the key."""
+        own = {"key": self.key, "rim": self.rim, "fill": self.fill}
+        return own[role] if role in own else self._but(self.key)
+
+    def _but(self, names: list[str]) -> list[str]:
+        return [name for name in self.every if name not in names]
+
+    def _spoken_of(self, attribute: Attribute) -> list[str] | None:
+        """The lights that a word is said of, where the prompt tells several apart or calls one by its name."""
+        if attribute.lights:
+            return list(attribute.lights)
+        if attribute.lamp:
+            return self.told_apart[attribute.lamp]
+        if attribute.role or attribute.cause or attribute.kind not in _NAMED:
+            return None
+        return named(attribute.thing, self._known(), self._vocabulary)
+
+    def _glowing(self) -> list[str]:
+        """Materials that light the subject with a share of all light that is seen; dials and diodes do not."""
+        least = _SHARE * max(self._radiance(), 1e-6)
+        glows = (f"{GLOW}{material}" for material in self._context.glows)
+        return [name for name in glows if self._radiance(name) > least]
+
+    def _key(self) -> list[str]:
+        """The light that has the role, or the brightest; a glow that is brighter takes its place."""
+        lamps = self.of_role("key")
+        if not self.glows:
+            return lamps or self._brightest(self.lamps)
+        return self._brightest([*(lamps or self.lamps), *self.glows])
+
+    def _nearest_behind(self) -> list[str]:
+        """The light that is most behind the subject, seen from the camera; never the key."""
+        others = [n for n in self.lamps if n not in self.key]
+        unassigned = [n for n in others if n not in self.of_role("fill")] or others
+        return [min(unassigned, key=self._frontal)] if unassigned else []
+
+    def _frontal(self, light: str) -> float:
+        """Degrees from behind the subject."""
+        return abs(self._turn(light) % 360.0 - _BEHIND)
+
+    def _known(self) -> list[KnownLight]:
+        """All lights, the key first and those that are added for the words last."""
+        order = {name: place for place, name in enumerate(self.key)}
+        added = self._context.added_lights
+        names = sorted(self.every, key=lambda n: (n in added, order.get(n, len(order))))
+        return [self._known_glow(n) if n in self.glows else self._known_lamp(n) for n in names]
+
+    def _known_lamp(self, name: str) -> KnownLight:
+        role = next((r for r in ("key", "fill", "rim") if name in self.of_role(r)), "")
+        names = (name, self._context.light_types.get(name, ""))
+        return KnownLight(name, role, names, self._turn(name), name in self._context.added_lights)
+
+    def _known_glow(self, name: str) -> KnownLight:
+        material = name.removeprefix(GLOW)
+        glow = self._context.glows[material]
+        role = "key" if name in self.key else "fill"
+        return KnownLight(name, role, (material, *glow.objects), glow.azimuth - self._context.camera_azimuth)
+
+    def _turn(self, light: str) -> float:
+        """Azimuth of a light relative to the camera, degrees."""
+        instance = self._instances.get(f"light/{light}/azimuth")
+        azimuth = instance.value[0] / instance.reference if instance else 0.0
+        return azimuth - self._context.camera_azimuth
+
+    def _brightest(self, lights: list[str]) -> list[str]:
+        return [max(lights, key=self._radiance)] if lights else []
+
+    def _radiance(self, *lights: str) -> float:
+        """What a surface sheds that faces some lights, or all."""
+        return facing_radiance(self._instances, self._context, lambda i: i.value, lights or None)
