@@ -95,16 +95,17 @@ class Lexer:
 
     def _spelled_so(self, spelling: str) -> Token:
         """A token with every role that a spelling has."""
-        v = self.vocabulary
+        v, in_scene = self.vocabulary, spelling in self.names
+        lists = (kind for kind, phrases in v.lists.items() if spelling in phrases)
         return Token(
             spelling,
             v.synonyms.get(spelling, ""),
             v.colors.get(spelling),
             spelling if spelling in v.adjectives else "",
             v.nouns.get(spelling, "") or self._head_noun(spelling),
-            spelling in self.names,
+            in_scene,
             v.intensity.get(spelling),
-            frozenset(kind for kind, phrases in v.lists.items() if spelling in phrases),
+            frozenset(kind for kind in lists if kind != "beyond" or not in_scene),
             name=spelling,
         )
 

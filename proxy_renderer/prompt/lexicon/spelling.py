@@ -4,8 +4,11 @@
 from __future__ import annotations
 
 import re
+import tomllib
 import unicodedata
 from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
 
 _LETTERS = str.maketrans({"ß": "ss", "ł": "l", "ø": "o", "đ": "d", "æ": "ae", "œ": "oe"})
 """Letters that are no others with an accent -> how they are written without them."""
@@ -22,11 +25,20 @@ def folded(word: str) -> str:
 
 def singular(word: str) -> str:
     """A word without the ending of an English plural."""
+    if word in _plurals():
+        return _plurals()[word]
     if word.endswith("ies") and len(word) > 4:
         return word[:-3] + "y"
     if word.endswith(_SIBILANTS):
         return word[:-2]
     return word[:-1] if word.endswith("s") and not word.endswith("ss") and len(word) > 3 else word
+
+
+@cache
+def _plurals() -> dict[str, str]:
+    """Plurals that no ending tells -> the word for one."""
+    rows = tomllib.loads(Path(__file__).with_name("names.toml").read_text("utf-8"))
+    return dict(pair.split("/") for pair in rows["plurals"].split())
 
 
 def any_of(phrases: Iterable[str]) -> str:

@@ -51,13 +51,15 @@ class _Finder:
         start = 0
         while start < len(self.items):
             found = self._at(start)
+            if found and self.items[start].wished:
+                found = _of_a_wish(found)
             if found:
                 yield found
             start = found.end + 1 if found else start + 1
 
     def _at(self, start: int) -> NounMention | None:
         """The one that begins at an item."""
-        if self.items[start].wished or self.items[start].ties or self._is_done(start):
+        if self.items[start].ties or self._is_done(start):
             return None
         for count in range(_LONGEST, 1, -1):
             if named := self._of_several(start, count):
@@ -172,6 +174,12 @@ class _Finder:
         before = [i for i in self.passage.content(0, start) if not i.names_a_look]
         gives_light = before and "lighting" in before[-1].lists  # "lit by a red firefly"
         return token.noun or ("light" if gives_light else "unknown")
+
+
+def _of_a_wish(mention: NounMention) -> NounMention | None:
+    """A thing that is to be moved or the like, which later words may be about: "move the chairs and make them blue"."""
+    named = [replace(n, signs=n.signs | {"of a wish"}) for n in mention.named if n.kind == "things"]
+    return replace(mention, noun="", role="", named=tuple(named)) if named else None
 
 
 def _translated(named: list[Named]) -> bool:

@@ -8,7 +8,7 @@ from difflib import SequenceMatcher, get_close_matches
 from functools import cache
 
 from ..lexicon.spelling import folded, singular
-from ..lexicon.things import english_things, senses
+from ..lexicon.things import english_things, senses, thing_words
 from ..lexicon.vocabulary import shipped_vocabulary
 from ..lexicon.word_table import table
 from ..names import name_words, spaced
@@ -75,13 +75,10 @@ def _means(word: str, part: str) -> bool:
 
 
 def _head(name: tuple[str, ...]) -> tuple[str, ...]:
-    """A name without what it says at its end of the look, or which one it is: "frame" of "frame black", "tent" of "tent small"."""
-    ends = (
-        end
-        for end in range(len(name), 0, -1)
-        if not (_is_of_surfaces(name[end - 1]) or _picks(name[end - 1]))
-    )
-    return name[: next(ends, None)]
+    """A name without what follows its noun: "frame" of "frame black", "tent" of "tent small", "bathtub" of "bathtub freestanding"."""
+    ends = [n for n, word in enumerate(name, 1) if not (_is_of_surfaces(word) or _picks(word))]
+    things = [n for n in ends if name[n - 1] in thing_words().rows]
+    return name[: max(things or ends, default=None)]
 
 
 def _picks(word: str) -> bool:

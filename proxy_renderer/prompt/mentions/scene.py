@@ -16,6 +16,8 @@ _TYPES = {"SUN": "sun", "SPOT": "spot"}
 """Types of lights that people call by name."""
 _OF_ITS_KIND = ("exact", "last", "whole", "synonym")
 """Ways to fit the name of a thing that is what a word says, or a limb of it."""
+_OF_THE_WORD = ("exact", "last", "part")
+"""Ways to fit a name that has the very word: "stone" in "Ruin_Stone" and "Stone_Mossy"."""
 _Fits = Callable[[Mapping[str, tuple[str, ...]]], dict[str, str]]
 _Found = tuple[Iterable[str], tuple[str, ...]]
 """Names, and the signs by which they were found."""
@@ -95,6 +97,9 @@ class SceneIndex:
                 chosen = [name for name, its in ways.items() if its == way]
                 signs = (f"{source} {way}", *(() if way == surest else ("less sure",)))
                 yield from self._chosen(source, chosen, signs)
+            of_word = [name for name, way in ways.items() if way in _OF_THE_WORD]
+            if source == "material" and len({ways[name] for name in of_word}) > 1:
+                yield from self._chosen(source, of_word, (f"{source} {surest}", "any of it"))
             kind = [name for name, way in ways.items() if way in _OF_ITS_KIND]
             if plural and source != "material" and len({ways[name] for name in kind}) > 1:
                 yield from self._chosen(source, kind, (f"{source} {surest}", "every one"))
