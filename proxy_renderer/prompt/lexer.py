@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Container
+from collections.abc import Collection, Container
 from dataclasses import replace
 from difflib import get_close_matches
 from functools import cached_property
@@ -20,6 +20,7 @@ from .tokens import Token, composed
 from .types import SceneWords
 
 _LONGEST = 5  # words in a phrase
+_SHORTEST, _SHORTEST_FOREIGN = 4, 6  # letters of a word that may be mistyped
 _COMPARED = ("finish", "grade", "mood", "atmosphere")
 """Slots of words of which there can be more: "glossier", "moodier", "drier"."""
 _NAME_ALIKE, _ALIKE = 0.86, 0.84  # share of letters that a mistyped name, and any other word, has right
@@ -27,10 +28,16 @@ _BREAK = re.compile(r"[.,;:!?()\[\]{}<>|\n\"*#=+]|\s[-–—/]\s|/")
 
 
 class Lexer:
-    """Finds the longest known phrases; built once per prompt, as scenes bring their own names."""
+    """Finds the longest known phrases; built once per prompt, as scenes bring their own names.
 
-    def __init__(self, vocabulary: Vocabulary, words: SceneWords) -> None:
-        self.vocabulary = vocabulary
+    Args:
+        vocabulary: What is known.
+        words: The names in the scene.
+        foreign: Words of another language: only long ones may be English ones with a mistake, "travertin".
+    """
+
+    def __init__(self, vocabulary: Vocabulary, words: SceneWords, foreign: Collection[str] = ()) -> None:
+        self.vocabulary, self.foreign = vocabulary, foreign
         self.names = scene_names(words)
 
     def clauses(self, prompt: str) -> list[list[Token]]:
@@ -157,8 +164,9 @@ class Lexer:
 
     def _guess(self, token: Token) -> Token:
         """The nearest known word, where it can only be a slip of the keyboard."""
-        token.near = self.vocabulary.made(Nearest).guess(token.text)
-        if len(token.text) < 4 or table().is_english(token.text):
+        foreign = token.text in self.foreign
+        token.near = None if foreign else self.vocabulary.made(Nearest).guess(token.text)
+        if len(token.text) < (_SHORTEST_FOREIGN if foreign else _SHORTEST) or table().is_english(token.text):
             return token
         spelling = self.vocabulary.made(_spelling)
         near = (

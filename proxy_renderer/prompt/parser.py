@@ -15,6 +15,7 @@ from .languages.gloss import Gloss, gloss
 from .languages.retell import Retelling
 from .languages.unread import other_language, understood
 from .lexicon import hours, kelvins
+from .lexicon.entries import normalize
 from .lexicon.user_words import default_vocabulary
 from .lexicon.vocabulary import Vocabulary
 from .meaning import complete
@@ -78,7 +79,7 @@ def parse(
         raise VibeError(f"The prompt '{text[:60]}' is in a language that is not understood.", understood())
     said, spared = _prepared(glossed.english, scene, vocabulary)
     found = PromptReader(vocabulary, scene, weights)
-    parsed = found.read(said)
+    parsed = found.read(said, {normalize(word) for word in glossed.unknown})
     parsed.prompt = text
     parsed.conflicts += [f"'{words}': what no word names stays as it is." for words in spared]
     if found.beyond:

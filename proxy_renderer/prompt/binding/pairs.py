@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 from ..lexer import Lexer
@@ -53,15 +54,18 @@ class PromptPairs:
     pairs: list[list[TargetPair]]
 
 
-def reading(text: str, words: SceneWords, vocabulary: Vocabulary) -> PromptPairs:
+def reading(
+    text: str, words: SceneWords, vocabulary: Vocabulary, foreign: Collection[str] = ()
+) -> PromptPairs:
     """The pairs of a prompt.
 
     Args:
         text: The prompt.
         words: The names in the scene.
         vocabulary: What is known.
+        foreign: Words of another language that are left in the prompt.
     """
-    clauses = Lexer(vocabulary, words).clauses(text)
+    clauses = Lexer(vocabulary, words, foreign).clauses(text)
     for tokens in clauses:
         guess_places(tokens, vocabulary)
     found = passage(clauses, vocabulary)

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 
 from ...schema import VibeError
@@ -54,13 +54,14 @@ class PromptReader:
         self.beyond: list[str] = []
         self.undone: list[str] = []
 
-    def read(self, text: str) -> Parsed:
+    def read(self, text: str, foreign: Collection[str] = ()) -> Parsed:
         """Binds every look word; the result lacks what `meaning.complete` adds.
 
         Args:
             text: The prompt, prepared.
+            foreign: Words of another language that are left in it.
         """
-        self.found: PromptPairs = reading(text, self.scene, self.vocabulary)
+        self.found: PromptPairs = reading(text, self.scene, self.vocabulary, foreign)
         self.chosen: list[TargetPair] = assigned(self.found, self.weights)
         things = Things(self.found, self.chosen, self.scene)
         parsed = Parsed(text)

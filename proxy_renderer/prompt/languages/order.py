@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import replace
-from itertools import pairwise
+from itertools import groupby, pairwise
 
 from ..lexicon.languages import LanguageLexicon
 from ..lexicon.vocabulary import Vocabulary
@@ -17,6 +17,7 @@ _NOUNS = ("things", "name", "unknown", "looked")
 """Kinds of pieces that look words stand beside; "looked" is a look that is a noun: a night, smoke."""
 _PLACE = "~"
 """Where in an English wording the words stand that another language puts before it."""
+_THAN = "than"
 GENITIVE = "'s"
 """English of what ties a thing to what it belongs to, or a look to its thing."""
 
@@ -46,7 +47,8 @@ def ordered(found: list[Piece], lexicon: LanguageLexicon, vocabulary: Vocabulary
             last = match.end()
         return [*placed, *found[last:]]
 
-    placed = _fronted([_as_noun(piece, vocabulary) for piece in found], vocabulary)
+    known = [_as_noun(piece, vocabulary) for piece in _without_that(found, vocabulary)]
+    placed = _fronted(known, vocabulary)
     placed = moved(placed, _COMPARED, lambda than, looks: looks + than)
     placed = moved(placed, _OWNED, lambda noun, looks: looks + noun)
     placed = [piece for piece in placed if piece.english != GENITIVE]  # "blue's car" is a blue car
@@ -74,9 +76,30 @@ def _kind(piece: Piece, vocabulary: Vocabulary) -> str:
     return next((letter for letter, holds in rules if holds), "O")
 
 
+def _without_that(found: list[Piece], vocabulary: Vocabulary) -> list[Piece]:
+    """Without the "que" of "que la luz sea suave": it is a "than" only in clauses that compare."""
+    kept: list[Piece] = []
+    for _, group in groupby(found, key=lambda piece: piece.kind == "mark"):
+        clause = list(group)
+        than = any(_is_compared(piece.english, vocabulary) for piece in clause)
+        kept += [
+            piece if than or (piece.english, piece.kind) != (_THAN, "grammar") else replace(piece, english="")
+            for piece in clause
+        ]
+    return kept
+
+
+def _is_compared(english: str, vocabulary: Vocabulary) -> bool:
+    """Whether words say more or less of something: "more", "less glossy", "darker"."""
+    stems = vocabulary.stems(english, "comparative")
+    looks = any(stem in vocabulary.adjectives or stem in vocabulary.synonyms for stem in stems)
+    return looks or english.split()[:1] in (["more"], ["less"])
+
+
 def _as_noun(piece: Piece, vocabulary: Vocabulary) -> Piece:
-    """Times, and parts of the picture, have looks of their own."""
+    """Times, places, and parts of the picture, have looks of their own."""
     noun = piece.english in vocabulary.nouns or piece.english in vocabulary.lists["hour"]
+    noun |= vocabulary.slot(piece.english) == "setting"
     noun |= piece.english.endswith("light") and " " not in piece.english
     noun &= piece.english not in vocabulary.colors and piece.english not in vocabulary.adjectives
     return replace(piece, kind="looked") if piece.kind == "looks" and noun else piece
