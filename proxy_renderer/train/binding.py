@@ -16,6 +16,7 @@ from ..prompt.lexicon.vocabulary import Vocabulary, shipped_vocabulary
 from ..prompt.parser import prepared
 from .fitting import Example, fit_links, fit_pairs
 from .sentences import read_folder
+from .sentences.glossed import glossed
 from .sentences.labels import LabeledSentence
 from .sentences.right import right_pairs
 from .sentences.stand_in import stand_in
@@ -40,8 +41,9 @@ def examples(
     found = []
     scenes = {s.scene.name: s.scene for s in sentences}
     words_of = {name: stand_in(scene).words for name, scene in scenes.items()}
-    for sentence in sentences:
-        words = words_of[sentence.scene.name]
+    for artists in sentences:
+        words = words_of[artists.scene.name]
+        sentence = glossed(artists, words, vocabulary)
         read = reading(prepared(sentence.text, words, vocabulary), words, vocabulary)
         right = tuple(tuple(each) for each in right_pairs(sentence, read))
         found.append(Example(sentence.scene.name, read, right, counts))

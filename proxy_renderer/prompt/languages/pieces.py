@@ -11,14 +11,14 @@ from functools import lru_cache
 from itertools import product
 
 from ..lexicon.languages import LanguageLexicon, Meaning, Wording
-from ..lexicon.spelling import any_of, folded
+from ..lexicon.spelling import folded
+from .spaceless import cut
 
 _LONGEST = 5  # words of a wording
 _SHORTEST = 3  # letters of a part of a compound
 _SCENES = 8  # whose names are kept with the words of a language
 _WORD = re.compile(r"[^\W_]+['’]?|(?<!\w)[-_]|[-_](?!\w)|[^\w\s-]")
 _SPACELESS = re.compile(r"[\u2e80-\u9fff\uf900-\ufaff]")
-_KATAKANA = r"[\u30a0-\u30ff]+"
 _MARKS = {"、": ",", "。": ".", "・": " ", "「": '"', "」": '"'}
 
 
@@ -71,16 +71,15 @@ def _cuts(text: str, lexicon: LanguageLexicon, names: frozenset[str]) -> Iterato
     for match in _WORD.finditer(text):
         start, word = match.start(), match.group()
         apart = lexicon.spaces or not _SPACELESS.search(word)
-        for part in [word] if apart else _known(lexicon, tight).split(word):
-            if part:
-                yield Piece(part, start, start + len(part), "unknown")
+        for part in [word] if apart else cut(word, _known(lexicon, tight)):
+            yield Piece(part, start, start + len(part), "unknown")
             start += len(part)
 
 
 @lru_cache(_SCENES)
-def _known(lexicon: LanguageLexicon, names: frozenset[str]) -> re.Pattern[str]:
-    """What letters without spaces are cut into; Katakana and Latin are not cut inside of words."""
-    return re.compile(f"([a-zA-Z0-9]+|{any_of({*lexicon.bases, *names} - {''})}|{_KATAKANA})")
+def _known(lexicon: LanguageLexicon, names: frozenset[str]) -> frozenset[str]:
+    """What letters without spaces are cut into."""
+    return frozenset({*lexicon.bases, *names} - {""})
 
 
 @dataclass(frozen=True)
