@@ -14,7 +14,7 @@ from ..lexicon.word_table import table
 from ..mentions.names import parts
 from ..types import SceneWords
 from .order import ordered
-from .pieces import Piece, pieces
+from .pieces import Piece, corrected, pieces
 
 _WORD = re.compile(r"[^\W_]+")
 _TIGHT = re.compile(r"\s+([,.;:!?])")
@@ -62,7 +62,8 @@ def gloss(text: str, scene: SceneWords, vocabulary: Vocabulary) -> Gloss:
     best = max(tried, key=lambda attempt: attempt.letters)
     if not best.letters:
         return Gloss(text, text)
-    said = [_as_english(piece, vocabulary) for piece in ordered(best.pieces, best.lexicon, vocabulary)]
+    meant = [p if _is_english(p.english, vocabulary) else corrected(p, best.lexicon) for p in best.pieces]
+    said = [_as_english(piece, vocabulary) for piece in ordered(meant, best.lexicon, vocabulary)]
     english_text = " ".join(piece.english for piece in said if piece.english)
     return Gloss(text, _TIGHT.sub(r"\1", english_text), best.lexicon.name, tuple(said))
 

@@ -7,15 +7,18 @@ import re
 import unicodedata
 from collections.abc import Container, Iterator
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from functools import lru_cache
 from itertools import product
 
 from ..lexicon.languages import LanguageLexicon, Meaning, Wording
 from ..lexicon.spelling import folded
+from ..lexicon.things import thing_words
 from .spaceless import cut
 
 _LONGEST = 5  # words of a wording
 _SHORTEST = 3  # letters of a part of a compound
+_MISTYPED, _ALIKE = 6, 0.92  # letters of a word that may be mistyped, and the share of them that is right
 _SCENES = 8  # whose names are kept with the words of a language
 _WORD = re.compile(r"[^\W_]+['’]?|(?<!\w)[-_]|[-_](?!\w)|[^\w\s-]")
 _SPACELESS = re.compile(r"[\u2e80-\u9fff\uf900-\ufaff]")
@@ -128,6 +131,22 @@ class _Cutter:
             first = next(((h,) for h in heads if len(h) >= _SHORTEST and (h,) in self.lexicon.meanings), None)
             if first and last:
                 yield [self.lexicon.meanings[first], self.lexicon.meanings[last]]
+
+
+def corrected(piece: Piece, lexicon: LanguageLexicon) -> Piece:
+    """A long word that nobody knows as the known one that it is but for a letter; names of things, in any language, stay.
+
+    Args:
+        piece: Of a prompt.
+        lexicon: Of the prompt's language.
+    """
+    word = folded(piece.english)
+    if piece.kind != "unknown" or len(word) < _MISTYPED or not lexicon.spaces or word in thing_words().rows:
+        return piece
+    alike = (known for known in lexicon.begins(word[0]) if abs(len(known) - len(word)) < 2)
+    bases = (base for near in get_close_matches(word, alike, 1, _ALIKE) for base in lexicon.bases[near])
+    meaning = next((lexicon.meanings[(base,)] for base in bases if (base,) in lexicon.meanings), None)
+    return _meant(piece, meaning) if meaning and meaning.english else piece
 
 
 def _meant(cut: Piece, meaning: Meaning) -> Piece:

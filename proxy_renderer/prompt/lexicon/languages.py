@@ -7,7 +7,8 @@ import tomllib
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, cached_property
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -60,6 +61,15 @@ class LanguageLexicon:
     bases: dict[str, tuple[str, ...]]
     looks: dict[str, tuple[str, ...]]
     things: dict[str, tuple[str, ...]]
+
+    def begins(self, letter: str) -> tuple[str, ...]:
+        """The words that begin with a letter, as they may be inflected."""
+        return self._by_letter.get(letter, ())
+
+    @cached_property
+    def _by_letter(self) -> dict[str, tuple[str, ...]]:
+        words = sorted(self.bases, key=lambda word: word[:1])
+        return {letter: tuple(group) for letter, group in groupby(words, key=lambda word: word[:1])}
 
 
 @cache
