@@ -4,17 +4,17 @@
 from __future__ import annotations
 
 import platform
-import textwrap
 from collections.abc import Sequence
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageDraw
 
 from .. import __version__
 from ..schema import Values, atomic
+from . import lettering
 
 if TYPE_CHECKING:
     from torch import Tensor
@@ -139,22 +139,19 @@ def load_picture(path: Path) -> np.ndarray:
     return np.asarray(flat.convert("RGB"), np.float32) / 255.0
 
 
-def compare(rows: Sequence[Sequence[tuple[str, Image.Image]]], prompt: str) -> Image.Image:
+def compare(rows: Sequence[Sequence[tuple[str, Image.Image]]], prompt: str, fonts: Path) -> Image.Image:
     """Labeled panels side by side, rows of them one below the other, the prompt at the foot.
 
     Args:
         rows: (label, picture), from left to right; all in a row are as high as the first.
         prompt: Long ones are wrapped, and cut after four lines; "" for none.
+        fonts: Folder of Blender's fonts.
     """
-    title, label = ImageFont.load_default(26), ImageFont.load_default(18)
+    title = lettering.font(26, prompt, fonts)
+    label = lettering.font(18, "".join(name for row in rows for name, _ in row), fonts)
     sizes = [[_fitted(picture, _fitted(row[0][1])[1]) for _, picture in row] for row in rows]
     total = max(sum(width + _MARGIN for width, _ in row) for row in sizes) + _MARGIN
-    lines = textwrap.wrap(
-        f"“{prompt}”" if prompt.strip() else "",
-        max(int((total - 2 * _MARGIN) / 12.5), 20),
-        max_lines=4,
-        placeholder=" …",
-    )
+    lines = lettering.wrapped(f"“{prompt}”", title, total - 2 * _MARGIN, 4) if prompt.strip() else []
     head = 2 * _MARGIN + 8
     height = sum(head + row[0][1] for row in sizes)
     sheet = Image.new("RGB", (total, height + _MARGIN + 36 * len(lines) + _MARGIN), _PAPER)

@@ -32,6 +32,7 @@ from . import predictions, report
 from .additions import with_additions
 from .claimed import claims_about, foreseen
 from .device import pick_device
+from .lettering import fonts_of
 
 
 class EngineSession:
@@ -137,7 +138,13 @@ class EngineSession:
                 ]
             )
         if outcome.variants:
-            report.save_image(report.compare(rows, self.prompt), Path(self.shots[0].job) / messages.VARIANTS)
+            sheet = report.compare(rows, self.prompt, self._fonts())
+            report.save_image(sheet, Path(self.shots[0].job) / messages.VARIANTS)
+
+    def _fonts(self) -> Path:
+        """The folder of Blender's fonts."""
+        assert self._outcome
+        return fonts_of(self._outcome.shots[0].scene.film.ocio)
 
     def finish(self, request: messages.Finish) -> messages.Finished:
         """Measures Cycles' pictures against the prediction and the words, and composes them.
@@ -166,7 +173,7 @@ class EngineSession:
             for label, p in panels
         ]
         self._rows = [*self._rows[: request.shot], images]
-        report.save_image(report.compare(self._rows, self.prompt), Path(request.compare_out))
+        report.save_image(report.compare(self._rows, self.prompt, self._fonts()), Path(request.compare_out))
         with Image.open(job / predictions.MASK) as picture:
             mask = picture.resize(shape, Image.Resampling.LANCZOS)
         if request.mask_out:
