@@ -18,7 +18,7 @@ from .spaceless import cut
 
 _LONGEST = 5  # words of a wording
 _SHORTEST = 3  # letters of a part of a compound
-_MISTYPED, _ALIKE = 6, 0.92  # letters of a word that may be mistyped, and the share of them that is right
+_MISTYPED, _ALIKE = 7, 0.92  # letters of a word that may be mistyped, and the share of them that is right
 _SCENES = 8  # whose names are kept with the words of a language
 _WORD = re.compile(r"[^\W_]+['’]?|(?<!\w)[-_]|[-_](?!\w)|[^\w\s-]")
 _SPACELESS = re.compile(r"[\u2e80-\u9fff\uf900-\ufaff]")
@@ -74,7 +74,7 @@ def _cuts(text: str, lexicon: LanguageLexicon, names: frozenset[str]) -> Iterato
     for match in _WORD.finditer(text):
         start, word = match.start(), match.group()
         apart = lexicon.spaces or not _SPACELESS.search(word)
-        for part in [word] if apart else cut(word, _known(lexicon, tight)):
+        for part in [word] if apart else cut(word, _known(lexicon, tight), lexicon.compounds):
             yield Piece(part, start, start + len(part), "unknown")
             start += len(part)
 

@@ -29,20 +29,22 @@ class _Cut:
     known: bool = True
 
 
-def cut(letters: str, known: Container[str]) -> tuple[str, ...]:
+def cut(letters: str, known: Container[str], compounds: bool) -> tuple[str, ...]:
     """The words of letters without spaces, those that are not known among them: the path of the least cost.
 
     Args:
         letters: What stands together.
         known: Words.
+        compounds: Whether words of several letters are made of such of one, so that one of them says little: 液体.
     """
+    single = _SINGLE if compounds else 0.0
     best: list[list[_Cut]] = [[_Cut(0.0)], *([] for _ in letters)]
     for start in range(len(letters)):
         for before in best[start]:
-            best[start + 1].append(_with_unknown(before, letters[start]))
+            best[start + 1].append(_with_unknown(before, letters[start], single))
             for end in range(start + 1, min(start + _LONGEST, len(letters)) + 1):
                 if letters[start:end] in known:
-                    best[end].append(_with_known(before, letters[start:end]))
+                    best[end].append(_with_known(before, letters[start:end], single))
         for end in range(start + 1, min(start + _LONGEST, len(letters)) + 1):
             best[end] = _cheapest(best[end])
     return min(best[-1], key=_rank).words
@@ -59,17 +61,18 @@ def _rank(cut: _Cut) -> tuple[float, list[int]]:
     return cut.cost, [-len(word) for word in cut.words]
 
 
-def _with_known(before: _Cut, word: str) -> _Cut:
+def _with_known(before: _Cut, word: str, single: float) -> _Cut:
     cost = _WORD if len(word) > 1 else _LETTER
     if not before.known:
-        cost += _seam(before.words[-1][-1], word[0], word)
+        cost += _seam(before.words[-1][-1], word[0], single * (len(word) == 1))
     return _Cut(before.cost + cost, (*before.words, word))
 
 
-def _with_unknown(before: _Cut, letter: str) -> _Cut:
-    if not before.known:
+def _with_unknown(before: _Cut, letter: str, single: float) -> _Cut:
+    if not before.known and _is_latin(before.words[-1][-1]) == _is_latin(letter):
         return _Cut(before.cost + _UNKNOWN, (*before.words[:-1], before.words[-1] + letter), known=False)
-    seam = 0.0 if _is_particle(before.words) else _seam(before.words[-1][-1], letter, before.words[-1])
+    last = before.words[-1] if before.words else ""
+    seam = 0.0 if _is_particle(before.words) else _seam(last[-1], letter, single * (len(last) == 1))
     return _Cut(before.cost + _UNKNOWN + seam, (*before.words, letter), known=False)
 
 
@@ -79,13 +82,17 @@ def _is_particle(words: tuple[str, ...]) -> bool:
     return not words or (len(scripts) == 2 and len(words[-1]) == 1 and scripts[0] != scripts[1])
 
 
+def _is_latin(letter: str) -> bool:
+    return _script(letter) == 0
+
+
 def _script(letter: str) -> int:
     return next(n for n, (script, _) in enumerate(_SCRIPTS) if script.match(letter))
 
 
-def _seam(last: str, first: str, word: str) -> float:
+def _seam(last: str, first: str, single: float) -> float:
     """The cost of a known word beside an unknown one."""
     script = _script(last)
     if script != _script(first):
         return 0.0
-    return _SCRIPTS[script][1] or (_SINGLE if len(word) == 1 else 0.0)
+    return _SCRIPTS[script][1] or single

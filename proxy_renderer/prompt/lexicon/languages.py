@@ -18,7 +18,7 @@ from .spelling import folded
 
 TABLES = ("grammar", "behind", "looks", "things", "shades")
 """Tables of words; of a wording in several, the first counts, but shades count beside colors and materials."""
-_SETTINGS = {"name": str, "spaces": bool, "adjectives": str, "endings": str, "links": str}
+_SETTINGS = {"name": str, "spaces": bool, "adjectives": str, "endings": str, "links": str, "compounds": bool}
 _SIDES = ("before", "after")
 Wording = tuple[str, ...]
 
@@ -46,6 +46,7 @@ class LanguageLexicon:
         name: In English.
         spaces: Whether words are written apart.
         adjectives: Whether they stand "before" or "after" their noun.
+        compounds: Whether words of several letters are made of such of one letter (for languages without spaces).
         links: What stands between the parts of a compound.
         meanings: Wording, word by word -> what it says.
         bases: Word as it may be inflected -> words of wordings that it may be.
@@ -56,6 +57,7 @@ class LanguageLexicon:
     name: str
     spaces: bool
     adjectives: str
+    compounds: bool
     links: tuple[str, ...]
     meanings: dict[Wording, Meaning]
     bases: dict[str, tuple[str, ...]]
@@ -101,6 +103,7 @@ def load(path: Path) -> LanguageLexicon:
     every = {word for wording in meanings for word in wording}
     return LanguageLexicon(
         settings["name"], settings["spaces"], settings.get("adjectives", "before"),
+        settings.get("compounds", False),
         _listed(settings.get("links", "")), meanings,
         _bases(every, _listed(settings.get("endings", ""))), rows["looks"], rows["things"],
     )  # fmt: skip
