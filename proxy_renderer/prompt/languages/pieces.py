@@ -106,7 +106,10 @@ class _Cutter:
             return None
         meaning = self.lexicon.meanings[wording]
         named = len(cuts) == 1 and (words[0] in self.names or wording[0] in self.names)
-        return replace(said, kind="name") if named and meaning.table == "things" else _meant(said, meaning)
+        if named and meaning.table == "things":
+            return replace(said, kind="name")
+        here = (other for other in meaning.others if other in self.names)
+        return replace(_meant(said, meaning), english=next(here, meaning.english))
 
     def parts(self, cut: Piece) -> list[Piece]:
         """What a word is that no lexicon has: a mark, a name, a compound; itself where nobody knows it."""

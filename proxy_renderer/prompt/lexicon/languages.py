@@ -31,11 +31,13 @@ class Meaning:
         english: In English; "" for what English leaves out.
         table: One of `TABLES`.
         shade: What it is beside a color or a material; "" for the same.
+        others: Other things that are called so: "esfera" is a sphere, and the dial of a watch.
     """
 
     english: str
     table: str
     shade: str = ""
+    others: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,6 +102,8 @@ def load(path: Path) -> LanguageLexicon:
         known = meanings.setdefault(words, Meaning(english, table))
         if table == "shades":
             meanings[words] = replace(known, shade=known.shade or english)
+        elif known.table == table == "things" and english != known.english:
+            meanings[words] = replace(known, others=(*known.others, english))
     every = {word for wording in meanings for word in wording}
     return LanguageLexicon(
         settings["name"], settings["spaces"], settings.get("adjectives", "before"),
