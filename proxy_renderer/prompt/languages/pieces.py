@@ -82,7 +82,7 @@ def _cuts(text: str, lexicon: LanguageLexicon, names: frozenset[str]) -> Iterato
 @lru_cache(_SCENES)
 def _known(lexicon: LanguageLexicon, names: frozenset[str]) -> frozenset[str]:
     """What letters without spaces are cut into."""
-    return frozenset({*lexicon.bases, *names} - {""})
+    return frozenset({*lexicon.forms, *names} - {""})
 
 
 @dataclass(frozen=True)
@@ -123,7 +123,7 @@ class _Cutter:
 
     def _wording(self, words: list[str]) -> Wording | None:
         """The wording that words are a form of; None where they are none."""
-        each = [self.lexicon.bases.get(word, ()) for word in words]
+        each = [self.lexicon.bases(word) for word in words]
         return next((w for w in product(*each) if w in self.lexicon.meanings), None)
 
     def _compounds(self, word: str) -> Iterator[list[Meaning]]:
@@ -147,7 +147,7 @@ def corrected(piece: Piece, lexicon: LanguageLexicon) -> Piece:
     if piece.kind != "unknown" or len(word) < _MISTYPED or not lexicon.spaces or word in thing_words().rows:
         return piece
     alike = (known for known in lexicon.begins(word[0]) if abs(len(known) - len(word)) < 2)
-    bases = (base for near in get_close_matches(word, alike, 1, _ALIKE) for base in lexicon.bases[near])
+    bases = (base for near in get_close_matches(word, alike, 1, _ALIKE) for base in lexicon.bases(near))
     meaning = next((lexicon.meanings[(base,)] for base in bases if (base,) in lexicon.meanings), None)
     return _meant(piece, meaning) if meaning and meaning.english else piece
 

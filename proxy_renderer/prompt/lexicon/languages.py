@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import tomllib
-from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
@@ -51,7 +50,7 @@ class LanguageLexicon:
         compounds: Whether words of several letters are made of such of one letter (for languages without spaces).
         links: What stands between the parts of a compound.
         meanings: Wording, word by word -> what it says.
-        bases: Word as it may be inflected -> words of wordings that it may be.
+        endings: What inflection makes of a word: the ending that is typed, and that of the word.
         looks: English look word -> its wordings in the language.
         things: English name of a thing -> its names in the language.
     """
@@ -62,17 +61,38 @@ class LanguageLexicon:
     compounds: bool
     links: tuple[str, ...]
     meanings: dict[Wording, Meaning]
-    bases: dict[str, tuple[str, ...]]
+    endings: tuple[tuple[str, str], ...]
     looks: dict[str, tuple[str, ...]]
     things: dict[str, tuple[str, ...]]
 
+    @cached_property
+    def words(self) -> frozenset[str]:
+        """All words of its wordings."""
+        return frozenset(word for wording in self.meanings for word in wording)
+
+    def bases(self, word: str) -> tuple[str, ...]:
+        """The words that one may be a form of, itself first.
+
+        Args:
+            word: As it is typed, folded.
+        """
+        ends = ((t, b) for t, b in self.endings if word.endswith(t) and len(word) > len(t))
+        every = (word, *(word.removesuffix(typed) + base for typed, base in ends))
+        return tuple(dict.fromkeys(known for known in every if known in self.words))
+
+    @cached_property
+    def forms(self) -> frozenset[str]:
+        """All words as they may be inflected; many, for languages with spaces."""
+        ends = ((w.removesuffix(b), t) for w in self.words for t, b in self.endings if w.endswith(b))
+        return self.words | {stem + typed for stem, typed in ends if stem}
+
     def begins(self, letter: str) -> tuple[str, ...]:
-        """The words that begin with a letter, as they may be inflected."""
+        """The words that begin with a letter."""
         return self._by_letter.get(letter, ())
 
     @cached_property
     def _by_letter(self) -> dict[str, tuple[str, ...]]:
-        words = sorted(self.bases, key=lambda word: word[:1])
+        words = sorted(self.words)
         return {letter: tuple(group) for letter, group in groupby(words, key=lambda word: word[:1])}
 
 
@@ -104,32 +124,22 @@ def load(path: Path) -> LanguageLexicon:
             meanings[words] = replace(known, shade=known.shade or english)
         elif known.table == table == "things" and english != known.english:
             meanings[words] = replace(known, others=(*known.others, english))
-    every = {word for wording in meanings for word in wording}
+    endings = (ending.split("/") for ending in _listed(settings.get("endings", "")))
     return LanguageLexicon(
-        settings["name"], settings["spaces"], settings.get("adjectives", "before"),
-        settings.get("compounds", False),
-        _listed(settings.get("links", "")), meanings,
-        _bases(every, _listed(settings.get("endings", ""))), rows["looks"], rows["things"],
-    )  # fmt: skip
+        name=settings["name"],
+        spaces=settings["spaces"],
+        adjectives=settings.get("adjectives", "before"),
+        compounds=settings.get("compounds", False),
+        links=_listed(settings.get("links", "")),
+        meanings=meanings,
+        endings=tuple((typed, base) for typed, base in endings),
+        looks=rows["looks"],
+        things=rows["things"],
+    )
 
 
 def _listed(row: str) -> tuple[str, ...]:
     return tuple(part.strip() for part in row.split(",") if part.strip())
-
-
-def _bases(words: set[str], endings: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
-    """Inflected word -> the words that it may be a form of, itself first."""
-    forms: dict[str, list[str]] = defaultdict(list)
-    for word in words:
-        forms[word].append(word)
-    for ending in endings:
-        typed, _, base = ending.partition("/")
-        for word in sorted(words):
-            if word.endswith(base) and len(word) > len(base):
-                form = word[: len(word) - len(base)] + typed
-                if word not in forms[form]:
-                    forms[form].append(word)
-    return {form: tuple(found) for form, found in forms.items()}
 
 
 def _check(path: Path, text: str, content: dict[str, Any]) -> None:
