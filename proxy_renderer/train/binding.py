@@ -102,9 +102,10 @@ def main() -> None:
     parser.add_argument(
         "--sentences",
         type=Path,
+        nargs="+",
         required=True,
         metavar="DIR",
-        help="folder of scenes.toml and sentences_NN.toml",
+        help="folders of sentences_NN.toml, with scenes.toml in them or in development beside them",
     )
     parser.add_argument(
         "--hard", type=Path, metavar="DIR", help="folder of harder ones than prompts are, which count half"
@@ -113,7 +114,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=FILE, help="file of weights (default: the one in use)")
     options = parser.parse_args()
     start = time.perf_counter()
-    every = examples(read_folder(options.sentences), shipped_vocabulary())
+    every = [e for folder in options.sentences for e in examples(read_folder(folder), shipped_vocabulary())]
     if options.hard:
         every += examples(read_folder(options.hard), shipped_vocabulary(), HARD)
     fitted = fit(every, options.l2)
@@ -123,9 +124,8 @@ def main() -> None:
         "right, of scenes left out": round(accuracy([(e, fitted.without[e.scene]) for e in every]), 4),
     }
     hard = f" --hard {options.hard}" if options.hard else ""
-    command = (
-        f"python -m proxy_renderer.train.binding --sentences {options.sentences}{hard} --l2 {options.l2:g}"
-    )
+    folders = " ".join(map(str, options.sentences))
+    command = f"python -m proxy_renderer.train.binding --sentences {folders}{hard} --l2 {options.l2:g}"
     write(options.out, fitted.weights, command, figures)
     print(f"{figures}; {len(fitted.weights)} weights in {options.out}; {time.perf_counter() - start:.0f} s")
 
