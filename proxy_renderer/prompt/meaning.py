@@ -5,14 +5,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..color.shades import relative_shade
 from ..schema.spec import Region
 from .colors import color_regions
 from .heads import settle
-from .lexicon.entries import Effect
 from .lexicon.vocabulary import Vocabulary
 from .lights import numbered
 from .moods import overruled
+from .shading import all_shaded
 from .types import Attribute, Parsed, PromptObject
 
 _COLORED = {
@@ -34,7 +33,8 @@ NamedThing = tuple[str, Region, tuple[str, ...]]
 
 def complete(parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[NamedThing]) -> None:
     """Fills in objects, targets, colors and conflicts of a prompt whose attributes are bound."""
-    bound = _shaded(_qualified(parsed.attributes, vocabulary), parsed.prompt.lower(), vocabulary)
+    qualified = _qualified(parsed.attributes, vocabulary)
+    bound = all_shaded(qualified, parsed.prompt.lower(), vocabulary)
     parsed.attributes = numbered([*bound, *_tint_of_air(bound, vocabulary)], vocabulary)
     parsed.objects = _objects(parsed.attributes, subject, things)
     parsed.overruled = overruled(parsed.attributes, vocabulary)
@@ -72,31 +72,6 @@ def _qualified(attributes: list[Attribute], vocabulary: Vocabulary) -> list[Attr
     heads = {name: entry.heads for name, entry in vocabulary.entries.items() if entry.heads}
     much = [(a.kind, heads[a.entry]) for a in kept if a.word.startswith("too ") and a.entry in heads]
     return [a for a in kept if a.negated or a.cause or a.color or (a.kind, heads.get(a.entry)) not in much]
-
-
-def _shaded(attributes: list[Attribute], prompt: str, vocabulary: Vocabulary) -> list[Attribute]:
-    """Colors with the words right before them that change colors: "boring green" is a muted green, not gray for being boring."""
-    found: list[Attribute] = []
-    for attribute in attributes:
-        before = found[-1] if found else attribute
-        effect = _shade_of(before, vocabulary)
-        both = f"{before.word} {attribute.word}"
-        same = (before.kind, before.owners) == (attribute.kind, attribute.owners)
-        if effect and attribute.color and same and both in prompt:
-            lighter, share = ((a + b) / 2 for a, b in zip(effect.lower, effect.upper, strict=True))
-            color = relative_shade(attribute.color, lighter, share, before.strength)
-            found[-1] = replace(attribute, word=both, color=color)
-        else:
-            found.append(attribute)
-    return found
-
-
-def _shade_of(attribute: Attribute, vocabulary: Vocabulary) -> Effect | None:
-    """How a word that says nothing else changes the color of a thing; None for others."""
-    if attribute.slot != "color" or attribute.color or attribute.negated or attribute.cause:
-        return None
-    effects = vocabulary.entries[attribute.entry].effects
-    return next((e for e in effects if (e.family, e.mode) == ("material/base_color", "shade")), None)
 
 
 def forget_sky(parsed: Parsed, vocabulary: Vocabulary) -> None:

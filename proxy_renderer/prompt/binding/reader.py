@@ -11,8 +11,10 @@ from ..lexicon.entries import VocabularyEntry
 from ..lexicon.vocabulary import Vocabulary
 from ..meaning import NamedThing
 from ..mentions.passage import PromptLook
+from ..shading import shaded
 from ..types import Attribute, Parsed, SceneWords
 from .assignment import assigned
+from .becoming import becoming
 from .bound import Thing, Things
 from .model import shipped_weights
 from .pairs import PromptPairs, TargetPair, reading
@@ -65,20 +67,31 @@ class PromptReader:
         self.chosen: list[TargetPair] = assigned(self.found, self.weights)
         things = Things(self.found, self.chosen, self.scene)
         parsed = Parsed(text)
+        tinge: TargetPair | None = None
         for number, pair in enumerate(self.chosen):
             if pair.target.kind == "none":
                 if not self._is_a_name(pair.look.index):
                     parsed.ignored.append(pair.look.text)
-            elif pair.target.kind != TINGE:
+            elif pair.target.kind == TINGE:
+                tinge = pair
+            else:
                 entry = self._entry(pair, self.chosen[number + 1 : number + 2])
-                parsed.attributes += self._attributes(pair.look, entry, things.of(pair))
+                said = self._attributes(pair.look, entry, things.of(pair))
+                parsed.attributes += [self._tinged(each, tinge.look) for each in said] if tinge else said
                 self._note_guess(pair, parsed)
+                tinge = None
         passage = self.found.passage
         self.mentioned, self.subject, parsed.conflicts = things.mentioned, things.subject, things.notes
         self.beyond, self.undone = passage.beyond, [" ".join(words) for words in passage.wishes]
         parsed.ignored += [*(w for words in passage.wishes for w in words), *self.beyond, *self._unknown()]
         parsed.guesses |= dict(self._guessed_names())
         return parsed
+
+    def _tinged(self, attribute: Attribute, look: PromptLook) -> Attribute:
+        """A color with the shade that a word before it says."""
+        alone = becoming(look.token, "things", self.vocabulary)
+        entry = alone.entry if alone else ""
+        return shaded(attribute, look.text, entry, look.strength, self.vocabulary)
 
     def _is_a_name(self, index: int) -> bool:
         """Whether a word that could be a look names a thing of the scene: a pier where there is one."""
