@@ -52,9 +52,9 @@ def test_a_lexicon_has_the_basic_colors_and_hundreds_of_words(lexicon):
     ("text", "meant"),
     [
         ("dunkelblaues Auto, warme Schreibtischlampe", "dark blue car, warm desk lamp"),
-        ("voiture bleu foncé très brillante", "very glossy dark blue car"),
+        ("voiture bleu foncé très brillante", "high gloss dark blue car"),
         ("el sillón es más oscuro que la mesa", "armchair is darker than table"),
-        ("車はマットな赤、窓からの冷たい光", "car is matte red, cold window light"),
+        ("車はマットな赤、窓からの冷たい光", "car is matte red, window cool light"),
         ("墙上的瓷砖是浅绿色，没有雾", "wall tile is light green, without fog"),
         ("シンク以外はすべて白", "except sink everything white"),
         ("rotes Auto vor der Wand", "red car in front of Wand"),

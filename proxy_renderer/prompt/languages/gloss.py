@@ -62,7 +62,8 @@ def gloss(text: str, scene: SceneWords, vocabulary: Vocabulary) -> Gloss:
     best = max(tried, key=lambda attempt: attempt.letters)
     if not best.letters:
         return Gloss(text, text)
-    meant = [p if _is_english(p.english, vocabulary) else corrected(p, best.lexicon) for p in best.pieces]
+    told = [p for p in best.pieces if p.english]
+    meant = [p if _is_english(p.english, vocabulary) else corrected(p, best.lexicon) for p in told]
     said = [_as_english(piece, vocabulary) for piece in ordered(meant, best.lexicon, vocabulary)]
     english_text = " ".join(piece.english for piece in said if piece.english)
     return Gloss(text, _TIGHT.sub(r"\1", english_text), best.lexicon.name, tuple(said))
