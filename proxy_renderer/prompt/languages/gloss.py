@@ -14,7 +14,7 @@ from ..lexicon.word_table import table
 from ..mentions.names import parts
 from ..types import SceneWords
 from .order import ordered
-from .pieces import Piece, corrected, pieces
+from .pieces import Piece, corrected, pieces, with_particles
 
 _WORD = re.compile(r"[^\W_]+")
 _TIGHT = re.compile(r"\s+([,.;:!?])")
@@ -62,7 +62,7 @@ def gloss(text: str, scene: SceneWords, vocabulary: Vocabulary) -> Gloss:
     best = max(tried, key=lambda attempt: attempt.letters)
     if not best.letters:
         return Gloss(text, text)
-    told = [p for p in best.pieces if p.english]
+    told = [p for p in with_particles(best.pieces, text, best.lexicon) if p.english]
     meant = [p if _is_english(p.english, vocabulary) else corrected(p, best.lexicon) for p in told]
     said = [_as_english(piece, vocabulary) for piece in ordered(meant, best.lexicon, vocabulary)]
     english_text = " ".join(piece.english for piece in said if piece.english)

@@ -136,6 +136,22 @@ class _Cutter:
                 yield [self.lexicon.meanings[first], self.lexicon.meanings[last]]
 
 
+def with_particles(found: list[Piece], text: str, lexicon: LanguageLexicon) -> list[Piece]:
+    """Pieces with small words as the looks that they are at the end of a clause: "Lampe aus" is off, "aus Messing" made of brass.
+
+    Args:
+        found: In the order of the prompt.
+        text: The prompt.
+        lexicon: Of its language.
+    """
+    ends = [after is None or after.kind == "mark" for after in (*found[1:], None)]
+    said = [lexicon.particles.get(folded(text[p.start : p.end]), "") for p in found]
+    return [
+        replace(piece, english=look, kind="looks") if end and look else piece
+        for piece, end, look in zip(found, ends, said, strict=True)
+    ]
+
+
 def corrected(piece: Piece, lexicon: LanguageLexicon) -> Piece:
     """A long word that nobody knows as the known one that it is but for a letter; names of things, in any language, stay.
 

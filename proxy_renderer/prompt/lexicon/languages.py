@@ -17,7 +17,15 @@ from .spelling import folded
 
 TABLES = ("grammar", "behind", "looks", "things", "shades")
 """Tables of words; of a wording in several, the first counts, but shades count beside colors and materials."""
-_SETTINGS = {"name": str, "spaces": bool, "adjectives": str, "endings": str, "links": str, "compounds": bool}
+_SETTINGS = {
+    "name": str,
+    "spaces": bool,
+    "adjectives": str,
+    "endings": str,
+    "links": str,
+    "compounds": bool,
+    "particles": str,
+}
 _SIDES = ("before", "after")
 Wording = tuple[str, ...]
 
@@ -49,6 +57,7 @@ class LanguageLexicon:
         adjectives: Whether they stand "before" or "after" their noun.
         compounds: Whether words of several letters are made of such of one letter (for languages without spaces).
         links: What stands between the parts of a compound.
+        particles: Small word -> the look that it says at the end of a clause: "Lampe aus".
         meanings: Wording, word by word -> what it says.
         endings: What inflection makes of a word: the ending that is typed, and that of the word.
         looks: English look word -> its wordings in the language.
@@ -60,6 +69,7 @@ class LanguageLexicon:
     adjectives: str
     compounds: bool
     links: tuple[str, ...]
+    particles: dict[str, str]
     meanings: dict[Wording, Meaning]
     endings: tuple[tuple[str, str], ...]
     looks: dict[str, tuple[str, ...]]
@@ -131,6 +141,7 @@ def load(path: Path) -> LanguageLexicon:
         adjectives=settings.get("adjectives", "before"),
         compounds=settings.get("compounds", False),
         links=_listed(settings.get("links", "")),
+        particles=dict(particle.split("/") for particle in _listed(settings.get("particles", ""))),
         meanings=meanings,
         endings=tuple((typed, base) for typed, base in endings),
         looks=rows["looks"],
