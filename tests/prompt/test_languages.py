@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from proxy_renderer.prompt.languages.gloss import gloss
+from proxy_renderer.prompt.languages.spaceless import cut
 from proxy_renderer.prompt.lexer import Lexer
 from proxy_renderer.prompt.lexicon.languages import lexicons, load
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
@@ -15,6 +16,7 @@ from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.schema import VibeError
 from proxy_renderer.train import sentences
 from proxy_renderer.train.sentences import read_folder
+from proxy_renderer.train.sentences.glossed import glossed
 from proxy_renderer.train.sentences.stand_in import stand_in
 
 GARAGE = SceneWords(
@@ -58,6 +60,12 @@ def test_a_lexicon_has_the_basic_colors_and_hundreds_of_words(lexicon):
         ("墙上的瓷砖是浅绿色，没有雾", "wall tile is light green, without fog"),
         ("シンク以外はすべて白", "except sink everything white"),
         ("rotes Auto vor der Wand", "red car in front of Wand"),
+        ("Lampe aus, Scheinwerfer an", "lamp off, headlight switched on"),
+        ("Lampe aus Messing", "lamp of brass"),
+        ("que la luz sea suave", "light is soft"),
+        ("el sillón más oscuro que la mesa", "darker armchair than table"),
+        ("alfombrra gris perla", "light grey carpet"),
+        ("影はくっきり、床は白", "shadow is crisp, floor is white"),
         ("film noir", "film noir"),
         ("glossy teal car, 柔らかい光", "glossy teal car, soft light"),
     ],
@@ -83,6 +91,43 @@ def test_a_color_is_bound_to_the_thing_it_is_said_of(text, entry):
     assert color.owners == ("CarPaint",)
     assert color.place is not None
     assert text[slice(*color.place)] in color.word or color.word in text
+
+
+@pytest.mark.parametrize(
+    ("letters", "compounds", "words"),
+    [
+        ("影はふんわり", True, ("影", "は", "ふんわり")),  # a particle stays one before what nobody knows
+        ("青くかすんだ", True, ("青く", "かすんだ")),  # no "or" inside of a word
+        ("黒い液体", True, ("黒い", "液体")),
+        ("墙刷成白的", False, ("墙", "刷成", "白", "的")),
+        ("C4D墙", False, ("C4D", "墙")),
+    ],
+)
+def test_letters_without_spaces_are_cut_where_most_is_known(letters, compounds, words):
+    known = {"影", "は", "青く", "か", "黒い", "液", "墙", "白", "的"}
+    assert cut(letters, known, compounds) == words
+
+
+def test_of_things_that_are_called_alike_the_one_in_the_scene_is_meant():
+    balls = SceneWords(
+        objects={"Sphere": "subject"}, materials={"M": "subject"}, object_materials={"Sphere": ("M",)}
+    )
+    dials = SceneWords(
+        objects={"Dial": "subject"}, materials={"M": "subject"}, object_materials={"Dial": ("M",)}
+    )
+    assert english("esfera roja", balls) == "red sphere"
+    assert english("esfera roja", dials) == "red dial"
+
+
+def test_labels_go_where_the_words_of_a_sentence_go():
+    (sentence, *_) = read_folder(Path(sentences.__file__).parent / "french")
+    read = glossed(sentence, stand_in(sentence.scene).words, shipped_vocabulary())
+    assert read.text == english(sentence.text, stand_in(sentence.scene).words)
+    assert [(word.text, word.target) for word in read.words] == [
+        ("midnight blue", sentence.words[0].target),
+        ("silver", sentence.words[1].target),
+        ("red", sentence.words[2].target),
+    ]
 
 
 def test_people_read_their_own_words_and_the_encoder_reads_english():

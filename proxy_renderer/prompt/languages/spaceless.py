@@ -10,14 +10,10 @@ from dataclasses import dataclass
 _LONGEST = 14  # letters of a word
 _WORD, _LETTER, _UNKNOWN = 1.0, 1.2, 2.0
 """Cost of a known word, of one of a single letter, and of each unknown letter."""
-_SCRIPTS = (
-    (re.compile(r"[a-zA-Z0-9]"), 9.0),
-    (re.compile(r"[\u3040-\u309f]"), 3.0),
-    (re.compile(r"[\u30a0-\u30ff]"), 3.0),
-    (re.compile(r"."), 0.0),
-)
-"""Letters of a script: Latin, Hiragana, Katakana, others; and the cost of what is known right beside an unknown letter of the same script."""
-_SINGLE = 0.9  # the same for a single letter of the others: the first of two that are one word
+_LATIN, _HIRAGANA, _KATAKANA, _OTHERS = range(4)
+_LETTERS = {_LATIN: r"[a-zA-Z0-9]", _HIRAGANA: r"[\u3040-\u309f]", _KATAKANA: r"[\u30a0-\u30ff]"}
+_SEAMS = {_LATIN: (9.0, 9.0), _HIRAGANA: (3.0, 1.5), _KATAKANA: (4.0, 4.0), _OTHERS: (0.9, 0.0)}
+"""Script -> cost of a known word of one letter, or of several, right beside an unknown letter of that script."""
 
 
 @dataclass(frozen=True)
@@ -37,16 +33,15 @@ def cut(letters: str, known: Container[str], compounds: bool) -> tuple[str, ...]
         known: Words.
         compounds: Whether words of several letters are made of such of one, so that one of them says little: 液体.
     """
-    single = _SINGLE if compounds else 0.0
     best: list[list[_Cut]] = [[_Cut(0.0)], *([] for _ in letters)]
     for start in range(len(letters)):
+        ends = range(start + 1, min(start + _LONGEST, len(letters)) + 1)
         for before in best[start]:
-            best[start + 1].append(_with_unknown(before, letters[start], single))
-            for end in range(start + 1, min(start + _LONGEST, len(letters)) + 1):
-                if letters[start:end] in known:
-                    best[end].append(_with_known(before, letters[start:end], single))
-        for end in range(start + 1, min(start + _LONGEST, len(letters)) + 1):
-            best[end] = _cheapest(best[end])
+            best[start + 1].append(_with_unknown(before, letters[start], compounds))
+            words = (letters[start:end] for end in ends)
+            for word in (word for word in words if word in known):
+                best[start + len(word)].append(_with_known(before, word, compounds))
+        best[start + 1] = _cheapest(best[start + 1])
     return min(best[-1], key=_rank).words
 
 
@@ -61,38 +56,34 @@ def _rank(cut: _Cut) -> tuple[float, list[int]]:
     return cut.cost, [-len(word) for word in cut.words]
 
 
-def _with_known(before: _Cut, word: str, single: float) -> _Cut:
+def _with_known(before: _Cut, word: str, compounds: bool) -> _Cut:
     cost = _WORD if len(word) > 1 else _LETTER
-    if not before.known:
-        cost += _seam(before.words[-1][-1], word[0], single * (len(word) == 1))
-    return _Cut(before.cost + cost, (*before.words, word))
+    seam = 0.0 if before.known else _seam(word, word[0], before.words[-1][-1], compounds)
+    return _Cut(before.cost + cost + seam, (*before.words, word))
 
 
-def _with_unknown(before: _Cut, letter: str, single: float) -> _Cut:
-    if not before.known and _is_latin(before.words[-1][-1]) == _is_latin(letter):
-        return _Cut(before.cost + _UNKNOWN, (*before.words[:-1], before.words[-1] + letter), known=False)
-    last = before.words[-1] if before.words else ""
-    seam = 0.0 if _is_particle(before.words) else _seam(last[-1], letter, single * (len(last) == 1))
+def _with_unknown(before: _Cut, letter: str, compounds: bool) -> _Cut:
+    *first, last = before.words or ("",)
+    if not before.known and (_script(last[-1]) == _LATIN) == (_script(letter) == _LATIN):
+        return _Cut(before.cost + _UNKNOWN, (*first, last + letter), known=False)
+    inside = before.known and last and not _is_particle(before.words)
+    seam = _seam(last, last[-1], letter, compounds) if inside else 0.0
     return _Cut(before.cost + _UNKNOWN + seam, (*before.words, letter), known=False)
 
 
+def _seam(word: str, own: str, other: str, compounds: bool) -> float:
+    """The cost of a known word whose letter stands beside an unknown one."""
+    script = _script(own)
+    if script != _script(other) or (script == _OTHERS and not compounds):
+        return 0.0
+    return _SEAMS[script][len(word) > 1]
+
+
 def _is_particle(words: tuple[str, ...]) -> bool:
-    """Whether what ends in a single letter after another script ends in a particle: 影は; or nothing stands there at all."""
+    """Whether the last word is a letter of Hiragana after another script: 影は."""
     scripts = [_script(word[-1]) for word in words[-2:]]
-    return not words or (len(scripts) == 2 and len(words[-1]) == 1 and scripts[0] != scripts[1])
-
-
-def _is_latin(letter: str) -> bool:
-    return _script(letter) == 0
+    return len(words[-1]) == 1 and len(scripts) == 2 and scripts[1] == _HIRAGANA != scripts[0]
 
 
 def _script(letter: str) -> int:
-    return next(n for n, (script, _) in enumerate(_SCRIPTS) if script.match(letter))
-
-
-def _seam(last: str, first: str, single: float) -> float:
-    """The cost of a known word beside an unknown one."""
-    script = _script(last)
-    if script != _script(first):
-        return 0.0
-    return _SCRIPTS[script][1] or single
+    return next((script for script, its in _LETTERS.items() if re.match(its, letter)), _OTHERS)
