@@ -5,6 +5,8 @@ import pytest
 
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import PlanContext
+from proxy_renderer.prompt.binding.pairs import reading
+from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.prompt.names import is_detail, kind_of
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.prompts import compose
@@ -184,3 +186,29 @@ def test_a_material_before_a_thing_is_its_look_though_things_are_called_so(promp
 def test_a_walled_garden_is_no_wall():
     parsed = parse("a walled garden", scene({"Wall": "Plaster"}))
     assert [a.thing for a in parsed.attributes if not a.cause] == ["garden"]
+
+
+@pytest.mark.parametrize(
+    ("prompt", "owners"),
+    [
+        ("oak shelves", ("Board",)),  # a plural that no ending tells
+        ("black bathtub", ("Enamel",)),  # its noun is not the last word of its name
+        ("brass trim", ("Trim",)),  # to trim is a wish where nothing is called so
+    ],
+)
+def test_names_are_found_by_their_nouns(prompt: str, owners: tuple[str, ...]) -> None:
+    things = {"Shelf_mdf": "Board", "bathtub_freestanding": "Enamel", "Door_Trim": "Trim"}
+    found = {o for a in parse(prompt, scene(things)).attributes for o in a.owners}
+    assert found == set(owners)
+
+
+def test_a_word_may_mean_all_whose_names_have_it() -> None:
+    ruins = scene({"Wall": "Ruin_Stone", "Arch": "Stone_Mossy", "Gate": "Iron"})
+    (stone,) = reading("wet stone", ruins, shipped_vocabulary()).mentions
+    assert {"Ruin_Stone", "Stone_Mossy"} in [named.names for named in stone.named]
+
+
+def test_what_is_to_be_moved_may_be_painted() -> None:
+    garden = scene({"Lounger": "Fabric", "Pool": "Water"})
+    (navy,) = [a for a in parse("move the loungers and make them navy", garden).attributes if a.color]
+    assert navy.owners == ("Fabric",)
