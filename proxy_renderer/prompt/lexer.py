@@ -48,7 +48,10 @@ class Lexer:
         return [self._tokens(self._gathered(self._parted(self._spelled(part)))) for part in words if part]
 
     def _spelled(self, words: list[str]) -> list[str]:
-        """The words that are meant by those typed in a hurry."""
+        """The words that are meant by those typed in a hurry, and by "on" at the end."""
+        if len(words) > 1 and words[-1] in self.vocabulary.words["burns"]:
+            (burning,) = self.vocabulary.words["burning"]
+            words = [*words[:-1], *burning.split()]
         return [w if w in self._in_names else self.vocabulary.typed.get(w, w) for w in words]
 
     @cached_property

@@ -19,7 +19,7 @@ from proxy_renderer.train.sentences.stand_in import stand_in
 
 FOLDERS = sorted({path.parent for path in Path(sentences.__file__).parent.glob("*/sentences_*.toml")})
 of_folder = functools.cache(read_folder)  # reading the thousands of the clone takes half a minute
-ENGLISH = [folder for folder in FOLDERS if (folder / "scenes.toml").is_file()]
+ENGLISH = [f for f in FOLDERS if (f / "scenes.toml").is_file() and not f.name.endswith("_native")]
 
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
