@@ -6,7 +6,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cache, cached_property, lru_cache
 from itertools import groupby
 from pathlib import Path
 from typing import Any
@@ -27,6 +27,7 @@ _SETTINGS = {
     "particles": str,
 }
 _SIDES = ("before", "after")
+_WORDS = 20_000  # of prompts whose bases are kept
 Wording = tuple[str, ...]
 
 
@@ -86,9 +87,7 @@ class LanguageLexicon:
         Args:
             word: As it is typed, folded.
         """
-        ends = ((t, b) for t, b in self.endings if word.endswith(t) and len(word) > len(t))
-        every = (word, *(word.removesuffix(typed) + base for typed, base in ends))
-        return tuple(dict.fromkeys(known for known in every if known in self.words))
+        return _bases(self, word)
 
     @cached_property
     def forms(self) -> frozenset[str]:
@@ -104,6 +103,13 @@ class LanguageLexicon:
     def _by_letter(self) -> dict[str, tuple[str, ...]]:
         words = sorted(self.words)
         return {letter: tuple(group) for letter, group in groupby(words, key=lambda word: word[:1])}
+
+
+@lru_cache(_WORDS)
+def _bases(lexicon: LanguageLexicon, word: str) -> tuple[str, ...]:
+    ends = ((t, b) for t, b in lexicon.endings if word.endswith(t) and len(word) > len(t))
+    every = (word, *(word.removesuffix(typed) + base for typed, base in ends))
+    return tuple(dict.fromkeys(known for known in every if known in lexicon.words))
 
 
 @cache

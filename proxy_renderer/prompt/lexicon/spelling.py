@@ -12,6 +12,8 @@ from pathlib import Path
 
 _LETTERS = str.maketrans({"ß": "ss", "ł": "l", "ø": "o", "đ": "d", "æ": "ae", "œ": "oe"})
 """Letters that are no others with an accent -> how they are written without them."""
+_EAST_ASIAN = ("\u2e80", "\uf900")
+"""The first letter of those scripts, and what follows their last one."""
 _SIBILANTS = ("sses", "nses", "xes", "ches", "shes")
 
 
@@ -19,6 +21,10 @@ def folded(word: str) -> str:
     """A word in lower case and without accents."""
     if word.isascii():
         return word.lower()
+    if (
+        _EAST_ASIAN[0] <= min(word) and max(word) < _EAST_ASIAN[1]
+    ):  # most of the lexicons: no case, no accents
+        return unicodedata.normalize("NFC", word)
     parts = unicodedata.normalize("NFKD", word.lower().translate(_LETTERS))
     return unicodedata.normalize("NFC", "".join(c for c in parts if not 0x300 <= ord(c) < 0x370))
 
