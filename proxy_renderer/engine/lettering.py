@@ -17,15 +17,6 @@ _UNIT = re.compile(rf"{_EAST_ASIAN.pattern}|\s*(?:(?!{_EAST_ASIAN.pattern})\S)+"
 """What a line may end after: a letter of East Asia, or a word with the space before it."""
 
 
-def fonts_of(ocio: str) -> Path:
-    """The folder of Blender's fonts, which it keeps beside its color management.
-
-    Args:
-        ocio: Path of Blender's `config.ocio`.
-    """
-    return Path(ocio).parents[1] / "fonts"
-
-
 def font(size: int, text: str, fonts: Path) -> Font:
     """A font that has the letters of a text; the small one that Pillow has where Blender's fonts are missing.
 

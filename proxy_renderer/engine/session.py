@@ -32,7 +32,6 @@ from . import predictions, report
 from .additions import with_additions
 from .claimed import claims_about, foreseen
 from .device import pick_device
-from .lettering import fonts_of
 
 
 class EngineSession:
@@ -144,7 +143,7 @@ class EngineSession:
     def _fonts(self) -> Path:
         """The folder of Blender's fonts."""
         assert self._outcome
-        return fonts_of(self._outcome.shots[0].scene.film.ocio)
+        return Path(self._outcome.shots[0].scene.film.fonts)
 
     def finish(self, request: messages.Finish) -> messages.Finished:
         """Measures Cycles' pictures against the prediction and the words, and composes them.

@@ -51,7 +51,7 @@ class Wishes:
             shared = {
                 id(a): replace(a, kind="world")
                 for a in gels
-                if a.lamp and not self._owners.lights.told_apart[a.lamp]
+                if a.lamp and not self._owners.lights.numbered[a.lamp]
             }
         elif gels and self._would_hide(gels[0], said):
             shared = {id(gels[0]): replace(gels[0], role="others")}

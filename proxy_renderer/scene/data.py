@@ -170,7 +170,7 @@ class FogBounds:
 
 @dataclass(frozen=True)
 class FilmSettings:
-    """How Blender shows the picture: its OCIO configuration, display, view and look."""
+    """How Blender shows the picture: its OCIO configuration, display, view and look; and the folder of its fonts, "" if not known."""
 
     ocio: str
     display: str
@@ -178,6 +178,7 @@ class FilmSettings:
     look: str
     transparent: bool
     working_space: str
+    fonts: str = ""
 
 
 @dataclass(frozen=True)

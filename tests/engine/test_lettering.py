@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from proxy_renderer.engine.lettering import font, fonts_of, wrapped
+from proxy_renderer.engine.lettering import font, wrapped
 
 MISSING = "\u0378"  # no letter: drawn as what stands for one that a font lacks
 
@@ -13,7 +13,7 @@ MISSING = "\u0378"  # no letter: drawn as what stands for one that a font lacks
 @pytest.fixture(scope="session")
 def fonts():
     bpy = pytest.importorskip("bpy")
-    return fonts_of(bpy.utils.system_resource("DATAFILES", path="colormanagement") + "/config.ocio")
+    return Path(bpy.utils.system_resource("DATAFILES", path="fonts"))
 
 
 @pytest.mark.parametrize("prompt", ["pálido moosgrün façade £", "つや消しの赤", "浅绿色", "glossy teal"])

@@ -157,6 +157,7 @@ def test_english_sentences_are_not_taken_for_other_languages():
         ('[looks]\n"red" = ["rot"]', "line 5: 'red' is no text"),
         ('[looks]\n"red" = "rot"\n"blue" = "rot"', "line 5: 'rot' is in two rows"),
         ('endings = "e"', "line 4: the ending 'e' has no '/'"),
+        ('particles = "aus"', "line 4: the particle 'aus' has no '/'"),
         ('[looks]\n"red" = "rot', "line 5"),
     ],
 )

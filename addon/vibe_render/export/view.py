@@ -127,6 +127,7 @@ def film(scene: bpy.types.Scene) -> dict[str, Any]:
         "look": "" if view.look == "None" else view.look,
         "transparent": scene.render.film_transparent,
         "working_space": space,
+        "fonts": bpy.utils.system_resource("DATAFILES", path="fonts"),
     }
 
 

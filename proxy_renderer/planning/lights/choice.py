@@ -35,7 +35,7 @@ class SceneLights:
         fill: Names of the fill lights.
         lamps: All lights.
         glows: Glowing materials that light the scene as lights do, as "material/NAME"; they may be key and fill too.
-        told_apart: Number of a light that the prompt tells apart -> names, of which the first is meant above all.
+        numbered: Number of a light that the prompt tells apart -> names, of which the first is meant above all.
     """
 
     def __init__(
@@ -51,7 +51,7 @@ class SceneLights:
         self.key = self._key()
         self.rim = [n for n in self.of_role("rim") if n not in self.key] or self._nearest_behind()
         self.fill = [n for n in [*self.of_role("fill"), *self.glows] if n not in self.key]
-        self.told_apart = assigned(parsed.attributes, self._known(), vocabulary)
+        self.numbered = assigned(parsed.attributes, self._known(), vocabulary)
 
     @property
     def every(self) -> list[str]:
@@ -93,7 +93,7 @@ class SceneLights:
     def _of_own(self, own: list[str], effect: Effect) -> list[str]:
         """Of the lights that a word is said of those on which its effect acts, or all that no word is said of."""
         if effect.owner == "others":
-            return self._but([*own, *(name for names in self.told_apart.values() for name in names)])
+            return self._but([*own, *(name for names in self.numbered.values() for name in names)])
         turned = effect.owner != "lights" and effect.name in ("azimuth", "elevation")
         return own[:1] if turned else own
 
@@ -110,7 +110,7 @@ class SceneLights:
         if attribute.lights:
             return list(attribute.lights)
         if attribute.lamp:
-            return self.told_apart[attribute.lamp]
+            return self.numbered[attribute.lamp]
         if attribute.role or attribute.cause or attribute.kind not in _NAMED:
             return None
         return named(attribute.thing, self._known(), self._vocabulary)

@@ -36,7 +36,7 @@ def lacking(
         vocabulary: What words mean.
     """
     owners = Owners(parsed, instances, context, vocabulary)
-    missing = [number for number, names in owners.lights.told_apart.items() if not names]
+    missing = [number for number, names in owners.lights.numbered.items() if not names]
     said = ([a for a in parsed.attributes if a.lamp == number] for number in missing)
     roles = [_described(group, owners.lights, vocabulary) for group in said]
     for attribute, effect in Wishes(parsed, vocabulary, owners).all():

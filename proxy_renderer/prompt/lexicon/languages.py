@@ -177,8 +177,15 @@ def _mistakes(content: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
     if settings.get("adjectives", "before") not in _SIDES:
         yield "adjectives stand before or after nouns", "adjectives", 'Write adjectives = "after".'
     for ending in _listed(str(settings.get("endings", ""))):
-        if "/" not in ending:
+        if ending.count("/") != 1:
             yield f"the ending '{ending}' has no '/'", "endings", "Write the ending typed / that of the word."
+    for particle in _listed(str(settings.get("particles", ""))):
+        if particle.count("/") != 1:
+            yield (
+                f"the particle '{particle}' has no '/'",
+                "particles",
+                "Write the word / the look that it says.",
+            )
     for table in tables.keys() - TABLES:
         yield f"'{table}' is no table", f"[{table}]", f"Use: [language], [{'], ['.join(TABLES)}]."
     for table, rows in tables.items():

@@ -66,12 +66,6 @@ def english_things() -> frozenset[str]:
 
 
 @cache
-def _english() -> dict[str, str]:
-    tables = _tables()
-    return tables["things"] | tables["more"]
-
-
-@cache
 def _tables() -> dict[str, dict[str, str]]:
     tables: dict[str, dict[str, str]] = tomllib.loads(
         Path(__file__).with_name("things.toml").read_text("utf-8")
@@ -82,16 +76,16 @@ def _tables() -> dict[str, dict[str, str]]:
 @cache
 def thing_words() -> ThingWords:
     """The words that are shipped."""
-    english = _english()
+    named = _tables()["things"] | _tables()["more"]
     rows: dict[str, set[str]] = defaultdict(set)
-    for name, others in english.items():
+    for name, others in named.items():
         for word in (name, *others.split(",")):
             rows[singular(folded(normalize(word)))].add(name)
     kinds = shipped_vocabulary().nouns  # "light" is any light, not the one that is called so
     for lexicon in lexicons():
-        matter = [(name, words) for name, words in lexicon.looks.items() if name in english]  # "Leder"
+        matter = [(name, words) for name, words in lexicon.looks.items() if name in named]  # "Leder"
         things = [
-            (name, words) for name, words in lexicon.things.items() if name in english or name not in kinds
+            (name, words) for name, words in lexicon.things.items() if name in named or name not in kinds
         ]
         for name, words in (*matter, *things):
             for word in (name, *words):
