@@ -9,9 +9,8 @@ from collections.abc import Container, Iterator
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from functools import lru_cache
-from itertools import product
 
-from ..lexicon.languages import LanguageLexicon, Meaning, Wording
+from ..lexicon.languages import LanguageLexicon, Meaning
 from ..lexicon.spelling import folded
 from ..lexicon.things import thing_words
 from .spaceless import cut
@@ -82,7 +81,7 @@ def _cuts(text: str, lexicon: LanguageLexicon, names: frozenset[str]) -> Iterato
 @lru_cache(_SCENES)
 def _known(lexicon: LanguageLexicon, names: frozenset[str]) -> frozenset[str]:
     """What letters without spaces are cut into."""
-    return frozenset({*lexicon.forms, *names} - {""})
+    return frozenset({*lexicon.folded.forms, *names} - {""})
 
 
 @dataclass(frozen=True)
@@ -100,12 +99,11 @@ class _Cutter:
         said = Piece(self.text[start:end], start, end, "unknown")
         if " ".join(cut.english.lower() for cut in cuts) in self.phrases:
             return replace(said, kind="phrase")
-        words = [folded(cut.english).replace("’", "'") for cut in cuts]
-        wording = self._wording(words)
-        if wording is None:
+        found = self.lexicon.find([cut.english for cut in cuts])
+        if found is None:
             return None
-        meaning = self.lexicon.meanings[wording]
-        named = len(cuts) == 1 and (words[0] in self.names or wording[0] in self.names)
+        wording, meaning = found
+        named = len(cuts) == 1 and not {folded(cuts[0].english), wording[0]}.isdisjoint(self.names)
         if named and meaning.table == "things":
             return replace(said, kind="name")
         here = (other for other in meaning.others if other in self.names)
@@ -121,19 +119,15 @@ class _Cutter:
         both = next(self._compounds(folded(cut.english)), [])
         return [_meant(cut, meaning) for meaning in both if meaning.table != "grammar"] or [cut]
 
-    def _wording(self, words: list[str]) -> Wording | None:
-        """The wording that words are a form of; None where they are none."""
-        each = [self.lexicon.bases(word) for word in words]
-        return next((w for w in product(*each) if w in self.lexicon.meanings), None)
-
     def _compounds(self, word: str) -> Iterator[list[Meaning]]:
         """What the two parts of a compound mean, the longest first part first."""
+        known = self.lexicon.folded
         for place in range(len(word) - _SHORTEST, _SHORTEST - 1, -1) if self.lexicon.links else ():
-            last = self._wording([word[place:]])
+            last = known.find([word[place:]])
             heads = [word[:place], *(word[:place].removesuffix(link) for link in self.lexicon.links)]
-            first = next(((h,) for h in heads if len(h) >= _SHORTEST and (h,) in self.lexicon.meanings), None)
+            first = next(((h,) for h in heads if len(h) >= _SHORTEST and (h,) in known.meanings), None)
             if first and last:
-                yield [self.lexicon.meanings[first], self.lexicon.meanings[last]]
+                yield [known.meanings[first], known.meanings[last]]
 
 
 def with_particles(found: list[Piece], text: str, lexicon: LanguageLexicon) -> list[Piece]:
@@ -162,9 +156,10 @@ def corrected(piece: Piece, lexicon: LanguageLexicon) -> Piece:
     word = folded(piece.english)
     if piece.kind != "unknown" or len(word) < _MISTYPED or not lexicon.spaces or word in thing_words().rows:
         return piece
-    alike = (known for known in lexicon.begins(word[0]) if abs(len(known) - len(word)) < 2)
-    bases = (base for near in get_close_matches(word, alike, 1, _ALIKE) for base in lexicon.bases(near))
-    meaning = next((lexicon.meanings[(base,)] for base in bases if (base,) in lexicon.meanings), None)
+    known = lexicon.folded
+    alike = (other for other in known.begins(word[0]) if abs(len(other) - len(word)) < 2)
+    wordings = (known.find([near]) for near in get_close_matches(word, alike, 1, _ALIKE))
+    meaning = next((known.meanings[wording] for wording in wordings if wording), None)
     return _meant(piece, meaning) if meaning and meaning.english else piece
 
 

@@ -96,6 +96,8 @@ class VocabularyEntry:
 def normalize(phrase: str) -> str:
     """Lower case and American, with hyphens and underscores as the lexer has them; "the lamp's" is "the lamp"."""
     lower = phrase.lower().replace("’", "'").replace("colour", "color")
+    if lower.isalpha():
+        return lower
     lower = re.sub(r"'s\b", "", lower)
     return " ".join(re.sub(r"[-_–—]", " ", lower).split())
 

@@ -4,16 +4,16 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, lru_cache
-from itertools import groupby
+from itertools import groupby, product
 from pathlib import Path
 from typing import Any
 
 from ...schema import VibeError
 from .mistakes import at_line
-from .spelling import folded
+from .spelling import as_spelled, folded
 
 TABLES = ("grammar", "behind", "looks", "things", "shades")
 """Tables of words; of a wording in several, the first counts, but shades count beside colors and materials."""
@@ -49,51 +49,36 @@ class Meaning:
 
 
 @dataclass(frozen=True, eq=False)
-class LanguageLexicon:
-    """The words of a language.
+class Wordings:
+    """Wordings as they are spelled in one way: with their accents, or folded.
 
     Attributes:
-        name: In English.
-        spaces: Whether words are written apart.
-        adjectives: Whether they stand "before" or "after" their noun.
-        compounds: Whether words of several letters are made of such of one letter (for languages without spaces).
-        links: What stands between the parts of a compound.
-        particles: Small word -> the look that it says at the end of a clause: "Lampe aus".
         meanings: Wording, word by word -> what it says.
         endings: What inflection makes of a word: the ending that is typed, and that of the word.
-        looks: English look word -> its wordings in the language.
-        things: English name of a thing -> its names in the language.
     """
 
-    name: str
-    spaces: bool
-    adjectives: str
-    compounds: bool
-    links: tuple[str, ...]
-    particles: dict[str, str]
     meanings: dict[Wording, Meaning]
     endings: tuple[tuple[str, str], ...]
-    looks: dict[str, tuple[str, ...]]
-    things: dict[str, tuple[str, ...]]
 
     @cached_property
     def words(self) -> frozenset[str]:
-        """All words of its wordings."""
+        """All of their words."""
         return frozenset(word for wording in self.meanings for word in wording)
-
-    def bases(self, word: str) -> tuple[str, ...]:
-        """The words that one may be a form of, itself first.
-
-        Args:
-            word: As it is typed, folded.
-        """
-        return _bases(self, word)
 
     @cached_property
     def forms(self) -> frozenset[str]:
         """All words as they may be inflected; many, for languages with spaces."""
         ends = ((w.removesuffix(b), t) for w in self.words for t, b in self.endings if w.endswith(b))
         return self.words | {stem + typed for stem, typed in ends if stem}
+
+    def find(self, words: Sequence[str]) -> Wording | None:
+        """The wording that words are a form of; None where they are none.
+
+        Args:
+            words: As they are typed, spelled in the same way.
+        """
+        each = [_bases(self, word) for word in words]
+        return next((wording for wording in product(*each) if wording in self.meanings), None)
 
     def begins(self, letter: str) -> tuple[str, ...]:
         """The words that begin with a letter."""
@@ -106,10 +91,55 @@ class LanguageLexicon:
 
 
 @lru_cache(_WORDS)
-def _bases(lexicon: LanguageLexicon, word: str) -> tuple[str, ...]:
-    ends = ((t, b) for t, b in lexicon.endings if word.endswith(t) and len(word) > len(t))
+def _bases(wordings: Wordings, word: str) -> tuple[str, ...]:
+    """The words that one may be a form of, itself first."""
+    ends = ((t, b) for t, b in wordings.endings if word.endswith(t) and len(word) > len(t))
     every = (word, *(word.removesuffix(typed) + base for typed, base in ends))
-    return tuple(dict.fromkeys(known for known in every if known in lexicon.words))
+    return tuple(dict.fromkeys(known for known in every if known in wordings.words))
+
+
+@dataclass(frozen=True, eq=False)
+class LanguageLexicon:
+    """The words of a language.
+
+    Attributes:
+        name: In English.
+        spaces: Whether words are written apart.
+        adjectives: Whether they stand "before" or "after" their noun.
+        compounds: Whether words of several letters are made of such of one letter (for languages without spaces).
+        links: What stands between the parts of a compound.
+        particles: Small word -> the look that it says at the end of a clause: "Lampe aus".
+        spelled: The wordings as they are written.
+        folded: The same in lower case and without accents, as many type them.
+        looks: English look word -> its wordings in the language.
+        things: English name of a thing -> its names in the language.
+    """
+
+    name: str
+    spaces: bool
+    adjectives: str
+    compounds: bool
+    links: tuple[str, ...]
+    particles: dict[str, str]
+    spelled: Wordings
+    folded: Wordings
+    looks: dict[str, tuple[str, ...]]
+    things: dict[str, tuple[str, ...]]
+
+    def find(self, words: Sequence[str]) -> tuple[Wording, Meaning] | None:
+        """The wording that words are a form of, folded, and what it says; None where they are none.
+
+        Accents count first: "glacé" is no "glace".
+
+        Args:
+            words: As they are typed.
+        """
+        lower = [as_spelled(word) for word in words]
+        wording = self.spelled.find(lower)
+        if wording is not None:
+            return tuple(map(folded, wording)), self.spelled.meanings[wording]
+        wording = self.folded.find([folded(word) for word in lower])
+        return None if wording is None else (wording, self.folded.meanings[wording])
 
 
 @cache
@@ -131,16 +161,10 @@ def load(path: Path) -> LanguageLexicon:
         raise VibeError(f"{path}: {error}.", "Mend that line.") from error
     _check(path, text, content)
     settings = content["language"]
-    meanings: dict[Wording, Meaning] = {}
     rows = {table: {e: _listed(row) for e, row in content.get(table, {}).items()} for table in TABLES}
-    for table, english, wording in ((t, e, w) for t in TABLES for e in rows[t] for w in rows[t][e]):
-        words = tuple(folded(wording).replace("'", "' ").replace("-", " ").split())
-        known = meanings.setdefault(words, Meaning(english, table))
-        if table == "shades":
-            meanings[words] = replace(known, shade=known.shade or english)
-        elif known.table == table == "things" and english != known.english:
-            meanings[words] = replace(known, others=(*known.others, english))
-    endings = (ending.split("/") for ending in _listed(settings.get("endings", "")))
+    split = (ending.split("/") for ending in _listed(settings.get("endings", "")))
+    endings = tuple((typed, base) for typed, base in split)
+    plain = Wordings(_meanings(rows, folded), endings)
     return LanguageLexicon(
         name=settings["name"],
         spaces=settings["spaces"],
@@ -148,11 +172,28 @@ def load(path: Path) -> LanguageLexicon:
         compounds=settings.get("compounds", False),
         links=_listed(settings.get("links", "")),
         particles=dict(particle.split("/") for particle in _listed(settings.get("particles", ""))),
-        meanings=meanings,
-        endings=tuple((typed, base) for typed, base in endings),
+        spelled=Wordings(_meanings(rows, as_spelled), endings) if settings["spaces"] else plain,
+        folded=plain,
         looks=rows["looks"],
         things=rows["things"],
     )
+
+
+def _meanings(
+    rows: dict[str, dict[str, tuple[str, ...]]], spelling: Callable[[str], str]
+) -> dict[Wording, Meaning]:
+    """What the wordings of all tables say, spelled in one way."""
+    meanings: dict[Wording, Meaning] = {}
+    for table, english in ((table, english) for table in TABLES for english in rows[table]):
+        meaning = Meaning(english, table)
+        for wording in rows[table][english]:
+            words = tuple(spelling(wording).replace("'", "' ").replace("-", " ").split())
+            known = meanings.setdefault(words, meaning)
+            if table == "shades":
+                meanings[words] = replace(known, shade=known.shade or english)
+            elif known.table == table == "things" and english != known.english:
+                meanings[words] = replace(known, others=(*known.others, english))
+    return meanings
 
 
 def _listed(row: str) -> tuple[str, ...]:

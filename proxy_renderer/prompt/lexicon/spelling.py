@@ -29,6 +29,11 @@ def folded(word: str) -> str:
     return unicodedata.normalize("NFC", "".join(c for c in parts if not 0x300 <= ord(c) < 0x370))
 
 
+def as_spelled(word: str) -> str:
+    """A word in lower case with its accents, each letter one character."""
+    return unicodedata.normalize("NFC", word.lower()).replace("’", "'")
+
+
 def singular(word: str) -> str:
     """A word without the ending of an English plural."""
     if word in _plurals():
