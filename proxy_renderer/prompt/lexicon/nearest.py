@@ -3,19 +3,22 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from .things import english_things
 from .vocabulary import Vocabulary
-from .word_table import denied, table
+from .word_table import denied, stem, table
 
 if TYPE_CHECKING:
     import numpy as np
 
 SURE = 0.4
 """Confidence below which a word is left out rather than guessed."""
+_SURE_ELSEWHERE = 0.5
+"""The same for what it means besides."""
 
 _NEAREST, _SHARPNESS = 8, 12.0  # words that vote for their entries, and how much more the nearer ones count
 _ALIKE = 0.5
@@ -30,12 +33,14 @@ class Guess:
         entry: Name of a vocabulary entry.
         near: The known word that it is nearest to.
         confidence: In [0, 1]: how near, and how much the nearest known words agree.
+        others: The nearest entries of other slots, the nearest first: what it means where the first says nothing.
         place: Whether it is a place, and stands where the prompt says what is all around: what it describes is known.
     """
 
     entry: str
     near: str
     confidence: float
+    others: tuple[str, ...] = ()
     place: bool = False
 
 
@@ -49,6 +54,11 @@ class Nearest:
         known = [(w, e, self._table.vector(w)) for w, e in vocabulary.synonyms.items()]
         self._known = [(word, entry) for word, entry, vector in known if vector is not None]
         self._places = np.stack([vector for _, _, vector in known if vector is not None])
+        self._denying: dict[str, list[int]] = defaultdict(list)
+        for place, (word, _) in enumerate(self._known):
+            self._denying[denied(word)].append(place)
+        slots = [vocabulary.entries[entry].slot for _, entry in self._known]
+        self._of_slot = {slot: np.flatnonzero([slot == s for s in slots]) for slot in sorted({*slots})}
 
     def guess(self, word: str) -> Guess | None:
         """The entry that a word is nearest to; None for words that say nothing about looks."""
@@ -56,16 +66,32 @@ class Nearest:
         if found is None or found[2] < SURE:
             return None
         entry, near, confidence = found
-        return Guess(entry, near, round(confidence, 2))
+        return Guess(entry, near, round(confidence, 2), self._others(word))
 
     def meant(self, word: str) -> tuple[str, str, float] | None:
         """Entry, nearest known word and confidence of a word; None where it has no vector."""
-        import numpy as np
+        likeness = self._likeness(word)
+        return None if likeness is None else self._voted(likeness, likeness.argsort())
 
+    def _others(self, word: str) -> tuple[str, ...]:
+        """The nearest entry of each slot, if it is sure enough, the surest first."""
         likeness = self._likeness(word)
         if likeness is None:
-            return None
-        best = np.argsort(-likeness)[:_NEAREST]
+            return ()
+        of_slots = (self._voted(likeness, its[likeness[its].argsort()]) for its in self._of_slot.values())
+        sure = [found for found in of_slots if found[2] >= _SURE_ELSEWHERE]
+        return tuple(entry for entry, _, _ in sorted(sure, key=lambda found: -found[2]))
+
+    def _voted(self, likeness: np.ndarray, order: np.ndarray) -> tuple[str, str, float]:
+        """The entry for which the nearest words are, the nearest of these, and how sure that is.
+
+        Args:
+            likeness: Of all known words.
+            order: Of those that vote, the nearest last.
+        """
+        import numpy as np
+
+        best = order[: -_NEAREST - 1 : -1]
         votes: dict[str, float] = {}
         for i in best:
             entry = self._known[i][1]
@@ -96,6 +122,7 @@ class Nearest:
         likeness = self._places @ vector
         if lacking := denied(word):  # "moonless" is no moonlight
             likeness[[i for i, (known, _) in enumerate(self._known) if known.startswith(lacking)]] = -1.0
+        likeness[self._denying.get(stem(word), [])] = -1.0  # "wrinkled" is not unwrinkled
         return likeness
 
 
