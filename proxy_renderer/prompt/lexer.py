@@ -135,9 +135,10 @@ class Lexer:
     def _ends_in_thing(self, words: list[str]) -> bool:
         """Whether a phrase is a look and a thing of this scene: "terracotta pot", or "turquoise water" where water is."""
         v, last = self.vocabulary, words[-1]
-        if len(words) < 2 or last not in self.names or " ".join(words) in self.names:
-            return False
         first = " ".join(words[:-1])
+        named = " ".join(words) in self.names and v.slot(first) != "material"  # "leather seat" is of leather all the same
+        if len(words) < 2 or last not in self.names or named:
+            return False
         looks = first in v.colors or (first in v.shades and " ".join(words) not in v.synonyms)
         may_be_thing = last not in v.colors and (last not in v.synonyms or looks)
         return may_be_thing and self._phrase(first).known
