@@ -17,7 +17,7 @@ _NOUNS = ("things", "name", "unknown", "looked")
 """Kinds of pieces that look words stand beside; "looked" is a look that is a noun: a night, smoke."""
 _PLACE = "~"
 """Where in an English wording the words stand that another language puts before it."""
-_THAN = "than"
+_THAN, _MORE = "than", "more"
 GENITIVE = "'s"
 """English of what ties a thing to what it belongs to, or a look to its thing."""
 
@@ -47,7 +47,7 @@ def ordered(found: list[Piece], lexicon: LanguageLexicon, vocabulary: Vocabulary
             last = match.end()
         return [*placed, *found[last:]]
 
-    known = [_as_noun(piece, vocabulary) for piece in _without_that(found, vocabulary)]
+    known = [_as_noun(piece, vocabulary) for piece in _than(found, lexicon, vocabulary)]
     placed = _fronted(known, vocabulary)
     placed = moved(placed, _COMPARED, lambda than, looks: looks + than)
     placed = moved(placed, _OWNED, lambda noun, looks: looks + noun)
@@ -76,24 +76,40 @@ def _kind(piece: Piece, vocabulary: Vocabulary) -> str:
     return next((letter for letter, holds in rules if holds), "O")
 
 
-def _without_that(found: list[Piece], vocabulary: Vocabulary) -> list[Piece]:
-    """Without the "que" of "que la luz sea suave": it is a "than" only in clauses that compare."""
-    kept: list[Piece] = []
-    for _, group in groupby(found, key=lambda piece: piece.kind == "mark"):
-        clause = list(group)
-        than = any(_is_compared(piece.english, vocabulary) for piece in clause)
-        kept += [
-            piece if than or (piece.english, piece.kind) != (_THAN, "grammar") else replace(piece, english="")
-            for piece in clause
-        ]
-    return kept
+def _than(found: list[Piece], lexicon: LanguageLexicon, vocabulary: Vocabulary) -> list[Piece]:
+    """Clauses with a "than" that compare nothing: the "que" of "que la luz sea suave" is left out, but after 比 and より things are "more"."""
+    clauses = (list(group) for _, group in groupby(found, key=lambda piece: piece.kind == "mark"))
+    placed: list[Piece] = []
+    for clause in clauses:
+        if any(_is_compared(piece.english, vocabulary) for piece in clause):
+            placed += clause
+        elif lexicon.compares:
+            placed += _with_more(clause)
+        else:
+            placed += [p for p in clause if (p.english, p.kind) != (_THAN, "grammar")]
+    return placed
+
+
+def _with_more(clause: list[Piece]) -> list[Piece]:
+    """A clause with "more" before what is compared, or in the place of a より with nothing before it."""
+    placed: list[Piece] = []
+    compares = False
+    for before, piece in zip([None, *clause], clause, strict=False):
+        if piece.english == _THAN:
+            compares = piece.kind != "behind" or (before is not None and before.kind in _NOUNS)
+            piece = piece if compares else replace(piece, english=_MORE, kind="grammar")
+        elif compares and piece.kind in _LOOKS:
+            placed.append(Piece(_MORE, piece.start, piece.start, "grammar"))
+            compares = False
+        placed.append(piece)
+    return placed
 
 
 def _is_compared(english: str, vocabulary: Vocabulary) -> bool:
     """Whether words say more or less of something: "more", "less glossy", "darker"."""
     stems = vocabulary.stems(english, "comparative")
     looks = any(stem in vocabulary.adjectives or stem in vocabulary.synonyms for stem in stems)
-    return looks or english.split()[:1] in (["more"], ["less"])
+    return looks or english.split()[:1] in ([_MORE], ["less"])
 
 
 def _as_noun(piece: Piece, vocabulary: Vocabulary) -> Piece:
@@ -133,7 +149,7 @@ def _compared(found: list[Piece], vocabulary: Vocabulary) -> list[Piece]:
     """ "More dark" as "darker", where the vocabulary knows that word."""
     placed: list[Piece] = []
     for more, piece in zip([None, *found], found, strict=False):
-        form = _comparative(piece, vocabulary) if more and more.english == "more" else ""
+        form = _comparative(piece, vocabulary) if more and more.english == _MORE else ""
         if more and form:
             placed.pop()
             start, end = min(more.start, piece.start), max(more.end, piece.end)

@@ -23,6 +23,7 @@ _SETTINGS = {
     "adjectives": str,
     "endings": str,
     "links": str,
+    "compares": bool,
     "compounds": bool,
     "particles": str,
 }
@@ -106,6 +107,7 @@ class LanguageLexicon:
         name: In English.
         spaces: Whether words are written apart.
         adjectives: Whether they stand "before" or "after" their noun.
+        compares: Whether "than" alone says that what follows is more so: 比地板暗.
         compounds: Whether words of several letters are made of such of one letter (for languages without spaces).
         links: What stands between the parts of a compound.
         particles: Small word -> the look that it says at the end of a clause: "Lampe aus".
@@ -118,6 +120,7 @@ class LanguageLexicon:
     name: str
     spaces: bool
     adjectives: str
+    compares: bool
     compounds: bool
     links: tuple[str, ...]
     particles: dict[str, str]
@@ -169,6 +172,7 @@ def load(path: Path) -> LanguageLexicon:
         name=settings["name"],
         spaces=settings["spaces"],
         adjectives=settings.get("adjectives", "before"),
+        compares=settings.get("compares", False),
         compounds=settings.get("compounds", False),
         links=_listed(settings.get("links", "")),
         particles=dict(particle.split("/") for particle in _listed(settings.get("particles", ""))),
