@@ -64,19 +64,38 @@ class Settlement:
 
     def _agreement(self, ranked: list[Demand]) -> Agreement:
         """What is left of the first one's range by the others that agree with it."""
-        first, *others = ranked
+        first, *others = _led_by_color(ranked)
         lower, upper, winners = first.lower, first.upper, [first]
         for demand in others:
             if demand.usual and not first.usual:
                 continue
-            low, high = tuple(map(max, lower, demand.lower)), tuple(map(min, upper, demand.upper))
-            agrees = all(a <= b for a, b in zip(low, high, strict=True))
+            low, high = _shared(lower, upper, demand)
+            agrees = _is_range(low, high)
             if agrees and not first.start:  # what is left of a named color's room would be another color
                 lower, upper, winners = low, high, [*winners, demand]
             elif (demand.start or not agrees) and _is_beaten(demand, first):
                 pair = demand.attribute.word, first.attribute.word
                 self._beaten.setdefault(pair, {})[demand.key] = None
         return Agreement(lower, upper, winners)
+
+
+def _shared(lower: Values, upper: Values, demand: Demand) -> tuple[Values, Values]:
+    """What a range has in common with that of a demand."""
+    return tuple(map(max, lower, demand.lower)), tuple(map(min, upper, demand.upper))
+
+
+def _is_range(lower: Values, upper: Values) -> bool:
+    return all(a <= b for a, b in zip(lower, upper, strict=True))
+
+
+def _led_by_color(ranked: list[Demand]) -> list[Demand]:
+    """The demands, with a color that is said before that of a material that contradicts it: "burnt red" is red."""
+    first = ranked[0]
+    alike = [d for d in ranked if d.rank[:3] == first.rank[:3] and d.attribute.color]
+    said = next((d for d in alike if not _is_range(*_shared(first.lower, first.upper, d))), None)
+    if said is None or first.attribute.color:
+        return ranked
+    return [said, *(demand for demand in ranked if demand is not said)]
 
 
 def _is_beaten(demand: Demand, first: Demand) -> bool:
