@@ -142,7 +142,8 @@ class PairFeatures:
 
 
 def _is_of_object(named: Named) -> bool:
-    return named.kind == "things" and any(sign.startswith("object") for sign in named.signs)
+    signs = (sign for sign in named.signs if not sign.endswith("synonym"))
+    return named.kind == "things" and any(sign.startswith("object") for sign in signs)
 
 
 def _is_surest(mention: NounMention, target: Target) -> bool:

@@ -112,10 +112,13 @@ class SceneIndex:
         groups = self.words.groups if source == "group" else {}
         every = (o for name in chosen for o in groups.get(name, (name,)))
         objects = [o for o in every if self.words.object_materials.get(o)]
-        worn = [m for o in objects for m in (*self.words.object_materials[o], *self._limbs[o])]
+        own = [m for o in objects for m in self.words.object_materials[o]]
+        worn = [*own, *(m for o in objects for m in self._limbs[o])]
         signs = (*signs, "of one object") if len(objects) == 1 else signs
         yield from self._split(worn, (*signs, "whole"))
         yield [m for m in worn if not is_detail(m)], (*signs, "without details")
+        if {*own} < {*worn}:
+            yield own, (*signs, "without limbs")
         if self._worn_by_limbs.isdisjoint(worn):  # limbs look like their whole
             yield from self._split([self.words.object_materials[o][0] for o in objects], (*signs, "first"))
 
