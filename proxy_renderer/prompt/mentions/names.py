@@ -93,6 +93,12 @@ def _is_of_surfaces(word: str) -> bool:
     return word in vocabulary.colors or vocabulary.slot(word) in _SURFACE
 
 
+@cache
+def stuff_of(name: str) -> frozenset[str]:
+    """The materials that a name speaks of: "bakelite" of "Handle_Bakelite", nothing of "Head"."""
+    return frozenset(word for word in parts(name) if shipped_vocabulary().slot(word) == "material")
+
+
 def _as_part(name: tuple[str, ...], otherwise: str) -> str:
     """Of "car" in "car shell" and in "car wheel": a limb stands for the whole, a detail does not."""
     if name[-1] in name_words("details"):

@@ -9,7 +9,7 @@ from functools import partial
 
 from ..names import is_detail, limbs_of, plain_name
 from ..types import GLOW, SceneWords
-from .names import best, fit, guessed_fit, parts
+from .names import best, fit, guessed_fit, parts, stuff_of
 from .nouns import Named
 
 _TYPES = {"SUN": "sun", "SPOT": "spot"}
@@ -117,8 +117,10 @@ class SceneIndex:
         signs = (*signs, "of one object") if len(objects) == 1 else signs
         yield from self._split(worn, (*signs, "whole"))
         yield [m for m in worn if not is_detail(m)], (*signs, "without details")
-        if {*own} < {*worn}:
-            yield own, (*signs, "without limbs")
+        stuff = {word for m in own for word in stuff_of(m)}
+        alike = [m for m in worn if m in own or stuff.issuperset(stuff_of(m))]
+        if {*alike} < {*worn}:
+            yield alike, (*signs, "of the same stuff")
         if self._worn_by_limbs.isdisjoint(worn):  # limbs look like their whole
             yield from self._split([self.words.object_materials[o][0] for o in objects], (*signs, "first"))
 
