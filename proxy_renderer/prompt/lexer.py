@@ -136,7 +136,9 @@ class Lexer:
         """Whether a phrase is a look and a thing of this scene: "terracotta pot", or "turquoise water" where water is."""
         v, last = self.vocabulary, words[-1]
         first = " ".join(words[:-1])
-        named = " ".join(words) in self.names and v.slot(first) != "material"  # "leather seat" is of leather all the same
+        named = (
+            " ".join(words) in self.names and v.slot(first) != "material"
+        )  # "leather seat" is of leather all the same
         if len(words) < 2 or last not in self.names or named:
             return False
         looks = first in v.colors or (first in v.shades and " ".join(words) not in v.synonyms)

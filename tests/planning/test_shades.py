@@ -9,6 +9,7 @@ from proxy_renderer.planning.ranges import effect_range
 from proxy_renderer.planning.sources import Sources
 from proxy_renderer.planning.types import PlanContext
 from proxy_renderer.prompt.lexicon.entries import parse_effect
+from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.prompts import compose
 from proxy_renderer.prompt.types import Attribute, SceneWords
@@ -68,3 +69,12 @@ def test_a_word_that_changes_a_color_changes_that_of_the_material_which_is_named
     own, (alone,) = planned("fresh jacket")
     assert chroma(lab_from_srgb(srgb_from_linear(own))) > 30
     assert alone < 0.2 < rough < planned("asphalt jacket")[1][0]
+
+
+def test_no_light_lifts_the_shadows_of_one_color():
+    """Lift is added to scene-linear light: .03 of it turned the dark sky of a sunset magenta."""
+    vocabulary = shipped_vocabulary()
+    lights = [entry for entry in vocabulary.entries.values() if entry.slot == "lighting"]
+    lifts = [e for entry in lights for e in entry.effects if (e.owner, e.name) == ("film", "lift")]
+    assert lifts
+    assert all(len({*side}) == 1 for effect in lifts for side in (effect.lower, effect.upper))

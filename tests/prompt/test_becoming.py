@@ -79,9 +79,11 @@ def test_own_senses_come_first(word, kind, entry):
     assert sense(word, kind) == entry
 
 
-def test_what_is_only_guessed_has_no_sense_elsewhere():
+def test_what_is_only_guessed_has_the_senses_that_are_guessed_with_it():
     guessed = replace(token("dry"), near=Guess("dry", "dry", 0.6))
     assert becoming(guessed, "things", VOCABULARY) is None
+    guessed = replace(token("dry"), near=Guess("dry", "dry", 0.6, others=("clear sky", "mud")))
+    assert becoming(guessed, "things", VOCABULARY).entry == "mud"
 
 
 @pytest.mark.parametrize("kind", VOCABULARY.elsewhere)

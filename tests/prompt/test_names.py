@@ -212,3 +212,22 @@ def test_what_is_to_be_moved_may_be_painted() -> None:
     garden = scene({"Lounger": "Fabric", "Pool": "Water"})
     (navy,) = [a for a in parse("move the loungers and make them navy", garden).attributes if a.color]
     assert navy.owners == ("Fabric",)
+
+
+def test_parts_of_another_stuff_may_stay_as_they_are() -> None:
+    things = {"kettle_body": "steel_brushed", "kettle_lid": "steel_brushed", "kettle_handle": "bakelite"}
+    (kettle,) = reading("red enamel kettle", scene(things), shipped_vocabulary()).mentions
+    assert {"steel_brushed"} in [named.names for named in kettle.named]
+
+
+@pytest.mark.parametrize("prompt", ["burnt red ball", "charred red ball", "coal ball in red"])
+def test_a_color_that_is_said_comes_before_that_of_a_material(prompt: str) -> None:
+    instance = Instance(FAMILIES["material/base_color"], "Ball", (0.5, 0.5, 0.5), 1.0, "subject")
+    parsed = parse(prompt, scene({"Ball": "Ball"}))
+    entry = plan(parsed, compose(parsed), {instance.key: instance}, PlanContext())[instance.key]
+    assert entry.upper[0] > 0.5 > 0.2 > entry.upper[1]
+
+
+def test_the_leather_of_a_leather_seat_is_a_look() -> None:
+    found = reading("tan leather seat", scene({"Seat": "leatherSeat"}), shipped_vocabulary())
+    assert [look.text for look in found.passage.looks] == ["tan", "leather"]

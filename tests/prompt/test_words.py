@@ -105,6 +105,23 @@ def test_a_matter_is_guessed_only_where_something_is_made_of_it():
     assert parse("a red tinfoil", SceneWords()).guesses == {}
 
 
+def test_a_word_is_guessed_for_what_it_describes():
+    """A waterlogged rug is muddy; a waterlogged mood has no mud."""
+    guess = shipped_vocabulary().made(Nearest).guess("waterlogged")
+    slots = [shipped_vocabulary().entries[entry].slot for entry in (guess.entry, *guess.others)]
+    assert {"atmosphere", "material"} <= {*slots}
+    rug = SceneWords(
+        objects={"Rug": "subject"}, materials={"Wool": "subject"}, object_materials={"Rug": ("Wool",)}
+    )
+    (soaked,) = parse("waterlogged rug", rug).attributes
+    assert (soaked.owners, soaked.slot) == (("Wool",), "material")
+
+
+def test_what_denies_a_word_is_not_near_it():
+    guess = shipped_vocabulary().made(Nearest).guess("wrinkled")
+    assert guess is None or guess.entry != "smooth"
+
+
 def test_things_of_the_same_sort_are_matched_to_names_in_the_scene():
     scene = SceneWords(
         objects={"Cup.001_low": "subject", "WoodTable": "surroundings"},

@@ -90,7 +90,7 @@ class _Cutter:
 
     text: str
     lexicon: LanguageLexicon
-    names: Container[str]
+    names: frozenset[str]
     phrases: Container[str]
 
     def whole(self, cuts: list[Piece]) -> Piece | None:

@@ -188,8 +188,8 @@ def _meanings(
 ) -> dict[Wording, Meaning]:
     """What the wordings of all tables say, spelled in one way."""
     meanings: dict[Wording, Meaning] = {}
-    for table, english in ((table, english) for table in TABLES for english in rows[table]):
-        meaning = Meaning(english, table)
+    for meaning in (Meaning(english, table) for table in TABLES for english in rows[table]):
+        table, english = meaning.table, meaning.english
         for wording in rows[table][english]:
             words = tuple(spelling(wording).replace("'", "' ").replace("-", " ").split())
             known = meanings.setdefault(words, meaning)

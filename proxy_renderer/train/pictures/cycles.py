@@ -80,18 +80,16 @@ def load(folder: Path) -> dict[str, np.ndarray]:
 
 def _render(folder: Path) -> set[str]:
     """Runs Blender's side; the names of what it made."""
-    process = subprocess.Popen(
+    with subprocess.Popen(
         [sys.executable, "-m", "vibe_render.bench.pictures", str(folder)],
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
         encoding="utf-8", errors="replace", env=environment(),
-    )  # fmt: skip
-    try:
-        rendered = {event["name"] for event in events(process, deque(maxlen=40)) if event["type"] == "scene"}
-        process.wait()
-    finally:
-        process.kill()
-        process.wait()
-    return rendered
+    ) as process:  # fmt: skip
+        try:
+            return {event["name"] for event in events(process, deque(maxlen=40)) if event["type"] == "scene"}
+        except BaseException:
+            process.kill()
+            raise
 
 
 def _pair(folder: Path, seed: int, size: int, samples: int) -> list[dict[str, Any]]:
