@@ -20,6 +20,7 @@ FITS = (
 _ALIKE = 0.5  # cosine of things that may stand for each other
 _MISSPELLED = 0.8  # share of letters that are right
 _SURFACE = ("material", "finish")
+_PLACES = ("setting", "mood")
 _SHORTEST = 4  # letters of a word that may be misspelled
 
 
@@ -57,9 +58,9 @@ def fit(words: tuple[str, ...], name: tuple[str, ...]) -> str:
     mine, ends = senses(word), {name[-1], _head(name)[-1]}
     ways = (
         ("last", word in ends or word == "".join(name[-2:])),
-        (_as_part(name, "part"), word in name),
+        (_as_part(word, name, "part"), word in name),
         ("synonym", _is_one_of(mine, (*ends, " ".join(name)))),
-        (_as_part(name, "part's synonym"), _is_one_of(mine, name[:-1])),
+        (_as_part(word, name, "part's synonym"), _is_one_of(mine, name[:-1])),
     )
     return next((way for way, holds in ways if holds), "")
 
@@ -94,9 +95,9 @@ def stuff_of(name: str) -> frozenset[str]:
     return frozenset(word for word in parts(name) if shipped_vocabulary().slot(word) == "material")
 
 
-def _as_part(name: tuple[str, ...], otherwise: str) -> str:
-    """Of "car" in "car shell" and in "car wheel": a limb stands for the whole, a detail does not."""
-    if name[-1] in name_words("details"):
+def _as_part(word: str, name: tuple[str, ...], otherwise: str) -> str:
+    """Of "car" in "car shell" and in "car wheel": a limb stands for the whole, a detail does not, nor what is in a place: "garage door"."""
+    if name[-1] in name_words("details") or shipped_vocabulary().slot(word) in _PLACES:
         return "detail's whole"
     as_whole = {"part": "whole", "part's synonym": "synonym"}
     return as_whole[otherwise] if name[-1] in name_words("limbs") else otherwise
