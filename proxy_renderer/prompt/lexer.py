@@ -86,7 +86,7 @@ class Lexer:
         while start < len(words):
             for count in range(min(_LONGEST, len(words) - start), 0, -1):
                 part = words[start : start + count]
-                if self._ends_in_thing(part):
+                if self._ends_in_thing(part) or self._begins_with_thing(words, start, start + count):
                     continue
                 cuts = self._cuts_a_phrase(words, start, start + count)
                 token = (None if cuts else composed(part, self.vocabulary)) or self._phrase(" ".join(part))
@@ -147,6 +147,14 @@ class Lexer:
         looks = first in v.colors or (first in v.shades and " ".join(words) not in v.synonyms)
         may_be_thing = last not in v.colors and (last not in v.synonyms or looks)
         return may_be_thing and self._phrase(first).known
+
+    def _begins_with_thing(self, words: list[str], start: int, end: int) -> bool:
+        """Whether "the bottle green" is a thing of this scene and its color: no other thing follows that is bottle green."""
+        definite = start > 0 and words[start - 1] in self.vocabulary.lists["definite"]
+        if end - start != 2 or not definite or words[start] not in self.names:
+            return False
+        of_another = end < len(words) and (words[end] in self.names or words[end] in self.vocabulary.nouns)
+        return words[start + 1] in self.vocabulary.colors and not of_another
 
     def _end(self, words: list[str], start: int, end: int, entry: str) -> int:
         """Where what names an entry ends: "light from the camera's side" is two phrases of one entry, the second inside of the first."""

@@ -231,3 +231,17 @@ def test_a_color_that_is_said_comes_before_that_of_a_material(prompt: str) -> No
 def test_the_leather_of_a_leather_seat_is_a_look() -> None:
     found = reading("tan leather seat", scene({"Seat": "leatherSeat"}), shipped_vocabulary())
     assert [look.text for look in found.passage.looks] == ["tan", "leather"]
+
+
+@pytest.mark.parametrize(
+    ("prompt", "things", "owner"),
+    [
+        ("paint the bottle green", {"Bottle": "Glass", "Cap": "Metal"}, "Glass"),
+        ("paint the crate blue", {"Crate": "Wood", "Car": "CarPaint"}, "Wood"),
+        ("glass cube", {"Cube": "Glass", "Cube.001": "Wood"}, "Glass"),
+    ],
+)
+def test_a_thing_is_told_from_words_that_are_called_alike(
+    prompt: str, things: dict[str, str], owner: str
+) -> None:
+    assert {a.owners for a in parse(prompt, scene(things)).attributes} == {(owner,)}

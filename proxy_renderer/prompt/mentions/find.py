@@ -59,7 +59,7 @@ class _Finder:
 
     def _at(self, start: int) -> NounMention | None:
         """The one that begins at an item."""
-        if self.items[start].ties:
+        if self.items[start].ties or self._is_done(start):
             return None
         for count in range(_LONGEST, 1, -1):
             if named := self._of_several(start, count):
@@ -71,8 +71,17 @@ class _Finder:
         if not said or not token.lists.isdisjoint(_NO_NOUNS):
             return None
         named = [] if self._is_of_the_next(start) else self._of_one(start, said)
+        named += self._of_the_material_before(start, named)
         noun = self._noun(start)
         return self._mention(start, start, noun, named) if named or noun else None
+
+    def _is_done(self, start: int) -> bool:
+        """Whether a clause begins with what is to be done to a thing of the scene: "paint the crate" names no paint."""
+        clause = [i for i in self.items[start:] if i.clause == self.items[start].clause]
+        before = [i for i in self.passage.content(0, start) if i.clause == self.items[start].clause]
+        if before or len(clause) < 3 or "definite" not in clause[1].lists:
+            return False
+        return bool(self.index.named(parts(clause[2].text)))
 
     def _is_of_the_next(self, start: int) -> bool:
         """Whether a look is said of the thing after it: "red" of "red leather seats" is no red lamp, nor "fabric" of "fabric curtain" a towel."""
@@ -87,6 +96,20 @@ class _Finder:
         if self._surely(own):
             return bool(self._surely(following)) and self.items[start + 1] is head
         return bool(self._surely(following)) or (meant and _translated(own))
+
+    def _of_the_material_before(self, start: int, named: list[Named]) -> list[Named]:
+        """What of a noun is of the material before it: of "glass cube" the cubes that wear glass."""
+        before = self.items[max(start - 1, 0) : start]
+        if not before or before[0].clause != self.items[start].clause or not before[0].entry:
+            return []
+        own = self.index.named(parts(before[0].text))
+        things = [(n, m) for n in named for m in own if n.kind == m.kind == "things"]
+        both = dict.fromkeys((n, n.names & m.names) for n, m in things)
+        return [
+            Named("things", names, n.signs | {"of the material before"})
+            for n, names in both
+            if names and names != n.names
+        ]
 
     def _head_after(self, start: int) -> Token | None:
         """The noun that follows, with nothing but looks between."""

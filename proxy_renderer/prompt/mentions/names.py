@@ -76,10 +76,15 @@ def _means(word: str, part: str) -> bool:
 
 
 def _head(name: tuple[str, ...]) -> tuple[str, ...]:
-    """A name without what follows its noun: "frame" of "frame black", "bathtub" of "bathtub freestanding"."""
-    ends = [n for n, word in enumerate(name, 1) if not _is_of_surfaces(word)]
+    """A name without what follows its noun: "frame" of "frame black", "tent" of "tent small", "bathtub" of "bathtub freestanding"."""
+    ends = [n for n, word in enumerate(name, 1) if not (_is_of_surfaces(word) or _picks(word))]
     things = [n for n in ends if name[n - 1] in thing_words().rows]
     return name[: max(things or ends, default=None)]
+
+
+def _picks(word: str) -> bool:
+    """Whether a word of a name says which one of several alike things it is: "small", "left"."""
+    return word in shipped_vocabulary().picks or word in name_words("order")
 
 
 @cache
