@@ -9,7 +9,7 @@ tree.jpg       vibe run tree.obj --prompt "Misty tree silhouette, cool blue fog,
 like.jpg       vibe demo --like coffee.png --out out/like, coffee.png being skimage.data.coffee()
 fidelity.jpg   vibe bench fidelity --out out/fidelity
 sealed.jpg     vibe bench sealed --out out/sealed
-results/       results.json of out/sealed, out/ladder and out/materials
+results/       results.json of out/sealed, out/ladder and out/materials, those that are there; sealed-long.json is copied by hand
 tutorial/      the tutorial's own commands
 
 Those of the panel are photographs of Blender's window, made by hand.
