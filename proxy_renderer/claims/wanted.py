@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -62,17 +62,23 @@ _DIMMEST = 24.0
 """L* of the lightest parts of a subject in the dark, at least."""
 
 
-def claims_of(parsed: Parsed, vocabulary: Vocabulary) -> tuple[Claim, ...]:
+def claims_of(parsed: Parsed, vocabulary: Vocabulary, served: Container[Attribute] = ()) -> tuple[Claim, ...]:
     """The claims of a prompt, and what holds of every picture: that its subject can be seen.
 
     Args:
         parsed: The prompt, bound to what the scene has.
         vocabulary: What words mean.
+        served: Words that a rig stands for, which claims what is to be seen of them.
 
     Raises:
         VibeError: A claim in the vocabulary cannot be read.
     """
-    words = [a for a in parsed.attributes if a not in parsed.overruled]
+    moods = bool(served)  # of which the rig is what is to be seen
+    words = [
+        a
+        for a in parsed.attributes
+        if a not in parsed.overruled and a not in served and not (moods and a.cause)
+    ]
     said = parted([(a, tuple(_of_word(a, parsed, vocabulary))) for a in words])
     said_colors = [
         claim for attribute, row in said if attribute.color and not attribute.cause for claim in row

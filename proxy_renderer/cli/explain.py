@@ -11,7 +11,7 @@ from pathlib import Path
 
 from ..planning.advice import OfflineAdvisor
 from ..planning.explanation import as_dict, explain
-from ..planning.types import PlanContext
+from ..planning.types import LightPlan, PlanContext
 from ..prompt.binding.reader import PromptReader
 from ..prompt.binding.why import why
 from ..prompt.lexicon.user_words import default_vocabulary
@@ -42,10 +42,10 @@ def account(
         subject: Arguments that say what in the scene is the subject: "--subject=Cup".
         with_reasons: Say why each look word is bound as it is, and nothing else.
     """
-    words, instances, context = _read(prompt, scene, subject) if scene else _plain()
+    words, instances, context, light = _read(prompt, scene, subject) if scene else _plain()
     if with_reasons:
         return _reasons(prompt, words)
-    advice = OfflineAdvisor(prompt, words).advise(None, instances, context)
+    advice = OfflineAdvisor(prompt, words, light).advise(None, instances, context)
     decided = advice.parsed, advice.prompts, advice.plan
     return json.dumps(as_dict(*decided), indent=2, ensure_ascii=False) if as_json else explain(*decided)
 
@@ -60,7 +60,7 @@ def _reasons(prompt: str, words: SceneWords) -> str:
 
 def _read(
     prompt: str, scene: Path, subject: Sequence[str]
-) -> tuple[SceneWords, dict[str, Instance], PlanContext]:
+) -> tuple[SceneWords, dict[str, Instance], PlanContext, LightPlan | None]:
     """A scene as the first round of a vibe sees it: its names, its parameters, and the picture that they give."""
     from ..blender.launch import launch
     from ..blender.meshes import prepared
@@ -76,15 +76,16 @@ def _read(
         from ..render.proxy import Proxy
         from ..scene import load_scene
 
-        data = with_additions([load_scene(Path(folder))], prompt)[0]
+        addition = with_additions([load_scene(Path(folder))], prompt)
+        data = addition.scenes[0]
         vector = ParameterVector(lock(data.instances, (), (), scene.suffix.lower() != ".blend"))
         proxy = Proxy(data, context.picture_size(data.resolution, _LOOK), device="cpu", seed=0)
         u = vector.encode({})
         now = context.plan_context(proxy, vector.values(u), draw(proxy, vector, u))
-        return context.scene_words(data), dict(vector.instances), now
+        return context.scene_words(data), dict(vector.instances), now, addition.plan
 
 
-def _plain() -> tuple[SceneWords, dict[str, Instance], PlanContext]:
+def _plain() -> tuple[SceneWords, dict[str, Instance], PlanContext, None]:
     instances = plain_instances(_LIGHTS, _MATERIALS.items())
     context = PlanContext(light_types={name: kind for name, kind, _ in _LIGHTS})
-    return SceneWords(materials=dict(_MATERIALS)), instances, context
+    return SceneWords(materials=dict(_MATERIALS)), instances, context, None

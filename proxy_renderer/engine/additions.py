@@ -1,41 +1,88 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Gives a scene what the words ask for and it lacks: lights, and a backdrop of its own."""
+"""Gives a scene what the words ask for and it lacks: a rig, single lights, a backdrop of its own."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
+from ..claims.claim import Claim
+from ..claims.wanted import claims_of
 from ..optimize.context import scene_words
 from ..planning.lights.backdrop import asks_for_backdrop
 from ..planning.lights.glow import glows
 from ..planning.lights.lacking import lacking
-from ..planning.types import PlanContext
+from ..planning.types import LightPlan, PlanContext
+from ..prompt.lexicon.rigs import rig_table
 from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.parser import parse
+from ..prompt.types import Parsed
+from ..rigs.chosen import chosen_rig
+from ..rigs.lighting import Lighting, lighting
 from ..scene import SceneData
 from ..schema import VibeError
+from ..schema.added_lights import ADDED_LIGHTS, light_name
+
+_SPARE = {light_name(part, "AREA") for part in ("key", "fill", "rim")}
+"""Lights that single words may need, as "rim light" does where no rig is asked for."""
 
 
-def with_additions(scenes: Sequence[SceneData], prompt: str) -> list[SceneData]:
-    """The shots, with what is on standby for them and the words ask for.
+@dataclass(frozen=True)
+class Addition:
+    """A scene with what the words ask for and it lacks.
+
+    Attributes:
+        scenes: The shots.
+        lighting: The rig that the words ask for, set up; None where they ask for none.
+    """
+
+    scenes: list[SceneData]
+    lighting: Lighting | None = None
+
+    @property
+    def plan(self) -> LightPlan | None:
+        """Of the rig."""
+        return self.lighting.plan if self.lighting else None
+
+    def claims(self, parsed: Parsed) -> tuple[Claim, ...]:
+        """What the words of a prompt claim, the rig's structure among it."""
+        vocabulary = default_vocabulary()
+        if self.lighting is None:
+            return claims_of(parsed, vocabulary)
+        return (*self.lighting.claims, *claims_of(parsed, vocabulary, self.lighting.plan.served))
+
+
+def with_additions(scenes: Sequence[SceneData], prompt: str, new_lights: bool = True) -> Addition:
+    """The shots, lit by the rig that the words ask for; or with what is on standby for them, where they ask for no rig.
 
     Args:
         scenes: One or several shots. The first decides on lights for all; a backdrop is for all of them or for none.
         prompt: What the artist typed; where nothing in it is understood offline, nothing is added.
+        new_lights: Whether the scene may get lights.
     """
-    first, vocabulary = scenes[0], default_vocabulary()
+    vocabulary = default_vocabulary()
     try:
         parsed = parse(prompt, scene_words(*scenes), vocabulary)
     except VibeError:
-        return list(scenes)
+        return Addition(list(scenes))
+    if chosen := chosen_rig(parsed, rig_table(), vocabulary):
+        lit = lighting(scenes, parsed, chosen, new_lights)
+        return Addition(lit.scenes, lit)
+    return Addition(_with_standby(scenes, parsed, new_lights))
+
+
+def _with_standby(scenes: Sequence[SceneData], parsed: Parsed, new_lights: bool) -> list[SceneData]:
+    """The shots with lights and a backdrop on standby that single words need."""
+    first, vocabulary = scenes[0], default_vocabulary()
     context = PlanContext(
         camera_azimuth=first.value("camera/azimuth")[0],
         glows=glows(first),
         light_types={light.name: light.type for light in first.lights},
     )
-    roles = {light.name: light.role for light in first.standby.lights}
+    spare = [ADDED_LIGHTS[light.name] for light in first.standby.lights if light.name in _SPARE]
+    roles = {light.name: light.role for light in spare}
     instances = dict(first.instances)
-    names = lacking(parsed, instances, context, roles, vocabulary)
+    names = lacking(parsed, instances, context, roles, vocabulary) if new_lights else []
     parts = asks_for_backdrop(parsed, instances, context, vocabulary)
     if parts and all(scene.may_be_parted for scene in scenes):
         scenes = [scene.parted() for scene in scenes]

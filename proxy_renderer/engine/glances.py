@@ -6,14 +6,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from ..claims.wanted import claims_of
 from ..guidance.encoder import load_encoder
 from ..optimize import context
 from ..optimize.looks import EarlyLook, Looks
 from ..optimize.progress import BEFORE
 from ..optimize.shots import ShotInput, gathered
 from ..planning.advice import OfflineAdvisor
-from ..prompt.lexicon.user_words import default_vocabulary
 from ..render.proxy import Proxy
 from ..scene import SceneData, load_scene
 from ..schema import VibeError, messages
@@ -47,18 +45,19 @@ class Glances:
             VibeError: The job cannot be read.
         """
         options = messages.Options.from_dict(request.options)
-        (scene,) = with_additions([self._scene(request.job)], request.prompt)
+        addition = with_additions([self._scene(request.job)], request.prompt)
+        (scene,) = addition.scenes
         _, (shot,) = gathered([ShotInput(scene)], options, lambda _: self._proxy(scene, options))
         if stopped():
             return None
         looks = Looks(shot)
-        advisor = OfflineAdvisor(request.prompt, context.scene_words(scene))
+        advisor = OfflineAdvisor(request.prompt, context.scene_words(scene), addition.plan)
         report.save_picture(looks.before.display, Path(request.job) / BEFORE)
         try:
             u, advice = looks.planned(advisor)
         except VibeError:  # half a word, perhaps
             return None
-        return None if stopped() else looks.drawn(u, claims_of(advice.parsed, default_vocabulary()))
+        return None if stopped() else looks.drawn(u, addition.claims(advice.parsed))
 
     def _scene(self, job: str) -> SceneData:
         if self._found is None or job != self._job:

@@ -78,7 +78,9 @@ class EngineSession:
         clock.lap("load encoder")
         self._observer.stage("loading the scene")
         found = [load_scene(Path(shot.job)) for shot in self.shots]
-        scenes = with_additions(found, self.prompt)
+        self._observer.stage("setting the light")
+        addition = with_additions(found, self.prompt)
+        scenes = addition.scenes
         clock.lap("load scene")
         advisor = self._advisor(scenes)
         ask, seed = self._observer.ask, self.options.seed
@@ -87,7 +89,9 @@ class EngineSession:
             ShotInput(scene, blender if self.options.anchor else None, shot.file)
             for scene, blender, shot in zip(scenes, blenders, self.shots, strict=True)
         ]
-        outcome = pipeline.run(views, self.prompt, self.options, encoder, heads, self._observer, advisor)
+        outcome = pipeline.run(
+            views, self.prompt, self.options, encoder, heads, self._observer, advisor, addition
+        )
         clock.lap("loop", {"wait for Blender": sum(blender.waited for blender in blenders)})
         self._outcome = outcome
         variants = _variants(outcome)

@@ -11,7 +11,7 @@ from ..schema.messages import Options
 from .progress import Observer
 from .rounds.refinement import Outcome as Outcome
 from .rounds.refinement import Refinement
-from .rounds.search import Search
+from .rounds.search import LightAsked, Search
 from .rounds.trials import find_starts
 from .shots import ShotInput
 
@@ -24,6 +24,7 @@ def run(
     heads: Encoder | None,
     observer: Observer,
     advisor: Advisor | None = None,
+    light: LightAsked | None = None,
 ) -> Outcome:
     """Finds the values that make the scene look like the prompt.
 
@@ -35,6 +36,7 @@ def run(
         heads: Encoder whose attribute heads guide beside it; None for none.
         observer: Follows the loop, and may end it.
         advisor: Parses, composes and confines; None for the offline planner.
+        light: The rig that the words ask for; None for none.
 
     Returns:
         The outcome of least loss; all of them are in its `variants`, where several were asked for.
@@ -42,7 +44,7 @@ def run(
     Raises:
         VibeError: If no word of the prompt is known, or nothing that the words touch may change.
     """
-    search = Search(views, prompt, options, encoder, heads, observer, advisor)
+    search = Search(views, prompt, options, encoder, heads, observer, advisor, light)
     search.show_plan()
     outcomes = []
     for start in find_starts(search):

@@ -180,7 +180,7 @@ def enter(
     shots = []
     for view, mine in zip(views, names, strict=True):
         own_vector, renderer = vector.view(mine), proxy(view.scene)
-        own_vector.taken = added_powers(view.scene)
+        own_vector.taken = added_values(view.scene)
         shots.append(
             ShotState(view.scene, mine, own_vector, renderer, Anchoring(renderer, own_vector, view.source))
         )
@@ -202,13 +202,14 @@ def gathered(
     """
     instances, names = share(views, ("camera", "film") if options.grade_each else ("camera",))
     vector = ParameterVector(lock(instances, options.groups, options.lock, options.camera))
-    vector.taken = added_powers(views[0].scene)
+    vector.taken = added_values(views[0].scene)
     return vector, enter(views, names, vector, proxy)
 
 
-def added_powers(scene: SceneData) -> set[str]:
-    """Keys of the powers of lights that the artist's scene lacks: writing them adds the lights."""
-    return {f"light/{light.name}/power" for light in scene.lights if light.added}
+def added_values(scene: SceneData) -> set[str]:
+    """Keys of the lights that the artist's scene lacks: writing them adds the lights."""
+    added = {light.name for light in scene.lights if light.added}
+    return {key for key, i in scene.instances.items() if i.parameter.group == "light" and i.owner in added}
 
 
 def _alike(a: Instance, b: Instance) -> bool:

@@ -15,7 +15,7 @@ from ..prompt.types import Parsed, Prompts, SceneWords
 from ..schema import Instance
 from .owners import SLIVER
 from .planner import plan
-from .types import Plan, PlanContext
+from .types import LightPlan, Plan, PlanContext
 
 
 @dataclass(frozen=True)
@@ -26,6 +26,7 @@ class Advice:
         parsed: The objects list O.
         prompts: Captions and negatives by region.
         plan: Bounds and priority of every parameter.
+        placed: Keys of what a rig has placed already.
         source: Who gave it: "offline planner", or the model; with the reason if it was not the one asked for.
     """
 
@@ -33,6 +34,7 @@ class Advice:
     prompts: Prompts
     plan: Plan
     source: str = "offline planner"
+    placed: frozenset[str] = frozenset()
 
 
 class Advisor(Protocol):
@@ -54,16 +56,18 @@ class OfflineAdvisor:
     Args:
         prompt: What the artist typed.
         words: Names in the scene.
+        light: What a rig plans; None where the words ask for none.
     """
 
-    def __init__(self, prompt: str, words: SceneWords) -> None:
-        self.prompt, self.words = prompt, words
+    def __init__(self, prompt: str, words: SceneWords, light: LightPlan | None = None) -> None:
+        self.prompt, self.words, self.light = prompt, words, light
 
     def advise(self, display: Any, instances: Mapping[str, Instance], context: PlanContext) -> Advice:
         """Raises VibeError if no word of the prompt is known."""
         parsed = understood(self.prompt, self.words, context)
         prompts = compose(parsed)
-        return Advice(parsed, prompts, plan(parsed, prompts, dict(instances), context))
+        decided = plan(parsed, prompts, dict(instances), context, light=self.light)
+        return Advice(parsed, prompts, decided, placed=frozenset(self.light.entries if self.light else ()))
 
 
 def understood(prompt: str, words: SceneWords, context: PlanContext) -> Parsed:

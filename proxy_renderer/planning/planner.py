@@ -22,7 +22,7 @@ from .ranges import clip, effect_range, within
 from .settlement import Settlement
 from .sources import Sources, WorldLook
 from .support import added_power, supports
-from .types import Plan, PlanContext, PlanEntry
+from .types import LightPlan, Plan, PlanContext, PlanEntry
 from .wishes import STAGES, Wishes, is_usual, stage_of
 
 _NOT = 0.6  # "not glossy" asks for a mild "matte"
@@ -42,14 +42,17 @@ def plan(
     instances: dict[str, Instance],
     context: PlanContext,
     vocabulary: Vocabulary | None = None,
+    light: LightPlan | None = None,
 ) -> Plan:
     """Decides what may happen to every parameter of a scene.
 
     What words name gets a range (projection moves the value inside) and a priority; a few others
     may move a little to keep the subject visible; the rest keeps the artist's value.
     """
-    planner = _Planner(parsed, instances, context, vocabulary or default_vocabulary())
+    light = light or LightPlan()
+    planner = _Planner(parsed, instances, context, vocabulary or default_vocabulary(), light)
     entries = planner.entries()
+    entries |= {key: entry for key, entry in light.entries.items() if not instances[key].locked}
     for key, entry in supports(parsed, instances, planner.sources, entries, planner.owners).items():
         entries[key] = entry
     return Plan({key: entries[key] for key in instances}, tuple(dict.fromkeys(planner.notes)))
@@ -57,7 +60,12 @@ def plan(
 
 class _Planner:
     def __init__(
-        self, parsed: Parsed, instances: dict[str, Instance], context: PlanContext, vocabulary: Vocabulary
+        self,
+        parsed: Parsed,
+        instances: dict[str, Instance],
+        context: PlanContext,
+        vocabulary: Vocabulary,
+        light: LightPlan,
     ) -> None:
         self.parsed, self.instances, self.vocabulary = parsed, instances, vocabulary
         self.owners = Owners(parsed, instances, context, vocabulary)
@@ -66,7 +74,8 @@ class _Planner:
         self.notes = list(parsed.conflicts)
         self.settlement = Settlement()
         self.kept: dict[str, list[str]] = {}
-        self.wishes = Wishes(parsed, vocabulary, self.owners).all()
+        wishes = Wishes(parsed, vocabulary, self.owners).all()
+        self.wishes = [wish for wish in wishes if _is_left(*wish, light)] + [*light.grade]
         self.of_materials = self._of_materials()
 
     def entries(self) -> dict[str, PlanEntry]:
@@ -220,6 +229,14 @@ class _Planner:
             any_hue=winners[0].any_hue,
             start=_start(instance, winners[0], lower, upper),
         )
+
+
+def _is_left(attribute: Attribute, effect: Effect, light: LightPlan) -> bool:
+    """Whether a wish is left beside what a rig plans: it serves the word, and it alone sets the light of a mood."""
+    sheds = effect.family.startswith(("light/", "world/", "volume/", "film/vignette", "film/exposure"))
+    if attribute in light.served:
+        return attribute.slot == "grade" and not sheds
+    return not (light.served and attribute.cause and sheds)
 
 
 def _start(instance: Instance, first: Demand, lower: Values, upper: Values) -> Values | None:

@@ -6,6 +6,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from ..color.constants import Lab
+from ..prompt.lexicon.entries import Effect
+from ..prompt.types import Attribute
 from ..schema import Values
 from ..schema.spec import Region
 
@@ -108,6 +110,21 @@ class PlanEntry:
     def is_named(self) -> bool:
         """Whether words name the range."""
         return self.priority is not None and self.prior == 0.0
+
+
+@dataclass(frozen=True)
+class LightPlan:
+    """What a lighting rig plans, in the place of the words that it stands for.
+
+    Attributes:
+        entries: For every parameter that it sets, by key.
+        served: The words that it stands for; they ask for nothing else.
+        grade: What belongs to it of the film: effects, with the word that asks for them.
+    """
+
+    entries: dict[str, PlanEntry] = field(default_factory=dict)
+    served: tuple[Attribute, ...] = ()
+    grade: tuple[tuple[Attribute, Effect], ...] = ()
 
 
 class Plan(dict[str, PlanEntry]):

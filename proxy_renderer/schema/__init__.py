@@ -4,7 +4,7 @@
 Standard library and relative imports only: building the extension copies this folder into it.
 """
 
-from . import budgets, labels, orbit, radiometry
+from . import added_lights, budgets, labels, orbit, radiometry
 from .budgets import BUDGETS, Budget
 from .errors import VibeError
 from .options.frames import frame_numbers
@@ -24,6 +24,7 @@ __all__ = [
     "Scale",
     "Values",
     "VibeError",
+    "added_lights",
     "budgets",
     "frame_numbers",
     "labels",

@@ -73,6 +73,8 @@ PARAMETERS: tuple[Parameter, ...] = (
            "Size of the lamp: the larger, the softer its shadows.", "Light > Radius, or Size of an area light", reference="light_distance", only=_LAMPS),
     _light("angle",             "angle",  0.526,    0.0,    90.0,  "deg",  Scale("power", 2), "whole",
            "Angular diameter of the sun: the larger, the softer its shadows.", "Sun light > Angle", only=("SUN",)),
+    _light("cone",              "angle",  45.0,     4.0,   160.0,  "deg",  LOG,               "whole",
+           "Opening angle of a spot's cone: the smaller, the smaller its pool of light.", "Spot light > Spot Size", only=("SPOT",)),
     _light("azimuth",           "angle",  45.0,  -360.0,   360.0,  "deg",  LINEAR,            "whole",
            "Direction that the light comes from, around the subject; 0 is from the front (-Y).", "Light object, orbit around the subject"),
     _light("elevation",         "angle",  45.0,   -89.0,    89.0,  "deg",  LINEAR,            "whole",

@@ -188,10 +188,8 @@ class Journal:
         return lost
 
     def _remove(self, added: list[tuple[str, ID]]) -> None:
-        """Removes data-blocks without users; objects always, because their collections use them."""
-        while free := [
-            pair for pair in added if isinstance(pair[1], bpy.types.Object) or not _users(pair[1])
-        ]:
+        """Removes data-blocks without users; objects always, because their collections use them, and collections once empty."""
+        while free := [pair for pair in added if _is_free(pair[1])]:
             for collection, block in free:
                 self.ids[self.ids.index(block)] = None
                 getattr(bpy.data, collection).remove(block)
@@ -287,6 +285,12 @@ def _undo_link(_journal: Journal, block: ID, entry: JournalEntry) -> None:
 def _undo_node(_journal: Journal, block: ID, entry: JournalEntry) -> None:
     nodes = _resolve(block, entry["path"]).nodes
     nodes.remove(nodes[entry["node"]])
+
+
+def _is_free(block: ID) -> bool:
+    if isinstance(block, bpy.types.Collection):
+        return not block.all_objects and not block.children
+    return isinstance(block, bpy.types.Object) or not _users(block)
 
 
 def _users(block: ID) -> int:

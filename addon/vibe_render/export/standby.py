@@ -13,7 +13,7 @@ from mathutils import Vector
 
 from ..core.journal import Journal
 from ..core.schema_import import schema
-from ..scene import bindings, own_backdrop, prepare, scene_context
+from ..scene import bindings, own_backdrop, scene_context
 from . import view
 from .analysis import SceneAnalysis
 
@@ -23,14 +23,15 @@ _SEEN = 0.05  # of what is around the subject: less world than this is out of si
 def lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[str, schema.Instance]]:
     """Their entries in scene.json and their parameters; they are in the scene only while this reads them."""
     scene, pivot = analysis.scene, Vector(analysis.pivot)
-    names = [name for name in prepare.LIGHTS if name not in bpy.data.objects]
+    known = schema.added_lights.ADDED_LIGHTS
+    names = [name for name in known if name not in bpy.data.objects]
     journal = Journal()
     try:
         added = bindings.add_lights(journal, scene, names, analysis.objects)
         scene_context.layer(scene).update()
-        rows = [view.light(obj, prepare.ROLES[obj.name], pivot) for obj in added]
+        rows = [view.light(obj, known[obj.name].role, pivot) for obj in added]
         bound = bindings.instances(scene, analysis.objects, analysis.pivot, ("light",))
-        ours = {k: replace(i, role=prepare.ROLES[i.owner]) for k, i in bound.items() if i.owner in names}
+        ours = {k: replace(i, role=known[i.owner].role) for k, i in bound.items() if i.owner in names}
     finally:
         journal.undo()
         scene_context.layer(scene).update()

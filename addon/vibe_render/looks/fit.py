@@ -15,7 +15,6 @@ from . import take
 from .take import SceneParameters, camera_azimuth, owners
 
 _TEXTURE_LUMA = 0.5  # of a typical texture: what a color is divided by to become a tint
-_OURS = {role: name for name, role in prepare.ROLES.items()}
 _DIM = 0.01  # radiance of white below which a light is too dark to be added
 _PROMINENT = 0.5  # of the visible area of the subject's largest material: smaller materials keep their look
 _TINTS = {"base_color": "tint", "color": "tint", "backdrop_color": "backdrop_tint"}
@@ -83,7 +82,7 @@ def _words(role: str) -> str:
 
 def _missing(result: Fit, target: SceneParameters, role: str, entry: preset.Entry, kinds: list[str]) -> None:
     """For a role that nothing in the scene has: values of a light of ours, if it would be bright enough to show."""
-    ours = _OURS.get(role, "")
+    ours = prepare.OURS.get(role, "")
     entry = _for_light(entry, kinds[0], prepare.LIGHT_TYPE) if ours else entry
     if "power" not in entry or ours in bpy.data.objects:
         if entry:

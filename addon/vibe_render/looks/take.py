@@ -12,7 +12,6 @@ import numpy as np
 
 from ..core.schema_import import preset, schema
 from ..export.analysis import SceneAnalysis
-from ..scene import prepare
 from ..scene.lights.registry import type_of
 
 
@@ -105,9 +104,10 @@ def _brightness(scene: SceneParameters, owner: str) -> float:
 
 
 def _kind(light: str) -> str:
-    """The type of a light; of one that another variant would add, that of all of ours."""
-    known = light in bpy.data.objects
-    return type_of(bpy.data.objects[light]).name if known else prepare.LIGHT_TYPE
+    """The type of a light, also of one that another variant would add."""
+    if light in bpy.data.objects:
+        return type_of(bpy.data.objects[light]).name
+    return schema.added_lights.ADDED_LIGHTS[light].type
 
 
 def _entry(

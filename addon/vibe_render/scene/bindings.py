@@ -53,6 +53,7 @@ BINDINGS: tuple[ParameterBinding, ...] = (
     _row("light/temperature",       at.lamp_temperature),
     _row("light/size",              at.lamp_extent),
     _row("light/angle",             at.lamp_extent,                     DEGREES),
+    _row("light/cone",              at.lamp("spot_size"),               DEGREES),
     _row("light/azimuth",           at.orbit("azimuth")),
     _row("light/elevation",         at.orbit("elevation")),
     _row("light/distance",          at.orbit("distance")),
@@ -165,7 +166,7 @@ def write(
         subject: As for `instances`.
         pivot: As for `instances`.
 
-    Keys of one of our own lights (see `prepare.LIGHTS`) that is not there add it, and those of a backdrop that is to
+    Keys of one of our own lights (see `schema.added_lights`) that is not there add it, and those of a backdrop that is to
     differ from the world part the two.
 
     Returns:
@@ -241,13 +242,14 @@ def add_lights(
     Args:
         journal: Records them.
         scene: The scene.
-        names: Of `prepare.LIGHTS`; others are passed over.
+        names: Of `schema.added_lights.ADDED_LIGHTS`; others are passed over.
         subject: What they are to light; without it, everything that a render sees.
 
     Returns:
         The lights that have been added.
     """
-    missing = [name for name in prepare.LIGHTS if name in names and name not in scene.objects]
+    known = schema.added_lights.ADDED_LIGHTS
+    missing = [name for name in known if name in names and name not in scene.objects]
     if not missing:
         return []
     corners = scene_context.bounds(scene, subject or scene_context.meshes(scene))

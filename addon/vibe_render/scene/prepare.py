@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import tan
+from math import radians, tan
 
 import bpy
 from bpy.types import Object, Scene
@@ -15,22 +15,30 @@ from ..core.journal import Journal
 from ..core.schema_import import schema
 from . import emission, scene_context, snapshot
 from .lights.area import AreaLightType
+from .lights.registry import light_type
 from .nodes import backgrounds, owned, shaders
 from .nodes.trails import active_links
 
-LIGHTS = {
-    "Vibe Key": (-40.0, 40.0, 0.4, 1.2),
-    "Vibe Fill": (50.0, 15.0, 0.8, 0.3),
-    "Vibe Rim": (155.0, 45.0, 0.3, 2.0),
+_PLACES = {
+    "key": (-40.0, 40.0, 0.4, 1.2),
+    "fill": (50.0, 15.0, 0.8, 0.3),
+    "rim": (155.0, 45.0, 0.3, 2.0),
+    "kicker": (-155.0, 30.0, 0.3, 1.0),
+    "accent": (90.0, 20.0, 0.4, 0.6),
+    "practical": (60.0, 20.0, 0.1, 0.5),
+    "background": (175.0, 20.0, 0.6, 0.6),
+    "top": (0.0, 80.0, 1.0, 0.8),
+    "bounce": (0.0, -40.0, 0.8, 0.3),
 }
-"""Lights that we may add: azimuth from the camera, elevation (degrees), size in distances, and the radiance
-of a white surface that faces them."""
-ROLES = {"Vibe Key": "key", "Vibe Fill": "fill", "Vibe Rim": "rim"}
-"""What each of them is for."""
+"""Where an added light stands at first, by its part: azimuth from the camera, elevation (degrees), size in distances, and the
+radiance of a white surface that faces it."""
+OURS = {"key": "Vibe Key", "fill": "Vibe Fill", "rim": "Vibe Rim"}
+"""By the role that a scene lacks, the light that it gets."""
+_SUN = 0.526  # degrees
 _LIT = 0.1  # radiance of white at the subject from which a scene is lit
 _CLEAR = 0.2  # of the way from the subject to a wall: how far from the wall a light stands
 LIGHT_TYPE = AreaLightType.name
-"""The type of the lights that we add."""
+"""The type of a light that is added for a role."""
 
 
 def prepare(scene: Scene, subject: Sequence[Object] = ()) -> list[str]:
@@ -107,17 +115,18 @@ def _key(journal: Journal, scene: Scene, low: Vector, high: Vector) -> str:
 
 
 def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vector) -> Object:
-    """Adds one of our lights to a scene.
+    """Adds one of our lights to a scene, in a collection of its own; the camera does not see its shape.
 
     Args:
         journal: Records it.
         scene: The scene.
-        name: One of `LIGHTS`.
+        name: Of `schema.added_lights.ADDED_LIGHTS`.
         low: Least corner of what it is to light, world space.
         high: Greatest corner.
     """
-    azimuth, elevation, size, brightness = LIGHTS[name]
-    data = journal.new("lights", name, LIGHT_TYPE)
+    what = schema.added_lights.ADDED_LIGHTS[name]
+    azimuth, elevation, size, brightness = _PLACES[what.part]
+    data = journal.new("lights", name, what.type)
     light = journal.new("objects", name, data)
     for block in (data, light):
         owned.mark(block, name)
@@ -125,11 +134,26 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
     front = schema.orbit.angles(scene.camera.matrix_world.translation - pivot)[0] if scene.camera else 0.0
     toward = Vector(schema.orbit.direction(front + azimuth, elevation))
     distance = _inside(scene, pivot, toward, (high - low).length / 2.0, light_distance(low, high))
-    data.size = size * distance
-    data.energy = brightness * schema.radiometry.unit_energy(data.type, distance)
+    kind = light_type(what.type)
+    setattr(data, kind.extent_property, size * distance if kind.has_position else radians(_SUN))
+    data.energy = brightness * schema.radiometry.unit_energy(
+        what.type, distance if kind.has_position else 1.0
+    )
+    light.visible_camera = False
     _stand(light, pivot, front + azimuth, elevation, distance)
-    scene.collection.objects.link(light)
+    _collection(journal, scene).objects.link(light)
     return light
+
+
+def _collection(journal: Journal, scene: Scene) -> bpy.types.Collection:
+    """The collection of our lights in a scene."""
+    name = schema.added_lights.COLLECTION
+    found = owned.find(scene.collection.children, name)
+    if found is None:
+        found = journal.new("collections", name)
+        owned.mark(found, name)
+        scene.collection.children.link(found)
+    return found
 
 
 def _inside(scene: Scene, pivot: Vector, toward: Vector, radius: float, distance: float) -> float:

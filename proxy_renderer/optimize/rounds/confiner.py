@@ -109,7 +109,8 @@ class Confiner:
             picture = shot.draw(u)
             now = context.plan_context(shot.proxy, shot.vector.values(u), picture)
             asked = self.advisor.advise(picture.display, shot.vector.instances, now)
-            mine = asked.plan | headroom.nearer(shot.scene, shot.proxy.geometry, asked.plan)
+            unplaced = {key: entry for key, entry in asked.plan.items() if key not in asked.placed}
+            mine = asked.plan | headroom.nearer(shot.scene, shot.proxy.geometry, unplaced)
             entries = {shot.names[own]: entry for own, entry in mine.items()} | entries
             advice = advice or asked
         assert advice is not None

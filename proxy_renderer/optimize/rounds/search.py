@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import torch
 from torch import Tensor
@@ -16,7 +16,7 @@ from ...claims.wanted import claims_of
 from ...guidance.encoder import Encoder
 from ...guidance.losses import claims_loss
 from ...planning.advice import Advice, Advisor, OfflineAdvisor
-from ...planning.types import Plan
+from ...planning.types import LightPlan, Plan
 from ...prompt.lexicon.user_words import default_vocabulary
 from ...prompt.types import Parsed
 from ...reference.advisor import beside
@@ -54,6 +54,17 @@ class Missed(NamedTuple):
     claims: int
 
 
+class LightAsked(Protocol):
+    """The light that words ask for, set up in the scene."""
+
+    @property
+    def plan(self) -> LightPlan | None:
+        """Of all that sheds light."""
+
+    def claims(self, parsed: Parsed) -> tuple[Claim, ...]:
+        """What the words of a prompt claim, the light's structure among it."""
+
+
 class Search:
     """One vibe. Arguments as for `pipeline.run`.
 
@@ -80,7 +91,9 @@ class Search:
         heads: Encoder | None,
         observer: Observer,
         advisor: Advisor | None,
+        light: LightAsked | None = None,
     ) -> None:
+        self._light = light
         self.reference = Reference.of(options, views[0].scene)
         self.claims: tuple[Claim, ...] = ()
         if self.reference:  # it speaks of all of light and grade at once
@@ -93,7 +106,7 @@ class Search:
 
         self.vector, self.shots = gathered(views, options, proxy)
         words = context.scene_words(*(view.scene for view in views))
-        offline = OfflineAdvisor(prompt, words)
+        offline = OfflineAdvisor(prompt, words, light.plan if light else None)
         self.offline, asked = (
             beside(self.reference, each, prompt, len(views), words.lights)
             for each in (offline, advisor or offline)
@@ -134,7 +147,7 @@ class Search:
 
     def _claims_of(self, parsed: Parsed) -> tuple[Claim, ...]:
         """What words and picture claim of the first shot; of the others the same."""
-        claims = claims_of(parsed, default_vocabulary())
+        claims = self._light.claims(parsed) if self._light else claims_of(parsed, default_vocabulary())
         return (
             self.reference.claims(claims, self.shots[0].seen_now(self.vector.encode({})))
             if self.reference

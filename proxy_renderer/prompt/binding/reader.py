@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from ...schema import VibeError
 from ..lexicon.entries import VocabularyEntry
+from ..lexicon.rigs import rig_table
 from ..lexicon.vocabulary import Vocabulary
 from ..meaning import NamedThing
 from ..mentions.passage import PromptLook
@@ -69,7 +70,9 @@ class PromptReader:
         parsed = Parsed(text)
         tinge: TargetPair | None = None
         for number, pair in enumerate(self.chosen):
-            if pair.target.kind == "none":
+            if pair.target.kind == "none" and self._is_a_light(pair.look):
+                parsed.attributes.append(_light(pair.look))
+            elif pair.target.kind == "none":
                 if not self._is_a_name(pair.look.index):
                     parsed.ignored.append(pair.look.text)
             elif pair.target.kind == TINGE:
@@ -96,6 +99,11 @@ class PromptReader:
     def _is_a_name(self, index: int) -> bool:
         """Whether a word that could be a look names a thing of the scene: a pier where there is one."""
         return any(m.named and m.covers(index) for m in self.found.mentions)
+
+    def _is_a_light(self, look: PromptLook) -> bool:
+        """Whether a word that seems to name a thing is a source of light that a rig is for: "a single candle on the left"."""
+        rig = rig_table().rigs.get(look.token.entry)
+        return rig is not None and rig.kind in ("source", "time") and not rig.adds and not look.token.guess
 
     def _entry(self, pair: TargetPair, after: list[TargetPair]) -> str:
         """What a look word becomes; of "emerald velvet" the emerald is the color of the next material."""
@@ -159,3 +167,17 @@ class PromptReader:
             if named and mention.members == 1:
                 worn = self.scene.object_materials.items()
                 yield mention.text, next(name for name, mats in worn if not named.names.isdisjoint(mats))
+
+
+def _light(look: PromptLook) -> Attribute:
+    """A word for a source of light, said of light as a whole."""
+    return Attribute(
+        look.text,
+        look.token.entry,
+        "lighting",
+        "whole",
+        "light",
+        look.strength,
+        look.negated,
+        thing=look.token.text,
+    )

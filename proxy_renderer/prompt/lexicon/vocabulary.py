@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Callable, Container
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
@@ -14,6 +14,7 @@ from ...color.floats import srgb_from_hex
 from ...schema import Values, VibeError
 from . import kelvins
 from .entries import Effect, VocabularyEntry, normalize, parse_effect, read_entry
+from .rigs import rig_table
 
 _SHORTEST_STEM = 2  # letters; a stem has more
 T = TypeVar("T")
@@ -150,6 +151,17 @@ def load(text: str, colors: str) -> Vocabulary:
     )
 
 
+def _with_rigs(vocabulary: Vocabulary) -> Vocabulary:
+    """A vocabulary with the words of the rigs: those that it lacks are look words of their own."""
+    entries, synonyms = dict(vocabulary.entries), dict(vocabulary.synonyms)
+    for rig in {rig.name: rig for rig in rig_table().rigs.values()}.values():
+        known = next((entry for entry in rig.entries if entry in vocabulary.entries), rig.name)
+        if known == rig.name:
+            entries.setdefault(rig.name, VocabularyEntry(rig.name, "lighting", rig.words, phrase=rig.name))
+        synonyms |= dict.fromkeys((word for word in rig.words if word not in vocabulary.entries), known)
+    return replace(vocabulary, entries=entries, synonyms=synonyms)
+
+
 def _check_links(entries: dict[str, VocabularyEntry], adjectives: dict[str, dict[str, str]]) -> None:
     """Raises VibeError where an opposite, or what an adjective stands for, is no entry."""
     for entry in entries.values():
@@ -202,4 +214,4 @@ def shipped_vocabulary() -> Vocabulary:
     """The vocabulary that is shipped."""
     folder = Path(__file__).parent
     text, colors = (folder / name for name in ("vocabulary.toml", "colors.txt"))
-    return load(text.read_text("utf-8"), colors.read_text("utf-8"))
+    return _with_rigs(load(text.read_text("utf-8"), colors.read_text("utf-8")))

@@ -4,13 +4,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import ClassVar
+from dataclasses import dataclass, field, replace
+from typing import ClassVar, Self
 
 import torch
 from jaxtyping import Float
 from torch import Tensor
 
+from ....scene import Light, SceneData
+from ....scene.values import RenderValues, wanted
 from ...geometry.vectors import dot
 from .point import PointLight
 
@@ -21,9 +23,33 @@ _RIM_POINTS = 9
 
 @dataclass(frozen=True)
 class SpotLight(PointLight):
-    """A point light that shines into a cone; inside it is as bright as a point light of the same power."""
+    """A point light that shines into a cone; inside it is as bright as a point light of the same power.
 
+    Attributes:
+        cone: () full opening angle, radians.
+    """
+
+    cone: Float[Tensor, ""] = field(default_factory=lambda: torch.tensor(math.pi / 4))
     segment_parts: ClassVar[int] = 4  # its cone has an edge
+
+    @classmethod
+    def of(cls, light: Light, scene: SceneData, values: RenderValues) -> Self:
+        """See `LightSource.of`."""
+        opening = values.scalar(f"light/{light.name}/cone", math.degrees(light.spot_size))
+        return replace(super().of(light, scene, values), cone=torch.deg2rad(opening))
+
+    @property
+    def moving(self) -> bool:
+        """Whether gradients with respect to its place, direction, size or cone are wanted."""
+        return super().moving or wanted(self.cone)
+
+    def signature(self) -> tuple[float, ...]:
+        """See `LightSource.signature`."""
+        return (*super().signature(), float(self.cone.detach()))
+
+    def detached(self) -> Self:
+        """See `LightSource.detached`."""
+        return replace(super().detached(), cone=self.cone.detach())
 
     def directivity(
         self, toward: Float[Tensor, "3 n"], radius: Float[Tensor, " n"] | None = None
@@ -36,8 +62,8 @@ class SpotLight(PointLight):
 
         Args and returns are those of `PointLight.directivity`.
         """
-        edge = math.cos(self.light.spot_size / 2)
-        slope = 1.0 / max((1.0 - edge) * self.light.spot_blend, 1e-5)
+        edge = torch.cos(self.cone / 2)
+        slope = 1.0 / ((1.0 - edge) * self.light.spot_blend).clamp_min(1e-5)
         cosine = dot(toward, self.axes[:, 2:3])
         if radius is None or not bool((radius > _SOFT_RIM).any()):
             return _smoothstep((cosine - edge) * slope)

@@ -1,0 +1,314 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rigs: what a gaffer sets up for a lighting word, read from `rigs.toml` and checked. The head of that file explains the rows."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from ...schema import VibeError
+from ...schema.added_lights import PARTS
+from .entries import Effect, normalize, parse_effect
+
+SOURCES = {"point": "POINT", "spot": "SPOT", "area": "AREA", "sun": "SUN"}
+REACHES = ("subject", "pool", "background", "all")
+THROUGH = ("", "window")
+KINDS = ("source", "style", "time", "place", "mood")
+_HEX = re.compile("#[0-9a-fA-F]{6}")
+_DISTANCES = {"POINT": 1.8, "SPOT": 5.0, "AREA": 3.0, "SUN": 0.0}
+_SIZES = {"POINT": 0.1, "SPOT": 0.08, "AREA": 1.2, "SUN": 0.5}
+_KELVINS = (1000.0, 20000.0)
+
+
+@dataclass(frozen=True)
+class RigLight:
+    """One light of a rig.
+
+    Attributes:
+        part: What it is for, one of `schema.added_lights.PARTS`.
+        type: Blender's type.
+        azimuth: Degrees from the camera: -90 is the picture's left, 180 is behind the subject.
+        elevation: Degrees.
+        mirrored: Whether the other side does as well.
+        distance: From the subject's center, in the subject's radii.
+        size: In the subject's radii; of a sun degrees.
+        kelvin: Color temperature; 0 where `color` is given.
+        color: "#rrggbb"; "" where `kelvin` is given.
+        stops: On what it lights, against the key on the subject.
+        reach: What it lights: "subject", "pool" (the subject and a circle around it), "background" or "all".
+        names: Words of lights, glows and objects of the scene that can be this light.
+        through: "window" where it comes in through openings.
+    """
+
+    part: str
+    type: str
+    azimuth: float
+    elevation: float
+    mirrored: bool = True
+    distance: float = 0.0
+    size: float = 0.0
+    kelvin: float = 0.0
+    color: str = ""
+    stops: float = 0.0
+    reach: str = "subject"
+    names: frozenset[str] = frozenset()
+    through: str = ""
+
+    @property
+    def is_warm(self) -> bool:
+        """Whether people call it warm."""
+        return 0.0 < self.kelvin < 4200.0
+
+
+@dataclass(frozen=True)
+class Rig:
+    """A lighting setup.
+
+    Attributes:
+        name: As in the file.
+        words: Ways to say it that the vocabulary does not have; its name is one where the vocabulary lacks it.
+        entries: Entries of the vocabulary that it is for.
+        says: What it looks like, for people.
+        kind: "source", "style", "time", "place" or "mood": of several that a prompt names the first kind is the setup.
+        adds: Whether it adds its lights to another rig, or to the scene's own light: a rim light does.
+        exposure: Stops of the lit side of the subject, as a gray card has it, against middle gray.
+        own: Stops by which the scene's own lights without a part are changed.
+        world: Stops of the world's light on the subject against the key; None to leave the world.
+        world_color: "#rrggbb" of that light; "" to leave it.
+        sky: Stops of what the camera sees of the world against middle gray; None to leave it.
+        sky_color: "#rrggbb" of that; "" for the color of the world's light.
+        air: Optical depth of the air up to the subject; None to leave it.
+        grade: Effects on the film.
+        lights: Its lights, the key first.
+    """
+
+    name: str
+    words: tuple[str, ...]
+    entries: tuple[str, ...]
+    says: str
+    kind: str = "source"
+    adds: bool = False
+    exposure: float = 0.0
+    own: float = -6.0
+    world: float | None = None
+    world_color: str = ""
+    sky: float | None = None
+    sky_color: str = ""
+    air: float | None = None
+    grade: tuple[Effect, ...] = ()
+    lights: tuple[RigLight, ...] = ()
+
+
+@dataclass(frozen=True)
+class Modifier:
+    """What a word changes about the lights of a rig.
+
+    Attributes:
+        azimuth: Degrees from the camera; None to leave it.
+        elevation: Degrees; None to leave it.
+        size: Factor.
+        kelvin: Color temperature; 0 to leave it.
+        exposure: Stops that are added to the exposure.
+        contrast: Stops that are added to all lights but the key, and to the world.
+        distance: Factor.
+        every: Whether it is about all lights, not the key alone.
+    """
+
+    azimuth: float | None = None
+    elevation: float | None = None
+    size: float = 1.0
+    kelvin: float = 0.0
+    exposure: float = 0.0
+    contrast: float = 0.0
+    distance: float = 1.0
+    every: bool = False
+
+    def change(self, light: RigLight, strength: float) -> RigLight:
+        """A light with the change, as strong as the word says."""
+        turned = {} if self.azimuth is None else {"azimuth": self.azimuth, "mirrored": False, "through": ""}
+        raised = {} if self.elevation is None else {"elevation": self.elevation}
+        tinted = {"kelvin": self.kelvin, "color": ""} if self.kelvin and not light.color else {}
+        size, distance = light.size * self.size**strength, light.distance * self.distance**strength
+        return replace(light, size=size, distance=distance, **turned, **raised, **tinted)
+
+    def reversed(self) -> Modifier:
+        """What the word asks for where it is negated: less of its exposure and contrast, and the other size."""
+        return Modifier(
+            size=1 / self.size, exposure=-self.exposure, contrast=-self.contrast, every=self.every
+        )
+
+
+@dataclass(frozen=True)
+class RigTable:
+    """All rigs and modifiers.
+
+    Attributes:
+        rigs: Vocabulary entry -> the rig that it stands for.
+        modifiers: Vocabulary entry -> what it changes.
+    """
+
+    rigs: Mapping[str, Rig]
+    modifiers: Mapping[str, Modifier]
+
+    @property
+    def two_colors(self) -> Rig:
+        """The rig of two colored lights."""
+        return self.rigs["neon light"]
+
+
+@cache
+def rig_table() -> RigTable:
+    """The rigs and modifiers that are shipped."""
+    rigs, modifiers = (
+        (Path(__file__).parent / name).read_text("utf-8") for name in ("rigs.toml", "modifiers.toml")
+    )
+    return RigTable(by_entry(read(rigs, "rigs.toml")), read_modifiers(modifiers))
+
+
+def by_entry(every: Mapping[str, Rig]) -> dict[str, Rig]:
+    """Name of a vocabulary entry -> its rig.
+
+    Raises:
+        VibeError: Two rigs are for one entry.
+    """
+    found: dict[str, Rig] = {}
+    for rig in every.values():
+        for entry in rig.entries:
+            if entry in found:
+                raise VibeError(
+                    f"Rigs: '{entry}' is in '{found[entry].name}' and in '{rig.name}'.", "Keep one."
+                )
+            found[entry] = rig
+    return found
+
+
+def read_modifiers(text: str) -> dict[str, Modifier]:
+    """The tables [modifier.NAME], by vocabulary entry.
+
+    Raises:
+        VibeError: A row is unknown, or no number.
+    """
+    found = {}
+    for name, row in tomllib.loads(text).get("modifier", {}).items():
+        _only(row, {f.name for f in fields(Modifier)})
+        found[normalize(name)] = Modifier(**row)
+    return found
+
+
+def read(text: str, place: str) -> dict[str, Rig]:
+    """Rigs by name from the text of a .toml file.
+
+    Args:
+        text: Of the file.
+        place: What messages call the file.
+
+    Raises:
+        VibeError: Something in it is not what it should be; names the line and the remedy.
+    """
+    try:
+        rows = tomllib.loads(text).get("rig", {})
+    except tomllib.TOMLDecodeError as error:
+        raise VibeError(f"{place} cannot be read: {error}.", "Correct that line.") from error
+    found = {}
+    for name, row in rows.items():
+        try:
+            found[normalize(name)] = _rig(normalize(name), row)
+        except (VibeError, TypeError, ValueError) as error:
+            remedy = error.remedy if isinstance(error, VibeError) else "Compare with the head of rigs.toml."
+            said = error.message if isinstance(error, VibeError) else f"{error}."
+            raise VibeError(f"{place}, line {_line(text, name)}, rig '{name}': {said}", remedy) from error
+    return found
+
+
+def _line(text: str, name: str) -> int:
+    heads = re.finditer(r"^\[rig\.\"?([^\"\]]+)\"?\]", text, re.MULTILINE)
+    return next((text[: h.start()].count("\n") + 1 for h in heads if h[1] == name), 1)
+
+
+def _rig(name: str, row: dict[str, Any]) -> Rig:
+    known = {f.name for f in fields(Rig)} - {"name"}
+    _only(row, known)
+    entries = _words(row.get("entries", ""))
+    numbers = {key: float(row[key]) for key in ("exposure", "own", "world", "sky", "air") if key in row}
+    lights = tuple(_light(light) for light in row.get("lights", ()))
+    if not lights and not entries:
+        raise VibeError("it has no light.", "Give it a row lights = [...].")
+    return Rig(
+        name=name,
+        words=(name, *_words(row.get("words", ""))),
+        entries=tuple(dict.fromkeys((name, *entries))),
+        says=row["says"] if "says" in row else _missing("says"),
+        kind=_one_of("kind", row.get("kind", "source"), KINDS),
+        adds=bool(row.get("adds", False)),
+        world_color=_color(row.get("world_color", "")),
+        sky_color=_color(row.get("sky_color", "")),
+        grade=tuple(map(parse_effect, row.get("grade", ()))),
+        lights=lights,
+        **numbers,
+    )
+
+
+def _light(row: dict[str, Any]) -> RigLight:
+    _only(
+        row,
+        {
+            "part",
+            "source",
+            "from",
+            "side",
+            "distance",
+            "size",
+            "kelvin",
+            "color",
+            "stops",
+            "reach",
+            "names",
+            "through",
+        },
+    )
+    part, source = row.get("part", "key"), row.get("source", "area")
+    _one_of("part", part, PARTS)
+    _one_of("source", source, tuple(SOURCES))
+    reach, through = row.get("reach", "subject"), row.get("through", "")
+    _one_of("reach", reach, REACHES)
+    _one_of("through", through, THROUGH)
+    azimuth, elevation = map(float, row["from"]) if "from" in row else _missing("from = [azimuth, elevation]")
+    kind, color = SOURCES[source], _color(row.get("color", ""))
+    kelvin = float(row.get("kelvin", 0.0 if color else 5600.0))
+    if kelvin and not _KELVINS[0] <= kelvin <= _KELVINS[1]:
+        raise VibeError(f"{kelvin:g} K is no color of light.", "Write 1000 to 20000.")
+    return RigLight(
+        part, kind, azimuth, elevation, row.get("side", "either") == "either",
+        float(row.get("distance", _DISTANCES[kind])), float(row.get("size", _SIZES[kind])),
+        kelvin, color, float(row.get("stops", 0.0)), reach, frozenset(_words(row.get("names", ""))), through,
+    )  # fmt: skip
+
+
+def _words(text: str) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(normalize(word) for word in text.split(",") if word.strip()))
+
+
+def _color(text: str) -> str:
+    if text and not _HEX.fullmatch(text):
+        raise VibeError(f"'{text}' is no color.", 'Write "#rrggbb".')
+    return text
+
+
+def _only(row: Mapping[str, Any], known: set[str]) -> None:
+    for key in row:
+        _one_of("row", key, tuple(sorted(known)))
+
+
+def _one_of(what: str, value: str, known: tuple[str, ...]) -> str:
+    if value not in known:
+        raise VibeError(f"'{value}' is no {what}.", f"Use one of: {', '.join(k for k in known if k)}.")
+    return value
+
+
+def _missing(row: str) -> Any:
+    raise VibeError(f"it lacks the row {row}.", "Add it.")

@@ -1,0 +1,243 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which rig the words of a prompt ask for: one setup, what other words add to it, and how modifiers change its lights."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from ..color.floats import hex_from_srgb, lab_from_srgb
+from ..prompt.lexicon.rigs import KINDS, Modifier, Rig, RigLight, RigTable
+from ..prompt.lexicon.vocabulary import Vocabulary
+from ..prompt.types import Attribute, Parsed
+
+_SECOND = -1.0  # stops of another setup's key against the first one's
+_LIGHT_KINDS = ("light", "fill", "rim", "ambience")
+"""Kinds of things whose colors are gels where a rig stands."""
+_OF_LIGHT = (*_LIGHT_KINDS, "tone", "whole", "shadow")
+_NEON = "neon "  # what names of colors begin with that are colors of signs where a rig has signs
+_PARTS = {"rim": ("rim", "kicker"), "fill": ("fill", "bounce"), "key": ("key",)}
+"""Role of a light that words speak of -> parts of a rig."""
+_TOLD_APART = ("key", "accent", "rim", "practical")
+"""Parts of the lights that a prompt tells apart, in its order."""
+_DARK_WORDS = ("darker surface", "dark surface", "black surface", "dark surroundings", "dark")
+_DARK, _BLACK_WORLD, _BLACK_SKY, _BLACK_OWN = 20.0, -6.5, -6.5, -10.0
+"""L* of a color up to which it is black, and the stops of a world, a sky and lights that leave all but the subject black."""
+_EXPOSURES = (-2.2, 1.0)
+_WIDEST = {"SUN": 45.0, "AREA": 5.0, "SPOT": 1.0, "POINT": 0.6}
+_DIMMED = 0.6  # stops that an hour may darken a setup of another kind
+
+
+@dataclass(frozen=True)
+class ChosenRig:
+    """The rig of a prompt.
+
+    Attributes:
+        rig: With the changes that modifiers make to it.
+        words: Words of the prompt that it shows, each with the parts of the rig that the word asks for; none for all.
+        served: The attributes that it takes the place of.
+    """
+
+    rig: Rig
+    words: Mapping[str, tuple[str, ...]]
+    served: tuple[Attribute, ...]
+
+
+def chosen_rig(parsed: Parsed, table: RigTable, vocabulary: Vocabulary) -> ChosenRig | None:
+    """The rig that a prompt asks for.
+
+    Args:
+        parsed: The prompt, understood.
+        table: The rigs and modifiers.
+        vocabulary: What words mean.
+
+    Returns:
+        None where no word stands for a setup: then each word acts on the lights that are there.
+    """
+    said = [a for a in parsed.attributes if not (a.cause and a in parsed.overruled)]
+    setups = _setups(said, table)
+    gels = _gels(said, setups, table)
+    if not setups and len(gels) < 2:
+        return None
+    build = _Build(table.rigs[setups[0].entry] if setups else table.two_colors, table)
+    for attribute in setups:
+        build.take_setup(attribute)
+    parts = _told_apart(said)
+    for attribute in (a for a in said if a not in build.served and not a.cause):
+        if attribute.entry in table.rigs and table.rigs[attribute.entry].adds:
+            build.add(attribute)
+        elif attribute.entry in table.modifiers and attribute.kind in _OF_LIGHT and not attribute.owners:
+            build.modify(attribute, parts.get(attribute.lamp) or _PARTS.get(attribute.role, ("key",)))
+        elif _darkens_the_rest(attribute, vocabulary):
+            build.darken(attribute)
+    for gel in gels:
+        build.color(gel, parts.get(gel.lamp) or _PARTS.get(gel.role, ()))
+    moods = (a for a in said if a.cause and a.slot == "lighting" and not a.owners)
+    rig = replace(
+        build.rig,
+        exposure=min(max(build.rig.exposure, min(_EXPOSURES[0], build.first.exposure)), _EXPOSURES[1]),
+    )
+    return ChosenRig(rig, build.words, (*build.served, *(a for a in moods if a not in build.served)))
+
+
+class _Build:
+    """A rig while words change it."""
+
+    def __init__(self, first: Rig, table: RigTable) -> None:
+        self.first, self.rig, self.table = first, first, table
+        self.words: dict[str, tuple[str, ...]] = {}
+        self.served: list[Attribute] = []
+        self._colored = 0
+
+    def take_setup(self, attribute: Attribute) -> None:
+        """Takes a word that stands for a setup: the first one is the rig, others join it."""
+        other = self.table.rigs[attribute.entry]
+        self.served.append(attribute)
+        if other.name == self.first.name:
+            self.words.setdefault(attribute.cause or attribute.word, ())
+        elif not attribute.cause and other.kind == "source":
+            self.rig = _with_source(self.rig, other)
+            self.words.setdefault(attribute.word, ("accent",))
+        elif not attribute.cause and other.kind == "time" and self.first.kind != "time":
+            self.rig = _at_an_hour(self.rig, other)
+            self.words.setdefault(attribute.word, ())
+
+    def add(self, attribute: Attribute) -> None:
+        """Adds the lights of a rig that only adds, or takes such lights away."""
+        adding = self.table.rigs[attribute.entry]
+        parts = tuple(light.part for light in adding.lights)
+        rest = tuple(light for light in self.rig.lights if light.part not in parts)
+        self.rig = replace(self.rig, lights=rest if attribute.negated else (*rest, *adding.lights))
+        self._take(attribute, parts)
+
+    def modify(self, attribute: Attribute, parts: Sequence[str]) -> None:
+        """Changes the lights that a modifier is said of."""
+        modifier = self.table.modifiers[attribute.entry]
+        modifier = modifier.reversed() if attribute.negated else modifier
+        every = modifier.every and not attribute.role
+        lights = [
+            _limited(modifier.change(light, attribute.strength)) if every or light.part in parts else light
+            for light in self._with_parts(parts)
+        ]
+        self.rig = _deepened(replace(self.rig, lights=tuple(lights)), modifier, attribute.strength)
+        self._take(attribute, tuple(parts))
+
+    def darken(self, attribute: Attribute) -> None:
+        """Leaves all but the subject in the dark."""
+        self.rig = replace(self.rig, sky=_BLACK_SKY, world=_BLACK_WORLD, own=_BLACK_OWN)
+        self.rig = replace(self.rig, lights=tuple(x for x in self.rig.lights if x.reach != "background"))
+        self._take(attribute, ("rest",))
+
+    def color(self, gel: Attribute, parts: Sequence[str]) -> None:
+        """Gives a color to the lights of some parts; without parts, to the next light that has none of the prompt's."""
+        assert gel.color
+        if not parts:
+            parts = _TOLD_APART[min(self._colored, 2) :][:1]
+            self._colored += 1
+        color = hex_from_srgb(gel.color)
+        lights = [
+            replace(light, color=color, kelvin=0.0) if light.part in parts else light
+            for light in self._with_parts(parts)
+        ]
+        self.rig = replace(self.rig, lights=tuple(lights))
+        self._take(gel, tuple(parts))
+
+    def _with_parts(self, parts: Sequence[str]) -> tuple[RigLight, ...]:
+        """The rig's lights, with one of the first part where it has none of them: opposite to the key."""
+        lights = self.rig.lights
+        if not lights or any(light.part in parts for light in lights):
+            return lights
+        key, part = lights[0], parts[0]
+        side = -1.0 if key.azimuth > 0 else 1.0
+        aside, stops = (150.0, 1.0) if part == "rim" else (95.0, -0.3 if part == "accent" else -2.0)
+        more = RigLight(part, "AREA", side * aside, 20.0, True, 2.8, 1.2, 5600.0, "", stops)
+        return (*lights, more)
+
+    def _take(self, attribute: Attribute, parts: tuple[str, ...]) -> None:
+        self.served.append(attribute)
+        if not attribute.negated:
+            self.words.setdefault(attribute.word, parts)
+
+
+def _setups(said: Sequence[Attribute], table: RigTable) -> list[Attribute]:
+    """The words that stand for setups, the one that counts first; "backlit" only changes another setup."""
+    every = sorted((a for a in said if _is_setup(a, table)), key=lambda a: _rank(a, table))
+    return [a for a in every if a.entry not in table.modifiers] or every[:1]
+
+
+def _is_setup(attribute: Attribute, table: RigTable) -> bool:
+    rig = table.rigs.get(attribute.entry)
+    return rig is not None and not rig.adds and not attribute.negated and not attribute.color
+
+
+def _rank(attribute: Attribute, table: RigTable) -> tuple[bool, int]:
+    """What is said before what a mood stands for; of that by the rig's kind."""
+    return bool(attribute.cause), KINDS.index(table.rigs[attribute.entry].kind)
+
+
+def _with_source(rig: Rig, other: Rig) -> Rig:
+    """A setup with the key of another one as a second light, on the side where the first key is not."""
+    if not other.lights or not rig.lights:
+        return rig
+    first, key = rig.lights[0], other.lights[0]
+    if (first.color, first.kelvin) == (key.color, key.kelvin):
+        return rig
+    azimuth = -key.azimuth if first.azimuth * key.azimuth > 0 else key.azimuth
+    rest = tuple(light for light in rig.lights if light.part != "accent")
+    return replace(rig, lights=(*rest, replace(key, part="accent", stops=_SECOND, azimuth=azimuth)))
+
+
+def _at_an_hour(rig: Rig, hour: Rig) -> Rig:
+    """A setup under the sky of an hour or a weather, which may darken it a little."""
+    return replace(
+        rig,
+        sky=rig.sky if hour.sky is None else hour.sky,
+        sky_color=hour.sky_color or rig.sky_color,
+        world_color=hour.world_color or rig.world_color,
+        exposure=min(rig.exposure, max(hour.exposure, rig.exposure - _DIMMED)),
+    )
+
+
+def _deepened(rig: Rig, modifier: Modifier, strength: float) -> Rig:
+    """A rig with a modifier's contrast and exposure."""
+    deeper = modifier.contrast * strength
+    lights = tuple(
+        light
+        if light.part == "key" or light.reach == "background"
+        else replace(light, stops=light.stops + deeper)
+        for light in rig.lights
+    )
+    world = None if rig.world is None else min(rig.world + deeper, 0.5)
+    return replace(rig, lights=lights, world=world, exposure=rig.exposure + modifier.exposure * strength)
+
+
+def _limited(light: RigLight) -> RigLight:
+    return replace(light, size=min(light.size, max(_WIDEST[light.type], 1.0)))
+
+
+def _gels(said: Sequence[Attribute], setups: Sequence[Attribute], table: RigTable) -> list[Attribute]:
+    """The colors that are colors of light: those said of light, and those of signs, where the rig has signs."""
+    colors = [a for a in said if a.color and not a.negated and not a.cause]
+    signs = any(light.color for a in setups for light in table.rigs[a.entry].lights)
+    neon = {a.thing for a in said if a.color and a.entry.startswith(_NEON) and signs}
+    return [a for a in colors if a.kind in _LIGHT_KINDS] + [
+        a for a in said if a.color and not a.cause and a.thing in neon and a.kind not in _LIGHT_KINDS
+    ]
+
+
+def _told_apart(said: Iterable[Attribute]) -> dict[int, tuple[str, ...]]:
+    """Number of a light that the prompt tells apart -> its part in the rig."""
+    found: dict[int, tuple[str, ...]] = {}
+    for attribute in said:
+        if attribute.lamp and attribute.lamp not in found:
+            free = [part for part in _TOLD_APART if (part,) not in found.values()]
+            found[attribute.lamp] = _PARTS.get(attribute.role) or (free[0] if free else _TOLD_APART[-1],)
+    return found
+
+
+def _darkens_the_rest(attribute: Attribute, vocabulary: Vocabulary) -> bool:
+    """Whether a word leaves all in the dark but what is lit: "everything else falls into black"."""
+    rest = attribute.thing in vocabulary.lists["others"] or attribute.kind in ("surroundings", "sky")
+    black = attribute.color is not None and lab_from_srgb(attribute.color)[0] < _DARK
+    named = attribute.owners and attribute.thing not in vocabulary.lists["others"]
+    return rest and not named and not attribute.negated and (black or attribute.entry in _DARK_WORDS)

@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How bright the lights of a rig are: light adds up, so what each gives to surfaces, looked up once by rays, gives its power.
+
+Ratios are in stops of irradiance against the key on the subject's lit side. The key itself follows from the exposure that the rig
+wants, from the artist's own exposure, which stays, and in part from how light the subject is: a black car stays darker than a
+white one. Where that would bleach what the camera sees, all lights are weaker.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from ..color.tensors import luminance
+from ..prompt.lexicon.rigs import Rig
+from ..render.geometry.visibility import sphere_points
+from ..render.lights.types import light_sources
+from ..render.lights.types.light_source import LightSource
+from ..scene import SceneData
+from ..scene.values import RenderValues
+from ..schema import Values
+from .places import Placed
+from .stage import Points, Stage
+
+GRAY = 0.18
+_LIT = 0.5  # share of the subject that counts as its lit side
+_EDGE = (
+    0.12  # share of the subject that a light from behind reaches, and of a background that is its hot spot
+)
+_ALBEDOS = (0.05, 0.8)
+_KEPT = 0.5  # how much of its own lightness a subject keeps, in the exponent
+_SKY_RAYS = 48
+_FILLS, _OF_FILLS = ("fill", "bounce", "top", "accent"), 0.5
+"""Parts whose light falls on the lit side too, and how much of it does."""
+_WHITE, _BLEACHED = {"Standard": 0.75, "Raw": 0.75}, 1.6
+"""Radiance, after exposure, from which a view transform shows white: of views that cut it off, and of those that roll it off."""
+_LIGHTEST = 0.93  # share of what the camera sees that is darker than its lights
+_LEAST = 0.3  # what is left, at least, where much would bleach
+_BARELY = 1e-7
+
+
+@dataclass(frozen=True)
+class Levels:
+    """What a rig's lights are to give.
+
+    Attributes:
+        factors: Light -> what its power in the trial values is multiplied by; 0 of a light that reaches nothing.
+        key: Irradiance of the key on the subject's lit side.
+        world: What a white world of strength 1 gives to the subject.
+    """
+
+    factors: Mapping[str, float]
+    key: float
+    world: float
+
+
+def measured(
+    scene: SceneData, stage: Stage, lights: Sequence[Placed], values: Mapping[str, Values], rig: Rig
+) -> Levels:
+    """The levels of a rig.
+
+    Args:
+        scene: With the added lights.
+        stage: Of the scene.
+        lights: Of the rig, placed.
+        values: Trial values by key, with a power for each of the lights.
+        rig: With ratios and exposure.
+    """
+    given = {key: torch.tensor(value) for key, value in values.items()}
+    lamps = {lamp.light.name: lamp for lamp in light_sources(scene, RenderValues(scene, given, "cpu"))}
+    sheds = {
+        each.name: tuple(_shed(lamps[each.name], stage, p) for p in (stage.subject, stage.around))
+        for each in lights
+    }
+    stops = sum(scene.value(key)[0] for key in ("film/exposure", "film/grade_exposure"))
+    albedo = min(
+        max(float(stage.subject.albedo.mean()) if len(stage.subject) else GRAY, _ALBEDOS[0]), _ALBEDOS[1]
+    )
+    key = math.pi * 2.0 ** (rig.exposure - stops) * (albedo / GRAY) ** (_KEPT - 1.0) / _together(rig, lights)
+    factors = {}
+    for each in lights:
+        subject, around = sheds[each.name]
+        edge = each.light.part in ("rim", "kicker") or each.light.reach == "background"
+        level = _brightest(around if each.light.reach == "background" else subject, _EDGE if edge else _LIT)
+        factors[each.name] = key * 2.0**each.light.stops / level if level > _BARELY else 0.0
+    white = _WHITE.get(scene.film.view, _BLEACHED) * 2.0**-stops * 2.0 ** max(rig.exposure, 0.0)
+    lightest = max(_lightest(stage, lights, sheds, factors, n) for n in (0, 1))
+    weaker = max(min(white / max(lightest, _BARELY), 1.0), _LEAST)
+    return Levels(
+        {name: weaker * factor for name, factor in factors.items()}, weaker * key, sky_irradiance(stage)
+    )
+
+
+def sky_irradiance(stage: Stage) -> float:
+    """Mean irradiance that the subject gets from a world of radiance 1: pi in the open, 0 in a closed room."""
+    points: Points = stage.subject
+    u, v = sphere_points(_SKY_RAYS, 1, torch.Generator().manual_seed(0))[:, 0]
+    up, around = 1 - 2 * u, 2 * math.pi * v
+    flat = (1 - up * up).sqrt()
+    toward = torch.stack((flat * around.cos(), flat * around.sin(), up))
+    total = torch.zeros(len(points))
+    for direction in toward.T:
+        way = direction[:, None].expand_as(points.position).contiguous()
+        cosine = (points.normal * way).sum(0).clamp_min(0.0)
+        total += cosine * stage.clear(points, way, torch.full((len(points),), 1e30))
+    return float(total.mean()) * 4 * math.pi / _SKY_RAYS if len(points) else math.pi
+
+
+def _shed(lamp: LightSource, stage: Stage, points: Points) -> Tensor:
+    """(N,) irradiance of points by a light."""
+    shed = lamp.irradiance(points.position, points.normal).irradiance
+    toward, distance = lamp.toward(points.position)
+    clear = stage.clear(points, toward.contiguous(), distance.clamp_max(1e30))
+    return shed * clear * float(luminance(lamp.color[None])[0, 0])
+
+
+def _together(rig: Rig, lights: Sequence[Placed]) -> float:
+    """What the subject's lit side gets of all lights, against the key alone."""
+    fills = (each.light.stops for each in lights[1:] if each.light.part in _FILLS)
+    world = 0.0 if rig.world is None else 2.0**rig.world
+    return 1.0 + world + _OF_FILLS * sum(2.0**stops for stops in fills)
+
+
+def _lightest(
+    stage: Stage,
+    lights: Sequence[Placed],
+    sheds: Mapping[str, tuple[Tensor, ...]],
+    factors: Mapping[str, float],
+    which: int,
+) -> float:
+    """Radiance of the lights of the subject (0), or of what is around (1), without rims and hot spots."""
+    points = (stage.subject, stage.around)[which]
+    if not len(points):
+        return 0.0
+    broad = [
+        x
+        for x in lights
+        if x.light.part not in ("rim", "kicker") and not (which and x.light.reach == "background")
+    ]
+    total = sum((factors[x.name] * sheds[x.name][which] for x in broad), torch.zeros(len(points)))
+    return float(torch.quantile(points.albedo * total / math.pi, _LIGHTEST))
+
+
+def _brightest(light: Tensor, share: float) -> float:
+    """Mean of a share of points, those in most light."""
+    return float(light.topk(max(int(share * len(light)), 1)).values.mean()) if len(light) else 0.0

@@ -1,0 +1,251 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The lighting of a scene by a rig: added lights, a plan for all that sheds light, and what the picture has to show of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import torch
+
+from ..claims.claim import Claim
+from ..color import arrays
+from ..color.floats import linear_from_srgb, luminance, srgb_from_hex
+from ..planning.lights.facing import kelvin_color
+from ..planning.lights.glow import glows
+from ..planning.types import LightPlan, PlanEntry
+from ..prompt.types import Parsed
+from ..render.material.textures import geometry_of
+from ..scene import SceneData
+from ..schema import Instance, Values, radiometry
+from .chosen import ChosenRig
+from .levels import GRAY, Levels, measured
+from .places import Placed, placed
+from .shown import claims_of_rig
+from .stage import Stage
+
+_OFF = 2e-3  # W per squared meter of distance: an added light before a vibe
+_DRIFT = {"power": 1.6, "strength": 1.6, "size": 1.4, "temperature": 1.08, "cone": 1.12}
+_TURN = {"azimuth": 10.0, "elevation": 7.0}
+"""How far a search may go from what the rig gives: factors, and degrees."""
+_FIRST, _LATER, _LAST = 1, 4, 14
+"""Priorities of brightness, of what else a light has, and of what is only dimmed."""
+_POOL_MARGIN, _WIDEST = 1.5, 140.0
+_GLOWS, _OF_GLOWS = 0.15, 0.5
+"""Share of the key's light from which a surface that glows counts as a light, and how far it follows the scene's own lights."""
+_FAINT = 0.02  # of what the world should give the subject: if it gives less at full strength, it is shut out
+_FULL = 8.0  # the most strength of a world
+_BARELY = 1e-7
+_GEL = 1.5  # exponent by which a light is more colored than the paint of that name
+_GRAY_SKY = "#808080"
+
+
+@dataclass(frozen=True)
+class Lighting:
+    """What a rig makes of a scene.
+
+    Attributes:
+        scenes: The shots, with the lights that they get.
+        plan: Of all that sheds light.
+        claims: What pictures have to show of it.
+        notes: Who plays which part, for people.
+    """
+
+    scenes: list[SceneData]
+    plan: LightPlan
+    claims: tuple[Claim, ...]
+    notes: tuple[str, ...]
+
+
+def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add: bool = True) -> Lighting:
+    """Sets a rig up in a scene.
+
+    Args:
+        scenes: One or several shots; the first decides.
+        parsed: The prompt.
+        chosen: The rig that it asks for.
+        add: Whether the scene may get lights.
+    """
+    rig = chosen.rig
+    first = scenes[0]
+    stage = Stage(first, geometry_of(first, torch.device("cpu")))
+    lights = [each for each in placed(rig.lights, stage) if each.own or add]
+    scenes = [_with_lights(scene, lights, stage) for scene in scenes]
+    if rig.sky is not None and all(scene.may_be_parted for scene in scenes):
+        scenes = [scene.parted() for scene in scenes]
+    scene = scenes[0]
+    values = _trial(scene, lights, stage, rig.world_color if rig.world is not None else "")
+    levels = measured(scene, stage, lights, values, rig)
+    values = _balanced(scene, chosen, lights, values, levels)
+    word = next(iter(chosen.words), "")
+    entries = {
+        key: _entry(scene.instances[key], value, word)
+        for key, value in values.items()
+        if key in scene.instances
+    }
+    grade = tuple((chosen.served[0], effect) for effect in rig.grade) if chosen.served else ()
+    plan = LightPlan(entries, chosen.served, grade)
+    return Lighting(list(scenes), plan, claims_of_rig(chosen, lights, stage), tuple(_notes(lights)))
+
+
+def _with_lights(scene: SceneData, lights: Sequence[Placed], stage: Stage) -> SceneData:
+    """A scene with the rig's lights that it lacks, which are off and stand where they will."""
+    mine = {each.name: each for each in lights if not each.own}
+    lit = scene.with_lights(mine)
+    instances = dict(lit.instances)
+    for key, instance in lit.instances.items():
+        each = mine.get(instance.owner) if instance.parameter.group == "light" else None
+        if each is None:
+            continue
+        name = instance.parameter.name
+        value = _shape(each, stage).get(name)
+        if name in ("power", "strength"):
+            value = (_OFF * instance.reference,)
+        instances[key] = replace(instance, value=value) if value else instance
+    return replace(lit, instances=instances)
+
+
+def _shape(each: Placed, stage: Stage) -> dict[str, Values]:
+    """Name of a parameter -> what a light has of it, its power apart."""
+    light = each.light
+    found: dict[str, Values] = {"color": (1.0, 1.0, 1.0), "temperature": (light.kelvin or 6500.0,)}
+    if light.color:
+        linear = linear_from_srgb(srgb_from_hex(light.color))
+        found["color"] = tuple((v / max(*linear, 1e-6)) ** _GEL for v in linear)
+    if not each.own:
+        found |= {"azimuth": (each.azimuth,), "elevation": (each.elevation,)}
+    if each.type == "SUN":
+        return found | {"angle": (light.size,)}
+    size = {"size": (light.size * stage.radius,)}
+    if each.own:  # a lamp of the scene keeps its size, unless it has none
+        return found
+    found |= {"distance": (each.distance,), **size}
+    if each.type == "SPOT":
+        pool = 1.0 if light.reach == "subject" else _POOL_MARGIN
+        opening = 2 * math.degrees(math.atan(pool * 1.2 * stage.radius / each.distance))
+        found["cone"] = (min(max(opening, 8.0), _WIDEST),)
+    return found
+
+
+def _trial(scene: SceneData, lights: Sequence[Placed], stage: Stage, world_color: str) -> dict[str, Values]:
+    """Values of lights and world in which each sheds enough light to be measured."""
+    values: dict[str, Values] = {}
+    for each in lights:
+        key = f"light/{each.name}/"
+        names = _shape(each, stage)
+        energy = radiometry.unit_energy(each.type, max(each.distance, 1e-3))
+        for name, value in {**names, "power": (energy,), "strength": (energy,)}.items():
+            instance = scene.instances.get(key + name)
+            if instance and not instance.locked:
+                values[key + name] = value
+        if f"{key}temperature" not in scene.instances and each.light.kelvin and f"{key}color" in values:
+            values[f"{key}color"] = kelvin_color(each.light.kelvin)
+    if world_color:
+        values |= _world_color(scene, "world/", world_color)
+    return values
+
+
+def _world_color(scene: SceneData, part: str, color: str) -> dict[str, Values]:
+    """The color of the world, or of its backdrop ("world/backdrop_"); of a linked environment its tint."""
+    linear = linear_from_srgb(srgb_from_hex(color))
+    found: dict[str, Values] = {}
+    for name, value in (("color", linear), ("tint", tuple(v / max(luminance(linear), 1e-3) for v in linear))):
+        instance = scene.instances.get(part + name)
+        if instance and not instance.locked:
+            found[part + name] = tuple(min(v, high) for v, high in zip(value, instance.upper, strict=True))
+    return found
+
+
+def _balanced(
+    scene: SceneData, chosen: ChosenRig, lights: Sequence[Placed], values: dict[str, Values], levels: Levels
+) -> dict[str, Values]:
+    """Values with the powers that the rig's ratios ask for, its world and its sky, and the scene's other lights dimmed."""
+    rig, out = chosen.rig, dict(values)
+    for each in lights:
+        for key in (f"light/{each.name}/power", f"light/{each.name}/strength"):
+            if key in out:
+                out[key] = (out[key][0] * levels.factors[each.name],)
+    if rig.world is not None and "world/strength" in scene.instances:
+        wanted = levels.key * 2.0**rig.world
+        shed = levels.world * _world_luminance(scene, out)
+        own = scene.value("world/strength")[0]
+        shut_out = _FULL * shed < _FAINT * wanted
+        out["world/strength"] = (min(own, 1.0),) if shut_out else (min(wanted / max(shed, _BARELY), _FULL),)
+    if rig.sky is not None:
+        out |= _sky(scene, chosen, levels)
+    placed_names = {each.name for each in lights}
+    out |= _dimmed(scene, rig.own, placed_names, levels.key / math.pi)
+    return {key: value for key, value in out.items() if not scene.instances[key].locked}
+
+
+def _world_luminance(scene: SceneData, values: Mapping[str, Values], part: str = "") -> float:
+    """Luminance of the world at strength 1, or of its backdrop ("backdrop_")."""
+    key = f"world/{part}color"
+    if key in scene.instances:
+        return luminance(values.get(key, scene.value(key)))
+    picture = scene.world.backdrop if part and scene.world.backdrop is not None else scene.world.image
+    tint = luminance(values.get(f"world/{part}tint", scene.value(f"world/{part}tint", (1.0, 1.0, 1.0))))
+    return tint * (float(arrays.luminance(picture).mean()) if picture is not None else 0.5)
+
+
+def _sky(scene: SceneData, chosen: ChosenRig, levels: Levels) -> dict[str, Values]:
+    """What the camera sees of the world: its color, and the strength that gives it the rig's lightness."""
+    rig = chosen.rig
+    key = "world/backdrop_strength" if "world/backdrop_strength" in scene.instances else ""
+    if not key:
+        return {}
+    found = _world_color(scene, "world/backdrop_", rig.sky_color or rig.world_color or _GRAY_SKY)
+    stops = sum(scene.value(each)[0] for each in ("film/exposure", "film/grade_exposure"))
+    bright = GRAY * 2.0 ** ((rig.sky or 0.0) - stops)
+    return found | {key: (min(bright / max(_world_luminance(scene, found, "backdrop_"), 1e-4), 10.0),)}
+
+
+def _dimmed(scene: SceneData, stops: float, playing: set[str], white: float) -> dict[str, Values]:
+    """The scene's own lights, and surfaces that glow as lights do, that play no part.
+
+    Args:
+        scene: With the added lights.
+        stops: By which they change.
+        playing: Names of the lights that play a part.
+        white: Radiance of a white surface in the key.
+    """
+    found: dict[str, Values] = {}
+    if not stops:
+        return found
+    for key, instance in scene.instances.items():
+        if instance.parameter.family in ("light/power", "light/strength") and instance.owner not in playing:
+            found[key] = (instance.value[0] * 2.0**stops,)
+    for material, glow in glows(scene).items():
+        key, color = f"material/{material}/emission", f"material/{material}/emission_color"
+        shed = (
+            luminance(scene.value(color, (1.0, 1.0, 1.0)))
+            * luminance(glow.color)
+            * glow.strength
+            * glow.light
+        )
+        if key in scene.instances and shed * scene.value(key)[0] > _GLOWS * white:
+            found[key] = (scene.instances[key].value[0] * 2.0 ** (stops * _OF_GLOWS),)
+    return found
+
+
+def _entry(instance: Instance, value: Values, word: str) -> PlanEntry:
+    """The range around what the rig gives a parameter, from which the search begins."""
+    name, reason = instance.parameter.name, f"'{word}'"
+    low, high = instance.lower, instance.upper
+    if name in _DRIFT:
+        ends = tuple(v / _DRIFT[name] for v in value), tuple(v * _DRIFT[name] for v in value)
+    elif name in _TURN:
+        ends = tuple(v - _TURN[name] for v in value), tuple(v + _TURN[name] for v in value)
+    else:
+        ends = value, value
+    lower, upper = (tuple(min(max(v, a), b) for v, a, b in zip(end, low, high, strict=True)) for end in ends)
+    start = tuple(min(max(v, a), b) for v, a, b in zip(value, lower, upper, strict=True))
+    bright = name in ("power", "strength") and instance.parameter.group in ("light", "world")
+    return PlanEntry(lower, upper, _FIRST if bright else _LATER, reason, prior=0.0, usual=True, start=start)
+
+
+def _notes(lights: Sequence[Placed]) -> Iterator[str]:
+    for each in lights:
+        what = "your light" if each.own else "an added light"
+        yield f"{each.light.part.capitalize()}: {each.name}, {what}."

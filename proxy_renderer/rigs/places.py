@@ -1,0 +1,271 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where the lights of a rig stand in a scene: its own lights first, then the place from which an added one reaches what it is to light.
+
+Candidates around the place that the rig names are tried with rays: what is in the way, how far the walls are, on which side the
+subject can be reached. A sun that comes in through a window is looked for over the whole sky.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+import torch
+from torch import Tensor
+
+from ..prompt.lexicon.rigs import RigLight
+from ..prompt.names import plain_name
+from ..scene import Light, SceneData
+from ..schema.added_lights import light_name
+from .stage import Points, Stage
+
+_TURNS = (0.0, -14.0, 14.0, -28.0, 28.0, -45.0, 45.0)
+_RISES = (0.0, 12.0, -10.0, 24.0)
+_NEARER = (1.0, 0.75, 0.55, 0.4)
+_ASIDE, _OFF, _CLOSE, _OTHER_SIDE = 110.0, 80.0, 0.25, 0.03
+"""Degrees of azimuth and of elevation, share of the distance, and the other side: what each costs, in shares of the subject."""
+_ENOUGH = 0.04  # share of the light without anything in the way from which a place will do
+_LIKE, _AS_HIGH = 45.0, 32.0  # degrees within which a light of the scene stands where a rig wants one
+_NEAR = 9.0  # radii from the subject within which a lamp of the scene lights it
+_AWAY = 1.15  # of an object's size: how far from its middle a bulb hangs
+_SKY_TURNS, _SKY_HEIGHTS = range(-180, 180, 12), (7.0, 12.0, 18.0, 26.0, 36.0, 48.0, 62.0)
+_PATCH, _ON_SUBJECT = 0.3, 0.5
+"""Shares of the surroundings and of the subject from which more sun is no better."""
+_OPEN = 0.35  # of the subject that the sun reaches where the rig has it, from which no window is looked for
+_SPOT_MARGIN = 1.25
+_BLEND_ROOM = 1.0
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A light of the rig in the scene.
+
+    Attributes:
+        light: As the rig has it.
+        name: Of the scene's light, or of the one that is added.
+        type: Blender's.
+        own: Whether the scene has it.
+        azimuth: Degrees, as in `schema.orbit`.
+        elevation: Degrees.
+        distance: Meters; 0 of a sun.
+        reached: Share of what it is to light that it reaches.
+    """
+
+    light: RigLight
+    name: str
+    type: str
+    own: bool
+    azimuth: float
+    elevation: float
+    distance: float
+    reached: float
+
+
+def placed(lights: Iterable[RigLight], stage: Stage) -> list[Placed]:
+    """The lights of a rig, each where it reaches what it is to light; those that reach nothing are left out.
+
+    Args:
+        lights: The rig's, the key first.
+        stage: Where they are to stand.
+    """
+    found: list[Placed] = []
+    turned = 1.0
+    for light in lights:
+        wanted = replace(light, azimuth=turned * light.azimuth)
+        taken = {each.name for each in found}
+        mine = _own(wanted, stage, taken) or _added(wanted, stage, taken, alone=not found)
+        if mine is None:
+            continue
+        if (
+            not found and light.mirrored and light.azimuth
+        ):  # what goes with the key stays on the other side of it
+            side = _relative(mine.azimuth - stage.front)
+            turned = math.copysign(1.0, side * light.azimuth) if abs(side) > 1.0 else 1.0
+        found.append(mine)
+    return found
+
+
+def _own(light: RigLight, stage: Stage, taken: set[str]) -> Placed | None:
+    """A light of the scene that can be this one: by its name, or by its type and where it stands."""
+    scene = stage.scene
+    free = [
+        x
+        for x in scene.lights
+        if not x.fixed and x.name not in taken and not x.added and _may_change(x, scene)
+    ]
+    named = [x for x in free if _called(x.name, light.names)]
+    for candidate in (*named, *(x for x in free if _stands_for(x, light, stage))):
+        share = _share(stage, light, candidate)
+        near = (torch.tensor(candidate.position) - stage.middle).norm() < _NEAR * stage.radius
+        if share > _ENOUGH and (candidate.type == "SUN" or candidate not in named or bool(near)):
+            key = f"light/{candidate.name}/"
+            azimuth, elevation = (scene.value(key + each)[0] for each in ("azimuth", "elevation"))
+            distance = scene.value(key + "distance", 0.0)[0]
+            return Placed(light, candidate.name, candidate.type, True, azimuth, elevation, distance, share)
+    return None
+
+
+def _may_change(light: Light, scene: SceneData) -> bool:
+    keys = [f"light/{light.name}/{name}" for name in ("power", "strength")]
+    return any(key in scene.instances and not scene.instances[key].locked for key in keys)
+
+
+def _called(name: str, words: frozenset[str]) -> bool:
+    spoken = {word.removesuffix("s") for word in plain_name(name).split()}
+    return not spoken.isdisjoint(word.removesuffix("s") for word in words)
+
+
+def _stands_for(light: Light, wanted: RigLight, stage: Stage) -> bool:
+    """Whether a light of the scene is of the type that a rig wants, and about where the rig wants it."""
+    if light.type != wanted.type or wanted.through:
+        return False
+    key = f"light/{light.name}/"
+    azimuth, elevation = (stage.scene.value(key + each)[0] for each in ("azimuth", "elevation"))
+    sides = (wanted.azimuth, -wanted.azimuth) if wanted.mirrored else (wanted.azimuth,)
+    aside = min(abs(_relative(azimuth - stage.front - side)) for side in sides)
+    return aside < _LIKE and abs(elevation - wanted.elevation) < _AS_HIGH
+
+
+def _share(stage: Stage, light: RigLight, candidate: Light) -> float:
+    points = _targets(light, stage)
+    if candidate.type == "SUN":
+        key = f"light/{candidate.name}/"
+        azimuth, elevation = (stage.scene.value(key + each)[0] for each in ("azimuth", "elevation"))
+        return float(stage.sunlit(points, azimuth - stage.front, elevation).mean())
+    return float(stage.reached(points, torch.tensor(candidate.position, dtype=torch.float32)).mean())
+
+
+def _added(light: RigLight, stage: Stage, taken: set[str], alone: bool) -> Placed | None:
+    """A light that the scene gets: at a lamp that it has, through its windows, or where it reaches its target best."""
+    at_lamp = next(_at_lamps(light, stage), None)
+    if at_lamp is not None:
+        return _made(light, "POINT", at_lamp, stage, taken, 1.0)
+    if light.type == "SUN":
+        sun = _sun(light, stage)
+        if sun:
+            azimuth, elevation, share = sun
+            name = _free_name(light.part, "SUN", taken)
+            return Placed(light, name, "SUN", False, stage.front + azimuth, elevation, 0.0, share)
+        if not alone and light.part != "key":
+            return None
+        light = replace(
+            light, type="AREA", distance=2.6, size=1.0, elevation=max(light.elevation, 12.0)
+        )  # a closed room: a window
+    place, share = _best_place(light, stage)
+    return _made(light, light.type, place, stage, taken, share) if share > _ENOUGH or alone else None
+
+
+def _made(light: RigLight, kind: str, place: Tensor, stage: Stage, taken: set[str], share: float) -> Placed:
+    azimuth, elevation, distance = stage.orbit_of(place)
+    return Placed(
+        light, _free_name(light.part, kind, taken), kind, False, azimuth, elevation, distance, share
+    )
+
+
+def _free_name(part: str, kind: str, taken: set[str]) -> str:
+    """The name of an added light for a part; another part's where a rig has two of it."""
+    parts = (part, "accent", "practical", "kicker", "top", "bounce", "fill", "background")
+    return next(name for each in parts if (name := light_name(each, kind)) not in taken)
+
+
+def _targets(light: RigLight, stage: Stage) -> Points:
+    return stage.around if light.reach == "background" else stage.subject
+
+
+def _best_place(light: RigLight, stage: Stage) -> tuple[Tensor, float]:
+    """(3,) the place near the one that a rig names from which most of its target is reached, and the share that is."""
+    points, best = (
+        _targets(light, stage),
+        (-math.inf, stage.place(light.azimuth, light.elevation, light.distance), 0.0),
+    )
+    sides = (1.0, -1.0) if light.mirrored and light.azimuth else (1.0,)
+    for side, turn, rise, nearer in itertools.product(sides, _TURNS, _RISES, _NEARER):
+        elevation = max(min(light.elevation + rise, 88.0), -60.0)
+        place = stage.place(side * light.azimuth + turn, elevation, nearer * light.distance)
+        share = float(stage.reached(points, place).mean())
+        cost = abs(turn) / _ASIDE + abs(rise) / _OFF + (1 - nearer) * _CLOSE + (side < 0) * _OTHER_SIDE
+        score = min(share, 0.5) - 0.3 * cost * max(share, 0.1)
+        if share > 0.5 * best[2] and score > best[0]:
+            best = score, place, share
+        if side > 0 and turn == rise == 0.0 and nearer == 1.0 and share > 0.35:
+            break  # nothing is in the way
+    return best[1], best[2]
+
+
+def _sun(light: RigLight, stage: Stage) -> tuple[float, float, float] | None:
+    """Azimuth from the camera and elevation of a sun that reaches the subject, and the share that it reaches.
+
+    Where the rig's own direction is blocked, as in a room, the whole sky is tried: a sun that draws a patch where the camera
+    sees it, and falls on the subject.
+    """
+    sides = (1.0, -1.0) if light.mirrored and light.azimuth else (1.0,)
+    near = [
+        (side * light.azimuth + turn, max(light.elevation + rise, 4.0))
+        for side, turn, rise in itertools.product(sides, (0.0, -20.0, 20.0), (0.0, 10.0))
+    ]
+    wanted = light.azimuth, light.elevation
+    scored = [(_sun_score(stage, *each, wanted, sides), each) for each in near]
+    open_sky = [(score, each) for (score, lit), each in scored if lit >= _OPEN * _possible(stage, *each)]
+    if open_sky:
+        (azimuth, elevation) = max(open_sky)[1]
+        return azimuth, elevation, _OPEN
+    everywhere = [(float(a), e) for a in _SKY_TURNS for e in _SKY_HEIGHTS]
+    best = max(
+        ((_sun_score(stage, *each, wanted, sides), each) for each in everywhere), key=lambda row: row[0][0]
+    )
+    (score, lit), (azimuth, elevation) = best
+    return (azimuth, elevation, lit) if score > _ENOUGH else None
+
+
+def _possible(stage: Stage, azimuth: float, elevation: float) -> float:
+    """How much of the subject a sun could reach if nothing were in the way."""
+    from ..schema import orbit
+
+    toward = torch.tensor(orbit.direction(stage.front + azimuth, elevation), dtype=torch.float32)
+    return float((stage.subject.normal * toward[:, None]).sum(0).clamp_min(0.0).mean())
+
+
+def _sun_score(
+    stage: Stage, azimuth: float, elevation: float, wanted: tuple[float, float], sides: tuple[float, ...]
+) -> tuple[float, float]:
+    """How good a direction is, and the share of the subject that it reaches."""
+    lit = float(stage.sunlit(stage.subject, azimuth, elevation).mean())
+    patch = float((stage.sunlit(stage.around, azimuth, elevation) > 0.02).float().mean())
+    aside = min(abs(_relative(azimuth - side * wanted[0])) for side in sides)
+    away = 0.08 * (aside / 180.0 + abs(elevation - wanted[1]) / 90.0)
+    gained = min(lit, _ON_SUBJECT) + 0.5 * min(patch, _PATCH)
+    return (gained - away if gained > _ENOUGH else 0.0), lit
+
+
+def _at_lamps(light: RigLight, stage: Stage) -> Iterator[Tensor]:
+    """Places (3,) of the scene's lamps, flames and signs that can be this light, the nearest to the subject first."""
+    if not light.names:
+        return
+    words = {word.removesuffix("s") for word in light.names}
+    lamps = [
+        (m, size) for _, spoken, m, size in stage.things if spoken & words and size < 2 * _NEAR * stage.radius
+    ]
+    lamps.sort(key=lambda row: float((row[0] - stage.middle).norm()))
+    for middle, size in lamps:
+        if (middle - stage.middle).norm() > _NEAR * stage.radius:
+            continue
+        toward = stage.middle - middle
+        up = torch.tensor([0.0, 0.0, 1.0])
+        steps = [up * 0.0, up, toward / toward.norm().clamp_min(1e-6), -up]
+        places = [middle + _AWAY * size * step for step in steps]
+        every = torch.tensor(
+            [
+                float(stage.reached(stage.subject, p).mean())
+                + 0.5 * float(stage.reached(stage.around, p).mean())
+                for p in places
+            ]
+        )
+        if float(every.max()) > _ENOUGH:
+            yield places[int(every.argmax())]
+
+
+def _relative(degrees: float) -> float:
+    """An angle in (-180, 180]."""
+    return (degrees + 180.0) % 360.0 - 180.0

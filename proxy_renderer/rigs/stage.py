@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The stage: where the subject is, what the camera sees of it and of what is around, and what light from a place reaches."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from ..color import arrays
+from ..color.floats import luminance
+from ..prompt.names import plain_name
+from ..render.geometry.camera import view_of
+from ..render.geometry.visibility import RayGeometry
+from ..scene import SceneData
+from ..scene.values import RenderValues
+from ..schema import orbit
+
+_GRID = 40  # rays along each side of the picture
+_MOST = 400  # points of the subject, and of what is around, that light is looked for at
+_FEW = 8
+_WIDE = 0.85  # share of the subject's points within its radius
+_LEAST_RADIUS = 0.02  # of the distance of the camera
+_PLAIN = 0.5  # albedo of what is not known
+
+
+@dataclass(frozen=True)
+class Points:
+    """Places on surfaces that the camera sees.
+
+    Attributes:
+        position: (3, N), world space, just above the surface.
+        normal: (3, N), towards the camera.
+        albedo: (N,) of its material, the mean of a texture.
+    """
+
+    position: Tensor
+    normal: Tensor
+    albedo: Tensor
+
+    def __len__(self) -> int:
+        return self.position.shape[1]
+
+
+class Stage:
+    """Of one shot.
+
+    Args:
+        scene: The exported scene.
+        geometry: Its surfaces.
+
+    Attributes:
+        subject: What is seen of the subject; of everything, where hardly any of it is.
+        around: What is seen of the rest.
+        radius: Of the subject, meters.
+        middle: (3,) of the subject.
+        front: Azimuth of the camera, degrees, as in `schema.orbit`.
+    """
+
+    def __init__(self, scene: SceneData, geometry: RayGeometry) -> None:
+        self.scene, self.geometry = scene, geometry
+        self.pivot = torch.tensor(scene.pivot, dtype=torch.float32)
+        points, mine = _seen(scene, geometry)
+        enough = int(mine.sum()) >= _FEW
+        self.subject = _some(points, mine if enough else torch.ones_like(mine))
+        self.around = _some(points, ~mine if int((~mine).sum()) >= _FEW else torch.ones_like(mine))
+        if len(self.subject):
+            self.middle = self.subject.position.median(1).values
+            away = (self.subject.position - self.middle[:, None]).norm(dim=0)
+            radius = float(torch.quantile(away, _WIDE))
+        else:
+            self.middle, radius = self.pivot, 0.0
+        view = float(scene.references.get("view_distance", 1.0))
+        self.radius = max(radius, _LEAST_RADIUS * view)
+        self.front = scene.value("camera/azimuth")[0]
+
+    def place(self, azimuth: float, elevation: float, radii: float) -> Tensor:
+        """(3,) a place at an azimuth from the camera, an elevation, and a distance from the subject's middle in its radii."""
+        toward = torch.tensor(orbit.direction(self.front + azimuth, elevation), dtype=torch.float32)
+        return self.middle + radii * self.radius * toward
+
+    def orbit_of(self, place: Tensor) -> tuple[float, float, float]:
+        """Azimuth, elevation (degrees) and distance (meters) of a place, as a light's parameters have them."""
+        offset = (place - self.pivot).tolist()
+        azimuth, elevation = orbit.angles(offset)
+        return azimuth, max(min(elevation, 88.0), -88.0), max(math.dist(offset, (0, 0, 0)), 1e-3)
+
+    def reached(self, points: Points, place: Tensor) -> Tensor:
+        """(N,) how much light from a place reaches points, by what is in the way and how they face it."""
+        offset = place[:, None] - points.position
+        distance = offset.norm(dim=0).clamp_min(1e-6)
+        return self._reached(points, offset / distance, distance)
+
+    def sunlit(self, points: Points, azimuth: float, elevation: float) -> Tensor:
+        """(N,) the same of a sun, at an azimuth from the camera and an elevation."""
+        toward = torch.tensor(orbit.direction(self.front + azimuth, elevation), dtype=torch.float32)
+        toward = toward[:, None].expand_as(points.position).contiguous()
+        return self._reached(points, toward, torch.full((len(points),), 1e30))
+
+    def _reached(self, points: Points, toward: Tensor, distance: Tensor) -> Tensor:
+        return self.clear(points, toward, distance) * (points.normal * toward).sum(0).clamp_min(0.0)
+
+    def clear(self, points: Points, toward: Tensor, distance: Tensor) -> Tensor:
+        """(N,) share of light that comes to points from directions (3, N) over distances (N,)."""
+        device = self.geometry.device
+        return self.geometry.clear(points.position.to(device), toward.to(device), distance.to(device)).cpu()
+
+    @cached_property
+    def things(self) -> list[tuple[str, frozenset[str], Tensor, float]]:
+        """Of each object: its name, the words of it, the middle (3,) of its box, and the box's half diagonal."""
+        mesh, found = self.scene.mesh, []
+        for number, thing in enumerate(self.scene.objects):
+            faces = mesh.faces[mesh.object == number]
+            if len(faces):
+                corners = mesh.vertices[faces.ravel()]
+                low, high = corners.min(0), corners.max(0)
+                words = frozenset(word.removesuffix("s") for word in plain_name(thing.name).split())
+                middle = torch.from_numpy((low + high) / 2).float()
+                found.append((thing.name, words, middle, float(np.linalg.norm(high - low)) / 2))
+        return found
+
+
+def _seen(scene: SceneData, geometry: RayGeometry) -> tuple[Points, Tensor]:
+    """What a grid of camera rays meets, and (N,) whether that is the subject."""
+    device = geometry.device
+    view = view_of(scene, RenderValues(scene, {}, device), (_GRID, _GRID))
+    y, x = torch.meshgrid(torch.arange(_GRID), torch.arange(_GRID), indexing="ij")
+    origin, toward = view.rays(torch.stack((x.flatten(), y.flatten())).to(device) + 0.5)
+    hits = geometry.first_hits(origin, toward, "camera")
+    kept = hits.hit
+    surface = geometry.surface(hits.pick(kept), toward[:, kept])
+    subjects = torch.tensor([o.subject for o in scene.objects], device=device)
+    albedo = torch.tensor([_albedo(scene, number) for number in range(len(scene.materials))])
+    points = Points(geometry.lifted(surface).cpu(), surface.normal.cpu(), albedo[surface.material.cpu()])
+    return points, subjects[surface.object].cpu()
+
+
+def _some(points: Points, mine: Tensor) -> Points:
+    index = mine.nonzero()[:, 0]
+    if len(index) > _MOST:
+        index = index[torch.linspace(0, len(index) - 1, _MOST).long()]
+    return Points(
+        points.position[:, index].contiguous(), points.normal[:, index].contiguous(), points.albedo[index]
+    )
+
+
+def _albedo(scene: SceneData, number: int) -> float:
+    """Mean albedo of a material, of its texture where it has one."""
+    material = scene.materials[number]
+    key = f"material/{material.name}/"
+    if material.texture is not None:
+        tint = luminance(scene.value(key + "tint", (1.0, 1.0, 1.0)))
+        return float(arrays.luminance(material.texture.image[..., :3]).mean()) * tint
+    return luminance(scene.value(key + "base_color", (_PLAIN,) * 3))
