@@ -36,10 +36,11 @@ _KEPT = 0.5  # how much of its own lightness a subject keeps, in the exponent
 _SKY_RAYS = 48
 _FILLS, _OF_FILLS = ("fill", "bounce", "top", "accent"), 0.5
 """Parts whose light falls on the lit side too, and how much of it does."""
-_WHITE, _BLEACHED = {"Standard": 0.75, "Raw": 0.75}, 1.6
-"""Radiance, after exposure, from which a view transform shows white: of views that cut it off, and of those that roll it off."""
+_WHITE, _BLEACHED = {"Standard": 0.65, "Raw": 0.65}, 0.95
+"""Radiance, after exposure, that the lights of a normally exposed picture have: in views that cut off, and in those that roll off."""
 _LIGHTEST = 0.93  # share of what the camera sees that is darker than its lights
-_LEAST = 0.3  # what is left, at least, where much would bleach
+_LEAST = 0.35  # what is left, at least, where much would bleach
+_FOLLOWS = 0.7  # how far they follow the rig's exposure
 _BARELY = 1e-7
 
 
@@ -87,8 +88,8 @@ def measured(
         edge = each.light.part in ("rim", "kicker") or each.light.reach == "background"
         level = _brightest(around if each.light.reach == "background" else subject, _EDGE if edge else _LIT)
         factors[each.name] = key * 2.0**each.light.stops / level if level > _BARELY else 0.0
-    white = _WHITE.get(scene.film.view, _BLEACHED) * 2.0**-stops * 2.0 ** max(rig.exposure, 0.0)
-    lightest = max(_lightest(stage, lights, sheds, factors, n) for n in (0, 1))
+    white = _WHITE.get(scene.film.view, _BLEACHED) * 2.0 ** (_FOLLOWS * rig.exposure - stops)
+    lightest = max(_lightest(stage, lights, sheds, factors, rig, key, n) for n in (0, 1))
     weaker = max(min(white / max(lightest, _BARELY), 1.0), _LEAST)
     return Levels(
         {name: weaker * factor for name, factor in factors.items()}, weaker * key, sky_irradiance(stage)
@@ -130,18 +131,17 @@ def _lightest(
     lights: Sequence[Placed],
     sheds: Mapping[str, tuple[Tensor, ...]],
     factors: Mapping[str, float],
+    rig: Rig,
+    key: float,
     which: int,
 ) -> float:
-    """Radiance of the lights of the subject (0), or of what is around (1), without rims and hot spots."""
+    """Radiance of the lights of the subject (0), or of what is around (1), without hot spots."""
     points = (stage.subject, stage.around)[which]
     if not len(points):
         return 0.0
-    broad = [
-        x
-        for x in lights
-        if x.light.part not in ("rim", "kicker") and not (which and x.light.reach == "background")
-    ]
-    total = sum((factors[x.name] * sheds[x.name][which] for x in broad), torch.zeros(len(points)))
+    broad = [x for x in lights if not (which and x.light.reach == "background")]
+    world = 0.0 if rig.world is None else key * 2.0**rig.world
+    total = sum((factors[x.name] * sheds[x.name][which] for x in broad), torch.full((len(points),), world))
     return float(torch.quantile(points.albedo * total / math.pi, _LIGHTEST))
 
 

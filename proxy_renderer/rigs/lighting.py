@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
 import torch
 
 from ..claims.claim import Claim
@@ -18,7 +19,8 @@ from ..planning.types import LightPlan, PlanEntry
 from ..prompt.types import Parsed
 from ..render.material.textures import geometry_of
 from ..scene import SceneData
-from ..schema import Instance, Values, radiometry
+from ..schema import Instance, Values, orbit, radiometry
+from ..schema.added_lights import CARD, CARD_AWAY, card
 from .chosen import ChosenRig
 from .levels import GRAY, Levels, measured
 from .places import Placed, placed
@@ -26,8 +28,8 @@ from .shown import claims_of_rig
 from .stage import Stage
 
 _OFF = 2e-3  # W per squared meter of distance: an added light before a vibe
-_DRIFT = {"power": 1.6, "strength": 1.6, "size": 1.4, "temperature": 1.08, "cone": 1.12}
-_TURN = {"azimuth": 10.0, "elevation": 7.0}
+_DRIFT = {"power": 1.5, "strength": 1.5, "size": 1.25, "temperature": 1.06}
+_TURN = {"azimuth": 5.0, "elevation": 4.0}
 """How far a search may go from what the rig gives: factors, and degrees."""
 _FIRST, _LATER, _LAST = 1, 4, 14
 """Priorities of brightness, of what else a light has, and of what is only dimmed."""
@@ -71,7 +73,7 @@ def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add
     first = scenes[0]
     stage = Stage(first, geometry_of(first, torch.device("cpu")))
     lights = [each for each in placed(rig.lights, stage) if each.own or add]
-    scenes = [_with_lights(scene, lights, stage) for scene in scenes]
+    scenes = [_with_cards(_with_lights(scene, lights, stage), lights) for scene in scenes]
     if rig.sky is not None and all(scene.may_be_parted for scene in scenes):
         scenes = [scene.parted() for scene in scenes]
     scene = scenes[0]
@@ -79,11 +81,8 @@ def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add
     levels = measured(scene, stage, lights, values, rig)
     values = _balanced(scene, chosen, lights, values, levels)
     word = next(iter(chosen.words), "")
-    entries = {
-        key: _entry(scene.instances[key], value, word)
-        for key, value in values.items()
-        if key in scene.instances
-    }
+    still = {each.name for each in lights if each.fixed or each.own}
+    entries = {key: _entry(scene.instances[key], value, word, still) for key, value in values.items()}
     grade = tuple((chosen.served[0], effect) for effect in rig.grade) if chosen.served else ()
     plan = LightPlan(entries, chosen.served, grade)
     return Lighting(list(scenes), plan, claims_of_rig(chosen, lights, stage), tuple(_notes(lights)))
@@ -104,6 +103,18 @@ def _with_lights(scene: SceneData, lights: Sequence[Placed], stage: Stage) -> Sc
             value = (_OFF * instance.reference,)
         instances[key] = replace(instance, value=value) if value else instance
     return replace(lit, instances=instances)
+
+
+def _with_cards(scene: SceneData, lights: Sequence[Placed]) -> SceneData:
+    """A scene with the cards that its added lights shine through, as Blender builds them."""
+    for each in lights:
+        size = next((light.card for light in scene.lights if light.name == each.name), 0.0)
+        if each.light.pattern and size and not each.own:
+            right, up, toward = np.array(orbit.frame(each.azimuth, each.elevation)).T
+            middle = np.array(scene.pivot) + CARD_AWAY * size * toward
+            quads = np.array(card(each.light.pattern, size))  # (Q, 4, 2)
+            scene = scene.with_card(CARD, middle + quads[..., :1] * right + quads[..., 1:] * up)
+    return scene
 
 
 def _shape(each: Placed, stage: Stage) -> dict[str, Values]:
@@ -229,13 +240,13 @@ def _dimmed(scene: SceneData, stops: float, playing: set[str], white: float) -> 
     return found
 
 
-def _entry(instance: Instance, value: Values, word: str) -> PlanEntry:
+def _entry(instance: Instance, value: Values, word: str, still: set[str]) -> PlanEntry:
     """The range around what the rig gives a parameter, from which the search begins."""
     name, reason = instance.parameter.name, f"'{word}'"
     low, high = instance.lower, instance.upper
     if name in _DRIFT:
         ends = tuple(v / _DRIFT[name] for v in value), tuple(v * _DRIFT[name] for v in value)
-    elif name in _TURN:
+    elif name in _TURN and instance.owner not in still:
         ends = tuple(v - _TURN[name] for v in value), tuple(v + _TURN[name] for v in value)
     else:
         ends = value, value

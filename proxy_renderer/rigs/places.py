@@ -18,6 +18,7 @@ from torch import Tensor
 from ..prompt.lexicon.rigs import RigLight
 from ..prompt.names import plain_name
 from ..scene import Light, SceneData
+from ..schema import orbit
 from ..schema.added_lights import light_name
 from .stage import Points, Stage
 
@@ -30,12 +31,12 @@ _ENOUGH = 0.04  # share of the light without anything in the way from which a pl
 _LIKE, _AS_HIGH = 45.0, 32.0  # degrees within which a light of the scene stands where a rig wants one
 _NEAR = 9.0  # radii from the subject within which a lamp of the scene lights it
 _AWAY = 1.15  # of an object's size: how far from its middle a bulb hangs
-_SKY_TURNS, _SKY_HEIGHTS = range(-180, 180, 12), (7.0, 12.0, 18.0, 26.0, 36.0, 48.0, 62.0)
-_PATCH, _ON_SUBJECT = 0.3, 0.5
-"""Shares of the surroundings and of the subject from which more sun is no better."""
-_OPEN = 0.35  # of the subject that the sun reaches where the rig has it, from which no window is looked for
-_SPOT_MARGIN = 1.25
-_BLEND_ROOM = 1.0
+_SKY_TURNS, _SKY_HEIGHTS = range(-180, 180, 12), (8.0, 14.0, 22.0, 32.0, 44.0, 60.0)
+_TOUCHED, _PATCHES, _PATCH = 0.03, (0.03, 0.5), 0.3
+"""Light on a surface that counts as sun, the share of the surroundings that a window lets it fall on, and what is enough."""
+_FROM_CAMERA = 50.0  # degrees within which a sun would stand behind the camera
+_OPEN = 0.4  # of what the sun could reach of the subject, from which it stands in the open
+_AWAY_COST = 0.25
 
 
 @dataclass(frozen=True)
@@ -51,6 +52,7 @@ class Placed:
         elevation: Degrees.
         distance: Meters; 0 of a sun.
         reached: Share of what it is to light that it reaches.
+        fixed: Whether it must stay where it is: at a lamp, in a window.
     """
 
     light: RigLight
@@ -61,6 +63,7 @@ class Placed:
     elevation: float
     distance: float
     reached: float
+    fixed: bool = False
 
 
 def placed(lights: Iterable[RigLight], stage: Stage) -> list[Placed]:
@@ -119,7 +122,7 @@ def _called(name: str, words: frozenset[str]) -> bool:
 
 def _stands_for(light: Light, wanted: RigLight, stage: Stage) -> bool:
     """Whether a light of the scene is of the type that a rig wants, and about where the rig wants it."""
-    if light.type != wanted.type or wanted.through:
+    if light.type != wanted.type or wanted.through or wanted.pattern:
         return False
     key = f"light/{light.name}/"
     azimuth, elevation = (stage.scene.value(key + each)[0] for each in ("azimuth", "elevation"))
@@ -141,13 +144,15 @@ def _added(light: RigLight, stage: Stage, taken: set[str], alone: bool) -> Place
     """A light that the scene gets: at a lamp that it has, through its windows, or where it reaches its target best."""
     at_lamp = next(_at_lamps(light, stage), None)
     if at_lamp is not None:
-        return _made(light, "POINT", at_lamp, stage, taken, 1.0)
+        return replace(_made(light, "POINT", at_lamp, stage, taken, 1.0), fixed=True)
     if light.type == "SUN":
         sun = _sun(light, stage)
         if sun:
             azimuth, elevation, share = sun
             name = _free_name(light.part, "SUN", taken)
-            return Placed(light, name, "SUN", False, stage.front + azimuth, elevation, 0.0, share)
+            return Placed(
+                light, name, "SUN", False, stage.front + azimuth, elevation, 0.0, share, bool(light.through)
+            )
         if not alone and light.part != "key":
             return None
         light = replace(
@@ -195,48 +200,53 @@ def _best_place(light: RigLight, stage: Stage) -> tuple[Tensor, float]:
 
 
 def _sun(light: RigLight, stage: Stage) -> tuple[float, float, float] | None:
-    """Azimuth from the camera and elevation of a sun that reaches the subject, and the share that it reaches.
+    """Azimuth from the camera and elevation of a sun, and the share of the subject that it reaches; None where none gets in.
 
-    Where the rig's own direction is blocked, as in a room, the whole sky is tried: a sun that draws a patch where the camera
-    sees it, and falls on the subject.
+    A sun that comes through a window is looked for over the whole sky: it draws a patch where the camera sees it, falls on the
+    subject, and does not stand behind the camera. Others stand where the rig has them, unless something is in the way there.
     """
+    everywhere = [(float(a), e) for a in _SKY_TURNS for e in _SKY_HEIGHTS]
+    if light.through:
+        score, best = max((_through_window(light, stage, *each), each) for each in everywhere)
+        if score > _ENOUGH:
+            return (*best, float(stage.sunlit(stage.subject, *best).mean()))
     sides = (1.0, -1.0) if light.mirrored and light.azimuth else (1.0,)
     near = [
         (side * light.azimuth + turn, max(light.elevation + rise, 4.0))
         for side, turn, rise in itertools.product(sides, (0.0, -20.0, 20.0), (0.0, 10.0))
     ]
-    wanted = light.azimuth, light.elevation
-    scored = [(_sun_score(stage, *each, wanted, sides), each) for each in near]
-    open_sky = [(score, each) for (score, lit), each in scored if lit >= _OPEN * _possible(stage, *each)]
-    if open_sky:
-        (azimuth, elevation) = max(open_sky)[1]
-        return azimuth, elevation, _OPEN
-    everywhere = [(float(a), e) for a in _SKY_TURNS for e in _SKY_HEIGHTS]
-    best = max(
-        ((_sun_score(stage, *each, wanted, sides), each) for each in everywhere), key=lambda row: row[0][0]
-    )
-    (score, lit), (azimuth, elevation) = best
-    return (azimuth, elevation, lit) if score > _ENOUGH else None
+    for candidates in (near, everywhere):
+        score, best = max((_in_the_open(light, stage, *each), each) for each in candidates)
+        if score > _ENOUGH:
+            return (*best, float(stage.sunlit(stage.subject, *best).mean()))
+    return None
 
 
-def _possible(stage: Stage, azimuth: float, elevation: float) -> float:
-    """How much of the subject a sun could reach if nothing were in the way."""
-    from ..schema import orbit
+def _through_window(light: RigLight, stage: Stage, azimuth: float, elevation: float) -> float:
+    """How good a sun through a window is: 0 where all is open, or nothing gets in."""
+    if abs(azimuth) < _FROM_CAMERA:
+        return 0.0
+    patch = float((stage.sunlit(stage.around, azimuth, elevation) > _TOUCHED).float().mean())
+    lit = float((stage.sunlit(stage.subject, azimuth, elevation) > _TOUCHED).float().mean())
+    if not _PATCHES[0] < patch < _PATCHES[1]:
+        return 0.0
+    return min(patch, _PATCH) + min(lit, _PATCH) - _AWAY_COST * _away(light, azimuth, elevation)
 
+
+def _in_the_open(light: RigLight, stage: Stage, azimuth: float, elevation: float) -> float:
+    """How good a direction is for a sun on the subject."""
     toward = torch.tensor(orbit.direction(stage.front + azimuth, elevation), dtype=torch.float32)
-    return float((stage.subject.normal * toward[:, None]).sum(0).clamp_min(0.0).mean())
-
-
-def _sun_score(
-    stage: Stage, azimuth: float, elevation: float, wanted: tuple[float, float], sides: tuple[float, ...]
-) -> tuple[float, float]:
-    """How good a direction is, and the share of the subject that it reaches."""
+    facing = float((stage.subject.normal * toward[:, None]).sum(0).clamp_min(0.0).mean())
     lit = float(stage.sunlit(stage.subject, azimuth, elevation).mean())
-    patch = float((stage.sunlit(stage.around, azimuth, elevation) > 0.02).float().mean())
-    aside = min(abs(_relative(azimuth - side * wanted[0])) for side in sides)
-    away = 0.08 * (aside / 180.0 + abs(elevation - wanted[1]) / 90.0)
-    gained = min(lit, _ON_SUBJECT) + 0.5 * min(patch, _PATCH)
-    return (gained - away if gained > _ENOUGH else 0.0), lit
+    clear = lit / max(facing, 1e-3)  # of what could be lit: from behind that is little
+    return lit * 0.5 + 0.5 * clear - _AWAY_COST * _away(light, azimuth, elevation) if clear > _OPEN else 0.0
+
+
+def _away(light: RigLight, azimuth: float, elevation: float) -> float:
+    """How far a direction is from the one that the rig has, from 0 to 1."""
+    sides = (light.azimuth, -light.azimuth) if light.mirrored else (light.azimuth,)
+    aside = min(abs(_relative(azimuth - side)) for side in sides)
+    return 0.5 * (aside / 180.0 + abs(elevation - light.elevation) / 90.0)
 
 
 def _at_lamps(light: RigLight, stage: Stage) -> Iterator[Tensor]:

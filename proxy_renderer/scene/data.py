@@ -66,6 +66,7 @@ class Light:
             Several of one name share their other values.
         unlit: Indices of objects that light linking keeps its light from.
         added: Whether the artist's scene lacks it, and gets it because the words ask for it.
+        card: Size of the card with a pattern that stands before it, meters; 0 for none. Of lights on standby.
     """
 
     name: str
@@ -86,6 +87,7 @@ class Light:
     tint: Vector = (1.0, 1.0, 1.0)
     scale: float = 1.0
     added: bool = False
+    card: float = 0.0
     fixed: bool = False
     unlit: tuple[int, ...] = ()
 
@@ -264,6 +266,27 @@ class SceneData:
         """The scene with a backdrop on standby in it; a backdrop starts as the world is."""
         theirs = {key: i for key, i in self.standby.instances.items() if i.parameter.group == "world"}
         return replace(self, instances={**self.instances, **theirs})
+
+    def with_card(self, name: str, corners: Array) -> SceneData:
+        """The scene with quads (Q, 4, 3), world space, that nothing but shadow rays sees."""
+        mesh, count = self.mesh, len(corners)
+        first = len(mesh.vertices) + 4 * np.arange(count)[:, None]
+        faces = np.concatenate([first + np.array([0, 1, 2]), first + np.array([0, 2, 3])]).astype(np.int32)
+        flat = corners.reshape(-1, 3).astype(np.float32)
+        edges = flat.reshape(-1, 4, 3)
+        facet = np.cross(edges[:, 1] - edges[:, 0], edges[:, 2] - edges[:, 0])
+        facet = np.tile(facet / np.linalg.norm(facet, axis=1, keepdims=True), (2, 1)).astype(np.float32)
+        solid = next((i for i, m in enumerate(self.materials) if m.alpha == 1.0 and "alpha" not in m.maps), 0)
+        more = SceneMesh(
+            vertices=np.concatenate([mesh.vertices, flat]),
+            faces=np.concatenate([mesh.faces, faces]),
+            normals=np.concatenate([mesh.normals, np.repeat(facet[:, None], 3, axis=1)]),
+            uvs=np.concatenate([mesh.uvs, np.zeros((len(faces), 3, 2), np.float32)]),
+            material=np.concatenate([mesh.material, np.full(len(faces), solid, np.int32)]),
+            object=np.concatenate([mesh.object, np.full(len(faces), len(self.objects), np.int32)]),
+        )
+        shade = MeshObject(name, False, ("camera", "diffuse", "glossy", "transmission"))
+        return replace(self, mesh=more, objects=(*self.objects, shade))
 
     def value(self, key: str, default: float | Values = 0.0) -> Values:
         """The artist's value of a parameter.

@@ -3,12 +3,22 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 PARTS = ("key", "fill", "rim", "kicker", "accent", "practical", "background", "top", "bounce")
 """What a light is for, as a gaffer says it. The scene's own lights have the roles key, fill, rim and other."""
 _TYPES = {"AREA": "", "POINT": " Lamp", "SPOT": " Spot", "SUN": " Sun"}
 _ROLES = {"key": "key", "rim": "rim", "kicker": "rim"}
+PATTERNS = {"slats": " Blinds", "leaves": " Leaves"}
+"""What a card before a light lets through, and what the light's name says of it."""
+CARD = "Vibe Card"
+"""The name of such a card, which only shadow rays see."""
+CARD_AWAY = 1.6
+"""How far before the subject's center it stands, in sizes of the card."""
+_SLATS, _OPEN, _WINDOW, _FRAME = 9, 0.5, 1.3, 14.0
+_LEAVES, _LEAF, _CROWN = 260, 0.17, 2.2
+_GOLDEN = 2.399963
 COLLECTION = "Vibe Lights"
 """Where added lights are, in the scene."""
 
@@ -21,11 +31,13 @@ class AddedLight:
         name: Of the object in Blender; parameters are keyed by it.
         type: "AREA", "POINT", "SPOT" or "SUN".
         part: One of `PARTS`.
+        pattern: Of `PATTERNS`, or "".
     """
 
     name: str
     type: str
     part: str
+    pattern: str = ""
 
     @property
     def role(self) -> str:
@@ -33,12 +45,47 @@ class AddedLight:
         return _ROLES.get(self.part, "fill")
 
 
-def light_name(part: str, kind: str) -> str:
-    """The name of the light that plays a part: "Vibe Key Spot"."""
-    return f"Vibe {part.capitalize()}{_TYPES[kind]}"
+def light_name(part: str, kind: str, pattern: str = "") -> str:
+    """The name of the light that plays a part: "Vibe Key Spot", "Vibe Key Blinds"."""
+    return f"Vibe {part.capitalize()}{PATTERNS[pattern] if pattern else _TYPES[kind]}"
 
 
-ADDED_LIGHTS: dict[str, AddedLight] = {
-    (name := light_name(part, kind)): AddedLight(name, kind, part) for part in PARTS for kind in _TYPES
-}
+_PLAIN = [AddedLight(light_name(part, kind), kind, part) for part in PARTS for kind in _TYPES]
+_PATTERNED = [AddedLight(light_name("key", "SUN", p), "SUN", "key", p) for p in PATTERNS]
+ADDED_LIGHTS: dict[str, AddedLight] = {light.name: light for light in (*_PLAIN, *_PATTERNED)}
 """By name."""
+
+Quad = tuple[tuple[float, float], tuple[float, float], tuple[float, float], tuple[float, float]]
+
+
+def card(pattern: str, size: float) -> list[Quad]:
+    """The opaque parts of a card before a light, across its axis: x to the right and y up as the light sees it, meters.
+
+    Args:
+        pattern: "slats": a window with blinds in a wall; "leaves": a crown of leaves.
+        size: Of what is to be lit: its radius, meters.
+    """
+    if pattern == "slats":
+        pitch = 2 * _WINDOW / _SLATS
+        rows = [-_WINDOW + pitch * i for i in range(_SLATS)]
+        parts = [_box(-_WINDOW, y, _WINDOW, y + pitch * (1 - _OPEN)) for y in rows]
+        parts += [_box(-_FRAME, _WINDOW, _FRAME, _FRAME), _box(-_FRAME, -_FRAME, _FRAME, -_WINDOW)]
+        parts += [_box(-_FRAME, -_WINDOW, -_WINDOW, _WINDOW), _box(_WINDOW, -_WINDOW, _FRAME, _WINDOW)]
+    else:  # a sunflower's spiral, jittered: even, without rows
+        parts = []
+        for i in range(_LEAVES):
+            away, turn = _CROWN * math.sqrt((i + 0.5) / _LEAVES), _GOLDEN * i
+            x, y = away * math.cos(turn), away * math.sin(turn)
+            length = _LEAF * (0.55 + 0.9 * ((i * 0.754877) % 1.0))
+            parts.append(_leaf(x, y, length, _GOLDEN * i * 1.7))
+    return [tuple((x * size, y * size) for x, y in part) for part in parts]  # type: ignore[misc]
+
+
+def _box(left: float, low: float, right: float, high: float) -> Quad:
+    return (left, low), (right, low), (right, high), (left, high)
+
+
+def _leaf(x: float, y: float, length: float, turn: float) -> Quad:
+    """A rhombus, twice as long as wide."""
+    a, b = length * math.cos(turn), length * math.sin(turn)
+    return (x + a, y + b), (x - b / 2, y + a / 2), (x - a, y - b), (x + b / 2, y - a / 2)

@@ -13,7 +13,7 @@ from mathutils import Vector
 
 from ..core.journal import Journal
 from ..core.schema_import import schema
-from ..scene import bindings, own_backdrop, scene_context
+from ..scene import bindings, own_backdrop, prepare, scene_context
 from . import view
 from .analysis import SceneAnalysis
 
@@ -29,7 +29,12 @@ def lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[str, sch
     try:
         added = bindings.add_lights(journal, scene, names, analysis.objects)
         scene_context.layer(scene).update()
-        rows = [view.light(obj, known[obj.name].role, pivot) for obj in added]
+        corners = scene_context.bounds(scene, analysis.objects or scene_context.meshes(scene))
+        size = prepare.card_size(*corners)
+        rows = [
+            view.light(obj, known[obj.name].role, pivot) | ({"card": size} if known[obj.name].pattern else {})
+            for obj in added
+        ]
         bound = bindings.instances(scene, analysis.objects, analysis.pivot, ("light",))
         ours = {k: replace(i, role=known[i.owner].role) for k, i in bound.items() if i.owner in names}
     finally:

@@ -141,8 +141,34 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
     )
     light.visible_camera = False
     _stand(light, pivot, front + azimuth, elevation, distance)
-    _collection(journal, scene).objects.link(light)
+    collection = _collection(journal, scene)
+    collection.objects.link(light)
+    if what.pattern:
+        collection.objects.link(_card(journal, light, what.pattern, card_size(low, high), distance))
     return light
+
+
+def card_size(low: Vector, high: Vector) -> float:
+    """Size of the card before a light that casts a pattern on what has these corners, meters."""
+    return (high - low).length / 2.0
+
+
+def _card(journal: Journal, light: Object, pattern: str, size: float, distance: float) -> Object:
+    """A card that only shadow rays see, before a light and turned with it."""
+    lights = schema.added_lights
+    quads = lights.card(pattern, size)
+    mesh = journal.new("meshes", lights.CARD)
+    mesh.from_pydata(
+        [(*c, 0.0) for q in quads for c in q], [], [range(4 * i, 4 * i + 4) for i in range(len(quads))]
+    )
+    card = journal.new("objects", lights.CARD, mesh)
+    for block in (mesh, card):
+        owned.mark(block, lights.CARD)
+    card.parent = light
+    card.location = (0.0, 0.0, lights.CARD_AWAY * size - distance)
+    for ray in ("camera", "diffuse", "glossy", "transmission", "volume_scatter"):
+        setattr(card, f"visible_{ray}", False)
+    return card
 
 
 def _collection(journal: Journal, scene: Scene) -> bpy.types.Collection:

@@ -118,7 +118,9 @@ def placed(obj: Object) -> bool:
 
 def meshes(scene: Scene) -> list[Object]:
     """The objects with a surface that a render sees, by name; fog boxes of ours are none."""
-    objects = [o for o in scene.objects if o.type in GEOMETRY and visible(scene, o) and not owned.is_fog(o)]
+    objects = [
+        o for o in scene.objects if o.type in GEOMETRY and visible(scene, o) and not owned.is_unseen(o)
+    ]
     return sorted(objects, key=lambda o: o.name_full)
 
 
@@ -137,7 +139,7 @@ def materials(scene: Scene, subject: Sequence[Object], everything: bool = False)
         if item.object.type not in GEOMETRY or not item.show_self:
             continue
         original, parent = item.object.original, item.parent and item.parent.original
-        if (parent or original).hide_render or owned.is_fog(original):
+        if (parent or original).hide_render or owned.is_unseen(original):
             continue
         role = "subject" if original in chosen or parent in chosen else "surroundings"
         key = original.as_pointer(), item.object.data.as_pointer()

@@ -21,7 +21,7 @@ def shared(subject: Sequence[Object]) -> dict[Material, list[Object]]:
     inside, theirs = set(subject), {m for obj in subject for m in _materials(obj) if m.is_editable}
     users: dict[Material, list[Object]] = {}
     for obj in bpy.data.objects:
-        if obj in inside or not obj.users_scene or owned.is_fog(obj):
+        if obj in inside or not obj.users_scene or owned.is_unseen(obj):
             continue
         for material in theirs.intersection(_materials(obj)):
             users.setdefault(material, []).append(obj)

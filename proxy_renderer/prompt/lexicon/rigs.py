@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ...schema import VibeError
-from ...schema.added_lights import PARTS
+from ...schema.added_lights import PARTS, PATTERNS
 from .entries import Effect, normalize, parse_effect
 
 SOURCES = {"point": "POINT", "spot": "SPOT", "area": "AREA", "sun": "SUN"}
@@ -43,6 +43,7 @@ class RigLight:
         reach: What it lights: "subject", "pool" (the subject and a circle around it), "background" or "all".
         names: Words of lights, glows and objects of the scene that can be this light.
         through: "window" where it comes in through openings.
+        pattern: Of a sun: "slats" of blinds or "leaves" that it shines through; "" for none.
     """
 
     part: str
@@ -58,6 +59,7 @@ class RigLight:
     reach: str = "subject"
     names: frozenset[str] = frozenset()
     through: str = ""
+    pattern: str = ""
 
     @property
     def is_warm(self) -> bool:
@@ -253,24 +255,13 @@ def _rig(name: str, row: dict[str, Any]) -> Rig:
     )
 
 
+_LIGHT_ROWS = set(
+    "part source from side distance size kelvin color stops reach names through pattern".split()
+)
+
+
 def _light(row: dict[str, Any]) -> RigLight:
-    _only(
-        row,
-        {
-            "part",
-            "source",
-            "from",
-            "side",
-            "distance",
-            "size",
-            "kelvin",
-            "color",
-            "stops",
-            "reach",
-            "names",
-            "through",
-        },
-    )
+    _only(row, _LIGHT_ROWS)
     part, source = row.get("part", "key"), row.get("source", "area")
     _one_of("part", part, PARTS)
     _one_of("source", source, tuple(SOURCES))
@@ -286,6 +277,7 @@ def _light(row: dict[str, Any]) -> RigLight:
         part, kind, azimuth, elevation, row.get("side", "either") == "either",
         float(row.get("distance", _DISTANCES[kind])), float(row.get("size", _SIZES[kind])),
         kelvin, color, float(row.get("stops", 0.0)), reach, frozenset(_words(row.get("names", ""))), through,
+        _one_of("pattern", row.get("pattern", ""), ("", *PATTERNS)),
     )  # fmt: skip
 
 

@@ -10,9 +10,11 @@ import bpy
 from bpy.types import ID, Node, NodeSocket, NodeTree, Object
 
 from ...core.journal import Journal
+from ...core.schema_import import schema
 
 MARK = "vibe_owned"
 FOG = "Vibe Fog"
+CARD = schema.added_lights.CARD
 COLOR = (0.32, 0.22, 0.46)
 
 
@@ -21,9 +23,9 @@ def is_owned(block: ID) -> bool:
     return MARK in block
 
 
-def is_fog(obj: Object) -> bool:
-    """Whether an object is a fog box of ours, which has no surface."""
-    return obj.get(MARK) == FOG
+def is_unseen(obj: Object) -> bool:
+    """Whether an object of ours has no surface that a picture shows: a fog box, a card before a light."""
+    return obj.get(MARK) in (FOG, CARD)
 
 
 def mark(block: Any, role: str) -> None:
