@@ -14,7 +14,7 @@ from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.prompt.parser import prepared
 from proxy_renderer.prompt.types import LightWords, SceneWords
 
-FILE = Path(__file__).with_name("ordinary_words.toml")
+FILE = Path(__file__).parent / "prompt" / "ordinary_words.toml"
 ROOM = SceneWords(
     "Chair",
     {"Chair": "subject", "Table": "surroundings", "Wall": "surroundings", "Floor": "surroundings"},
