@@ -41,9 +41,9 @@ def false_actions(marked: str) -> list[str]:
     looks = {word for said in _LOOK.findall(marked) for word in words_of(said)}
     text = marked.replace("[", "").replace("]", "")
     reader = PromptReader(shipped_vocabulary(), ROOM)
-    reader.read(prepared(text, ROOM, shipped_vocabulary()))
-    acted = (pair.look.token for pair in reader.chosen if pair.target.kind not in NOWHERE)
-    return [token.text for token in acted if looks.isdisjoint(words_of(token.text))]
+    unused = reader.read(prepared(text, ROOM, shipped_vocabulary())).ignored
+    acted = (p.look for p in reader.chosen if p.target.kind not in NOWHERE and p.look.text not in unused)
+    return [look.token.text for look in acted if looks.isdisjoint(words_of(look.token.text))]
 
 
 def share_of_false_actions(half: str) -> float:

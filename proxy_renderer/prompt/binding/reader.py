@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
@@ -18,11 +19,13 @@ from .absent import AbsentObjects
 from .assignment import assigned
 from .becoming import becoming
 from .bound import Thing, Things
-from .model import shipped_weights
+from .model import scores, shipped_weights
 from .pairs import PromptPairs, TargetPair, reading
-from .targets import TINGE
+from .targets import MATTER, TINGE
 
 _PLAIN = "Use plain look words that the vocabulary knows."
+_UNSURE = 0.35
+"""Probability that a word is no look from which it is not used; chosen on a half of tests/prompt/ordinary_words.toml."""
 _LESS = 0.7  # how much of the opposite "less" asks for
 
 
@@ -73,7 +76,7 @@ class PromptReader:
         parsed, absent = Parsed(text), self._without_object(things)
         tinge: TargetPair | None = None
         for number, pair in enumerate(self.chosen):
-            if id(pair) in absent:
+            if id(pair) in absent or self._is_unsure(pair, self.found.pairs[number]):
                 parsed.ignored.append(pair.look.text)
             elif pair.target.kind == "none":
                 if not self._is_a_name(pair.look.index):
@@ -93,6 +96,13 @@ class PromptReader:
         parsed.ignored += [*(w for words in passage.wishes for w in words), *self.beyond, *self._unknown()]
         parsed.guesses |= dict(self._guessed_names())
         return parsed
+
+    def _is_unsure(self, pair: TargetPair, pairs: list[TargetPair]) -> bool:
+        """Whether a word may as well be none that speaks of a look, and no noun says what it describes."""
+        if pair.target.mention >= 0 or pair.target.kind not in (*MATTER, "picture") or len(self.chosen) == 1:
+            return False
+        likely = zip(scores(pairs, self.weights), pairs, strict=True)
+        return sum(math.exp(score) for score, each in likely if each.target.kind == "none") > _UNSURE
 
     def _without_object(self, things: Things) -> set[int]:
         """The pairs of words whose object the scene lacks, by id; the notes get a sentence for each object."""
