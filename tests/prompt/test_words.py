@@ -239,3 +239,15 @@ def test_composed_prompts_take_own_words(own):
     parsed = parse("our red teapot", SceneWords())
     assert "brand red" in compose(parsed).subject
     assert plan(parsed, compose(parsed), {}, PlanContext()) == {}
+
+
+def test_a_mood_that_paints_is_refused_with_its_line(tmp_path):
+    path = tmp_path / "words.toml"
+    path.write_text(
+        '[look.swampy]\nslot = "mood"\ndo = ["film/contrast 1..1.1", "subject/roughness 0..0.2"]\n'
+    )
+    with pytest.raises(
+        VibeError, match=r"line 3: 'swampy' is of slot mood and may not change a material"
+    ) as error:
+        extend(shipped_vocabulary(), path)
+    assert "finish, material" in error.value.remedy
