@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 
 from ..prompt.lexicon.nearest import Nearest
@@ -10,9 +11,10 @@ from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.parser import parse
 from ..prompt.types import Attribute, LightWords, Parsed, SceneWords
 from ..schema import VibeError
+from ..schema.limits import LONGEST_PROMPT
 from ..schema.messages import AskReadings, Readings, WordReading
 
-_OTHERS = 3  # known words that are offered in place of one, with the one that it was taken for
+_OTHERS = 2  # known words that are offered in place of one that is not used
 
 
 def readings(request: AskReadings) -> Readings:
@@ -23,13 +25,20 @@ def readings(request: AskReadings) -> Readings:
     """
     if not request.prompt.strip():
         return Readings(request.prompt)
+    note = ""
     try:
         parsed = parse(request.prompt, _names(request), default_vocabulary())
     except VibeError as error:
-        return Readings(request.prompt, note=str(error))
+        note, parsed = str(error), Parsed(request.prompt, ignored=_offered(request.prompt))
     told = [*_understood(parsed), *map(_left_out, dict.fromkeys(parsed.ignored))]
     said = request.prompt.casefold()
-    return Readings(request.prompt, sorted(told, key=lambda word: _place(said, word.text)))
+    return Readings(request.prompt, sorted(told, key=lambda word: _place(said, word.text)), note)
+
+
+def _offered(prompt: str) -> list[str]:
+    """The unknown words of a prompt in which no look is understood, for which known ones are offered."""
+    words = re.findall(r"[^\W\d_]+", prompt[:LONGEST_PROMPT].lower())
+    return [word for word in words if default_vocabulary().made(Nearest).may_be_a_look(word)]
 
 
 def _names(request: AskReadings) -> SceneWords:
@@ -50,11 +59,9 @@ def _understood(parsed: Parsed) -> Iterator[WordReading]:
             of_word.setdefault(attribute.word, []).append(attribute)
     for word, attributes in of_word.items():
         things = ", ".join(dict.fromkeys(_described(a) for a in attributes))
-        if unknown := _guessed(word, parsed.guesses):
-            near, *others = default_vocabulary().made(Nearest).choices(unknown, _OTHERS) or [
-                parsed.guesses[unknown]
-            ]
-            yield WordReading(word, "guessed", f"taken for “{near}”, describes {things}", others)
+        if mistyped := _guessed(word, parsed.guesses):
+            known = parsed.guesses[mistyped]
+            yield WordReading(word, "guessed", f"taken for “{known}”, describes {things}")
         else:
             yield WordReading(word, "understood", f"describes {things}")
 
@@ -68,13 +75,13 @@ def _described(attribute: Attribute) -> str:
 
 
 def _guessed(word: str, guesses: Mapping[str, str]) -> str:
-    """The unknown word in a look word with its intensity: "shimmery" of "very shimmery"; "" if all is known."""
+    """The misspelled word in a look word with its intensity: "glosy" of "very glosy"; "" if all is known."""
     return next((unknown for unknown in guesses if word.endswith(unknown)), "")
 
 
 def _left_out(word: str) -> WordReading:
     return WordReading(
-        word, "left out", "not used", default_vocabulary().made(Nearest).choices(word, _OTHERS - 1)
+        word, "left out", "not used", default_vocabulary().made(Nearest).choices(word, _OTHERS)
     )
 
 

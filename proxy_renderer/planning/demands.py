@@ -44,12 +44,10 @@ class Demand:
 
         Words of the prompt before those that a mood stands for, a finish, a color or a time of day before what a
         material, a weather or a place usually has, what a word is mainly about before what another one implies, and a word for one
-        thing before one for several; defaults and guessed moods last.
+        thing before one for several; defaults last.
         """
         usual = self.usual or self.key.rpartition("/")[2] in _USUAL.get(self.attribute.slot, ())
-        cause = bool(self.attribute.cause)
-        late = self.weak or (cause and self.attribute.guess)
-        return late, cause, usual, self.priority, self.vague
+        return self.weak, bool(self.attribute.cause), usual, self.priority, self.vague
 
 
 def lacking(owner: str) -> str:

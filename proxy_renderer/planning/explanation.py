@@ -17,10 +17,7 @@ def explain(parsed: Parsed, prompts: Prompts, plan: Plan) -> str:
         where = "" if thing.name == thing.region else f" ({thing.region})"
         lines.append(f"  {thing.name}{where}{materials}: {said}")
     lines += [f"  '{mood}' stands for: {words}" for mood, words in _moods(parsed).items()]
-    lines += [
-        f"  guessed: '{word}' as '{entry}'{_sure(parsed.confidence.get(word))}"
-        for word, entry in parsed.guesses.items()
-    ]
+    lines += [f"  guessed: '{word}' as '{entry}'" for word, entry in parsed.guesses.items()]
     if parsed.ignored:
         lines.append(f"  not used: {', '.join(parsed.ignored)}")
     lines += ["", "Told to the encoder", f"  subject: {prompts.subject}"]
@@ -63,13 +60,8 @@ def as_dict(parsed: Parsed, prompts: Prompts, plan: Plan) -> dict:
         },
         "ignored": parsed.ignored,
         "guesses": parsed.guesses,
-        "confidence": parsed.confidence,
         "notes": list(plan.notes),
     }
-
-
-def _sure(confidence: float | None) -> str:
-    return "" if confidence is None else f" (confidence {confidence:.0%})"
 
 
 def _moods(parsed: Parsed) -> dict[str, str]:

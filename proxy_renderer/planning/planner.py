@@ -33,6 +33,7 @@ _WELL_INSIDE = 0.75
 _RELATIVE = ("shade", "times", "plus", "lightness")
 """Modes of effects on what a thing has, or what its material gives it: fresh asphalt is a smoother dark gray."""
 _SEEN_GLOW = 0.02  # emission from which a material glows
+_STAYS = "the prompt says that it stays"
 _SECOND = 6  # how much later a mood's own words come than the prompt's
 
 
@@ -52,8 +53,8 @@ def plan(
     light = light or LightPlan()
     planner = _Planner(parsed, instances, context, vocabulary or default_vocabulary(), light)
     entries = planner.entries()
-    entries |= {key: entry for key, entry in light.entries.items() if not instances[key].locked}
-    for key, entry in supports(parsed, instances, planner.sources, entries, planner.owners).items():
+    entries |= {key: entry for key, entry in light.entries.items() if not planner.instances[key].locked}
+    for key, entry in supports(parsed, planner.instances, planner.sources, entries, planner.owners).items():
         entries[key] = entry
     return Plan({key: entries[key] for key in instances}, tuple(dict.fromkeys(planner.notes)))
 
@@ -67,8 +68,9 @@ class _Planner:
         vocabulary: Vocabulary,
         light: LightPlan,
     ) -> None:
-        self.parsed, self.instances, self.vocabulary = parsed, instances, vocabulary
-        self.owners = Owners(parsed, instances, context, vocabulary)
+        self.parsed, self.vocabulary = parsed, vocabulary
+        self.instances = {key: _protected(i, parsed) for key, i in instances.items()}
+        self.owners = Owners(parsed, self.instances, context, vocabulary)
         stops = [i.value[0] for i in instances.values() if i.parameter.name in ("exposure", "grade_exposure")]
         self.sources = Sources(context, exposure=sum(stops))
         self.notes = list(parsed.conflicts)
@@ -237,6 +239,12 @@ def _is_left(attribute: Attribute, effect: Effect, light: LightPlan) -> bool:
     if attribute in light.served:
         return attribute.slot == "grade" and not sheds
     return not (light.served and attribute.cause and sheds)
+
+
+def _protected(instance: Instance, parsed: Parsed) -> Instance:
+    """A parameter, locked where the prompt says that its owner stays as it is."""
+    owner = f"{instance.parameter.group}/{instance.owner}".rstrip("/")
+    return replace(instance, locked=_STAYS) if owner in parsed.protected and not instance.locked else instance
 
 
 def _start(instance: Instance, first: Demand, lower: Values, upper: Values) -> Values | None:

@@ -2,7 +2,8 @@
 """What no word names but claims may need: that the subject stands out, and neither burns nor drowns in black.
 
 The paper's own failure is under-exposure of dark materials (section 4.2): these entries are why it does not happen. They
-only say how far from the artist's values the search may look; whether and where to is for the claims.
+only say how far from the artist's values the search may look; whether and where to is for the claims. Exposure, lights, world
+and grade support the words; no material does (`schema/means.py`).
 """
 
 from __future__ import annotations
@@ -10,18 +11,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from ..color.floats import lab_from_srgb, linear_from_srgb, luminance, srgb_from_linear
+from ..color.floats import linear_from_srgb, luminance, srgb_from_linear
 from ..prompt.lexicon.kelvins import temperature
 from ..prompt.types import Attribute, Parsed
 from ..schema import Instance, Values
-from ..schema.spec import Region
 from .grays import radiance
 from .lights.facing import kelvin_color
 from .owners import BACKDROP, Owners
 from .ranges import clip, facing_white
 from .sources import Range, Sources
 from .types import PlanEntry
-from .vivid import colored, wants_color
 
 _LATE = 12
 """Priority of exposure; what words name comes first."""
@@ -36,9 +35,6 @@ _AMBIENT = ("world/color", "world/tint")
 _SATURATION = (
     1.4  # the most that named colors are strengthened: reflections and the view's shoulder bleach them
 )
-_SHADE = 18.0  # the most that L* of a surface that no word names may change
-_WHITEST = 0.9  # hardly a real surface reflects more
-_SEEN, _MOST = 0.05, 4  # share of its region from which a surface may change, and how many of a region
 _ADDED = (64.0, 80.0)  # L* of a white surface that faces a light that is added
 
 
@@ -53,7 +49,7 @@ def supports(
 
     All of them hold the artist's value, but for the power of a light that is added, which has none.
     """
-    reaches = dict(_reaches(parsed, instances, sources, entries, owners))
+    reaches = dict(_reaches(parsed, instances, sources, owners))
     free = {key for key in reaches if entries[key].priority is None and not instances[key].locked}
     found = {}
     for key in free:
@@ -64,32 +60,10 @@ def supports(
     return {key: found[key] for key in reaches if key in found} | _added_lights(instances, entries, sources)
 
 
-def _free_regions(parsed: Parsed, entries: dict[str, PlanEntry], owners: Owners) -> list[Region]:
-    """Regions whose shade no word fixes: a subject of which one part has a named color keeps the others."""
-    colors = (f"material/{name}/base_color" for name in owners.materials.of_region("subject"))
-    painted = any(key in entries and entries[key].priority is not None for key in colors)
-    regions: list[Region] = ["surroundings"] if painted else ["surroundings", "subject"]
-    return [region for region in regions if region not in parsed.colors]
-
-
 def _reaches(
-    parsed: Parsed,
-    instances: dict[str, Instance],
-    sources: Sources,
-    entries: dict[str, PlanEntry],
-    owners: Owners,
+    parsed: Parsed, instances: dict[str, Instance], sources: Sources, owners: Owners
 ) -> Iterator[tuple[str, tuple[Range, int, str]]]:
     """Keys, and for each how far it may go, how much later than exposure it comes, and why."""
-    regions = sorted(_free_regions(parsed, entries, owners))  # the subject first
-    names = [name for region in regions for name in _largest(owners.materials.of_region(region), sources)]
-    keys = [key for name in names if (key := f"material/{name}/base_color") in instances]
-    unnamed = [key for key in keys if entries[key].priority is None]
-    if wants_color(parsed, instances, unnamed):
-        why = "vivid colors are seen on something"
-        yield from ((key, (ends, -1, why)) for key, ends in colored(instances, unnamed))
-    else:
-        why = "the subject stands out from its surroundings"
-        yield from ((key, (_shades(instances[key].value), -1, why)) for key in unnamed)
     if BACKDROP in instances:
         yield BACKDROP, (_times(instances[BACKDROP].value, _WORLD), -1, "the subject stands out from it")
     if "film/exposure" in instances:
@@ -128,13 +102,6 @@ def _stops(lightness: float, wanted: float, sources: Sources) -> float:
     return math.log2(radiance(wanted, view) / radiance(lightness, view))
 
 
-def _largest(names: list[str], sources: Sources) -> list[str]:
-    """Those of a region's materials that cover much of it."""
-    shares = {name: sources.context.material_share.get(name, 1.0) for name in names}
-    large = [name for name in names if shares[name] >= _SEEN]
-    return sorted(large, key=lambda name: -shares[name])[:_MOST]
-
-
 def _times(value: Values, multiples: tuple[float, float]) -> Range:
     low, high = multiples
     return tuple(v * low for v in value), tuple(v * high for v in value)
@@ -157,13 +124,6 @@ def _tinges(color: Values, gel: Values) -> Range:
     bright = luminance(color) / max(luminance(lit), 1e-3)
     other = tuple(bright * v for v in lit)
     return tuple(map(min, color, other)), tuple(map(max, color, other))
-
-
-def _shades(color: Values) -> Range:
-    """From a darker to a lighter shade of a linear color."""
-    now = lab_from_srgb(srgb_from_linear(color))[0]
-    low, high = (((max(now + step, 0.0) + 16) / (now + 16)) ** 3 for step in (-_SHADE, _SHADE))
-    return tuple(v * low for v in color), tuple(max(v, min(v * high, _WHITEST)) for v in color)
 
 
 def added_power(instance: Instance, sources: Sources) -> Values:

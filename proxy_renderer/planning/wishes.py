@@ -11,6 +11,7 @@ from ..prompt.lexicon.entries import OWNERS, Effect
 from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.types import Attribute, Parsed
 from ..schema import FAMILIES, Values
+from ..schema.means import may_serve
 from .owners import Owners
 
 _PALE, _WHITE = 80.0, 93.0  # L* of pale and of white surroundings
@@ -31,7 +32,7 @@ class Wishes:
 
     def all(self) -> list[tuple[Attribute, Effect]]:
         """Each with its attribute, in the order of the prompt."""
-        wishes = [(a, effect) for a in self._shared_out() for effect in self.effects(a)]
+        wishes = [(a, e) for a in self._shared_out() for e in self.effects(a) if _may_act(e, a)]
         strong = [(a, e) for a, e in wishes if not e.weak]
         if any(a.slot == "lighting" and not a.cause and e.name == "temperature" for a, e in strong):
             # "Street lamps on a rainy night": a light that is named is not the neon that such nights have.
@@ -93,6 +94,11 @@ class Wishes:
         return [
             Effect(e.owner, e.name, "", (n,), (n,)) for e in entry.effects if (n := _neutral(e)) is not None
         ]
+
+
+def _may_act(effect: Effect, attribute: Attribute) -> bool:
+    """Whether an effect is a means that its word has: no mood paints."""
+    return may_serve(OWNERS[effect.owner], attribute.slot, attribute.cause)
 
 
 def is_usual(attribute: Attribute, effect: Effect) -> bool:

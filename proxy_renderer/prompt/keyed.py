@@ -41,22 +41,6 @@ def spoken(text: str, vocabulary: Vocabulary, names: Container[str] = ()) -> str
     return vocabulary.made(_lights).sub(colored, _PAIR.sub(said, text))
 
 
-def without_spared(text: str, vocabulary: Vocabulary) -> tuple[str, list[str]]:
-    """A prompt without what it says should stay ("leave the cup alone"), and what that is.
-
-    Args:
-        text: The prompt.
-        vocabulary: Has the words that say so.
-    """
-    stays = vocabulary.made(_stays)
-    spared = stays.findall(text)
-    return stays.sub(",", text) if stays.sub("", text).strip(" ,.;") else text, spared
-
-
-def _stays(v: Vocabulary) -> re.Pattern[str]:
-    return re.compile(rf"\b{_any(v, 'leave')}\b[^,.;:]*?\b{_any(v, 'alone')}\b", re.IGNORECASE)
-
-
 def _lights(v: Vocabulary) -> re.Pattern[str]:
     """Two colors of lights that are listed."""
     color = rf"([a-z]+(?: (?!{_any(v, 'other')}\b)[a-z]+)?)"

@@ -12,6 +12,8 @@ from operator import ne
 
 from .lexicon.entries import normalize
 from .lexicon.nearest import Nearest
+from .lexicon.spelling import singular
+from .lexicon.things import thing_words
 from .lexicon.tinges import parted, tending, unslashed
 from .lexicon.vocabulary import Vocabulary
 from .lexicon.word_table import table
@@ -172,9 +174,10 @@ class Lexer:
         return any(" ".join(words[i:j]) in synonyms for i in range(start + 1, end) for j in later)
 
     def _guess(self, token: Token) -> Token:
-        """The nearest known word, where it can only be a slip of the keyboard."""
+        """The known word that is meant, where the other one can only be a slip of the keyboard."""
         foreign = token.text in self.foreign
-        token.near = None if foreign else self.vocabulary.made(Nearest).guess(token.text)
+        is_thing = singular(token.text) in thing_words().rows
+        token.unsure = not (foreign or is_thing) and self.vocabulary.made(Nearest).may_be_a_look(token.text)
         if len(token.text) < (_SHORTEST_FOREIGN if foreign else _SHORTEST) or table().is_english(token.text):
             return token
         spelling = self.vocabulary.made(_spelling)

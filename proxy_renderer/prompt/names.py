@@ -17,7 +17,7 @@ def name_words(kind: str) -> frozenset[str]:
     """Words that names are made of, by the table that is shipped.
 
     Args:
-        kind: A row of lexicon/names.toml: "pipeline", "counted", "order", "limbs" or "details".
+        kind: A row of lexicon/names.toml: "pipeline", "counted", "primitives", "order", "limbs" or "details".
     """
     path = Path(__file__).with_name("lexicon") / "names.toml"
     rows: dict[str, str] = tomllib.loads(path.read_text("utf-8"))

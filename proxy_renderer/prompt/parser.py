@@ -10,7 +10,7 @@ from ..schema import VibeError
 from ..schema.limits import LONGEST_PROMPT
 from .binding.model import FactWeights
 from .binding.reader import PromptReader
-from .keyed import spoken, without_spared
+from .keyed import spoken
 from .languages.gloss import Gloss, gloss
 from .languages.retell import Retelling
 from .languages.unread import other_language, understood
@@ -20,6 +20,7 @@ from .lexicon.user_words import default_vocabulary
 from .lexicon.vocabulary import Vocabulary
 from .meaning import complete
 from .names import scene_names
+from .spared import Spared, without_spared
 from .types import Parsed, SceneWords
 
 _TAG = re.compile(r"</?[a-zA-Z][^<>]{0,200}>|\x1b\[[0-9;]*[A-Za-z]|[\x00-\x08\x0e-\x1f\x7f]")
@@ -37,10 +38,10 @@ def prepared(text: str, scene: SceneWords, vocabulary: Vocabulary) -> str:
     return _prepared(gloss(text, scene, vocabulary).english, scene, vocabulary)[0]
 
 
-def _prepared(text: str, scene: SceneWords, vocabulary: Vocabulary) -> tuple[str, list[str]]:
+def _prepared(text: str, scene: SceneWords, vocabulary: Vocabulary) -> tuple[str, list[Spared]]:
     """A prompt with hours, temperatures and lists as sentences say them, and apart from it what is to stay as it is."""
     told = kelvins.told(hours.told(text, vocabulary))
-    return without_spared(spoken(told, vocabulary, scene_names(scene)), vocabulary)
+    return without_spared(spoken(told, vocabulary, scene_names(scene)), scene, vocabulary)
 
 
 def _checked(prompt: str) -> str:
@@ -81,7 +82,8 @@ def parse(
     found = PromptReader(vocabulary, scene, weights)
     parsed = found.read(said, {normalize(word) for word in glossed.unknown})
     parsed.prompt = text
-    parsed.conflicts += [f"'{words}': what no word names stays as it is." for words in spared]
+    parsed.conflicts += map(str, spared)
+    parsed.protected = tuple(dict.fromkeys(key for each in spared for key in each.kept))
     if found.beyond:
         parsed.conflicts.append(
             f"{_quoted(found.beyond)}: no value of a material, light, world, fog or film gives that."
@@ -93,7 +95,8 @@ def parse(
     if not parsed.attributes or (foreign and all(a.guess or a.cause for a in parsed.attributes)):
         raise VibeError(
             f"Nothing in the prompt '{text[:60]}' names a look{_in(glossed, foreign)}"
-            + (f": {_THINGS_STAY}" if found.undone else "."),
+            + (f": {_THINGS_STAY}" if found.undone else ".")
+            + "".join(f" {note}" for note in found.lacking),
             "Name colors (teal), materials (glossy, gold), light (warm soft light), fog, grading (noir, vignette) "
             "or a mood (cosy, ominous).",
         )

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 
 from ..color.shades import shade
 from ..schema import Values
-from .lexicon.nearest import Guess
 from .lexicon.tinges import compound
 from .lexicon.vocabulary import Vocabulary
 
@@ -32,8 +31,8 @@ class Token:
         strength: What it multiplies the next look word with, if it is an intensity.
         lists: Names of the grammar lists that it is in: "negation", "link", ...
         name: The spelling that the vocabulary knows.
-        guess: It is misspelled or unknown, and this is the nearest known word.
-        near: What an unknown word may mean; the parser decides whether it stands where a look word can.
+        guess: It is misspelled, and this is the known word that is meant.
+        unsure: Not known, but near to looks that are: it is not used, names no thing, and known words are offered for it.
         shades: What shade words before it do to a material's color, see `types.Attribute`.
         clause: Number of its clause.
         wished: It is part of a wish that values cannot fulfill: "remove the chair".
@@ -49,7 +48,7 @@ class Token:
     lists: frozenset[str] = field(default_factory=frozenset)
     name: str = ""
     guess: str = ""
-    near: Guess | None = None
+    unsure: bool = False
     shades: tuple[ShadeArguments, ...] = ()
     clause: int = 0
     wished: bool = False
@@ -72,7 +71,7 @@ class Token:
     @property
     def names_a_look(self) -> bool:
         """Whether it can be a look word."""
-        return bool(self.entry or self.color or self.adjective or self.near)
+        return bool(self.entry or self.color or self.adjective)
 
     @property
     def _names(self) -> bool:

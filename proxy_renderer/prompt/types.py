@@ -74,7 +74,7 @@ class Attribute:
         color: The named color, sRGB in [0, 1]; None unless the slot is "color".
         thing: What the prompt calls the thing that it describes: "teapot", "wall", "key light".
         cause: The mood or style word that stands for this one, as the prompt says it; "" when the prompt says this one itself.
-        guess: Not a known word, but this is the nearest one.
+        guess: Misspelled, and taken for the known word.
         shades: How a material's own color is changed ("dark oak"): arguments of `color.shade`, one after the other.
         lights: Names of the lights that are meant, where the words single them out; of a glow "material/NAME".
         english: The word in English, where the prompt says it in another language.
@@ -139,9 +139,9 @@ class Parsed:
         targets: Attribute head -> class that the words ask for, see `attributes.ATTRIBUTES`.
         colors: "subject"/"surroundings" -> Lab that its mean display color should come near.
         ignored: Words that could not be used, in the order of the text.
-        guesses: Unknown word -> vocabulary entry that it was taken for.
+        guesses: Misspelled word -> the known word, or the name in the scene, that it was taken for.
         conflicts: Contradictions, and how each was resolved, one sentence each.
-        confidence: Guessed word -> how sure the guess is, in [0, 1].
+        protected: Owners of parameters that the prompt says should stay: "material/Plaster", "light/Key", "world".
         overruled: Attributes that ask for nothing but what earlier ones contradict.
     """
 
@@ -153,8 +153,8 @@ class Parsed:
     ignored: list[str] = field(default_factory=list)
     guesses: dict[str, str] = field(default_factory=dict)
     conflicts: list[str] = field(default_factory=list)
-    confidence: dict[str, float] = field(default_factory=dict)
     overruled: list[Attribute] = field(default_factory=list)
+    protected: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

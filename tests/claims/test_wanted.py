@@ -455,9 +455,9 @@ def test_of_two_words_for_one_measure_the_one_that_goes_further_counts_too() -> 
 
 
 def test_what_a_place_usually_is_gives_way_around_the_subject_to_what_is_said_of_the_picture() -> None:
-    assert of("in a shop", "chroma", "surroundings")
-    assert not of("in a shop, vivid colors", "chroma", "surroundings")
-    assert of("in a shop, muted colors", "chroma", "surroundings")
+    assert of("in a museum", "chroma", "surroundings")
+    assert not of("in a museum, vivid colors", "chroma", "surroundings")
+    assert of("in a museum, muted colors", "chroma", "surroundings")
 
 
 def test_a_picture_burns_out_only_where_words_ask_for_white() -> None:

@@ -21,13 +21,25 @@ def test_words_come_in_order_with_what_they_describe():
     assert "lemons" in found.words[2].meaning.lower()
 
 
-def test_a_guess_offers_two_other_known_words():
-    (guess,) = (word for word in read("a sumptuous mood, red vase").words if word.state == "guessed")
-    assert guess.text == "sumptuous"
-    assert "taken for" in guess.meaning
-    assert len(guess.others) == 2
-    again = read(f"a {guess.others[0]} mood, red vase")
+def test_a_misspelled_word_is_taken_for_the_known_one():
+    (guess,) = (word for word in read("glosy red vase").words if word.state == "guessed")
+    assert guess.text == "glosy"
+    assert "taken for “glossy”" in guess.meaning
+
+
+def test_an_unknown_word_is_not_used_and_offers_known_ones():
+    (left,) = (word for word in read("a sumptuous mood, red vase").words if word.state == "left out")
+    assert left.text == "sumptuous"
+    assert len(left.others) == 2
+    again = read(f"a {left.others[0]} mood, red vase")
     assert all(word.state == "understood" for word in again.words)
+
+
+def test_where_nothing_is_understood_known_words_are_offered_too():
+    found = read("sumptuous")
+    assert [(word.text, word.state) for word in found.words] == [("sumptuous", "left out")]
+    assert found.words[0].others
+    assert found.note
 
 
 def test_what_is_left_out_is_said_where_it_stands():

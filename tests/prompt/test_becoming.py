@@ -1,13 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """What words are at kinds of targets: their own sense where they have one, else that of [elsewhere], or of a part of a mood."""
 
-from dataclasses import replace
-
 import pytest
 
 from proxy_renderer.prompt.binding.becoming import becoming
 from proxy_renderer.prompt.lexer import Lexer
-from proxy_renderer.prompt.lexicon.nearest import Guess
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.prompt.tokens import Token
 from proxy_renderer.prompt.types import SceneWords
@@ -77,13 +74,6 @@ def test_a_mood_is_what_a_part_of_its_meaning_is_there(mood, kind, entry):
 )
 def test_own_senses_come_first(word, kind, entry):
     assert sense(word, kind) == entry
-
-
-def test_what_is_only_guessed_has_the_senses_that_are_guessed_with_it():
-    guessed = replace(token("dry"), near=Guess("dry", "dry", 0.6))
-    assert becoming(guessed, "things", VOCABULARY) is None
-    guessed = replace(token("dry"), near=Guess("dry", "dry", 0.6, others=("clear sky", "mud")))
-    assert becoming(guessed, "things", VOCABULARY).entry == "mud"
 
 
 @pytest.mark.parametrize("kind", VOCABULARY.elsewhere)

@@ -37,7 +37,7 @@ def test_every_look_word_of_a_lexicon_is_one_in_english(lexicon):
     unknown = []
     for wording in lexicon.looks:
         tokens = [token for clause in lexer.clauses(wording) for token in clause]
-        if not any(t.entry or t.color or t.adjective or t.lists or t.near for t in tokens):
+        if not any(t.entry or t.color or t.adjective or t.lists or t.unsure for t in tokens):
             unknown.append(wording)
     assert not unknown
 

@@ -70,9 +70,6 @@ def becoming(token: Token, kind: str, vocabulary: Vocabulary) -> Becoming | None
 
 def _elsewhere(token: Token, kind: str, vocabulary: Vocabulary) -> Iterator[str]:
     """What a word is at a kind of target of which it says nothing itself; of a mood, what a part of its meaning is there."""
-    if token.near:  # what the entry itself would be elsewhere is a guess at a guess
-        yield from token.near.others
-        return
     rows = [vocabulary.elsewhere.get(k, {}) for k in _KINDS[kind]]
     means = vocabulary.entries[token.entry].means if token.entry else ""
     for said in (token.adjective, token.entry, *_parts(means, vocabulary)):

@@ -26,7 +26,7 @@ class PairFeatures:
         self.look, self.token, self.forms = look, look.token, forms
         self.passage, self.mentions = forms.passage, forms.mentions
         self._name = self._called()
-        self._sort = "guessed" if look.guess else forms.sort_of(look.token) + self._name
+        self._sort = forms.sort_of(look.token) + self._name
         self._lead = forms.lead(look.index)
         self._turn = forms.turn(forms.passage.items[look.index].clause)
         self._next = [*self._next_nouns()]
@@ -51,8 +51,6 @@ class PairFeatures:
             yield from (f"{sign} at {kind}" for sign in _of_color(token))
         if self.look.negated:
             yield f"negated at {kind}"
-        if self.look.guess:
-            yield f"guessed at {kind}"
         if target.mention < 0:
             yield from (f"{target.kind} unnamed: {fact}" for fact in self._unnamed)
             yield f"{self._sort} of {target.kind} unnamed: {self._turn}"

@@ -12,7 +12,6 @@ from ..mentions.find import mentions
 from ..mentions.nouns import NounMention
 from ..mentions.passage import Passage, PromptLook, passage
 from ..mentions.scene import SceneIndex
-from ..places import guess_places
 from ..types import SceneWords
 from .becoming import Becoming, becoming
 from .clauses import ClauseForms
@@ -66,8 +65,6 @@ def reading(
         foreign: Words of another language that are left in the prompt.
     """
     clauses = Lexer(vocabulary, words, foreign).clauses(text)
-    for tokens in clauses:
-        guess_places(tokens, vocabulary)
     found = passage(clauses, vocabulary)
     nouns = mentions(found, SceneIndex(words), vocabulary)
     every = targets(nouns, words)

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import math
+from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 
@@ -14,14 +16,17 @@ from ..meaning import NamedThing
 from ..mentions.passage import PromptLook
 from ..shading import shaded
 from ..types import Attribute, Parsed, SceneWords
+from .absent import AbsentObjects
 from .assignment import assigned
 from .becoming import becoming
 from .bound import Thing, Things
-from .model import shipped_weights
+from .model import scores, shipped_weights
 from .pairs import PromptPairs, TargetPair, reading
-from .targets import TINGE
+from .targets import MATTER, TINGE
 
 _PLAIN = "Use plain look words that the vocabulary knows."
+_UNSURE = 0.35
+"""Probability that a word is no look from which it is not used; chosen on a half of tests/prompt/ordinary_words.toml."""
 _LESS = 0.7  # how much of the opposite "less" asks for
 
 
@@ -39,6 +44,7 @@ class PromptReader:
         subject: What the prompt, or the scene, calls the subject.
         beyond: Words of a picture that no value could give.
         undone: Wishes that values cannot fulfill.
+        lacking: Says which words describe objects that the scene lacks.
         found: The pairs of the prompt.
         chosen: The pair of each of its look words.
     """
@@ -56,6 +62,7 @@ class PromptReader:
         self.mentioned: list[NamedThing] = []
         self.beyond: list[str] = []
         self.undone: list[str] = []
+        self.lacking: list[str] = []
 
     def read(self, text: str, foreign: Collection[str] = ()) -> Parsed:
         """Binds every look word; the result lacks what `meaning.complete` adds.
@@ -67,11 +74,14 @@ class PromptReader:
         self.found: PromptPairs = reading(text, self.scene, self.vocabulary, foreign)
         self.chosen: list[TargetPair] = assigned(self.found, self.weights)
         things = Things(self.found, self.chosen, self.scene)
-        parsed = Parsed(text)
+        parsed, absent = Parsed(text), self._without_object(things)
         tinge: TargetPair | None = None
         for number, pair in enumerate(self.chosen):
-            if pair.target.kind == "none" and self._is_a_light(pair.look):
+            unsure = self._is_unsure(pair, self.found.pairs[number])
+            if (pair.target.kind == "none" or unsure) and self._is_a_light(pair.look):
                 parsed.attributes.append(_light(pair.look))
+            elif id(pair) in absent or unsure:
+                parsed.ignored.append(pair.look.text)
             elif pair.target.kind == "none":
                 if not self._is_a_name(pair.look.index):
                     parsed.ignored.append(pair.look.text)
@@ -81,7 +91,8 @@ class PromptReader:
                 entry = self._entry(pair, self.chosen[number + 1 : number + 2])
                 said = self._attributes(pair.look, entry, things.of(pair))
                 parsed.attributes += [self._tinged(each, tinge.look) for each in said] if tinge else said
-                self._note_guess(pair, parsed)
+                if pair.look.token.guess:
+                    parsed.guesses[pair.look.token.text] = pair.look.token.guess
                 tinge = None
         passage = self.found.passage
         self.mentioned, self.subject, parsed.conflicts = things.mentioned, things.subject, things.notes
@@ -89,6 +100,25 @@ class PromptReader:
         parsed.ignored += [*(w for words in passage.wishes for w in words), *self.beyond, *self._unknown()]
         parsed.guesses |= dict(self._guessed_names())
         return parsed
+
+    def _is_unsure(self, pair: TargetPair, pairs: list[TargetPair]) -> bool:
+        """Whether a word may as well be none that speaks of a look, and no noun says what it describes."""
+        if pair.target.mention >= 0 or pair.target.kind not in (*MATTER, "picture") or len(self.chosen) == 1:
+            return False
+        likely = zip(scores(pairs, self.weights), pairs, strict=True)
+        return sum(math.exp(score) for score, each in likely if each.target.kind == "none") > _UNSURE
+
+    def _without_object(self, things: Things) -> set[int]:
+        """The pairs of words whose object the scene lacks, by id; the notes get a sentence for each object."""
+        objects, lacking = AbsentObjects(self.found, self.scene, self.vocabulary), defaultdict(list)
+        for pair in self.chosen:
+            if noun := objects.noun_of(pair):
+                lacking[noun].append(pair)
+        for noun, pairs in lacking.items():
+            said = ", ".join(f"'{pair.look.text}'" for pair in pairs)
+            self.lacking.append(f"{said}: there is no '{noun}' in the scene; not used.")
+        things.notes += self.lacking
+        return {id(pair) for pairs in lacking.values() for pair in pairs}
 
     def _tinged(self, attribute: Attribute, look: PromptLook) -> Attribute:
         """A color with the shade that a word before it says."""
@@ -146,24 +176,24 @@ class PromptReader:
                 raise VibeError(f"Vocabulary: {what}", _PLAIN)
             yield from attributes
 
-    def _note_guess(self, pair: TargetPair, parsed: Parsed) -> None:
-        token = pair.look.token
-        if token.guess:
-            parsed.guesses[token.text] = token.guess
-        if token.near:
-            parsed.confidence[token.text] = token.near.confidence
-
     def _unknown(self) -> Iterator[str]:
         """Words that name nothing that is known, and are no look either."""
         bound = {pair.look.index for pair in self.chosen if pair.target.kind != "none"}
         unknown = (m for m in self.found.mentions if m.noun == "unknown" and not m.named)
         yield from (m.text for m in unknown if m.start not in bound and m.text != self.subject)
+        yield from (
+            t.text for t in self.found.passage.items if t.unsure and not t.scene and not self._named(t.text)
+        )
         yield from (t.text for t in self.found.passage.items if "count" in t.lists or t.text.isdigit())
 
+    def _named(self, text: str) -> bool:
+        """Whether a word names something of the scene."""
+        return any(m.named and m.text == text for m in self.found.mentions)
+
     def _guessed_names(self) -> Iterator[tuple[str, str]]:
-        """Words that stand for a thing of the scene of the same sort, or are its name with a mistake."""
+        """Words that are the name of a thing of the scene with a mistake."""
         for mention in self.found.mentions:
-            named = next((n for n in mention.named if n.signs & {"object alike", "object misspelled"}), None)
+            named = next((n for n in mention.named if "object misspelled" in n.signs), None)
             if named and mention.members == 1:
                 worn = self.scene.object_materials.items()
                 yield mention.text, next(name for name, mats in worn if not named.names.isdisjoint(mats))

@@ -44,7 +44,6 @@ class Retelling:
             }
         parsed.ignored = [self.said(text) for text in parsed.ignored]
         parsed.guesses = {self.said(word): entry for word, entry in parsed.guesses.items()}
-        parsed.confidence = {self.said(word): sure for word, sure in parsed.confidence.items()}
         parsed.conflicts = [_QUOTED.sub(lambda m: self.said(m[0]), text) for text in parsed.conflicts]
 
     def said(self, english: str) -> str:

@@ -7,6 +7,7 @@ import re
 from dataclasses import dataclass, field, replace
 
 from ...schema import FAMILIES, Values, VibeError
+from ...schema.means import MEANS, PAINT, may_serve
 from .attributes import ATTRIBUTES
 
 OWNERS = {
@@ -25,7 +26,7 @@ OWNERS = {
 }
 """Who an effect may name -> schema group."""
 RANGE_MODES = ("", "times", "plus", "shade", "camera", "sides", "lightness", "share")
-SLOTS = ("finish", "material", "color", "lighting", "atmosphere", "grade", "mood", "setting")
+SLOTS = tuple(MEANS)
 _TEXT: tuple[type, str] = (str, 'Write text in quotes: "...".')
 _LIST: tuple[type, str] = (list, 'Write a list of effects: ["film/contrast 1.1..1.3 !2"].')
 _CLAIMS: tuple[type, str] = (list, 'Write a list of claims: ["surroundings lightness ..14"].')
@@ -164,7 +165,20 @@ def read_entry(name: str, row: dict) -> VocabularyEntry:
         if value not in ATTRIBUTES.get(head, ()):
             known = ", ".join(ATTRIBUTES.get(head, ())) or f"no such thing; there are {', '.join(ATTRIBUTES)}"
             raise VibeError(f"Vocabulary: '{value}' is no class of {head}.", f"Choose from: {known}.")
+    for text in (*row.get("do", ()), *row.get("never", ())):
+        _check_means(name, entry.slot, text)
     return entry
+
+
+def _check_means(name: str, slot: str, text: str) -> None:
+    """Raises VibeError where an effect is no means that words of a slot have."""
+    if may_serve(OWNERS[parse_effect(text).owner], slot):
+        return
+    surfaces = ", ".join(each for each, groups in MEANS.items() if PAINT in groups)
+    raise VibeError(
+        f"Vocabulary: '{name}' is of slot {slot} and may not change a material: '{text}'.",
+        f"Remove that effect and use light, world, volume or film, or give the entry one of the slots {surfaces}.",
+    )
 
 
 def _check_rows(name: str, row: dict) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Words as small vectors: words.safetensors has one for every English word that may speak of a look, and one for things.
+"""Words as small vectors: words.safetensors has one for every English word that may speak of a look.
 
 `train/text/words.py` makes it.
 """
@@ -33,8 +33,6 @@ class WordTable:
         vectors: (N, D) unit vectors.
         kinds: (N,) indices into KINDS.
         common: Frequent English words that say nothing about looks.
-        things: Names of things -> row of `sorts`.
-        sorts: (M, E) unit vectors: things of the same sort are near each other.
     """
 
     index: dict[str, int]
@@ -42,8 +40,6 @@ class WordTable:
     vectors: np.ndarray
     kinds: np.ndarray
     common: frozenset[str]
-    things: dict[str, int]
-    sorts: np.ndarray
 
     def is_english(self, word: str) -> bool:
         """Whether it is a word at all."""
@@ -83,18 +79,6 @@ class WordTable:
         mean = self.vectors[rows].mean(0)
         return mean / max(float(np.linalg.norm(mean)), 1e-9)
 
-    def sort(self, name: str) -> np.ndarray | None:
-        """Unit vector of the sort of a thing, by its last word; None where that is not known."""
-        last = name.rpartition(" ")[2]
-        spelled = (word for word in (last, last.removesuffix("s"), f"{last}s") if word in self.things)
-        row = next((self.things[word] for word in spelled), None)
-        return None if row is None else self.sorts[row]
-
-    def likeness(self, one: str, other: str) -> float:
-        """Cosine of the sorts of two things; 0 where one is not known."""
-        sorts = self.sort(one), self.sort(other)
-        return 0.0 if sorts[0] is None or sorts[1] is None else float(sorts[0] @ sorts[1])
-
 
 @cache
 def table() -> WordTable:
@@ -103,23 +87,15 @@ def table() -> WordTable:
     from safetensors import safe_open
 
     with safe_open(FILE, framework="numpy") as file:
-        words, things, common = (file.metadata()[name].split("\n") for name in ("words", "things", "common"))
-        tensors = {name: file.get_tensor(name) for name in ("vectors", "things", "kinds")}
-
-    def directions(name: str) -> np.ndarray:
-        vectors = tensors[name].astype(np.float32)
-        return vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-9)
-
-    kinds = tensors["kinds"]
+        words, common = (file.metadata()[name].split("\n") for name in ("words", "common"))
+        raw, kinds = file.get_tensor("vectors").astype(np.float32), file.get_tensor("kinds")
+    vectors = raw / np.maximum(np.linalg.norm(raw, axis=1, keepdims=True), 1e-9)
     stems: dict[str, int] = {}
     for i in np.argsort(kinds, kind="stable"):
         if " " not in words[i]:
             stems.setdefault(stem(words[i]), int(i))
     index = {word: i for i, word in enumerate(words)}
-    sorts = {word: i for i, word in enumerate(things)}
-    return WordTable(
-        index, stems, directions("vectors"), kinds, frozenset(common), sorts, directions("things")
-    )
+    return WordTable(index, stems, vectors, kinds, frozenset(common))
 
 
 def stem(word: str) -> str:

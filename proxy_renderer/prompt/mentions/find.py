@@ -169,7 +169,7 @@ class _Finder:
     def _noun(self, start: int) -> str:
         """The kind of thing that a token is: "unknown" for a word that nobody knows, or that is a mood, or here the thing itself."""
         token = self.items[start]
-        if "thing" not in token.lists and (token.known or token.near):
+        if "thing" not in token.lists and (token.known or token.unsure):
             return token.noun
         before = [i for i in self.passage.content(0, start) if not i.names_a_look]
         gives_light = before and "lighting" in before[-1].lists  # "lit by a red firefly"

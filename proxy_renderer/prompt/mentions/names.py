@@ -14,10 +14,9 @@ from ..lexicon.word_table import table
 from ..names import name_words, spaced
 
 FITS = (
-    "exact", "all", "last", "whole", "synonym", "part", "part's synonym", "detail's whole", "alike", "misspelled",
+    "exact", "all", "last", "whole", "synonym", "part", "part's synonym", "detail's whole", "misspelled",
 )  # fmt: skip
 """How words may fit a name, the surest way first."""
-_ALIKE = 0.5  # cosine of things that may stand for each other
 _MISSPELLED = 0.8  # share of letters that are right
 _SURFACE = ("material", "finish")
 _PLACES = ("setting", "mood")
@@ -110,15 +109,13 @@ def _as_part(word: str, name: tuple[str, ...], otherwise: str) -> str:
 
 @cache
 def guessed_fit(word: str, name: tuple[str, ...]) -> str:
-    """How a word that fits no name may still mean one: as a thing of the same sort, or misspelled."""
-    if not name:
+    """How a word that fits no name may still mean one: "misspelled", or "" for no way."""
+    if not name or table().is_english(word) or len(word) < _SHORTEST:
         return ""
-    if not table().is_english(word) and len(word) >= _SHORTEST:
-        near = max(SequenceMatcher(None, word, part).ratio() for part in name)
-        meant = _corrected(word)
-        if near >= _MISSPELLED or (meant and _is_one_of(senses(meant), (name[-1], _head(name)[-1]))):
-            return "misspelled"
-    return "alike" if table().likeness(word, name[-1]) > _ALIKE else ""
+    near = max(SequenceMatcher(None, word, part).ratio() for part in name)
+    meant = _corrected(word)
+    known = bool(meant) and _is_one_of(senses(meant), (name[-1], _head(name)[-1]))
+    return "misspelled" if near >= _MISSPELLED or known else ""
 
 
 @cache

@@ -12,7 +12,7 @@ from .names import FITS
 REGIONS = {"surroundings": "surroundings", "subject": "subject", "unknown": "subject"}
 """Kinds of nouns that mean a part of the picture where nothing of the scene is called so -> the part."""
 
-_VAGUE = FITS.index("alike")  # from here on a name is only guessed
+_VAGUE = FITS.index("misspelled")  # from here on a name is only guessed
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from itertools import groupby, takewhile
 
-from ..lexicon.nearest import Guess
 from ..lexicon.vocabulary import Vocabulary
 from ..tokens import Token
 
@@ -34,12 +33,6 @@ class PromptLook:
     text: str
     strength: float
     negated: bool
-
-    @property
-    def guess(self) -> Guess | None:
-        """What an unknown word was taken for, but a place, which tells by where it stands what it is about; None for the others."""
-        near = self.token.near
-        return near if near and not near.place else None
 
     @property
     def less(self) -> bool:
@@ -146,7 +139,7 @@ def _looks(
             negated = True
             prefix.append(token.text)
         elif look is not None:
-            absent = look.entry != token.entry and not token.near
+            absent = look.entry != token.entry
             said = prefix if prefix or not negated else ["no"]
             text = " ".join([*said, token.text])
             yield PromptLook(index, look, text, strength, negated and not absent)
@@ -159,8 +152,6 @@ def _looks(
 
 def _look_token(token: Token, negated: bool, vocabulary: Vocabulary) -> Token | None:
     """The token of a look word; what there is none of is one too: "no shadows". None for other tokens."""
-    if token.near:
-        return replace(token, entry=token.near.entry, guess=token.near.entry, name=token.near.near)
     if negated and token.noun in vocabulary.absent and not token.entry:
         return replace(token, entry=vocabulary.absent[token.noun], noun="")
     return token if token.names_a_look else None

@@ -45,7 +45,7 @@ class SceneIndex:
         Args:
             said: Words of the prompt, as `parts` gives them.
             plural: Whether they speak of several, so that all of the kind may be meant, and not only what is called exactly so.
-            guess: Whether things of the same sort, or of nearly the same spelling, count.
+            guess: Whether things of nearly the same spelling count.
         """
         how = partial(guessed_fit, said[0]) if guess else partial(fit, said)
 
