@@ -149,10 +149,9 @@ def _added(light: RigLight, stage: Stage, taken: set[str], alone: bool) -> Place
         sun = _sun(light, stage)
         if sun:
             azimuth, elevation, share = sun
-            name = _free_name(light.part, "SUN", taken)
-            return Placed(
-                light, name, "SUN", False, stage.front + azimuth, elevation, 0.0, share, bool(light.through)
-            )
+            patterned = light_name("key", "SUN", light.pattern) if light.pattern else ""
+            name, still = patterned or _free_name(light.part, "SUN", taken), bool(light.through or patterned)
+            return Placed(light, name, "SUN", False, stage.front + azimuth, elevation, 0.0, share, still)
         if not alone and light.part != "key":
             return None
         light = replace(

@@ -255,9 +255,12 @@ def _rig(name: str, row: dict[str, Any]) -> Rig:
     )
 
 
-_LIGHT_ROWS = set(
-    "part source from side distance size kelvin color stops reach names through pattern".split()
-)
+_LIGHT_ROWS = {"source", "from", "side"} | {f.name for f in fields(RigLight)} - {
+    "type",
+    "azimuth",
+    "elevation",
+    "mirrored",
+}
 
 
 def _light(row: dict[str, Any]) -> RigLight:
