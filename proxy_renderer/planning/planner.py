@@ -54,8 +54,10 @@ def plan(
     planner = _Planner(parsed, instances, context, vocabulary or default_vocabulary(), light)
     entries = planner.entries()
     entries |= {key: entry for key, entry in light.entries.items() if not planner.instances[key].locked}
-    for key, entry in supports(parsed, planner.instances, planner.sources, entries, planner.owners).items():
-        entries[key] = entry
+    support = supports(parsed, planner.instances, planner.sources, entries, planner.owners)
+    if light.served:  # exposed as the rig wants it
+        support.pop("film/exposure", None)
+    entries |= support
     return Plan({key: entries[key] for key in instances}, tuple(dict.fromkeys(planner.notes)))
 
 

@@ -101,6 +101,9 @@ class _Build:
         elif not attribute.cause and other.kind == "time" and self.first.kind != "time":
             self.rig = _at_an_hour(self.rig, other)
             self.words.setdefault(attribute.word, ())
+        elif not attribute.cause and other.kind == "style" and self.first.kind == "source":
+            self.rig = _in_a_style(self.rig, other)
+            self.words.setdefault(attribute.word, ())
 
     def add(self, attribute: Attribute) -> None:
         """Adds the lights of a rig that only adds, or takes such lights away."""
@@ -196,6 +199,17 @@ def _at_an_hour(rig: Rig, hour: Rig) -> Rig:
         world_color=hour.world_color or rig.world_color,
         exposure=min(rig.exposure, max(hour.exposure, rig.exposure - _DIMMED)),
     )
+
+
+def _in_a_style(rig: Rig, style: Rig) -> Rig:
+    """A setup as dark as a style has its shadows and its background."""
+    darker = {
+        name: theirs if mine is None else min(mine, theirs)
+        for name in ("world", "sky")
+        if (theirs := getattr(style, name)) is not None
+        for mine in (getattr(rig, name),)
+    }
+    return replace(rig, **darker, exposure=min(rig.exposure, max(style.exposure, rig.exposure - _DIMMED)))
 
 
 def _deepened(rig: Rig, modifier: Modifier, strength: float) -> Rig:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import ClassVar, Self
+from typing import ClassVar
 
 import torch
 from jaxtyping import Float
@@ -33,7 +33,7 @@ class SpotLight(PointLight):
     segment_parts: ClassVar[int] = 4  # its cone has an edge
 
     @classmethod
-    def of(cls, light: Light, scene: SceneData, values: RenderValues) -> Self:
+    def of(cls, light: Light, scene: SceneData, values: RenderValues) -> SpotLight:
         """See `LightSource.of`."""
         opening = values.scalar(f"light/{light.name}/cone", math.degrees(light.spot_size))
         return replace(super().of(light, scene, values), cone=torch.deg2rad(opening))
@@ -47,7 +47,7 @@ class SpotLight(PointLight):
         """See `LightSource.signature`."""
         return (*super().signature(), float(self.cone.detach()))
 
-    def detached(self) -> Self:
+    def detached(self) -> SpotLight:
         """See `LightSource.detached`."""
         return replace(super().detached(), cone=self.cone.detach())
 
