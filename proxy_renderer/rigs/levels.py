@@ -24,7 +24,7 @@ from ..scene import SceneData
 from ..scene.values import RenderValues
 from ..schema import Values
 from .places import Placed
-from .stage import Points, Stage
+from .stage import Points, LightStage
 
 GRAY = 0.18
 _LIT = 0.5  # share of the subject that counts as its lit side
@@ -60,7 +60,7 @@ class Levels:
 
 
 def measured(
-    scene: SceneData, stage: Stage, lights: Sequence[Placed], values: Mapping[str, Values], rig: Rig
+    scene: SceneData, stage: LightStage, lights: Sequence[Placed], values: Mapping[str, Values], rig: Rig
 ) -> Levels:
     """The levels of a rig.
 
@@ -96,7 +96,7 @@ def measured(
     )
 
 
-def sky_irradiance(stage: Stage) -> float:
+def sky_irradiance(stage: LightStage) -> float:
     """Mean irradiance that the subject gets from a world of radiance 1: pi in the open, 0 in a closed room."""
     points: Points = stage.subject
     u, v = sphere_points(_SKY_RAYS, 1, torch.Generator().manual_seed(0))[:, 0]
@@ -111,7 +111,7 @@ def sky_irradiance(stage: Stage) -> float:
     return float(total.mean()) * 4 * math.pi / _SKY_RAYS if len(points) else math.pi
 
 
-def _shed(lamp: LightSource, stage: Stage, points: Points) -> Tensor:
+def _shed(lamp: LightSource, stage: LightStage, points: Points) -> Tensor:
     """(N,) irradiance of points by a light."""
     shed = lamp.irradiance(points.position, points.normal).irradiance
     toward, distance = lamp.toward(points.position)
@@ -127,7 +127,7 @@ def _together(rig: Rig, lights: Sequence[Placed]) -> float:
 
 
 def _lightest(
-    stage: Stage,
+    stage: LightStage,
     lights: Sequence[Placed],
     sheds: Mapping[str, tuple[Tensor, ...]],
     factors: Mapping[str, float],

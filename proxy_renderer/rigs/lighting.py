@@ -25,7 +25,7 @@ from .chosen import ChosenRig
 from .levels import GRAY, Levels, measured
 from .places import Placed, placed
 from .shown import claims_of_rig
-from .stage import Stage
+from .stage import LightStage
 
 _OFF = 2e-3  # W per squared meter of distance: an added light before a vibe
 _DRIFT = {"power": 1.5, "strength": 1.5, "size": 1.25, "temperature": 1.06}
@@ -71,7 +71,7 @@ def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add
     """
     rig = chosen.rig
     first = scenes[0]
-    stage = Stage(first, geometry_of(first, torch.device("cpu")))
+    stage = LightStage(first, geometry_of(first, torch.device("cpu")))
     lights = [each for each in placed(rig.lights, stage) if each.own or add]
     scenes = [_with_cards(_with_lights(scene, lights, stage), lights) for scene in scenes]
     if rig.sky is not None and all(scene.may_be_parted for scene in scenes):
@@ -88,7 +88,7 @@ def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add
     return Lighting(list(scenes), plan, claims_of_rig(chosen, lights, stage), tuple(_notes(lights)))
 
 
-def _with_lights(scene: SceneData, lights: Sequence[Placed], stage: Stage) -> SceneData:
+def _with_lights(scene: SceneData, lights: Sequence[Placed], stage: LightStage) -> SceneData:
     """A scene with the rig's lights that it lacks, which are off and stand where they will."""
     mine = {each.name: each for each in lights if not each.own}
     lit = scene.with_lights(mine)
@@ -117,7 +117,7 @@ def _with_cards(scene: SceneData, lights: Sequence[Placed]) -> SceneData:
     return scene
 
 
-def _shape(each: Placed, stage: Stage) -> dict[str, Values]:
+def _shape(each: Placed, stage: LightStage) -> dict[str, Values]:
     """Name of a parameter -> what a light has of it, its power apart."""
     light = each.light
     found: dict[str, Values] = {"color": (1.0, 1.0, 1.0), "temperature": (light.kelvin or 6500.0,)}
@@ -139,7 +139,9 @@ def _shape(each: Placed, stage: Stage) -> dict[str, Values]:
     return found
 
 
-def _trial(scene: SceneData, lights: Sequence[Placed], stage: Stage, world_color: str) -> dict[str, Values]:
+def _trial(
+    scene: SceneData, lights: Sequence[Placed], stage: LightStage, world_color: str
+) -> dict[str, Values]:
     """Values of lights and world in which each sheds enough light to be measured."""
     values: dict[str, Values] = {}
     for each in lights:

@@ -20,7 +20,7 @@ from ..prompt.names import plain_name
 from ..scene import Light, SceneData
 from ..schema import orbit
 from ..schema.added_lights import light_name
-from .stage import Points, Stage
+from .stage import Points, LightStage
 
 _TURNS = (0.0, -14.0, 14.0, -28.0, 28.0, -45.0, 45.0)
 _RISES = (0.0, 12.0, -10.0, 24.0)
@@ -66,7 +66,7 @@ class Placed:
     fixed: bool = False
 
 
-def placed(lights: Iterable[RigLight], stage: Stage) -> list[Placed]:
+def placed(lights: Iterable[RigLight], stage: LightStage) -> list[Placed]:
     """The lights of a rig, each where it reaches what it is to light; those that reach nothing are left out.
 
     Args:
@@ -90,7 +90,7 @@ def placed(lights: Iterable[RigLight], stage: Stage) -> list[Placed]:
     return found
 
 
-def _own(light: RigLight, stage: Stage, taken: set[str]) -> Placed | None:
+def _own(light: RigLight, stage: LightStage, taken: set[str]) -> Placed | None:
     """A light of the scene that can be this one: by its name, or by its type and where it stands."""
     scene = stage.scene
     free = [
@@ -120,7 +120,7 @@ def _called(name: str, words: frozenset[str]) -> bool:
     return not spoken.isdisjoint(word.removesuffix("s") for word in words)
 
 
-def _stands_for(light: Light, wanted: RigLight, stage: Stage) -> bool:
+def _stands_for(light: Light, wanted: RigLight, stage: LightStage) -> bool:
     """Whether a light of the scene is of the type that a rig wants, and about where the rig wants it."""
     if light.type != wanted.type or wanted.through or wanted.pattern:
         return False
@@ -131,7 +131,7 @@ def _stands_for(light: Light, wanted: RigLight, stage: Stage) -> bool:
     return aside < _LIKE and abs(elevation - wanted.elevation) < _AS_HIGH
 
 
-def _share(stage: Stage, light: RigLight, candidate: Light) -> float:
+def _share(stage: LightStage, light: RigLight, candidate: Light) -> float:
     points = _targets(light, stage)
     if candidate.type == "SUN":
         key = f"light/{candidate.name}/"
@@ -140,7 +140,7 @@ def _share(stage: Stage, light: RigLight, candidate: Light) -> float:
     return float(stage.reached(points, torch.tensor(candidate.position, dtype=torch.float32)).mean())
 
 
-def _added(light: RigLight, stage: Stage, taken: set[str], alone: bool) -> Placed | None:
+def _added(light: RigLight, stage: LightStage, taken: set[str], alone: bool) -> Placed | None:
     """A light that the scene gets: at a lamp that it has, through its windows, or where it reaches its target best."""
     at_lamp = next(_at_lamps(light, stage), None)
     if at_lamp is not None:
@@ -161,7 +161,9 @@ def _added(light: RigLight, stage: Stage, taken: set[str], alone: bool) -> Place
     return _made(light, light.type, place, stage, taken, share) if share > _ENOUGH or alone else None
 
 
-def _made(light: RigLight, kind: str, place: Tensor, stage: Stage, taken: set[str], share: float) -> Placed:
+def _made(
+    light: RigLight, kind: str, place: Tensor, stage: LightStage, taken: set[str], share: float
+) -> Placed:
     azimuth, elevation, distance = stage.orbit_of(place)
     return Placed(
         light, _free_name(light.part, kind, taken), kind, False, azimuth, elevation, distance, share
@@ -174,11 +176,11 @@ def _free_name(part: str, kind: str, taken: set[str]) -> str:
     return next(name for each in parts if (name := light_name(each, kind)) not in taken)
 
 
-def _targets(light: RigLight, stage: Stage) -> Points:
+def _targets(light: RigLight, stage: LightStage) -> Points:
     return stage.around if light.reach == "background" else stage.subject
 
 
-def _best_place(light: RigLight, stage: Stage) -> tuple[Tensor, float]:
+def _best_place(light: RigLight, stage: LightStage) -> tuple[Tensor, float]:
     """(3,) the place near the one that a rig names from which most of its target is reached, and the share that is."""
     points, best = (
         _targets(light, stage),
@@ -198,7 +200,7 @@ def _best_place(light: RigLight, stage: Stage) -> tuple[Tensor, float]:
     return best[1], best[2]
 
 
-def _sun(light: RigLight, stage: Stage) -> tuple[float, float, float] | None:
+def _sun(light: RigLight, stage: LightStage) -> tuple[float, float, float] | None:
     """Azimuth from the camera and elevation of a sun, and the share of the subject that it reaches; None where none gets in.
 
     A sun that comes through a window is looked for over the whole sky: it draws a patch where the camera sees it, falls on the
@@ -221,7 +223,7 @@ def _sun(light: RigLight, stage: Stage) -> tuple[float, float, float] | None:
     return None
 
 
-def _through_window(light: RigLight, stage: Stage, azimuth: float, elevation: float) -> float:
+def _through_window(light: RigLight, stage: LightStage, azimuth: float, elevation: float) -> float:
     """How good a sun through a window is: 0 where all is open, or nothing gets in."""
     if abs(azimuth) < _FROM_CAMERA:
         return 0.0
@@ -232,7 +234,7 @@ def _through_window(light: RigLight, stage: Stage, azimuth: float, elevation: fl
     return min(patch, _PATCH) + min(lit, _PATCH) - _AWAY_COST * _away(light, azimuth, elevation)
 
 
-def _in_the_open(light: RigLight, stage: Stage, azimuth: float, elevation: float) -> float:
+def _in_the_open(light: RigLight, stage: LightStage, azimuth: float, elevation: float) -> float:
     """How good a direction is for a sun on the subject."""
     toward = torch.tensor(orbit.direction(stage.front + azimuth, elevation), dtype=torch.float32)
     facing = float((stage.subject.normal * toward[:, None]).sum(0).clamp_min(0.0).mean())
@@ -248,7 +250,7 @@ def _away(light: RigLight, azimuth: float, elevation: float) -> float:
     return 0.5 * (aside / 180.0 + abs(elevation - light.elevation) / 90.0)
 
 
-def _at_lamps(light: RigLight, stage: Stage) -> Iterator[Tensor]:
+def _at_lamps(light: RigLight, stage: LightStage) -> Iterator[Tensor]:
     """Places (3,) of the scene's lamps, flames and signs that can be this light, the nearest to the subject first."""
     if not light.names:
         return

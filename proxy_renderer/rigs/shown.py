@@ -11,7 +11,7 @@ from ..color.floats import chroma, lab_from_srgb, srgb_from_hex
 from ..prompt.lexicon.rigs import RigLight
 from .chosen import ChosenRig
 from .places import Placed
-from .stage import Stage
+from .stage import LightStage
 
 _ASIDE, _BEHIND, _BEFORE, _ABOVE, _BELOW = 35.0, 125.0, 25.0, 58.0, -12.0
 """Degrees from which light comes from a side, from behind, up to which from the camera, and from which from above and from below."""
@@ -22,7 +22,7 @@ _COLD = 7400.0
 _GRAYISH = 12.0  # C* from which a light has a color
 
 
-def claims_of_rig(chosen: ChosenRig, lights: Sequence[Placed], stage: Stage) -> tuple[Claim, ...]:
+def claims_of_rig(chosen: ChosenRig, lights: Sequence[Placed], stage: LightStage) -> tuple[Claim, ...]:
     """The claims of the words that a rig stands for: of each word those about its parts.
 
     Args:
@@ -41,7 +41,7 @@ def claims_of_rig(chosen: ChosenRig, lights: Sequence[Placed], stage: Stage) -> 
     return tuple(found)
 
 
-def _structure(word: str, chosen: ChosenRig, lights: Sequence[Placed], stage: Stage) -> Iterator[Claim]:
+def _structure(word: str, chosen: ChosenRig, lights: Sequence[Placed], stage: LightStage) -> Iterator[Claim]:
     rig = chosen.rig
     key = next((each for each in lights if each.light.part == "key"), None)
     if rig.name == "silhouette":
@@ -71,7 +71,7 @@ def _structure(word: str, chosen: ChosenRig, lights: Sequence[Placed], stage: St
             yield from _accent(word, each.light)
 
 
-def _direction(word: str, key: Placed, stage: Stage) -> Iterator[Claim]:
+def _direction(word: str, key: Placed, stage: LightStage) -> Iterator[Claim]:
     """Where the key comes from, as the camera sees it."""
     aside = (key.azimuth - stage.front + 180.0) % 360.0 - 180.0
     flat = math.cos(math.radians(key.elevation))

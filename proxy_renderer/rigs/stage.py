@@ -46,7 +46,7 @@ class Points:
         return self.position.shape[1]
 
 
-class Stage:
+class LightStage:
     """Of one shot.
 
     Args:

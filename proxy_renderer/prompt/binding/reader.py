@@ -133,7 +133,13 @@ class PromptReader:
     def _is_a_light(self, look: PromptLook) -> bool:
         """Whether a word that seems to name a thing is a source of light that a rig is for: "a single candle on the left"."""
         rig = rig_table().rigs.get(look.token.entry)
-        return rig is not None and rig.kind in ("source", "time") and not rig.adds and not look.token.guess
+        if rig is None or rig.kind not in ("source", "time") or rig.adds or look.token.guess:
+            return False
+        described = {pair.target.mention for pair in self.chosen if pair.look is not look} - {-1}
+        mentions, items = self.found.mentions, self.found.passage.items
+        if look.index and items[look.index - 1].text in self.vocabulary.lists["definite"]:
+            return False  # "the candle is red"
+        return not (self._is_a_name(look.index) or any(mentions[n].covers(look.index) for n in described))
 
     def _entry(self, pair: TargetPair, after: list[TargetPair]) -> str:
         """What a look word becomes; of "emerald velvet" the emerald is the color of the next material."""
