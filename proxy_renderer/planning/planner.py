@@ -34,6 +34,7 @@ _RELATIVE = ("shade", "times", "plus", "lightness")
 """Modes of effects on what a thing has, or what its material gives it: fresh asphalt is a smoother dark gray."""
 _SEEN_GLOW = 0.02  # emission from which a material glows
 _STAYS = "the prompt says that it stays"
+_BESIDE_LIGHT = 0.5  # strength of a mood's grade where a rig gives it its light
 _SECOND = 6  # how much later a mood's own words come than the prompt's
 
 
@@ -79,7 +80,7 @@ class _Planner:
         self.settlement = Settlement()
         self.kept: dict[str, list[str]] = {}
         wishes = Wishes(parsed, vocabulary, self.owners).all()
-        self.wishes = [wish for wish in wishes if _is_left(*wish, light)] + [*light.grade]
+        self.wishes = [(_beside(a, light), e) for a, e in wishes if _is_left(a, e, light)] + [*light.grade]
         self.of_materials = self._of_materials()
 
     def entries(self) -> dict[str, PlanEntry]:
@@ -233,6 +234,12 @@ class _Planner:
             any_hue=winners[0].any_hue,
             start=_start(instance, winners[0], lower, upper),
         )
+
+
+def _beside(attribute: Attribute, light: LightPlan) -> Attribute:
+    """A word beside a rig: what a mood stands for is milder, for the light says most of it."""
+    milder = bool(light.served and attribute.cause)
+    return replace(attribute, strength=_BESIDE_LIGHT * attribute.strength) if milder else attribute
 
 
 def _is_left(attribute: Attribute, effect: Effect, light: LightPlan) -> bool:

@@ -24,7 +24,7 @@ from ..scene import SceneData
 from ..scene.values import RenderValues
 from ..schema import Values
 from .places import Placed
-from .stage import Points, LightStage
+from .stage import LightStage, Points
 
 GRAY = 0.18
 _LIT = 0.5  # share of the subject that counts as its lit side

@@ -72,7 +72,7 @@ def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add
     rig = chosen.rig
     first = scenes[0]
     stage = LightStage(first, geometry_of(first, torch.device("cpu")))
-    lights = [each for each in placed(rig.lights, stage) if each.own or add]
+    lights = placed(rig.lights, stage, add)
     scenes = [_with_cards(_with_lights(scene, lights, stage), lights) for scene in scenes]
     if rig.sky is not None and all(scene.may_be_parted for scene in scenes):
         scenes = [scene.parted() for scene in scenes]
@@ -188,7 +188,7 @@ def _balanced(
     if rig.sky is not None:
         out |= _sky(scene, chosen, levels)
     placed_names = {each.name for each in lights}
-    out |= _dimmed(scene, rig.own, placed_names, levels.key / math.pi)
+    out |= _dimmed(scene, rig.own if lights else 0.0, placed_names, levels.key / math.pi)
     return {key: value for key, value in out.items() if not scene.instances[key].locked}
 
 

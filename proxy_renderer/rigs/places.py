@@ -20,7 +20,7 @@ from ..prompt.names import plain_name
 from ..scene import Light, SceneData
 from ..schema import orbit
 from ..schema.added_lights import light_name
-from .stage import Points, LightStage
+from .stage import LightStage, Points
 
 _TURNS = (0.0, -14.0, 14.0, -28.0, 28.0, -45.0, 45.0)
 _RISES = (0.0, 12.0, -10.0, 24.0)
@@ -66,19 +66,22 @@ class Placed:
     fixed: bool = False
 
 
-def placed(lights: Iterable[RigLight], stage: LightStage) -> list[Placed]:
+def placed(lights: Iterable[RigLight], stage: LightStage, add: bool = True) -> list[Placed]:
     """The lights of a rig, each where it reaches what it is to light; those that reach nothing are left out.
 
     Args:
         lights: The rig's, the key first.
         stage: Where they are to stand.
+        add: Whether the scene may get lights; without, its brightest one is the key wherever it stands.
     """
     found: list[Placed] = []
     turned = 1.0
     for light in lights:
         wanted = replace(light, azimuth=turned * light.azimuth)
         taken = {each.name for each in found}
-        mine = _own(wanted, stage, taken) or _added(wanted, stage, taken, alone=not found)
+        mine = _own(wanted, stage, taken)
+        if mine is None:
+            mine = _added(wanted, stage, taken, alone=not found) if add else _any(wanted, stage, taken)
         if mine is None:
             continue
         if (
@@ -103,11 +106,26 @@ def _own(light: RigLight, stage: LightStage, taken: set[str]) -> Placed | None:
         share = _share(stage, light, candidate)
         near = (torch.tensor(candidate.position) - stage.middle).norm() < _NEAR * stage.radius
         if share > _ENOUGH and (candidate.type == "SUN" or candidate not in named or bool(near)):
-            key = f"light/{candidate.name}/"
-            azimuth, elevation = (scene.value(key + each)[0] for each in ("azimuth", "elevation"))
-            distance = scene.value(key + "distance", 0.0)[0]
-            return Placed(light, candidate.name, candidate.type, True, azimuth, elevation, distance, share)
+            return _as_it_stands(light, candidate, stage)
     return None
+
+
+def _any(light: RigLight, stage: LightStage, taken: set[str]) -> Placed | None:
+    """The light of the scene that is its key, wherever it stands, for the key of a rig."""
+    free = [
+        x for x in stage.scene.lights if not x.fixed and x.name not in taken and _may_change(x, stage.scene)
+    ]
+    if light.part != "key" or not free:
+        return None
+    return _as_it_stands(light, min(free, key=lambda x: x.role != "key"), stage)
+
+
+def _as_it_stands(light: RigLight, own: Light, stage: LightStage) -> Placed:
+    """A light of the scene, where it is, as one of a rig."""
+    key = f"light/{own.name}/"
+    azimuth, elevation = (stage.scene.value(key + each)[0] for each in ("azimuth", "elevation"))
+    distance = stage.scene.value(key + "distance", 0.0)[0]
+    return Placed(light, own.name, own.type, True, azimuth, elevation, distance, _share(stage, light, own))
 
 
 def _may_change(light: Light, scene: SceneData) -> bool:

@@ -9,12 +9,14 @@ from collections.abc import Iterator, Sequence
 from ..claims.claim import Claim
 from ..color.floats import chroma, lab_from_srgb, srgb_from_hex
 from ..prompt.lexicon.rigs import RigLight
+from ..schema import orbit
 from .chosen import ChosenRig
 from .places import Placed
 from .stage import LightStage
 
-_ASIDE, _BEHIND, _BEFORE, _ABOVE, _BELOW = 35.0, 125.0, 25.0, 58.0, -12.0
-"""Degrees from which light comes from a side, from behind, up to which from the camera, and from which from above and from below."""
+_ASIDE, _BEHIND, _BEFORE = 0.6, -0.5, 0.85
+"""Cosines with the camera's axes from which light comes from a side, from behind, and from the camera."""
+_SEEN = 0.2  # what a measure of direction has, at least, where the side of the light is seen
 _RATIO = 0.45  # share of the stops between key and fill that is left on a subject with bounce and highlights
 _LARGE = 3.0  # stops from which key and fill are told apart
 _DARK_SKY = -3.0  # stops of a sky before which the subject stands out
@@ -72,21 +74,21 @@ def _structure(word: str, chosen: ChosenRig, lights: Sequence[Placed], stage: Li
 
 
 def _direction(word: str, key: Placed, stage: LightStage) -> Iterator[Claim]:
-    """Where the key comes from, as the camera sees it."""
-    aside = (key.azimuth - stage.front + 180.0) % 360.0 - 180.0
-    flat = math.cos(math.radians(key.elevation))
-    if key.elevation > _ABOVE:
-        yield Claim(word, "subject", "light_up", "subject", (0.35,), (math.inf,), change=0.25)
-    elif key.elevation < _BELOW:
-        yield Claim(word, "subject", "light_up", "subject", (-math.inf,), (0.0,), change=-0.3)
-    if abs(aside) > _BEHIND:
+    """Where the key comes from, as the camera sees it: a light from above is from the front to a camera that looks down."""
+    right, up, toward = (sum(a * b for a, b in zip(axis, orbit.direction(key.azimuth, key.elevation), strict=True)) for axis in stage.camera_axes)  # fmt: skip
+    if abs(right) > _ASIDE:
+        yield _side(word, "light_right", math.copysign(1.0, right))
+    elif abs(up) > _ASIDE:
+        yield _side(word, "light_up", math.copysign(1.0, up))
+    if toward < _BEHIND:
         yield Claim(word, "subject", "light_front", "subject", (-math.inf,), (0.4,), change=-0.25)
-    elif abs(aside) > _ASIDE and flat > 0.5:
-        sign = math.copysign(1.0, aside)
-        ends = ((0.2,), (math.inf,)) if sign > 0 else ((-math.inf,), (-0.2,))
-        yield Claim(word, "subject", "light_right", "subject", *ends, change=0.25 * sign)
-    elif abs(aside) < _BEFORE and key.elevation < _ABOVE:
-        yield Claim(word, "subject", "light_front", "subject", (0.45,), (math.inf,), change=0.25)
+    elif toward > _BEFORE:
+        yield Claim(word, "subject", "light_front", "subject", (0.4,), (math.inf,), change=0.25)
+
+
+def _side(word: str, measure: str, sign: float) -> Claim:
+    ends = ((_SEEN,), (math.inf,)) if sign > 0 else ((-math.inf,), (-_SEEN,))
+    return Claim(word, "subject", measure, "subject", *ends, change=0.25 * sign)
 
 
 def _color(word: str, light: RigLight) -> Iterator[Claim]:

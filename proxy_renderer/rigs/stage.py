@@ -78,6 +78,12 @@ class LightStage:
         self.radius = max(radius, _LEAST_RADIUS * view)
         self.front = scene.value("camera/azimuth")[0]
 
+    @property
+    def camera_axes(self) -> tuple[orbit.Vector, orbit.Vector, orbit.Vector]:
+        """Unit vectors to the camera's right, up, and from the subject towards it."""
+        columns = orbit.frame(self.front, self.scene.value("camera/elevation")[0])
+        return tuple(zip(*columns, strict=True))  # type: ignore[return-value]
+
     def place(self, azimuth: float, elevation: float, radii: float) -> Tensor:
         """(3,) a place at an azimuth from the camera, an elevation, and a distance from the subject's middle in its radii."""
         toward = torch.tensor(orbit.direction(self.front + azimuth, elevation), dtype=torch.float32)

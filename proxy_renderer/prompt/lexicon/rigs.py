@@ -132,11 +132,15 @@ class Modifier:
 
     def change(self, light: RigLight, strength: float) -> RigLight:
         """A light with the change, as strong as the word says."""
-        turned = {} if self.azimuth is None else {"azimuth": self.azimuth, "mirrored": False, "through": ""}
-        raised = {} if self.elevation is None else {"elevation": self.elevation}
-        tinted = {"kelvin": self.kelvin, "color": ""} if self.kelvin and not light.color else {}
-        size, distance = light.size * self.size**strength, light.distance * self.distance**strength
-        return replace(light, size=size, distance=distance, **turned, **raised, **tinted)
+        light = replace(
+            light, size=light.size * self.size**strength, distance=light.distance * self.distance**strength
+        )
+        if self.azimuth is not None:
+            light = replace(light, azimuth=self.azimuth, mirrored=False, through="")
+        if self.elevation is not None:
+            light = replace(light, elevation=self.elevation)
+        tints = self.kelvin and not light.color
+        return replace(light, kelvin=self.kelvin, color="") if tints else light
 
     def reversed(self) -> Modifier:
         """What the word asks for where it is negated: less of its exposure and contrast, and the other size."""

@@ -103,6 +103,16 @@ class Options:
             "Values that must stay, separated by commas: light/Key, material/*/metallic, film/exposure",
         ),
     )
+    new_lights: bool = option(
+        True,
+        "light the scene with its own lights alone: add none",
+        "reach",
+        panel=Panel(
+            "Add Lights",
+            "Add the lights that a lighting word needs and the scene lacks, in a collection Vibe Lights. Revert takes "
+            "them away. Off: your own lights play all parts",
+        ),
+    )
     encoder: str = option(
         "",
         "an open_clip model such as ViT-B-32-256/datacomp_s34b_b86k, or a local checkpoint "

@@ -113,6 +113,7 @@ class _Scope(_Idle):
         if settings.subject == "COLLECTION":
             column.prop(settings, "collection", text=" ")
         column.prop(settings, "shared", text="Shared Materials")
+        column.prop(settings, "new_lights")
 
 
 class _Values(_Idle):
