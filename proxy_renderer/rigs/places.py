@@ -19,7 +19,7 @@ from ..prompt.lexicon.rigs import RigLight
 from ..prompt.names import plain_name
 from ..scene import Light, SceneData
 from ..schema import orbit
-from ..schema.added_lights import light_name
+from ..schema.added_lights import PARTS, light_name
 from .stage import LightStage, Points
 
 _TURNS = (0.0, -14.0, 14.0, -28.0, 28.0, -45.0, 45.0)
@@ -80,8 +80,8 @@ def placed(lights: Iterable[RigLight], stage: LightStage, add: bool = True) -> l
         wanted = replace(light, azimuth=turned * light.azimuth)
         taken = {each.name for each in found}
         mine = _own(wanted, stage, taken)
-        if mine is None:
-            mine = _added(wanted, stage, taken, alone=not found) if add else _any(wanted, stage, taken)
+        mine = mine or (_added(wanted, stage, taken, alone=not found) if add else None)
+        mine = mine or _any(wanted, stage, taken)
         if mine is None:
             continue
         if (
@@ -162,36 +162,59 @@ def _added(light: RigLight, stage: LightStage, taken: set[str], alone: bool) -> 
     """A light that the scene gets: at a lamp that it has, through its windows, or where it reaches its target best."""
     at_lamp = next(_at_lamps(light, stage), None)
     if at_lamp is not None:
-        return replace(_made(light, "POINT", at_lamp, stage, taken, 1.0), fixed=True)
+        return _made(light, "POINT", at_lamp, stage, taken, 1.0, fixed=True)
     if light.type == "SUN":
-        sun = _sun(light, stage)
-        if sun:
-            azimuth, elevation, share = sun
-            patterned = light_name("key", "SUN", light.pattern) if light.pattern else ""
-            name, still = patterned or _free_name(light.part, "SUN", taken), bool(light.through or patterned)
-            return Placed(light, name, "SUN", False, stage.front + azimuth, elevation, 0.0, share, still)
+        if sun := _sun(light, stage):
+            return _made_sun(light, *sun, stage, taken)
         if not alone and light.part != "key":
             return None
         light = replace(
             light, type="AREA", distance=2.6, size=1.0, elevation=max(light.elevation, 12.0)
-        )  # a closed room: a window
+        )  # a closed room
     place, share = _best_place(light, stage)
     return _made(light, light.type, place, stage, taken, share) if share > _ENOUGH or alone else None
 
 
 def _made(
-    light: RigLight, kind: str, place: Tensor, stage: LightStage, taken: set[str], share: float
-) -> Placed:
-    azimuth, elevation, distance = stage.orbit_of(place)
-    return Placed(
-        light, _free_name(light.part, kind, taken), kind, False, azimuth, elevation, distance, share
+    light: RigLight,
+    kind: str,
+    place: Tensor,
+    stage: LightStage,
+    taken: set[str],
+    share: float,
+    fixed: bool = False,
+) -> Placed | None:
+    """An added light at a place; None where the scene may get none of that type any more."""
+    name = _free_name(light.part, kind, stage, taken)
+    return Placed(light, name, kind, False, *stage.orbit_of(place), share, fixed) if name else None
+
+
+def _made_sun(
+    light: RigLight, azimuth: float, elevation: float, share: float, stage: LightStage, taken: set[str]
+) -> Placed | None:
+    """An added sun; one that casts a pattern, and one in a window, stays where it is."""
+    name = light_name("key", "SUN", light.pattern) if light.pattern else ""
+    if name not in _spare(stage) or name in taken:
+        name = _free_name(light.part, "SUN", stage, taken)
+    still = bool(light.through or light.pattern)
+    return (
+        Placed(light, name, "SUN", False, stage.front + azimuth, elevation, 0.0, share, still)
+        if name
+        else None
     )
 
 
-def _free_name(part: str, kind: str, taken: set[str]) -> str:
-    """The name of an added light for a part; another part's where a rig has two of it."""
-    parts = (part, "accent", "practical", "kicker", "top", "bounce", "fill", "background")
-    return next(name for each in parts if (name := light_name(each, kind)) not in taken)
+def _spare(stage: LightStage) -> set[str]:
+    """Names of the lights that the scene may get."""
+    return {light.name for light in stage.scene.standby.lights}
+
+
+def _free_name(part: str, kind: str, stage: LightStage, taken: set[str]) -> str:
+    """The name of an added light for a part, or of another part's where a rig has two of it; "" if all are taken."""
+    free = _spare(stage) - taken
+    return next(
+        (name for each in dict.fromkeys((part, *PARTS)) if (name := light_name(each, kind)) in free), ""
+    )
 
 
 def _targets(light: RigLight, stage: LightStage) -> Points:

@@ -11,6 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from ...folders import config_folder
 from ...schema import VibeError
 from ...schema.added_lights import PARTS, PATTERNS
 from .entries import Effect, normalize, parse_effect
@@ -169,11 +170,16 @@ class RigTable:
 
 @cache
 def rig_table() -> RigTable:
-    """The rigs and modifiers that are shipped."""
-    rigs, modifiers = (
-        (Path(__file__).parent / name).read_text("utf-8") for name in ("rigs.toml", "modifiers.toml")
-    )
-    return RigTable(by_entry(read(rigs, "rigs.toml")), read_modifiers(modifiers))
+    """The rigs and modifiers that are shipped, and on top of them those of the user's own `rigs.toml`.
+
+    Raises:
+        VibeError: Something in a file is wrong; names the file, the line and the remedy.
+    """
+    folder, own = Path(__file__).parent, config_folder() / "rigs.toml"
+    rigs = read((folder / "rigs.toml").read_text("utf-8"), "rigs.toml")
+    if own.is_file():
+        rigs |= read(own.read_text("utf-8"), str(own))
+    return RigTable(by_entry(rigs), read_modifiers((folder / "modifiers.toml").read_text("utf-8")))
 
 
 def by_entry(every: Mapping[str, Rig]) -> dict[str, Rig]:

@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rigs: the file is checked, words choose and change one, and its lights stand and shine as it says."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+from tiny_job import write_job
+
+from proxy_renderer.engine.additions import with_additions
+from proxy_renderer.prompt.lexicon.rigs import KINDS, read, rig_table
+from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
+from proxy_renderer.prompt.parser import parse
+from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.render.material.textures import geometry_of
+from proxy_renderer.rigs.chosen import ChosenRig, chosen_rig
+from proxy_renderer.rigs.levels import sky_irradiance
+from proxy_renderer.rigs.stage import LightStage
+from proxy_renderer.scene import Light, SceneData, load_scene
+from proxy_renderer.scene.data import Standby
+from proxy_renderer.schema import FAMILIES, Instance, VibeError
+from proxy_renderer.schema.added_lights import ADDED_LIGHTS, card
+
+RIG = '[rig.glow]\nsays = "A glow."\nlights = [{ part = "key", source = "point", from = [-40, 20] }]\n'
+RIGS = sorted({rig.name: rig for rig in rig_table().rigs.values()}.values(), key=lambda rig: rig.name)
+_AT_HOME = {"power": 40.0, "strength": 1.0, "size": 0.5, "angle": 0.5, "cone": 45.0, "elevation": 40.0, "distance": 4.0}
+_COMMON = {"color": (1.0, 1.0, 1.0), "temperature": (6500.0,), "azimuth": (0.0,), "elevation": (40.0,)}
+
+
+def _spare() -> Standby:
+    """All lights that Blender offers, as it exports them."""
+    lights, instances = [], {}
+    for what in ADDED_LIGHTS.values():
+        identity = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+        lights.append(Light(what.name, what.type, identity, (0.0, -4.0, 3.0), role=what.role, card=1.5))
+        sun = what.type == "SUN"
+        names = ["strength", "angle"] if sun else ["power", "size", "distance", *["cone"] * (what.type == "SPOT")]
+        values = {**_COMMON, **{name: (_AT_HOME[name],) for name in names}}
+        for name, value in values.items():
+            instance = Instance(FAMILIES[f"light/{name}"], what.name, value, 4.0 if name == "distance" else 1.0)
+            instances[instance.key] = instance
+    return Standby(tuple(lights), instances)
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory) -> SceneData:
+    """A ball on a floor, which may get lights."""
+    return replace(load_scene(write_job(tmp_path_factory.mktemp("job"))), standby=_spare())
+
+
+def chosen(prompt: str) -> ChosenRig | None:
+    """The rig of a prompt."""
+    vocabulary = default_vocabulary()
+    return chosen_rig(parse(prompt, SceneWords(), vocabulary), rig_table(), vocabulary)
+
+
+def rig_name(prompt: str) -> str:
+    """Its name; "" if there is none."""
+    found = chosen(prompt)
+    return found.rig.name if found else ""
+
+
+@pytest.mark.parametrize(
+    ("broken", "said"),
+    [
+        (RIG.replace("says", "say"), "'say' is no row"),
+        (RIG.replace("point", "bulb"), "'bulb' is no source"),
+        (RIG.replace("key", "main"), "'main' is no part"),
+        (RIG.replace('source = "point", from = [-40, 20]', 'source = "point"'), "lacks the row from"),
+        (RIG.replace("[-40, 20] }", '[-40, 20], color = "red" }'), "'red' is no color"),
+        (RIG.replace("[-40, 20] }", "[-40, 20], kelvin = 90 }"), "no color of light"),
+        ("\n\n" + RIG.replace("lights", "light"), "line 3"),
+    ],
+)
+def test_mistakes_in_a_file_are_named_with_line_and_remedy(broken, said):
+    with pytest.raises(VibeError) as caught:
+        read(broken, "rigs.toml")
+    assert said in caught.value.message
+    assert caught.value.remedy
+
+
+def test_broken_toml_is_one_line():
+    with pytest.raises(VibeError, match=r"rigs\.toml cannot be read"):
+        read("[rig.glow", "rigs.toml")
+
+
+@pytest.mark.parametrize("rig", RIGS, ids=lambda rig: rig.name)
+def test_a_shipped_rig_is_one_that_a_gaffer_could_build(rig):
+    assert rig.kind in KINDS
+    assert rig.adds or -5.0 <= rig.exposure <= 1.0
+    assert all(-90 <= light.elevation <= 90 and abs(light.azimuth) <= 180 for light in rig.lights)
+    assert all(bool(light.color) != bool(light.kelvin) for light in rig.lights)
+    assert not any(e.family.split("/")[0] != "film" for e in rig.grade)
+
+
+@pytest.mark.parametrize(
+    ("prompt", "name"),
+    [
+        ("cosy, by lamplight", "lamplight"),
+        ("a candle at night", "candlelight"),
+        ("lit by a candle, moody", "candlelight"),
+        ("glossy red", ""),
+        ("warm light from the left", ""),
+        ("not by candlelight, glossy", ""),
+    ],
+)
+def test_a_source_comes_before_an_hour_and_a_mood(prompt, name):
+    assert rig_name(prompt) == name
+
+
+def test_sides_swap_with_the_words():
+    left, right = (chosen(f"candlelight from the {side}").rig.lights[0].azimuth for side in ("left", "right"))
+    assert left < 0 < right
+
+
+def test_two_colors_of_light_come_from_two_sides():
+    lights = chosen("red light from the left and blue light from the right").rig.lights
+    red, blue = (next(x for x in lights if x.color and int(x.color[i : i + 2], 16) > 150) for i in (1, 5))
+    assert red.azimuth < 0 < blue.azimuth
+
+
+def test_modifiers_change_lights_and_not_what_a_mood_stands_for():
+    plain, deep = chosen("candlelight").rig, chosen("candlelight, deep shadows").rig
+    assert deep.world < plain.world
+    assert chosen("candlelight, cosy").rig.lights == plain.lights
+
+
+def test_everything_else_falls_into_black():
+    found = chosen("single warm spot, everything else falls into black")
+    assert found.rig.sky < -5
+    assert found.rig.world < -5
+    assert any(a.color for a in found.served)  # the black is no paint
+
+
+@pytest.mark.parametrize("rig", RIGS, ids=lambda rig: rig.name)
+def test_no_rig_changes_a_material(rig, scene):
+    addition = with_additions([scene], rig.entries[0])
+    if addition.plan:
+        assert not any(key.startswith("material") for key in addition.plan.entries)
+
+
+@pytest.mark.parametrize("prompt", ["candlelight", "lamplight", "film noir", "golden hour", "three point lighting"])
+def test_stops_between_key_and_others_hold_in_irradiance(prompt, scene):
+    addition = with_additions([scene], prompt)
+    lit, rig = addition.scenes[0], chosen(prompt).rig
+    values = {key: torch.tensor(entry.start) for key, entry in addition.plan.entries.items()}
+    from proxy_renderer.render.lights.types import light_sources
+    from proxy_renderer.scene.values import RenderValues
+
+    stage = LightStage(lit, geometry_of(lit, torch.device("cpu")))
+    lamps = {x.light.name: x for x in light_sources(lit, RenderValues(lit, values, "cpu"))}
+    added = [x for x in lit.lights if x.added]
+    assert added
+    shed = {}
+    for light in added:
+        lamp = lamps[light.name]
+        raw = lamp.irradiance(stage.subject.position, stage.subject.normal).irradiance * float(lamp.color.mean())
+        shed[light.name] = float(raw.topk(len(raw) // 2).values.mean())
+    key = next(name for name in shed if "Key" in name)
+    fills = [name for name in shed if "Fill" in name]
+    for name in fills:
+        wanted = next(x.stops for x in rig.lights if x.part == "fill")
+        assert math.log2(shed[name] / shed[key]) == pytest.approx(wanted, abs=1.5)  # colors and shadows aside
+
+
+def test_an_added_light_is_off_before_the_vibe_and_written_with_all_its_values(scene):
+    addition = with_additions([scene], "candlelight")
+    name = next(light.name for light in addition.scenes[0].lights if light.added)
+    power = addition.scenes[0].instances[f"light/{name}/power"]
+    assert power.value[0] < 0.01 * addition.plan.entries[power.key].start[0]
+    from proxy_renderer.optimize.shots import added_values
+
+    assert f"light/{name}/azimuth" in added_values(addition.scenes[0])
+
+
+def test_without_new_lights_the_scenes_own_plays_the_key(scene):
+    addition = with_additions([scene], "candlelight", new_lights=False)
+    assert not any(light.added for light in addition.scenes[0].lights)
+    assert addition.plan.entries["light/Key/temperature"].start[0] < 2500
+
+
+def test_a_card_lets_half_of_the_sun_through_and_no_ray_but_shadows_sees_it(scene):
+    addition = with_additions([scene], "sun through the blinds")
+    lit = addition.scenes[0]
+    shade = lit.objects[-1]
+    assert set(shade.hidden) == {"camera", "diffuse", "glossy", "transmission"}
+    stage = LightStage(lit, geometry_of(lit, torch.device("cpu")))
+    sun = next(light for light in lit.lights if light.name == "Vibe Key Blinds")
+    azimuth, elevation = (lit.value(f"light/{sun.name}/{name}")[0] for name in ("azimuth", "elevation"))
+    facing = stage.sunlit(stage.subject, azimuth - stage.front, elevation)
+    share = float((facing > 0.01).float().mean())
+    assert 0.05 < share < 0.6
+
+
+def test_patterns_are_made_of_flat_quads():
+    for pattern in ("slats", "leaves"):
+        quads = np.array(card(pattern, 2.0))
+        assert quads.shape[1:] == (4, 2)
+        x, y = quads[..., 0], quads[..., 1]
+        area = 0.5 * (x * np.roll(y, -1, 1) - y * np.roll(x, -1, 1)).sum(1)
+        assert (np.abs(area) > 0).all()
+
+
+def test_the_open_sky_gives_pi(scene):
+    stage = LightStage(scene, geometry_of(scene, torch.device("cpu")))
+    assert 0.4 * math.pi < sky_irradiance(stage) < math.pi
