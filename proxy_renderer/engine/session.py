@@ -22,14 +22,14 @@ from ..optimize.progress import Observer
 from ..optimize.shots import ShotInput
 from ..reference.like import Reference
 from ..render.proxy import Proxy
-from ..scene import SceneData, load_scene
+from ..scene import load_scene
 from ..schema import VibeError, messages
 from ..vlm import judge
 from ..vlm.advisor import ModelAdvisor
 from ..vlm.client import Client
 from ..vlm.endpoint import find_endpoint
 from . import predictions, report
-from .additions import with_additions
+from .additions import Addition, with_additions
 from .claimed import claims_about, foreseen
 from .device import pick_device
 
@@ -82,7 +82,7 @@ class EngineSession:
         addition = with_additions(found, self.prompt, self.options.new_lights)
         scenes = addition.scenes
         clock.lap("load scene")
-        advisor = self._advisor(scenes)
+        advisor = self._advisor(addition)
         ask, seed = self._observer.ask, self.options.seed
         blenders = [BlenderPictures(scene, ask, seed, number) for number, scene in enumerate(scenes)]
         views = [
@@ -189,12 +189,12 @@ class EngineSession:
             claims=self._claims[request.shot].verdicts(*map(torch.from_numpy, (before, predicted, after))),
         )
 
-    def _advisor(self, scenes: Sequence[SceneData]) -> ModelAdvisor | None:
+    def _advisor(self, addition: Addition) -> ModelAdvisor | None:
         """The model as parser and confiner; None for the offline planner."""
         if self._model is None or not self.prompt.strip():
             return None
-        words = context.scene_words(*scenes)
-        return ModelAdvisor(self.prompt, words, self._model, self._observer.stage)
+        words = context.scene_words(*addition.scenes)
+        return ModelAdvisor(self.prompt, words, self._model, self._observer.stage, addition.plan)
 
     def _judge(self, before: Image.Image, after: Image.Image) -> dict[str, Any]:
         """The model's verdict on Cycles' two pictures, or why there is none."""

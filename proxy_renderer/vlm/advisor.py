@@ -9,7 +9,7 @@ from typing import Any
 
 from ..planning.advice import Advice, OfflineAdvisor
 from ..planning.planner import plan as confine
-from ..planning.types import Plan, PlanContext, PlanEntry
+from ..planning.types import LightPlan, Plan, PlanContext, PlanEntry
 from ..prompt.parser import parse
 from ..prompt.prompts import compose
 from ..prompt.types import Parsed, PromptObject, Prompts, SceneWords
@@ -32,6 +32,7 @@ class ModelAdvisor:
         words: Names in the scene.
         client: The model.
         tell: Called with what goes on, for a status line.
+        light: What a rig plans, which is part of the draft; None where the words ask for none.
     """
 
     def __init__(
@@ -40,9 +41,10 @@ class ModelAdvisor:
         words: SceneWords,
         client: Client,
         tell: Callable[[str], None],
+        light: LightPlan | None = None,
     ) -> None:
         self._prompt, self._words, self._client, self._tell = prompt, words, client, tell
-        self._offline = OfflineAdvisor(prompt, words)
+        self._offline = OfflineAdvisor(prompt, words, light)
         self._caption = ""  # the model's own words for the look: the vocabulary may know these at least
         self._failures: list[str] = []
         self._in_a_row = 0

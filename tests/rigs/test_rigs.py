@@ -27,7 +27,15 @@ from proxy_renderer.schema.added_lights import ADDED_LIGHTS, card
 
 RIG = '[rig.glow]\nsays = "A glow."\nlights = [{ part = "key", source = "point", from = [-40, 20] }]\n'
 RIGS = sorted({rig.name: rig for rig in rig_table().rigs.values()}.values(), key=lambda rig: rig.name)
-_AT_HOME = {"power": 40.0, "strength": 1.0, "size": 0.5, "angle": 0.5, "cone": 45.0, "elevation": 40.0, "distance": 4.0}
+_AT_HOME = {
+    "power": 40.0,
+    "strength": 1.0,
+    "size": 0.5,
+    "angle": 0.5,
+    "cone": 45.0,
+    "elevation": 40.0,
+    "distance": 4.0,
+}
 _COMMON = {"color": (1.0, 1.0, 1.0), "temperature": (6500.0,), "azimuth": (0.0,), "elevation": (40.0,)}
 
 
@@ -38,10 +46,14 @@ def _spare() -> Standby:
         identity = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
         lights.append(Light(what.name, what.type, identity, (0.0, -4.0, 3.0), role=what.role, card=1.5))
         sun = what.type == "SUN"
-        names = ["strength", "angle"] if sun else ["power", "size", "distance", *["cone"] * (what.type == "SPOT")]
+        names = (
+            ["strength", "angle"] if sun else ["power", "size", "distance", *["cone"] * (what.type == "SPOT")]
+        )
         values = {**_COMMON, **{name: (_AT_HOME[name],) for name in names}}
         for name, value in values.items():
-            instance = Instance(FAMILIES[f"light/{name}"], what.name, value, 4.0 if name == "distance" else 1.0)
+            instance = Instance(
+                FAMILIES[f"light/{name}"], what.name, value, 4.0 if name == "distance" else 1.0
+            )
             instances[instance.key] = instance
     return Standby(tuple(lights), instances)
 
@@ -143,7 +155,9 @@ def test_no_rig_changes_a_material(rig, scene):
         assert not any(key.startswith("material") for key in addition.plan.entries)
 
 
-@pytest.mark.parametrize("prompt", ["candlelight", "lamplight", "film noir", "golden hour", "three point lighting"])
+@pytest.mark.parametrize(
+    "prompt", ["candlelight", "lamplight", "film noir", "golden hour", "three point lighting"]
+)
 def test_stops_between_key_and_others_hold_in_irradiance(prompt, scene):
     addition = with_additions([scene], prompt)
     lit, rig = addition.scenes[0], chosen(prompt).rig
@@ -158,7 +172,9 @@ def test_stops_between_key_and_others_hold_in_irradiance(prompt, scene):
     shed = {}
     for light in added:
         lamp = lamps[light.name]
-        raw = lamp.irradiance(stage.subject.position, stage.subject.normal).irradiance * float(lamp.color.mean())
+        raw = lamp.irradiance(stage.subject.position, stage.subject.normal).irradiance * float(
+            lamp.color.mean()
+        )
         shed[light.name] = float(raw.topk(len(raw) // 2).values.mean())
     key = next(name for name in shed if "Key" in name)
     fills = [name for name in shed if "Fill" in name]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-_COLLECTIONS = {"cameras", "lights", "materials", "meshes", "node_groups", "objects", "worlds"}
+_COLLECTIONS = {"cameras", "collections", "lights", "materials", "meshes", "node_groups", "objects", "worlds"}
 _TEXTS = {"link": {"DATA", "OBJECT"}}
 """The only properties that hold text, and what it may be."""
 

@@ -140,11 +140,12 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
         what.type, distance if kind.has_position else 1.0
     )
     light.visible_camera = False
-    _stand(light, pivot, front + azimuth, elevation, distance)
+    # a sun may stand anywhere: in the middle its card turns with it around what it lights
+    _stand(light, pivot, front + azimuth, elevation, 0.0 if what.pattern else distance)
     collection = _collection(journal, scene)
     collection.objects.link(light)
     if what.pattern:
-        collection.objects.link(_card(journal, light, what.pattern, card_size(low, high), distance))
+        collection.objects.link(_card(journal, light, what.pattern, card_size(low, high)))
     return light
 
 
@@ -153,7 +154,7 @@ def card_size(low: Vector, high: Vector) -> float:
     return (high - low).length / 2.0
 
 
-def _card(journal: Journal, light: Object, pattern: str, size: float, distance: float) -> Object:
+def _card(journal: Journal, light: Object, pattern: str, size: float) -> Object:
     """A card that only shadow rays see, before a light and turned with it."""
     lights = schema.added_lights
     quads = lights.card(pattern, size)
@@ -165,7 +166,7 @@ def _card(journal: Journal, light: Object, pattern: str, size: float, distance: 
     for block in (mesh, card):
         owned.mark(block, lights.CARD)
     card.parent = light
-    card.location = (0.0, 0.0, lights.CARD_AWAY * size - distance)
+    card.location = (0.0, 0.0, lights.CARD_AWAY * size)
     for ray in ("camera", "diffuse", "glossy", "transmission", "volume_scatter"):
         setattr(card, f"visible_{ray}", False)
     return card
