@@ -8,18 +8,24 @@ import sys
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..planning.advice import OfflineAdvisor
 from ..planning.explanation import as_dict, explain
-from ..planning.types import LightPlan, PlanContext
+from ..planning.types import PlanContext
 from ..prompt.binding.reader import PromptReader
 from ..prompt.binding.why import why
+from ..prompt.lexicon.rigs import rig_table
 from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.parser import prepared
-from ..prompt.types import SceneWords
+from ..prompt.types import Parsed, SceneWords
+from ..rigs.chosen import chosen_rig
 from ..scene.plain import plain_instances
 from ..schema import Instance
 from ..schema.spec import Region
+
+if TYPE_CHECKING:
+    from ..engine.additions import Addition
 
 _LIGHTS = (("Key", "AREA", "key"), ("Fill", "AREA", "fill"), ("Rim", "AREA", "rim"))
 _MATERIALS: dict[str, Region] = {"Subject": "subject", "Surroundings": "surroundings"}
@@ -42,12 +48,32 @@ def account(
         subject: Arguments that say what in the scene is the subject: "--subject=Cup".
         with_reasons: Say why each look word is bound as it is, and nothing else.
     """
-    words, instances, context, light = _read(prompt, scene, subject) if scene else _plain()
+    words, instances, context, addition = _read(prompt, scene, subject) if scene else (*_plain(), None)
     if with_reasons:
         return _reasons(prompt, words)
-    advice = OfflineAdvisor(prompt, words, light).advise(None, instances, context)
+    advice = OfflineAdvisor(prompt, words, addition.plan if addition else None).advise(
+        None, instances, context
+    )
     decided = advice.parsed, advice.prompts, advice.plan
-    return json.dumps(as_dict(*decided), indent=2, ensure_ascii=False) if as_json else explain(*decided)
+    light = _light(advice.parsed, addition)
+    if as_json:
+        return json.dumps({**as_dict(*decided), "light": light}, indent=2, ensure_ascii=False)
+    return "\n".join([explain(*decided), *(["", "Light", *(f"  {line}" for line in light)] if light else [])])
+
+
+def _light(parsed: Parsed, addition: Addition | None) -> list[str]:
+    """The rig that the words ask for, and who plays its parts in the scene; without one, what each of its lights is."""
+    if addition:
+        return list(addition.lighting.notes) if addition.lighting else []
+    chosen = chosen_rig(parsed, rig_table(), default_vocabulary())
+    if chosen is None:
+        return []
+    lights = (
+        f"{x.part.capitalize()}: {x.type.lower()}, {x.azimuth:.0f}° from the camera, {x.elevation:.0f}° high, "
+        f"{x.color or f'{x.kelvin:.0f} K'}, {x.stops:+.1f} stops"
+        for x in chosen.rig.lights
+    )
+    return [f"Light: {chosen.rig.says}", *lights]
 
 
 def _reasons(prompt: str, words: SceneWords) -> str:
@@ -60,7 +86,7 @@ def _reasons(prompt: str, words: SceneWords) -> str:
 
 def _read(
     prompt: str, scene: Path, subject: Sequence[str]
-) -> tuple[SceneWords, dict[str, Instance], PlanContext, LightPlan | None]:
+) -> tuple[SceneWords, dict[str, Instance], PlanContext, Addition]:
     """A scene as the first round of a vibe sees it: its names, its parameters, and the picture that they give."""
     from ..blender.launch import launch
     from ..blender.meshes import prepared
@@ -82,10 +108,10 @@ def _read(
         proxy = Proxy(data, context.picture_size(data.resolution, _LOOK), device="cpu", seed=0)
         u = vector.encode({})
         now = context.plan_context(proxy, vector.values(u), draw(proxy, vector, u))
-        return context.scene_words(data), dict(vector.instances), now, addition.plan
+        return context.scene_words(data), dict(vector.instances), now, addition
 
 
-def _plain() -> tuple[SceneWords, dict[str, Instance], PlanContext, None]:
+def _plain() -> tuple[SceneWords, dict[str, Instance], PlanContext]:
     instances = plain_instances(_LIGHTS, _MATERIALS.items())
     context = PlanContext(light_types={name: kind for name, kind, _ in _LIGHTS})
-    return SceneWords(materials=dict(_MATERIALS)), instances, context, None
+    return SceneWords(materials=dict(_MATERIALS)), instances, context

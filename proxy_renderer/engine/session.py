@@ -102,6 +102,7 @@ class EngineSession:
             values=values[0],
             report={
                 **self._facts(outcome, encoder),
+                **({"light": list(addition.lighting.notes)} if addition.lighting else {}),
                 **({"vlm": advisor.account()} if advisor else {}),
                 **(report.anchored(outcome, blenders) if self.options.anchor else {}),
                 **(

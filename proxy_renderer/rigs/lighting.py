@@ -16,6 +16,7 @@ from ..color.floats import linear_from_srgb, luminance, srgb_from_hex
 from ..planning.lights.facing import kelvin_color
 from ..planning.lights.glow import glows
 from ..planning.types import LightPlan, PlanEntry
+from ..prompt.lexicon.rigs import Rig
 from ..prompt.types import Parsed
 from ..render.material.textures import geometry_of
 from ..scene import SceneData
@@ -31,8 +32,8 @@ _OFF = 2e-3  # W per squared meter of distance: an added light before a vibe
 _DRIFT = {"power": 1.5, "strength": 1.5, "size": 1.25, "temperature": 1.06}
 _TURN = {"azimuth": 5.0, "elevation": 4.0}
 """How far a search may go from what the rig gives: factors, and degrees."""
-_FIRST, _LATER, _LAST = 1, 4, 14
-"""Priorities of brightness, of what else a light has, and of what is only dimmed."""
+_FIRST, _LATER = 1, 4
+"""Priorities of brightness, and of what else a light has."""
 _POOL_MARGIN, _WIDEST = 1.5, 140.0
 _GLOWS, _OF_GLOWS = 0.15, 0.5
 """Share of the key's light from which a surface that glows counts as a light, and how far it follows the scene's own lights."""
@@ -79,13 +80,15 @@ def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add
     scene = scenes[0]
     values = _trial(scene, lights, stage, rig.world_color if rig.world is not None else "")
     levels = measured(scene, stage, lights, values, rig)
-    values = _balanced(scene, chosen, lights, values, levels)
+    values = _balanced(scene, rig, lights, values, levels) | _air(scene, rig, parsed)
     word = next(iter(chosen.words), "")
     still = {each.name for each in lights if each.fixed or each.own}
     entries = {key: _entry(scene.instances[key], value, word, still) for key, value in values.items()}
     grade = tuple((chosen.served[0], effect) for effect in rig.grade) if chosen.served else ()
     plan = LightPlan(entries, chosen.served, grade)
-    return Lighting(list(scenes), plan, claims_of_rig(chosen, lights, stage), tuple(_notes(lights)))
+    return Lighting(
+        list(scenes), plan, claims_of_rig(chosen, lights, stage), (f"Light: {rig.says}", *_notes(lights))
+    )
 
 
 def _with_lights(scene: SceneData, lights: Sequence[Placed], stage: LightStage) -> SceneData:
@@ -128,10 +131,9 @@ def _shape(each: Placed, stage: LightStage) -> dict[str, Values]:
         found |= {"azimuth": (each.azimuth,), "elevation": (each.elevation,)}
     if each.type == "SUN":
         return found | {"angle": (light.size,)}
-    size = {"size": (light.size * stage.radius,)}
-    if each.own:  # a lamp of the scene keeps its size, unless it has none
+    if each.own:  # a lamp of the scene keeps its size
         return found
-    found |= {"distance": (each.distance,), **size}
+    found |= {"distance": (each.distance,), "size": (light.size * stage.radius,)}
     if each.type == "SPOT":
         pool = 1.0 if light.reach == "subject" else _POOL_MARGIN
         opening = 2 * math.degrees(math.atan(pool * 1.2 * stage.radius / each.distance))
@@ -171,10 +173,10 @@ def _world_color(scene: SceneData, part: str, color: str) -> dict[str, Values]:
 
 
 def _balanced(
-    scene: SceneData, chosen: ChosenRig, lights: Sequence[Placed], values: dict[str, Values], levels: Levels
+    scene: SceneData, rig: Rig, lights: Sequence[Placed], values: dict[str, Values], levels: Levels
 ) -> dict[str, Values]:
     """Values with the powers that the rig's ratios ask for, its world and its sky, and the scene's other lights dimmed."""
-    rig, out = chosen.rig, dict(values)
+    out = dict(values)
     for each in lights:
         for key in (f"light/{each.name}/power", f"light/{each.name}/strength"):
             if key in out:
@@ -186,9 +188,8 @@ def _balanced(
         shut_out = _FULL * shed < _FAINT * wanted
         out["world/strength"] = (min(own, 1.0),) if shut_out else (min(wanted / max(shed, _BARELY), _FULL),)
     if rig.sky is not None:
-        out |= _sky(scene, chosen, levels)
-    placed_names = {each.name for each in lights}
-    out |= _dimmed(scene, rig.own if lights else 0.0, placed_names, levels.key / math.pi)
+        out |= _sky(scene, rig)
+    out |= _dimmed(scene, rig.own if lights else 0.0, {each.name for each in lights}, levels.key / math.pi)
     return {key: value for key, value in out.items() if not scene.instances[key].locked}
 
 
@@ -202,9 +203,8 @@ def _world_luminance(scene: SceneData, values: Mapping[str, Values], part: str =
     return tint * (float(arrays.luminance(picture).mean()) if picture is not None else 0.5)
 
 
-def _sky(scene: SceneData, chosen: ChosenRig, levels: Levels) -> dict[str, Values]:
+def _sky(scene: SceneData, rig: Rig) -> dict[str, Values]:
     """What the camera sees of the world: its color, and the strength that gives it the rig's lightness."""
-    rig = chosen.rig
     key = "world/backdrop_strength" if "world/backdrop_strength" in scene.instances else ""
     if not key:
         return {}
@@ -212,6 +212,15 @@ def _sky(scene: SceneData, chosen: ChosenRig, levels: Levels) -> dict[str, Value
     stops = sum(scene.value(each)[0] for each in ("film/exposure", "film/grade_exposure"))
     bright = GRAY * 2.0 ** ((rig.sky or 0.0) - stops)
     return found | {key: (min(bright / max(_world_luminance(scene, found, "backdrop_"), 1e-4), 10.0),)}
+
+
+def _air(scene: SceneData, rig: Rig, parsed: Parsed) -> dict[str, Values]:
+    """The air of a rig, where the prompt says nothing of it itself."""
+    density = scene.instances.get("volume/density")
+    said = any(a.slot == "atmosphere" and not a.cause for a in parsed.attributes)
+    if rig.air is None or density is None or density.locked or said:
+        return {}
+    return {density.key: (rig.air * density.reference,)}
 
 
 def _dimmed(scene: SceneData, stops: float, playing: set[str], white: float) -> dict[str, Values]:

@@ -12,7 +12,7 @@ from proxy_renderer.schema import VibeError
 
 def temperatures(prompt):
     """Light -> the middle of its range of temperatures, kelvin; None where no word is about it."""
-    words, instances, context, _ = _plain()
+    words, instances, context = _plain()
     parsed = parse(prompt, words)
     planned = plan(parsed, compose(parsed), instances, context)
     rows = {key.split("/")[1]: row for key, row in planned.items() if key.endswith("/temperature")}
