@@ -34,6 +34,15 @@ _RELATIVE = ("shade", "times", "plus", "lightness")
 """Modes of effects on what a thing has, or what its material gives it: fresh asphalt is a smoother dark gray."""
 _SEEN_GLOW = 0.02  # emission from which a material glows
 _STAYS = "the prompt says that it stays"
+_GRADES = {
+    "film/contrast": (0.8, 1.3),
+    "film/saturation": (0.0, 1.45),
+    "film/vignette": (0.0, 0.5),
+    "film/lift": (0.94, 1.06),
+    "film/midtone": (0.85, 1.15),
+    "film/gain": (0.8, 1.2),
+}
+"""How far a grade goes beside a rig, which is most of a look."""
 _BESIDE_LIGHT = 0.5  # strength of a mood's grade where a rig gives it its light
 _SECOND = 6  # how much later a mood's own words come than the prompt's
 
@@ -58,6 +67,7 @@ def plan(
     support = supports(parsed, planner.instances, planner.sources, entries, planner.owners)
     if light.served:  # exposed as the rig wants it
         support.pop("film/exposure", None)
+        entries |= {key: _mild(entries[key], *ends) for key, ends in _GRADES.items() if key in entries}
     entries |= support
     return Plan({key: entries[key] for key in instances}, tuple(dict.fromkeys(planner.notes)))
 
@@ -234,6 +244,13 @@ class _Planner:
             any_hue=winners[0].any_hue,
             start=_start(instance, winners[0], lower, upper),
         )
+
+
+def _mild(entry: PlanEntry, low: float, high: float) -> PlanEntry:
+    """A range within ends that leave the light its contrast and its colors; it does not open while claims are missed."""
+    lower, upper = (tuple(min(max(v, low), high) for v in end) for end in (entry.lower, entry.upper))
+    start = entry.start and tuple(min(max(v, low), high) for v in entry.start)
+    return replace(entry, lower=lower, upper=upper, start=start, usual=True) if entry.is_named else entry
 
 
 def _beside(attribute: Attribute, light: LightPlan) -> Attribute:

@@ -28,18 +28,24 @@ _WIDEST = {"SUN": 45.0, "AREA": 5.0, "SPOT": 1.0, "POINT": 0.6}
 _DIMMED = 0.6  # stops that an hour may darken a setup of another kind
 
 
+Asked = tuple[tuple[str, ...], tuple[str, ...]]
+"""Parts of a rig, and aspects of their light: "direction", "color", "contrast", "rim", "rest". None stand for all."""
+_ALL: Asked = ((), ())
+
+
 @dataclass(frozen=True)
 class ChosenRig:
     """The rig of a prompt.
 
     Attributes:
         rig: With the changes that modifiers make to it.
-        words: Words of the prompt that it shows, each with the parts of the rig that the word asks for; none for all.
+        words: Words of the prompt that it shows, each with the parts of the rig and the aspects of their light that the word
+            asks for; no aspects for all of them.
         served: The attributes that it takes the place of.
     """
 
     rig: Rig
-    words: Mapping[str, tuple[str, ...]]
+    words: Mapping[str, Asked]
     served: tuple[Attribute, ...]
 
 
@@ -57,9 +63,11 @@ def chosen_rig(parsed: Parsed, table: RigTable, vocabulary: Vocabulary) -> Chose
     said = [a for a in parsed.attributes if not (a.cause and a in parsed.overruled)]
     setups = _setups(said, table)
     gels = _gels(said, setups, table)
-    if not setups and len(gels) < 2:
+    directed = any(_turns_a_light(a, table) for a in said)
+    if not setups and len(gels) < 2 and not directed:
         return None
-    build = _Build(table.rigs[setups[0].entry] if setups else table.two_colors, table)
+    bare = table.two_colors if len(gels) > 1 else table.plain
+    build = _Build(table.rigs[setups[0].entry] if setups else bare, table)
     for attribute in setups:
         build.take_setup(attribute)
     parts = _told_apart(said)
@@ -85,25 +93,26 @@ class _Build:
 
     def __init__(self, first: Rig, table: RigTable) -> None:
         self.first, self.rig, self.table = first, first, table
-        self.words: dict[str, tuple[str, ...]] = {}
+        self.words: dict[str, Asked] = {}
         self.served: list[Attribute] = []
         self._colored = 0
+        self._turned: set[tuple[str, ...]] = set()  # parts whose side a word has said
 
     def take_setup(self, attribute: Attribute) -> None:
         """Takes a word that stands for a setup: the first one is the rig, others join it."""
         other = self.table.rigs[attribute.entry]
         self.served.append(attribute)
         if other.name == self.first.name:
-            self.words.setdefault(attribute.cause or attribute.word, ())
+            self.words.setdefault(attribute.cause or attribute.word, _ALL)
         elif not attribute.cause and other.kind == "source":
             self.rig = _with_source(self.rig, other)
-            self.words.setdefault(attribute.word, ("accent",))
-        elif not attribute.cause and other.kind == "time" and self.first.kind != "time":
+            self.words.setdefault(attribute.word, (("accent",), ("color",)))
+        elif (
+            not attribute.cause and other.kind in ("time", "hour") and self.first.kind not in ("time", "hour")
+        ):
             self.rig = _at_an_hour(self.rig, other)
-            self.words.setdefault(attribute.word, ())
         elif not attribute.cause and other.kind == "style" and self.first.kind == "source":
             self.rig = _in_a_style(self.rig, other)
-            self.words.setdefault(attribute.word, ())
 
     def add(self, attribute: Attribute) -> None:
         """Adds the lights of a rig that only adds, or takes such lights away."""
@@ -111,25 +120,31 @@ class _Build:
         parts = tuple(light.part for light in adding.lights)
         rest = tuple(light for light in self.rig.lights if light.part not in parts)
         self.rig = replace(self.rig, lights=rest if attribute.negated else (*rest, *adding.lights))
-        self._take(attribute, parts)
+        self._take(attribute, parts, ("rim", "color"))
 
     def modify(self, attribute: Attribute, parts: Sequence[str]) -> None:
         """Changes the lights that a modifier is said of."""
         modifier = self.table.modifiers[attribute.entry]
         modifier = modifier.reversed() if attribute.negated else modifier
+        if modifier.azimuth is not None:
+            if attribute.kind == "shadow":  # a shadow to the left is light from the right
+                modifier = replace(modifier, azimuth=-modifier.azimuth)
+            if tuple(parts) in self._turned:  # what is said first counts
+                modifier = replace(modifier, azimuth=None, elevation=None)
+            self._turned.add(tuple(parts))
         every = modifier.every and not attribute.role
         lights = [
             _limited(modifier.change(light, attribute.strength)) if every or light.part in parts else light
             for light in self._with_parts(parts)
         ]
         self.rig = _deepened(replace(self.rig, lights=tuple(lights)), modifier, attribute.strength)
-        self._take(attribute, tuple(parts))
+        self._take(attribute, tuple(parts), modifier.aspects)
 
     def darken(self, attribute: Attribute) -> None:
         """Leaves all but the subject in the dark."""
         self.rig = replace(self.rig, sky=_BLACK_SKY, world=_BLACK_WORLD, own=_BLACK_OWN)
         self.rig = replace(self.rig, lights=tuple(x for x in self.rig.lights if x.reach != "background"))
-        self._take(attribute, ("rest",))
+        self._take(attribute, ("key",), ("rest",))
 
     def color(self, gel: Attribute, parts: Sequence[str]) -> None:
         """Gives a color to the lights of some parts; without parts, to the next light that has none of the prompt's."""
@@ -143,7 +158,7 @@ class _Build:
             for light in self._with_parts(parts)
         ]
         self.rig = replace(self.rig, lights=tuple(lights))
-        self._take(gel, tuple(parts))
+        self._take(gel, tuple(parts), ("color",))
 
     def _with_parts(self, parts: Sequence[str]) -> tuple[RigLight, ...]:
         """The rig's lights, with one of the first part where it has none of them: opposite to the key."""
@@ -156,10 +171,10 @@ class _Build:
         more = RigLight(part, "AREA", side * aside, 20.0, True, 2.8, 1.2, 5600.0, "", stops)
         return (*lights, more)
 
-    def _take(self, attribute: Attribute, parts: tuple[str, ...]) -> None:
+    def _take(self, attribute: Attribute, parts: tuple[str, ...], aspects: tuple[str, ...]) -> None:
         self.served.append(attribute)
-        if not attribute.negated:
-            self.words.setdefault(attribute.word, parts)
+        if aspects and not attribute.negated:
+            self.words.setdefault(attribute.word, (parts, aspects))
 
 
 def _setups(said: Sequence[Attribute], table: RigTable) -> list[Attribute]:
@@ -171,6 +186,17 @@ def _setups(said: Sequence[Attribute], table: RigTable) -> list[Attribute]:
 def _is_setup(attribute: Attribute, table: RigTable) -> bool:
     rig = table.rigs.get(attribute.entry)
     return rig is not None and not rig.adds and not attribute.negated and not attribute.color
+
+
+def _turns_a_light(attribute: Attribute, table: RigTable) -> bool:
+    """Whether a word says where light comes from."""
+    modifier = table.modifiers.get(attribute.entry)
+    said = (
+        modifier is not None
+        and "direction" in modifier.aspects
+        and not (attribute.negated or attribute.cause)
+    )
+    return said and attribute.kind in _OF_LIGHT and not attribute.lights
 
 
 def _rank(attribute: Attribute, table: RigTable) -> tuple[bool, int]:

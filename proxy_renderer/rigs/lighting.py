@@ -39,8 +39,9 @@ _GLOWS, _OF_GLOWS = 0.15, 0.5
 """Share of the key's light from which a surface that glows counts as a light, and how far it follows the scene's own lights."""
 _FAINT = 0.02  # of what the world should give the subject: if it gives less at full strength, it is shut out
 _FULL = 8.0  # the most strength of a world
+_NIGHT = -3.0  # stops of a sky from which it is night
 _BARELY = 1e-7
-_GEL = 1.5  # exponent by which a light is more colored than the paint of that name
+_GEL = 0.7  # share of the white in a color's name that a light of it lacks
 _GRAY_SKY = "#808080"
 
 
@@ -126,7 +127,8 @@ def _shape(each: Placed, stage: LightStage) -> dict[str, Values]:
     found: dict[str, Values] = {"color": (1.0, 1.0, 1.0), "temperature": (light.kelvin or 6500.0,)}
     if light.color:
         linear = linear_from_srgb(srgb_from_hex(light.color))
-        found["color"] = tuple((v / max(*linear, 1e-6)) ** _GEL for v in linear)
+        pale = _GEL * min(linear)
+        found["color"] = tuple(max(v - pale, 0.0) / max(max(linear) - pale, 1e-6) for v in linear)
     if not each.own:
         found |= {"azimuth": (each.azimuth,), "elevation": (each.elevation,)}
     if each.type == "SUN":
@@ -189,7 +191,8 @@ def _balanced(
         out["world/strength"] = (min(own, 1.0),) if shut_out else (min(wanted / max(shed, _BARELY), _FULL),)
     if rig.sky is not None:
         out |= _sky(scene, rig)
-    out |= _dimmed(scene, rig.own if lights else 0.0, {each.name for each in lights}, levels.key / math.pi)
+    if lights:
+        out |= _dimmed(scene, rig, {each.name for each in lights}, levels.key / math.pi)
     return {key: value for key, value in out.items() if not scene.instances[key].locked}
 
 
@@ -223,22 +226,25 @@ def _air(scene: SceneData, rig: Rig, parsed: Parsed) -> dict[str, Values]:
     return {density.key: (rig.air * density.reference,)}
 
 
-def _dimmed(scene: SceneData, stops: float, playing: set[str], white: float) -> dict[str, Values]:
+def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict[str, Values]:
     """The scene's own lights, and surfaces that glow as lights do, that play no part.
 
     Args:
         scene: With the added lights.
-        stops: By which they change.
+        rig: Says by how many stops they change.
         playing: Names of the lights that play a part.
         white: Radiance of a white surface in the key.
     """
     found: dict[str, Values] = {}
-    if not stops:
+    if not rig.own:
         return found
     for key, instance in scene.instances.items():
         if instance.parameter.family in ("light/power", "light/strength") and instance.owner not in playing:
-            found[key] = (instance.value[0] * 2.0**stops,)
-    for material, glow in glows(scene).items():
+            found[key] = (instance.value[0] * 2.0**rig.own,)
+    dark = rig.sky is not None and rig.sky <= _NIGHT
+    for material, glow in (
+        () if dark else glows(scene).items()
+    ):  # at night what glows is the lamps of the picture
         key, color = f"material/{material}/emission", f"material/{material}/emission_color"
         shed = (
             luminance(scene.value(color, (1.0, 1.0, 1.0)))
@@ -247,7 +253,7 @@ def _dimmed(scene: SceneData, stops: float, playing: set[str], white: float) -> 
             * glow.light
         )
         if key in scene.instances and shed * scene.value(key)[0] > _GLOWS * white:
-            found[key] = (scene.instances[key].value[0] * 2.0 ** (stops * _OF_GLOWS),)
+            found[key] = (scene.instances[key].value[0] * 2.0 ** (rig.own * _OF_GLOWS),)
     return found
 
 

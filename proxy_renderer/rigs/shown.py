@@ -33,44 +33,46 @@ def claims_of_rig(chosen: ChosenRig, lights: Sequence[Placed], stage: LightStage
         stage: The scene.
     """
     found: list[Claim] = []
-    seen: set[tuple[str, str]] = set()
-    for word, parts in chosen.words.items():
+    seen: set[tuple[object, ...]] = set()
+    for word, (parts, aspects) in chosen.words.items():
         mine = [each for each in lights if not parts or each.light.part in parts]
-        for claim in _structure(word, chosen, mine, stage):
-            if (word, claim.measure) not in seen:
-                seen.add((word, claim.measure))
+        for aspect, claim in _structure(word, chosen, mine, stage):
+            known = (claim.measure, claim.direction)
+            if (
+                not aspects or aspect in aspects
+            ) and known not in seen:  # the first word that says it has the claim
+                seen.add(known)
                 found.append(claim)
     return tuple(found)
 
 
-def _structure(word: str, chosen: ChosenRig, lights: Sequence[Placed], stage: LightStage) -> Iterator[Claim]:
+def _structure(
+    word: str, chosen: ChosenRig, lights: Sequence[Placed], stage: LightStage
+) -> Iterator[tuple[str, Claim]]:
+    """What a word claims of some lights of a rig, each with the aspect of light that it is about."""
     rig = chosen.rig
     key = next((each for each in lights if each.light.part == "key"), None)
     if rig.name == "silhouette":
-        yield Claim(word, "subject", "silhouette", "subject", (14.0,), (math.inf,))
+        yield "rest", Claim(word, "subject", "silhouette", "subject", (14.0,), (math.inf,))
         return
     if key is not None and key.light.reach != "background":
-        yield from _direction(word, key, stage)
-        yield from _color(word, key.light)
+        yield from (("direction", claim) for claim in _direction(word, key, stage))
+        yield from (("color", claim) for claim in _color(word, key.light))
         fills = [x.light.stops for x in lights if x.light.part in ("fill", "bounce", "accent", "top")]
         ratio = -max([*fills, rig.world if rig.world is not None else -2.0])
         if ratio >= _LARGE:
-            yield Claim(
-                word,
-                "subject",
-                "key_to_fill",
-                "subject",
-                (min(_RATIO * ratio, 2.2),),
-                (math.inf,),
-                change=0.6,
+            least = min(_RATIO * ratio, 2.2)
+            yield (
+                "contrast",
+                Claim(word, "subject", "key_to_fill", "subject", (least,), (math.inf,), change=0.6),
             )
         if rig.sky is not None and rig.sky <= _DARK_SKY:
-            yield Claim(word, "subject", "standing_out", "subject", (4.0,), (math.inf,), change=8.0)
+            yield "rest", Claim(word, "subject", "standing_out", "subject", (4.0,), (math.inf,), change=8.0)
     for each in lights:
         if each.light.part in ("rim", "kicker") and each.light.stops > 0.0:
-            yield Claim(word, "subject", "rim", "subject", (4.0,), (math.inf,), change=5.0)
+            yield "rim", Claim(word, "subject", "rim", "subject", (4.0,), (math.inf,), change=5.0)
         if each.light.color and each is not key:
-            yield from _accent(word, each.light)
+            yield from (("color", claim) for claim in _accent(word, each.light))
 
 
 def _direction(word: str, key: Placed, stage: LightStage) -> Iterator[Claim]:

@@ -19,7 +19,7 @@ from .entries import Effect, normalize, parse_effect
 SOURCES = {"point": "POINT", "spot": "SPOT", "area": "AREA", "sun": "SUN"}
 REACHES = ("subject", "pool", "background", "all")
 THROUGH = ("", "window")
-KINDS = ("source", "style", "time", "place", "mood")
+KINDS = ("source", "style", "time", "mood", "hour", "place")
 _HEX = re.compile("#[0-9a-fA-F]{6}")
 _DISTANCES = {"POINT": 1.8, "SPOT": 5.0, "AREA": 3.0, "SUN": 0.0}
 _SIZES = {"POINT": 0.1, "SPOT": 0.08, "AREA": 1.2, "SUN": 0.5}
@@ -77,7 +77,7 @@ class Rig:
         words: Ways to say it that the vocabulary does not have; its name is one where the vocabulary lacks it.
         entries: Entries of the vocabulary that it is for.
         says: What it looks like, for people.
-        kind: "source", "style", "time", "place" or "mood": of several that a prompt names the first kind is the setup.
+        kind: "source", "style", "time", "mood", "hour" or "place": of several that a prompt names the first kind is the setup.
         adds: Whether it adds its lights to another rig, or to the scene's own light: a rim light does.
         exposure: Stops of the lit side of the subject, as a gray card has it, against middle gray.
         own: Stops by which the scene's own lights without a part are changed.
@@ -143,6 +143,13 @@ class Modifier:
         tints = self.kelvin and not light.color
         return replace(light, kelvin=self.kelvin, color="") if tints else light
 
+    @property
+    def aspects(self) -> tuple[str, ...]:
+        """What of a light it says: "direction", "color", "contrast"."""
+        directed = self.azimuth is not None or self.elevation is not None
+        each = {"direction": directed, "color": self.kelvin, "contrast": self.contrast < 0}
+        return tuple(name for name, says in each.items() if says)
+
     def reversed(self) -> Modifier:
         """What the word asks for where it is negated: less of its exposure and contrast, and the other size."""
         return Modifier(
@@ -166,6 +173,11 @@ class RigTable:
     def two_colors(self) -> Rig:
         """The rig of two colored lights."""
         return self.rigs["neon light"]
+
+    @property
+    def plain(self) -> Rig:
+        """The rig of words that only say how light is, and where it comes from."""
+        return self.rigs["plain key"]
 
 
 @cache
