@@ -133,7 +133,7 @@ class PromptReader:
     def _is_a_light(self, look: PromptLook) -> bool:
         """Whether a word that seems to name a thing is a source of light that a rig is for: "a single candle on the left"."""
         rig = rig_table().rigs.get(look.token.entry)
-        if rig is None or rig.kind not in ("source", "time") or rig.adds or look.token.guess:
+        if rig is None or rig.kind not in ("source", "time", "hour") or rig.adds or look.token.guess:
             return False
         described = {pair.target.mention for pair in self.chosen if pair.look is not look} - {-1}
         mentions, items = self.found.mentions, self.found.passage.items
