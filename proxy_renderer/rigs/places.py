@@ -28,7 +28,7 @@ _NEARER = (1.0, 0.75, 0.55, 0.4)
 _ASIDE, _OFF, _CLOSE, _OTHER_SIDE = 110.0, 80.0, 0.25, 0.03
 """Degrees of azimuth and of elevation, share of the distance, and the other side: what each costs, in shares of the subject."""
 _ENOUGH = 0.04  # share of the light without anything in the way from which a place will do
-_LIKE, _AS_HIGH = 45.0, 32.0  # degrees within which a light of the scene stands where a rig wants one
+_LIKE, _AS_HIGH = 30.0, 20.0  # degrees within which a light of the scene stands where a rig wants one
 _NEAR = 9.0  # radii from the subject within which a lamp of the scene lights it
 _AWAY = 1.15  # of an object's size: how far from its middle a bulb hangs
 _SKY_TURNS, _SKY_HEIGHTS = range(-180, 180, 12), (8.0, 14.0, 22.0, 32.0, 44.0, 60.0)
