@@ -38,9 +38,10 @@ def panel(scene):
 
 def planned(scene, prompt, folder):
     reading.export_scene(scene, folder, SubjectChoice(("Cube",)))
-    data = with_additions([load_scene(folder)], prompt)[0]
-    parsed = parse(prompt, scene_words(data))
-    return plan(parsed, compose(parsed), dict(data.instances), PlanContext(glows=glows(data)))
+    addition = with_additions([load_scene(folder)], prompt)
+    data = addition.scenes[0]
+    parsed, known = parse(prompt, scene_words(data)), PlanContext(glows=glows(data))
+    return plan(parsed, compose(parsed), dict(data.instances), known, light=addition.plan)
 
 
 def test_no_key_is_added_where_a_panel_lights_the_scene(panel):

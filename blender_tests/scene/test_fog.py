@@ -135,7 +135,7 @@ def test_density_0_hides_the_box_and_density_shows_it_again(scene):
     assert bindings.read(scene, subject, PIVOT)["volume/density"] == (0.0,)
     write(scene, subject, density=0.2)
     assert not fog.find(scene).hide_render
-    assert len([o for o in bpy.data.objects if owned.is_fog(o)]) == 1
+    assert len([o for o in bpy.data.objects if o.get(owned.MARK) == owned.FOG]) == 1
 
 
 def test_the_artists_world_volume_is_used(scene):

@@ -60,7 +60,8 @@ def chosen_rig(parsed: Parsed, table: RigTable, vocabulary: Vocabulary) -> Chose
     Returns:
         None where no word stands for a setup: then each word acts on the lights that are there.
     """
-    said = [a for a in parsed.attributes if not (a.cause and a in parsed.overruled)]
+    # a word that is said of a light of the scene by its name acts on that light alone
+    said = [a for a in parsed.attributes if not (a.lights or (a.cause and a in parsed.overruled))]
     setups = _setups(said, table)
     gels = _gels(said, setups, table)
     directed = any(_turns_a_light(a, table) for a in said)
@@ -196,7 +197,7 @@ def _turns_a_light(attribute: Attribute, table: RigTable) -> bool:
         and "direction" in modifier.aspects
         and not (attribute.negated or attribute.cause)
     )
-    return said and attribute.kind in _OF_LIGHT and not attribute.lights
+    return said and attribute.kind in _OF_LIGHT
 
 
 def _rank(attribute: Attribute, table: RigTable) -> tuple[bool, int]:

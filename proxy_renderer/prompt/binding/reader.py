@@ -78,8 +78,14 @@ class PromptReader:
         tinge: TargetPair | None = None
         for number, pair in enumerate(self.chosen):
             unsure = self._is_unsure(pair, self.found.pairs[number])
-            if (pair.target.kind == "none" or unsure) and self._is_a_light(pair.look):
+            if (pair.target.kind == "none" or unsure) and self._is_a_light(pair.look, things):
                 parsed.attributes.append(_light(pair.look))
+            elif (
+                pair.target.kind == "light"
+                and self._is_a_name(pair.look.index)
+                and self._is_described(pair.look, things)
+            ):
+                continue
             elif id(pair) in absent or unsure:
                 parsed.ignored.append(pair.look.text)
             elif pair.target.kind == "none":
@@ -130,16 +136,20 @@ class PromptReader:
         """Whether a word that could be a look names a thing of the scene: a pier where there is one."""
         return any(m.named and m.covers(index) for m in self.found.mentions)
 
-    def _is_a_light(self, look: PromptLook) -> bool:
+    def _is_a_light(self, look: PromptLook, things: Things) -> bool:
         """Whether a word that seems to name a thing is a source of light that a rig is for: "a single candle on the left"."""
         rig = rig_table().rigs.get(look.token.entry)
         if rig is None or rig.kind not in ("source", "time", "hour") or rig.adds or look.token.guess:
             return False
-        described = {pair.target.mention for pair in self.chosen if pair.look is not look} - {-1}
-        mentions, items = self.found.mentions, self.found.passage.items
+        items = self.found.passage.items
         if look.index and items[look.index - 1].text in self.vocabulary.lists["definite"]:
             return False  # "the candle is red"
-        return not (self._is_a_name(look.index) or any(mentions[n].covers(look.index) for n in described))
+        return not (self._is_described(look, things) or self._is_a_name(look.index))
+
+    def _is_described(self, look: PromptLook, things: Things) -> bool:
+        """Whether a word is the thing that other words describe: the fire of "blue fire"."""
+        others = (pair for pair in self.chosen if pair.look is not look and pair.target.kind != "none")
+        return any(look.token.text in things.of(pair).thing.split() for pair in others)
 
     def _entry(self, pair: TargetPair, after: list[TargetPair]) -> str:
         """What a look word becomes; of "emerald velvet" the emerald is the color of the next material."""
