@@ -29,6 +29,8 @@ DATA = (
     "proxy_renderer/prompt/lexicon/hours.toml",
     "proxy_renderer/prompt/lexicon/things.toml",
     "proxy_renderer/prompt/lexicon/names.toml",
+    "proxy_renderer/prompt/lexicon/modifiers.toml",
+    "proxy_renderer/prompt/lexicon/rigs.toml",
     "proxy_renderer/prompt/lexicon/vocabulary.toml",
     "proxy_renderer/prompt/lexicon/words.safetensors",
     "proxy_renderer/prompt/languages/*.toml",

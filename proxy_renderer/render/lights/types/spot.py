@@ -26,11 +26,15 @@ class SpotLight(PointLight):
     """A point light that shines into a cone; inside it is as bright as a point light of the same power.
 
     Attributes:
-        cone: () full opening angle, radians.
+        cone: () full opening angle, radians; that of the scene's record where none is given.
     """
 
-    cone: Float[Tensor, ""] = field(default_factory=lambda: torch.tensor(math.pi / 4))
+    cone: Float[Tensor, ""] = field(default_factory=lambda: torch.tensor(math.nan))
     segment_parts: ClassVar[int] = 4  # its cone has an edge
+
+    def __post_init__(self) -> None:
+        if self.cone.isnan():
+            object.__setattr__(self, "cone", self.size.new_tensor(self.light.spot_size))
 
     @classmethod
     def of(cls, light: Light, scene: SceneData, values: RenderValues) -> SpotLight:
