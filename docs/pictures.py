@@ -9,12 +9,14 @@ tree.jpg       vibe run tree.obj --prompt "Misty tree silhouette, cool blue fog,
 like.jpg       vibe demo --like coffee.png --out out/like, coffee.png being skimage.data.coffee()
 fidelity.jpg   vibe bench fidelity --out out/fidelity
 sealed.jpg     vibe bench sealed --out out/sealed
+rigs.jpg       vibe batch rigs.toml --out out/rigs: four scenes, and the prompts of `RIGS`
 results/       results.json of out/sealed, out/ladder and out/materials, those that are there; sealed-long.json is copied by hand
 tutorial/      the tutorial's own commands
 
 Those of the panel are photographs of Blender's window, made by hand.
 """
 
+import json
 import shutil
 import sys
 from pathlib import Path
@@ -51,6 +53,18 @@ SCENES = (
 )
 """Scenes of fidelity.jpg, from left to right."""
 
+RIGS = (
+    "by lamplight",
+    "single warm spot",
+    "sun through the blinds",
+    "golden hour",
+    "moonlight",
+    "neon pink and cyan light",
+    "film noir",
+    "overcast",
+)
+"""Prompts of rigs.jpg, from left to right."""
+
 _SIDE, _GAP = 128, 6
 
 
@@ -65,9 +79,28 @@ def main(folder: Path) -> None:
         if (folder / name / "results.json").is_file():
             (HERE / "results").mkdir(exist_ok=True)
             shutil.copy(folder / name / "results.json", HERE / "results" / f"{name}.json")
+    if (folder / "rigs").is_dir():
+        save(rigs(folder / "rigs" / "jobs"), "rigs.jpg")
     scenes = [folder / "fidelity" / "scenes" / name for name in SCENES]
     if all(scene.is_dir() for scene in scenes):
         save(beside(scenes), "fidelity.jpg")
+
+
+def rigs(jobs: Path) -> Image.Image:
+    """A row for each scene: the picture before, and one after each of `RIGS`."""
+    rows: dict[str, dict[str, Path]] = {}
+    for report in sorted(jobs.glob("*/report.json")):
+        told = json.loads(report.read_text("utf-8"))
+        rows.setdefault(told["scene"], {})[told["prompt"]] = report.parent
+    width, height = 150, 112
+    size = ((len(RIGS) + 1) * (width + _GAP), len(rows) * (height + _GAP))
+    sheet = Image.new("RGB", size, "white")
+    for row, found in enumerate(rows.values()):
+        files = [found[RIGS[0]] / "before.png", *(found[prompt] / "after.png" for prompt in RIGS)]
+        for column, file in enumerate(files):
+            picture = Image.open(file).convert("RGB").resize((width, height), Image.Resampling.LANCZOS)
+            sheet.paste(picture, (column * (width + _GAP), row * (height + _GAP)))
+    return sheet
 
 
 def beside(scenes: list[Path]) -> Image.Image:
