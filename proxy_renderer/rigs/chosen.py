@@ -60,8 +60,9 @@ def chosen_rig(parsed: Parsed, table: RigTable, vocabulary: Vocabulary) -> Chose
     Returns:
         None where no word stands for a setup: then each word acts on the lights that are there.
     """
-    # a word that is said of a light of the scene by its name acts on that light alone
-    said = [a for a in parsed.attributes if not (a.lights or (a.cause and a in parsed.overruled))]
+    # words that tell lights of the scene apart by their names act on these alone
+    apart = len({a.lights for a in parsed.attributes if a.lights}) > 1
+    said = [a for a in parsed.attributes if not ((apart and a.lights) or (a.cause and a in parsed.overruled))]
     setups = _setups(said, table)
     gels = _gels(said, setups, table)
     directed = any(_turns_a_light(a, table) for a in said)
