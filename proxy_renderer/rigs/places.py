@@ -51,7 +51,6 @@ class Placed:
         azimuth: Degrees, as in `schema.orbit`.
         elevation: Degrees.
         distance: Meters; 0 of a sun.
-        reached: Share of what it is to light that it reaches.
         fixed: Whether it must stay where it is: at a lamp, in a window.
     """
 
@@ -62,7 +61,6 @@ class Placed:
     azimuth: float
     elevation: float
     distance: float
-    reached: float
     fixed: bool = False
 
 
@@ -95,12 +93,7 @@ def placed(lights: Iterable[RigLight], stage: LightStage, add: bool = True) -> l
 
 def _own(light: RigLight, stage: LightStage, taken: set[str]) -> Placed | None:
     """A light of the scene that can be this one: by its name, or by its type and where it stands."""
-    scene = stage.scene
-    free = [
-        x
-        for x in scene.lights
-        if not x.fixed and x.name not in taken and not x.added and _may_change(x, scene)
-    ]
+    free = _playable(stage, taken)
     named = [x for x in free if _called(x.name, light.names)]
     for candidate in (*named, *(x for x in free if _stands_for(x, light, stage))):
         share = _share(stage, light, candidate)
@@ -112,20 +105,29 @@ def _own(light: RigLight, stage: LightStage, taken: set[str]) -> Placed | None:
 
 def _any(light: RigLight, stage: LightStage, taken: set[str]) -> Placed | None:
     """The light of the scene that is its key, wherever it stands, for the key of a rig."""
-    free = [
-        x for x in stage.scene.lights if not x.fixed and x.name not in taken and _may_change(x, stage.scene)
-    ]
+    free = _playable(stage, taken)
     if light.part != "key" or not free:
         return None
     return _as_it_stands(light, min(free, key=lambda x: x.role != "key"), stage)
 
 
+def _playable(stage: LightStage, taken: set[str]) -> list[Light]:
+    """The lights of the scene that may be changed and play no part yet."""
+    return [
+        x for x in stage.scene.lights if not x.fixed and x.name not in taken and _may_change(x, stage.scene)
+    ]
+
+
+def _angles(own: Light, scene: SceneData) -> tuple[float, float]:
+    """Azimuth and elevation of a light of the scene, degrees, as in `schema.orbit`."""
+    key = f"light/{own.name}/"
+    return scene.value(key + "azimuth")[0], scene.value(key + "elevation")[0]
+
+
 def _as_it_stands(light: RigLight, own: Light, stage: LightStage) -> Placed:
     """A light of the scene, where it is, as one of a rig."""
-    key = f"light/{own.name}/"
-    azimuth, elevation = (stage.scene.value(key + each)[0] for each in ("azimuth", "elevation"))
-    distance = stage.scene.value(key + "distance", 0.0)[0]
-    return Placed(light, own.name, own.type, True, azimuth, elevation, distance, _share(stage, light, own))
+    distance = stage.scene.value(f"light/{own.name}/distance", 0.0)[0]
+    return Placed(light, own.name, own.type, True, *_angles(own, stage.scene), distance)
 
 
 def _may_change(light: Light, scene: SceneData) -> bool:
@@ -142,8 +144,7 @@ def _stands_for(light: Light, wanted: RigLight, stage: LightStage) -> bool:
     """Whether a light of the scene is of the type that a rig wants, and about where the rig wants it."""
     if light.type != wanted.type or wanted.through or wanted.pattern:
         return False
-    key = f"light/{light.name}/"
-    azimuth, elevation = (stage.scene.value(key + each)[0] for each in ("azimuth", "elevation"))
+    azimuth, elevation = _angles(light, stage.scene)
     sides = (wanted.azimuth, -wanted.azimuth) if wanted.mirrored else (wanted.azimuth,)
     aside = min(abs(_relative(azimuth - stage.front - side)) for side in sides)
     return aside < _LIKE and abs(elevation - wanted.elevation) < _AS_HIGH
@@ -152,8 +153,7 @@ def _stands_for(light: Light, wanted: RigLight, stage: LightStage) -> bool:
 def _share(stage: LightStage, light: RigLight, candidate: Light) -> float:
     points = _targets(light, stage)
     if candidate.type == "SUN":
-        key = f"light/{candidate.name}/"
-        azimuth, elevation = (stage.scene.value(key + each)[0] for each in ("azimuth", "elevation"))
+        azimuth, elevation = _angles(candidate, stage.scene)
         return float(stage.sunlit(points, azimuth - stage.front, elevation).mean())
     return float(stage.reached(points, torch.tensor(candidate.position, dtype=torch.float32)).mean())
 
@@ -162,17 +162,16 @@ def _added(light: RigLight, stage: LightStage, taken: set[str], alone: bool) -> 
     """A light that the scene gets: at a lamp that it has, through its windows, or where it reaches its target best."""
     at_lamp = next(_at_lamps(light, stage), None)
     if at_lamp is not None:
-        return _made(light, "POINT", at_lamp, stage, taken, 1.0, fixed=True)
+        return _made(light, "POINT", at_lamp, stage, taken, fixed=True)
     if light.type == "SUN":
         if sun := _sun(light, stage):
             return _made_sun(light, *sun, stage, taken)
         if not alone and light.part != "key":
             return None
-        light = replace(
-            light, type="AREA", distance=2.6, size=1.0, elevation=max(light.elevation, 12.0)
-        )  # a closed room
+        # a closed room: the window is a soft light from the side
+        light = replace(light, type="AREA", distance=2.6, size=1.0, elevation=max(light.elevation, 12.0))
     place, share = _best_place(light, stage)
-    return _made(light, light.type, place, stage, taken, share) if share > _ENOUGH or alone else None
+    return _made(light, light.type, place, stage, taken) if share > _ENOUGH or alone else None
 
 
 def _made(
@@ -181,27 +180,22 @@ def _made(
     place: Tensor,
     stage: LightStage,
     taken: set[str],
-    share: float,
     fixed: bool = False,
 ) -> Placed | None:
     """An added light at a place; None where the scene may get none of that type any more."""
     name = _free_name(light.part, kind, stage, taken)
-    return Placed(light, name, kind, False, *stage.orbit_of(place), share, fixed) if name else None
+    return Placed(light, name, kind, False, *stage.orbit_of(place), fixed) if name else None
 
 
 def _made_sun(
-    light: RigLight, azimuth: float, elevation: float, share: float, stage: LightStage, taken: set[str]
+    light: RigLight, azimuth: float, elevation: float, stage: LightStage, taken: set[str]
 ) -> Placed | None:
     """An added sun; one that casts a pattern, and one in a window, stays where it is."""
     name = light_name("key", "SUN", light.pattern) if light.pattern else ""
     if name not in _spare(stage) or name in taken:
         name = _free_name(light.part, "SUN", stage, taken)
     still = bool(light.through or light.pattern)
-    return (
-        Placed(light, name, "SUN", False, stage.front + azimuth, elevation, 0.0, share, still)
-        if name
-        else None
-    )
+    return Placed(light, name, "SUN", False, stage.front + azimuth, elevation, 0.0, still) if name else None
 
 
 def _spare(stage: LightStage) -> set[str]:
@@ -241,8 +235,8 @@ def _best_place(light: RigLight, stage: LightStage) -> tuple[Tensor, float]:
     return best[1], best[2]
 
 
-def _sun(light: RigLight, stage: LightStage) -> tuple[float, float, float] | None:
-    """Azimuth from the camera and elevation of a sun, and the share of the subject that it reaches; None where none gets in.
+def _sun(light: RigLight, stage: LightStage) -> tuple[float, float] | None:
+    """Azimuth from the camera and elevation of a sun; None where none gets in.
 
     A sun that comes through a window is looked for over the whole sky: it draws a patch where the camera sees it, falls on the
     subject, and does not stand behind the camera. Others stand where the rig has them, unless something is in the way there.
@@ -251,7 +245,7 @@ def _sun(light: RigLight, stage: LightStage) -> tuple[float, float, float] | Non
     if light.through:
         score, best = max((_through_window(light, stage, *each), each) for each in everywhere)
         if score > _ENOUGH:
-            return (*best, float(stage.sunlit(stage.subject, *best).mean()))
+            return best
     sides = (1.0, -1.0) if light.mirrored and light.azimuth else (1.0,)
     near = [
         (side * light.azimuth + turn, max(light.elevation + rise, 4.0))
@@ -260,7 +254,7 @@ def _sun(light: RigLight, stage: LightStage) -> tuple[float, float, float] | Non
     for candidates in (near, everywhere):
         score, best = max((_in_the_open(light, stage, *each), each) for each in candidates)
         if score > _ENOUGH:
-            return (*best, float(stage.sunlit(stage.subject, *best).mean()))
+            return best
     return None
 
 
