@@ -42,7 +42,8 @@ def scene_words(*scenes: SceneData) -> SceneWords:
     worn: dict[str, list[str]] = {}
     lights: dict[str, LightWords] = {}
     for scene in scenes:
-        lights |= {light.name: _light_words(scene, light) for light in scene.lights}
+        # lights that the words have added are no names that the prompt may mean: it is read as before they were there
+        lights |= {light.name: _light_words(scene, light) for light in scene.lights if not light.added}
         objects |= {o.name: "subject" if o.subject else "surroundings" for o in scene.objects}
         materials |= {m.name: "subject" if m.role == "subject" else "surroundings" for m in scene.materials}
         pairs = np.unique(np.stack([scene.mesh.object, scene.mesh.material], 1), axis=0)

@@ -12,6 +12,7 @@ import torch
 from tiny_job import write_job
 
 from proxy_renderer.engine.additions import with_additions
+from proxy_renderer.optimize.context import scene_words
 from proxy_renderer.prompt.lexicon.rigs import KINDS, read, rig_table
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.parser import parse
@@ -223,3 +224,11 @@ def test_patterns_are_made_of_flat_quads():
 def test_the_open_sky_gives_pi(scene):
     stage = LightStage(scene, geometry_of(scene, torch.device("cpu")))
     assert 0.4 * math.pi < sky_irradiance(stage) < math.pi
+
+
+def test_a_prompt_is_read_alike_before_and_after_lights_are_added(scene):
+    prompt = "candlelight from the left, moonlight through the blinds"
+    addition = with_additions([scene], prompt)
+    again = parse(prompt, scene_words(*addition.scenes), default_vocabulary())
+    assert again.attributes == parse(prompt, scene_words(scene), default_vocabulary()).attributes
+    assert all(a in addition.plan.served for a in again.attributes)
