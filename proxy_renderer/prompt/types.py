@@ -70,6 +70,8 @@ class Attribute:
         negated: "no", "without", "not".
         owners: Materials that are meant; empty for all of the region.
         lamp: Number of the light that is meant, where the prompt tells several apart by color or side; else 0.
+        phrases: Numbers of the lights that the prompt describes one by one and that this word is said of, as
+            `mentions.light_phrases` counts them.
         role: The lights that are meant: "key", "fill", "rim" or "others"; "" for light in general.
         color: The named color, sRGB in [0, 1]; None unless the slot is "color".
         thing: What the prompt calls the thing that it describes: "teapot", "wall", "key light".
@@ -99,6 +101,7 @@ class Attribute:
     lights: tuple[str, ...] = ()
     english: str = ""
     place: tuple[int, int] | None = None
+    phrases: tuple[int, ...] = ()
 
     @property
     def told_apart(self) -> bool:

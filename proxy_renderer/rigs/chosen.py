@@ -3,28 +3,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..color.floats import hex_from_srgb, lab_from_srgb
 from ..prompt.lexicon.rigs import KINDS, Modifier, Rig, RigLight, RigTable
 from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.types import Attribute, Parsed
+from .described import EDGES, LIGHT_KINDS, DescribedLight, composed, described, limited, mirrored, source_of
 
 _SECOND = -1.0  # stops of another setup's key against the first one's
-_LIGHT_KINDS = ("light", "fill", "rim", "ambience")
+_LIT = (*LIGHT_KINDS, "ambience")
 """Kinds of things whose colors are gels where a rig stands."""
-_OF_LIGHT = (*_LIGHT_KINDS, "tone", "whole", "shadow")
+_OF_LIGHT = (*_LIT, "tone", "whole", "shadow")
 _NEON = "neon "  # what names of colors begin with that are colors of signs where a rig has signs
 _PARTS = {"rim": ("rim", "kicker"), "fill": ("fill", "bounce"), "key": ("key",)}
 """Role of a light that words speak of -> parts of a rig."""
-_TOLD_APART = ("key", "accent", "rim", "practical")
-"""Parts of the lights that a prompt tells apart, in its order."""
+_COLORED = ("key", "accent", "rim")
+"""Parts that take the colors of light which are said of no light in particular, in their order."""
 _DARK_WORDS = ("darker surface", "dark surface", "black surface", "dark surroundings", "dark")
 _DARK, _BLACK_WORLD, _BLACK_SKY, _BLACK_OWN = 20.0, -6.5, -6.5, -10.0
 """L* of a color up to which it is black, and the stops of a world, a sky and lights that leave all but the subject black."""
 _EXPOSURES = (-2.2, 1.0)
-_WIDEST = {"SUN": 45.0, "AREA": 5.0, "SPOT": 1.0, "POINT": 0.6}
 _DIMMED = 0.6  # stops that an hour may darken a setup of another kind
 
 
@@ -60,28 +60,28 @@ def chosen_rig(parsed: Parsed, table: RigTable, vocabulary: Vocabulary) -> Chose
     Returns:
         None where no word stands for a setup: then each word acts on the lights that are there.
     """
-    # words that tell lights of the scene apart by their names act on these alone
-    apart = len({a.lights for a in parsed.attributes if a.lights}) > 1
-    said = [a for a in parsed.attributes if not ((apart and a.lights) or (a.cause and a in parsed.overruled))]
-    setups = _setups(said, table)
-    gels = _gels(said, setups, table)
+    said = [a for a in parsed.attributes if not (a.cause and a in parsed.overruled)]
+    lights = described(said, table)
+    of_lights = [a for light in lights for a in light.said]
+    heads = [source_of(light.said, table) for light in lights if light.part == "key"]
+    setups = _setups([a for a in said if a not in of_lights or a in heads], table)
+    gels = _gels([a for a in said if a not in of_lights], setups, table)
     directed = any(_turns_a_light(a, table) for a in said)
-    if not setups and len(gels) < 2 and not directed:
+    if not setups and len(gels) < 2 and not lights and not directed:
         return None
-    bare = table.two_colors if len(gels) > 1 else table.plain
-    build = _Build(table.rigs[setups[0].entry] if setups else bare, table)
+    build = _Build(_first(setups, gels, lights, table), table, vocabulary)
     for attribute in setups:
         build.take_setup(attribute)
-    parts = _told_apart(said)
+    build.describe(lights)
     for attribute in (a for a in said if a not in build.served and not a.cause):
         if attribute.entry in table.rigs and table.rigs[attribute.entry].adds:
             build.add(attribute)
-        elif attribute.entry in table.modifiers and attribute.kind in _OF_LIGHT and not attribute.owners:
-            build.modify(attribute, parts.get(attribute.lamp) or _PARTS.get(attribute.role, ("key",)))
-        elif _darkens_the_rest(attribute, vocabulary):
+        elif build.may_modify(attribute):
+            build.modify(attribute, _PARTS.get(attribute.role, ("key",)))
+        elif _darkens_the_rest(attribute, said, vocabulary):
             build.darken(attribute)
     for gel in gels:
-        build.color(gel, parts.get(gel.lamp) or _PARTS.get(gel.role, ()))
+        build.color(gel, _PARTS.get(gel.role, ()))
     moods = (a for a in said if a.cause and a.slot == "lighting" and not a.owners)
     rig = replace(
         build.rig,
@@ -90,11 +90,27 @@ def chosen_rig(parsed: Parsed, table: RigTable, vocabulary: Vocabulary) -> Chose
     return ChosenRig(rig, build.words, (*build.served, *(a for a in moods if a not in build.served)))
 
 
+def _first(
+    setups: Sequence[Attribute], gels: Sequence[Attribute], lights: Sequence[DescribedLight], table: RigTable
+) -> Rig:
+    """The rig that words begin with; lights that are only added leave the scene's own light as it is."""
+    if setups:
+        return table.rigs[setups[0].entry]
+    if len(gels) > 1:
+        return table.two_colors
+    parts = {light.part for light in lights}
+    if any(a.role == "rim" for light in lights if light.part == "key" for a in light.said):
+        return table.rigs["back light"]
+    if not parts or "key" in parts:
+        return table.plain
+    return replace(table.plain, own=0.0, world=None, lights=())
+
+
 class _Build:
     """A rig while words change it."""
 
-    def __init__(self, first: Rig, table: RigTable) -> None:
-        self.first, self.rig, self.table = first, first, table
+    def __init__(self, first: Rig, table: RigTable, vocabulary: Vocabulary) -> None:
+        self.first, self.rig, self.table, self.vocabulary = first, first, table, vocabulary
         self.words: dict[str, Asked] = {}
         self.served: list[Attribute] = []
         self._colored = 0
@@ -116,6 +132,40 @@ class _Build:
         elif not attribute.cause and other.kind == "style" and self.first.kind == "source":
             self.rig = _in_a_style(self.rig, other)
 
+    def describe(self, lights: Sequence[DescribedLight]) -> None:
+        """Gives the rig the lights that words describe one by one; beside several, a source has no others of its own."""
+        if len(lights) > 1 and (self.first.kind == "source" or self.first.name == "back light"):
+            parts = {"key", *(light.part for light in lights)}
+            self.rig = replace(self.rig, lights=tuple(x for x in self.rig.lights if x.part in parts))
+        for light in lights:
+            base = next((x for x in self.rig.lights if x.part == light.part), None)
+            key = next((x for x in self.rig.lights if x.part == "key"), None)
+            made = composed(light, base, key, self.table, self.vocabulary)
+            others = tuple(x for x in self.rig.lights if x.part != light.part)
+            self.rig = replace(self.rig, lights=(made, *others) if light.part == "key" else (*others, made))
+            if mirrored(light, self.table) and light.part != "accent":
+                other = "kicker" if light.part == "rim" else "accent"
+                twin = replace(made, part=other, azimuth=-made.azimuth)
+                rest = tuple(x for x in self.rig.lights if x.part != other)
+                self.rig = replace(self.rig, lights=(*rest, twin))
+            for attribute in light.said:
+                self._take_described(attribute, light.part)
+
+    def _take_described(self, attribute: Attribute, part: str) -> None:
+        """Notes a word of a described light, with what it asks for; of the key also the contrast and the exposure."""
+        modifier = self.table.modifier(attribute.entry)
+        if attribute in self.served:
+            return
+        if attribute.color:
+            self._take(attribute, (part,), ("color",))
+        elif modifier:
+            if part == "key":
+                modifier = modifier.reversed() if attribute.negated else modifier
+                self.rig = _deepened(self.rig, modifier, attribute.strength)
+            self._take(attribute, (part,), modifier.aspects)
+        elif attribute.entry in self.table.rigs:
+            self._take(attribute, (part,), ("rim", "color"))
+
     def add(self, attribute: Attribute) -> None:
         """Adds the lights of a rig that only adds, or takes such lights away."""
         adding = self.table.rigs[attribute.entry]
@@ -124,9 +174,14 @@ class _Build:
         self.rig = replace(self.rig, lights=rest if attribute.negated else (*rest, *adding.lights))
         self._take(attribute, parts, ("rim", "color"))
 
+    def may_modify(self, attribute: Attribute) -> bool:
+        """Whether a word changes lights of the rig; where the scene stays lit as it is, it is about the scene's own."""
+        of_light = attribute.kind in _OF_LIGHT and not attribute.owners
+        return of_light and not self.first.keeps_own_light and bool(self.table.modifier(attribute.entry))
+
     def modify(self, attribute: Attribute, parts: Sequence[str]) -> None:
         """Changes the lights that a modifier is said of."""
-        modifier = self.table.modifiers[attribute.entry]
+        modifier = self.table.modifier(attribute.entry) or Modifier()
         modifier = modifier.reversed() if attribute.negated else modifier
         if modifier.azimuth is not None:
             if attribute.kind == "shadow":  # a shadow to the left is light from the right
@@ -134,10 +189,10 @@ class _Build:
             if tuple(parts) in self._turned:  # what is said first counts
                 modifier = replace(modifier, azimuth=None, elevation=None)
             self._turned.add(tuple(parts))
-        every = modifier.every and not attribute.role
+        of_a_light = modifier != Modifier(exposure=modifier.exposure, contrast=modifier.contrast)
         lights = [
-            _limited(modifier.change(light, attribute.strength)) if every or light.part in parts else light
-            for light in self._with_parts(parts)
+            limited(modifier.change(light, attribute.strength)) if light.part in parts else light
+            for light in (self._with_parts(parts) if of_a_light else self.rig.lights)
         ]
         self.rig = _deepened(replace(self.rig, lights=tuple(lights)), modifier, attribute.strength)
         self._take(attribute, tuple(parts), modifier.aspects)
@@ -152,7 +207,7 @@ class _Build:
         """Gives a color to the lights of some parts; without parts, to the next light that has none of the prompt's."""
         assert gel.color
         if not parts:
-            parts = _TOLD_APART[min(self._colored, 2) :][:1]
+            parts = _COLORED[min(self._colored, 2) :][:1]
             self._colored += 1
         color = hex_from_srgb(gel.color)
         lights = [
@@ -192,7 +247,7 @@ def _is_setup(attribute: Attribute, table: RigTable) -> bool:
 
 def _turns_a_light(attribute: Attribute, table: RigTable) -> bool:
     """Whether a word says where light comes from."""
-    modifier = table.modifiers.get(attribute.entry)
+    modifier = table.modifier(attribute.entry)
     said = (
         modifier is not None
         and "direction" in modifier.aspects
@@ -245,7 +300,7 @@ def _deepened(rig: Rig, modifier: Modifier, strength: float) -> Rig:
     deeper = modifier.contrast * strength
     lights = tuple(
         light
-        if light.part == "key" or light.reach == "background"
+        if light.part in ("key", *EDGES) or light.reach == "background"
         else replace(light, stops=light.stops + deeper)
         for light in rig.lights
     )
@@ -253,33 +308,25 @@ def _deepened(rig: Rig, modifier: Modifier, strength: float) -> Rig:
     return replace(rig, lights=lights, world=world, exposure=rig.exposure + modifier.exposure * strength)
 
 
-def _limited(light: RigLight) -> RigLight:
-    return replace(light, size=min(light.size, max(_WIDEST[light.type], 1.0)))
-
-
 def _gels(said: Sequence[Attribute], setups: Sequence[Attribute], table: RigTable) -> list[Attribute]:
     """The colors that are colors of light: those said of light, and those of signs, where the rig has signs."""
     colors = [a for a in said if a.color and not a.negated and not a.cause]
     signs = any(light.color for a in setups for light in table.rigs[a.entry].lights)
     neon = {a.thing for a in said if a.color and a.entry.startswith(_NEON) and signs}
-    return [a for a in colors if a.kind in _LIGHT_KINDS] + [
-        a for a in said if a.color and not a.cause and a.thing in neon and a.kind not in _LIGHT_KINDS
+    return [a for a in colors if a.kind in _LIT] + [
+        a for a in said if a.color and not a.cause and a.thing in neon and a.kind not in _LIT
     ]
 
 
-def _told_apart(said: Iterable[Attribute]) -> dict[int, tuple[str, ...]]:
-    """Number of a light that the prompt tells apart -> its part in the rig."""
-    found: dict[int, tuple[str, ...]] = {}
-    for attribute in said:
-        if attribute.lamp and attribute.lamp not in found:
-            free = [part for part in _TOLD_APART if (part,) not in found.values()]
-            found[attribute.lamp] = _PARTS.get(attribute.role) or (free[0] if free else _TOLD_APART[-1],)
-    return found
-
-
-def _darkens_the_rest(attribute: Attribute, vocabulary: Vocabulary) -> bool:
+def _darkens_the_rest(attribute: Attribute, said: Sequence[Attribute], vocabulary: Vocabulary) -> bool:
     """Whether a word leaves all in the dark but what is lit: "everything else falls into black"."""
-    rest = attribute.thing in vocabulary.lists["others"] or attribute.kind in ("surroundings", "sky")
-    black = attribute.color is not None and lab_from_srgb(attribute.color)[0] < _DARK
-    named = attribute.owners and attribute.thing not in vocabulary.lists["others"]
-    return rest and not named and not attribute.negated and (black or attribute.entry in _DARK_WORDS)
+    others = attribute.thing in vocabulary.lists["others"]
+    around = others or attribute.kind in ("surroundings", "sky")
+    if attribute.negated or not around or (attribute.owners and not others):
+        return False
+    if attribute.color is not None:
+        return lab_from_srgb(attribute.color)[0] < _DARK
+    colored = any(
+        a.color and a.thing == attribute.thing for a in said
+    )  # "darken the backdrop to a dusty teal"
+    return attribute.entry in _DARK_WORDS and not colored

@@ -9,7 +9,7 @@ white one. Where that would bleach what the camera sees, all lights are weaker.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import torch
@@ -60,7 +60,12 @@ class Levels:
 
 
 def measured(
-    scene: SceneData, stage: LightStage, lights: Sequence[Placed], values: Mapping[str, Values], rig: Rig
+    scene: SceneData,
+    stage: LightStage,
+    lights: Sequence[Placed],
+    values: Mapping[str, Values],
+    rig: Rig,
+    ambient: float = 0.0,
 ) -> Levels:
     """The levels of a rig.
 
@@ -70,6 +75,7 @@ def measured(
         lights: Of the rig, placed.
         values: Trial values by key, with a power for each of the lights.
         rig: With ratios and exposure.
+        ambient: Radiance of the scene's own world, for rigs that leave the scene lit as it is.
     """
     given = {key: torch.tensor(value) for key, value in values.items()}
     lamps = {lamp.light.name: lamp for lamp in light_sources(scene, RenderValues(scene, given, "cpu"))}
@@ -82,6 +88,9 @@ def measured(
         max(float(stage.subject.albedo.mean()) if len(stage.subject) else GRAY, _ALBEDOS[0]), _ALBEDOS[1]
     )
     key = math.pi * 2.0 ** (rig.exposure - stops) * (albedo / GRAY) ** (_KEPT - 1.0) / _together(rig, lights)
+    if rig.keeps_own_light:
+        own = _own_level(scene, stage, {each.name for each in lights}) + ambient * sky_irradiance(stage)
+        key = own if own > _BARELY else key
     factors = {}
     for each in lights:
         subject, around = sheds[each.name]
@@ -93,6 +102,14 @@ def measured(
     weaker = max(min(white / max(lightest, _BARELY), 1.0), _LEAST)
     return Levels(
         {name: weaker * factor for name, factor in factors.items()}, weaker * key, sky_irradiance(stage)
+    )
+
+
+def _own_level(scene: SceneData, stage: LightStage, added: Collection[str]) -> float:
+    """Irradiance that the scene's own lights give the subject's lit side."""
+    lamps = [x for x in light_sources(scene, RenderValues(scene, {}, "cpu")) if x.light.name not in added]
+    return _brightest(
+        sum((_shed(x, stage, stage.subject) for x in lamps), torch.zeros(len(stage.subject))), _LIT
     )
 
 

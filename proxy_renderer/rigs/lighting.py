@@ -17,7 +17,7 @@ from ..planning.lights.facing import kelvin_color
 from ..planning.lights.glow import glows
 from ..planning.types import LightPlan, PlanEntry
 from ..prompt.lexicon.rigs import Rig
-from ..prompt.types import Parsed
+from ..prompt.types import GLOW, Parsed
 from ..render.material.textures import geometry_of
 from ..scene import SceneData
 from ..schema import Instance, Values, orbit, radiometry
@@ -80,8 +80,10 @@ def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add
         scenes = [scene.parted() for scene in scenes]
     scene = scenes[0]
     values = _trial(scene, lights, stage, rig.world_color if rig.world is not None else "")
-    levels = measured(scene, stage, lights, values, rig)
-    values = _balanced(scene, rig, lights, values, levels) | _air(scene, rig, parsed)
+    ambient = scene.value("world/strength", (0.0,))[0] * _world_luminance(scene, {})
+    levels = measured(scene, stage, lights, values, rig, ambient)
+    playing = {each.name for each in lights} | {name for a in parsed.attributes for name in a.lights}
+    values = _balanced(scene, rig, lights, playing, values, levels) | _air(scene, rig, parsed)
     word = next(iter(chosen.words), "")
     still = {each.name for each in lights if each.fixed or each.own}
     entries = {key: _entry(scene.instances[key], value, word, still) for key, value in values.items()}
@@ -175,7 +177,12 @@ def _world_color(scene: SceneData, part: str, color: str) -> dict[str, Values]:
 
 
 def _balanced(
-    scene: SceneData, rig: Rig, lights: Sequence[Placed], values: dict[str, Values], levels: Levels
+    scene: SceneData,
+    rig: Rig,
+    lights: Sequence[Placed],
+    playing: set[str],
+    values: dict[str, Values],
+    levels: Levels,
 ) -> dict[str, Values]:
     """Values with the powers that the rig's ratios ask for, its world and its sky, and the scene's other lights dimmed."""
     out = dict(values)
@@ -192,7 +199,7 @@ def _balanced(
     if rig.sky is not None:
         out |= _sky(scene, rig)
     if lights:
-        out |= _dimmed(scene, rig, {each.name for each in lights}, levels.key / math.pi)
+        out |= _dimmed(scene, rig, playing, levels.key / math.pi)
     return {key: value for key, value in out.items() if not scene.instances[key].locked}
 
 
@@ -232,7 +239,7 @@ def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict
     Args:
         scene: With the added lights.
         rig: Says by how many stops they change.
-        playing: Names of the lights that play a part.
+        playing: Names of the lights that play a part, or that words are about.
         white: Radiance of a white surface in the key.
     """
     found: dict[str, Values] = {}
@@ -252,6 +259,8 @@ def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict
             * glow.strength
             * glow.light
         )
+        if f"{GLOW}{material}" in playing:
+            continue
         if key in scene.instances and shed * scene.value(key)[0] > _GLOWS * white:
             found[key] = (scene.instances[key].value[0] * 2.0 ** (rig.own * _OF_GLOWS),)
     return found

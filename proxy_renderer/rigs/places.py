@@ -94,6 +94,9 @@ def placed(lights: Iterable[RigLight], stage: LightStage, add: bool = True) -> l
 def _own(light: RigLight, stage: LightStage, taken: set[str]) -> Placed | None:
     """A light of the scene that can be this one: by its name, or by its type and where it stands."""
     free = _playable(stage, taken)
+    said = next((x for x in free if x.name == light.own and not light.pattern), None)
+    if said is not None:
+        return _as_it_stands(light, said, stage)
     named = [x for x in free if _called(x.name, light.names)]
     for candidate in (*named, *(x for x in free if _stands_for(x, light, stage))):
         share = _share(stage, light, candidate)

@@ -13,6 +13,7 @@ from ..lexicon.entries import VocabularyEntry
 from ..lexicon.rigs import rig_table
 from ..lexicon.vocabulary import Vocabulary
 from ..meaning import NamedThing
+from ..mentions.light_phrases import LightPhrases, light_phrases
 from ..mentions.passage import PromptLook
 from ..shading import shaded
 from ..types import Attribute, Parsed, SceneWords
@@ -22,7 +23,7 @@ from .becoming import becoming
 from .bound import Thing, Things
 from .model import scores, shipped_weights
 from .pairs import PromptPairs, TargetPair, reading
-from .targets import MATTER, TINGE
+from .targets import LAMPS, MATTER, TINGE
 
 _PLAIN = "Use plain look words that the vocabulary knows."
 _UNSURE = 0.35
@@ -72,14 +73,19 @@ class PromptReader:
             foreign: Words of another language that are left in it.
         """
         self.found: PromptPairs = reading(text, self.scene, self.vocabulary, foreign)
-        self.chosen: list[TargetPair] = assigned(self.found, self.weights)
+        phrases = light_phrases(self.found.passage, self.vocabulary, rig_table())
+        bound = zip(assigned(self.found, self.weights), self.found.pairs, strict=True)
+        self.chosen: list[TargetPair] = [
+            self._of_its_light(pair, pairs, phrases) if pair.look.index in phrases.of else pair
+            for pair, pairs in bound
+        ]
         things = Things(self.found, self.chosen, self.scene)
         parsed, absent = Parsed(text), self._without_object(things)
         tinge: TargetPair | None = None
         for number, pair in enumerate(self.chosen):
             unsure = self._is_unsure(pair, self.found.pairs[number])
             if (pair.target.kind == "none" or unsure) and self._is_a_light(pair.look, things):
-                parsed.attributes.append(_light(pair.look))
+                parsed.attributes.append(_light(pair.look, phrases.of.get(pair.look.index, ())))
             elif (
                 pair.target.kind == "light"
                 and self._is_a_name(pair.look.index)
@@ -95,7 +101,9 @@ class PromptReader:
                 tinge = pair
             else:
                 entry = self._entry(pair, self.chosen[number + 1 : number + 2])
-                said = self._attributes(pair.look, entry, things.of(pair))
+                said = self._attributes(
+                    pair.look, entry, things.of(pair), phrases.of.get(pair.look.index, ())
+                )
                 parsed.attributes += [self._tinged(each, tinge.look) for each in said] if tinge else said
                 if pair.look.token.guess:
                     parsed.guesses[pair.look.token.text] = pair.look.token.guess
@@ -106,6 +114,27 @@ class PromptReader:
         parsed.ignored += [*(w for words in passage.wishes for w in words), *self.beyond, *self._unknown()]
         parsed.guesses |= dict(self._guessed_names())
         return parsed
+
+    def _of_its_light(self, pair: TargetPair, pairs: list[TargetPair], phrases: LightPhrases) -> TargetPair:
+        """A word in the description of a light, said of light unless it tells of something that is named there: "a pink one"."""
+        mention = pair.target.mention
+        if mention >= 0:
+            noun = self.found.mentions[mention]
+            here = phrases.of.get(noun.start) == phrases.of[pair.look.index]
+            side = here and noun.text in self.vocabulary.picks  # "a pink one at the left"
+            stays = here if pair.target.kind in LAMPS else not side
+        else:
+            matter = pair.target.kind in MATTER or (pair.target.kind == "picture" and pair.look.token.color)
+            stays = not matter or self._is_definite(pair.look)
+        role = phrases.role(pair.look.index)
+        if stays and not (role and pair.target.kind == "light"):
+            return pair
+        return next((other for other in pairs if other.target.kind == (role or "light")), pair)
+
+    def _is_definite(self, look: PromptLook) -> bool:
+        """Whether a word that could be a thing is spoken of as one: "the candle is red"."""
+        before = self.found.passage.items[look.index - 1 : look.index]
+        return any(item.text in self.vocabulary.lists["definite"] for item in before)
 
     def _is_unsure(self, pair: TargetPair, pairs: list[TargetPair]) -> bool:
         """Whether a word may as well be none that speaks of a look, and no noun says what it describes."""
@@ -141,9 +170,8 @@ class PromptReader:
         rig = rig_table().rigs.get(look.token.entry)
         if rig is None or rig.kind not in ("source", "time", "hour") or rig.adds or look.token.guess:
             return False
-        items = self.found.passage.items
-        if look.index and items[look.index - 1].text in self.vocabulary.lists["definite"]:
-            return False  # "the candle is red"
+        if self._is_definite(look) and "thing" in look.token.lists:
+            return False
         return not (self._is_described(look, things) or self._is_a_name(look.index))
 
     def _is_described(self, look: PromptLook, things: Things) -> bool:
@@ -159,7 +187,9 @@ class PromptReader:
             return own if after[0].look.index == pair.look.index + 1 else becoming.entry
         return becoming.entry or own
 
-    def _attributes(self, word: PromptLook, entry: str, thing: Thing) -> Iterator[Attribute]:
+    def _attributes(
+        self, word: PromptLook, entry: str, thing: Thing, phrases: tuple[int, ...]
+    ) -> Iterator[Attribute]:
         """What a look word says of a thing; a mood brings what it stands for."""
         known = self.vocabulary.entries.get(entry)
         if known and word.less and known.opposite and known.slot != "atmosphere":  # less fog is still fog
@@ -174,11 +204,13 @@ class PromptReader:
             color=None if known else word.token.color,
             guess=bool(word.token.guess),
             shades=word.token.shades if known else (),
+            phrases=phrases,
             **vars(thing),
         )
         for part in self._stands_for(known) if known and known.means and not word.negated else ():
             strength = part.strength * word.strength
-            yield replace(part, cause=word.text, strength=strength, guess=bool(word.token.guess))
+            guess = bool(word.token.guess)
+            yield replace(part, cause=word.text, strength=strength, guess=guess, phrases=())
 
     def _stands_for(self, mood: VocabularyEntry) -> Iterator[Attribute]:
         """What a mood brings: the parts of its row `means`, each read by itself and without a scene."""
@@ -215,7 +247,7 @@ class PromptReader:
                 yield mention.text, next(name for name, mats in worn if not named.names.isdisjoint(mats))
 
 
-def _light(look: PromptLook) -> Attribute:
+def _light(look: PromptLook, phrases: tuple[int, ...]) -> Attribute:
     """A word for a source of light, said of light as a whole."""
     return Attribute(
         look.text,
@@ -226,4 +258,5 @@ def _light(look: PromptLook) -> Attribute:
         look.strength,
         look.negated,
         thing=look.token.text,
+        phrases=phrases,
     )

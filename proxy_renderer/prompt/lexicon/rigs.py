@@ -15,6 +15,7 @@ from ...folders import config_folder
 from ...schema import VibeError
 from ...schema.added_lights import PARTS, PATTERNS
 from .entries import Effect, normalize, parse_effect
+from .kelvins import temperature
 
 SOURCES = {"point": "POINT", "spot": "SPOT", "area": "AREA", "sun": "SUN"}
 REACHES = ("subject", "pool", "background", "all")
@@ -43,6 +44,7 @@ class RigLight:
         stops: On what it lights, against the key on the subject.
         reach: What it lights: "subject", "pool" (the subject and a circle around it), "background" or "all".
         names: Words of lights, glows and objects of the scene that can be this light.
+        own: The light of the scene that it is, where a prompt names it; "" otherwise.
         through: "window" where it comes in through openings.
         pattern: Of a sun: "slats" of blinds or "leaves" that it shines through; "" for none.
     """
@@ -59,6 +61,7 @@ class RigLight:
     stops: float = 0.0
     reach: str = "subject"
     names: frozenset[str] = frozenset()
+    own: str = ""
     through: str = ""
     pattern: str = ""
 
@@ -106,6 +109,11 @@ class Rig:
     grade: tuple[Effect, ...] = ()
     lights: tuple[RigLight, ...] = ()
 
+    @property
+    def keeps_own_light(self) -> bool:
+        """Whether the scene stays lit as it is, and lights are only added to that."""
+        return self.own == 0.0 and all(light.part != "key" for light in self.lights)
+
 
 @dataclass(frozen=True)
 class Modifier:
@@ -119,7 +127,7 @@ class Modifier:
         exposure: Stops that are added to the exposure.
         contrast: Stops that are added to all lights but the key, and to the world.
         distance: Factor.
-        every: Whether it is about all lights, not the key alone.
+        both: Whether the other side gets such a light too.
     """
 
     azimuth: float | None = None
@@ -129,7 +137,7 @@ class Modifier:
     exposure: float = 0.0
     contrast: float = 0.0
     distance: float = 1.0
-    every: bool = False
+    both: bool = False
 
     def change(self, light: RigLight, strength: float) -> RigLight:
         """A light with the change, as strong as the word says."""
@@ -152,9 +160,7 @@ class Modifier:
 
     def reversed(self) -> Modifier:
         """What the word asks for where it is negated: less of its exposure and contrast, and the other size."""
-        return Modifier(
-            size=1 / self.size, exposure=-self.exposure, contrast=-self.contrast, every=self.every
-        )
+        return Modifier(size=1 / self.size, exposure=-self.exposure, contrast=-self.contrast)
 
 
 @dataclass(frozen=True)
@@ -168,6 +174,11 @@ class RigTable:
 
     rigs: Mapping[str, Rig]
     modifiers: Mapping[str, Modifier]
+
+    def modifier(self, entry: str) -> Modifier | None:
+        """What a word changes about lights, a color temperature in kelvins too; None if it changes nothing."""
+        kelvin = temperature(entry)
+        return Modifier(kelvin=kelvin) if kelvin else self.modifiers.get(entry)
 
     @property
     def two_colors(self) -> Rig:
@@ -282,6 +293,7 @@ _LIGHT_ROWS = {"source", "from", "side"} | {f.name for f in fields(RigLight)} - 
     "azimuth",
     "elevation",
     "mirrored",
+    "own",
 }
 
 
@@ -301,7 +313,7 @@ def _light(row: dict[str, Any]) -> RigLight:
     return RigLight(
         part, kind, azimuth, elevation, row.get("side", "either") == "either",
         float(row.get("distance", _DISTANCES[kind])), float(row.get("size", _SIZES[kind])),
-        kelvin, color, float(row.get("stops", 0.0)), reach, frozenset(_words(row.get("names", ""))), through,
+        kelvin, color, float(row.get("stops", 0.0)), reach, frozenset(_words(row.get("names", ""))), "", through,
         _one_of("pattern", row.get("pattern", ""), ("", *PATTERNS)),
     )  # fmt: skip
 

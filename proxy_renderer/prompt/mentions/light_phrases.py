@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The lights that a prompt describes one by one: "a hard key from the left, warm, and a cold rim from behind" are two."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+from ..lexicon.rigs import RigTable
+from ..lexicon.spelling import singular
+from ..lexicon.vocabulary import Vocabulary
+from ..tokens import Token
+from .passage import Passage
+
+_HEADS = ("light", "fill", "rim")
+"""Kinds of nouns that are lights."""
+_ROLES = ("fill", "rim")
+_WHITE = "white"
+
+
+@dataclass
+class LightPhrases:
+    """The lights that a prompt describes one by one.
+
+    Attributes:
+        of: Place of an item -> the numbers, from 1, of the lights that it belongs to; items that belong to none are left out.
+        roles: Number of a light -> "fill" or "rim", where its name says so.
+    """
+
+    of: dict[int, tuple[int, ...]] = field(default_factory=dict)
+    roles: dict[int, str] = field(default_factory=dict)
+
+    def role(self, place: int) -> str:
+        """The role of the light that an item belongs to; "" if none is said.
+
+        Args:
+            place: Of the item.
+        """
+        return next((self.roles[n] for n in self.of.get(place, ()) if n in self.roles), "")
+
+
+def light_phrases(passage: Passage, vocabulary: Vocabulary, rigs: RigTable) -> LightPhrases:
+    """The lights of a prompt.
+
+    A light is described from the words that lead its name up to the next light or the next thing, and goes on in parts of the
+    sentence that name nothing: "a softbox from the left, large and warm". "Both" and "all" speak of every light before them.
+
+    Args:
+        passage: The prompt.
+        vocabulary: What words mean.
+        rigs: Names of setups that are lights.
+    """
+    found = LightPhrases()
+    number, several = 0, False
+    spoken_of: tuple[int, ...] = ()
+    for places in _segments(passage, vocabulary):
+        items = [passage.items[place] for place in places]
+        if _counts_lights(items):  # "two lights only: a pink one ..."
+            several, spoken_of = True, ()
+        elif _has_head(items, vocabulary, rigs, several or bool(spoken_of)):
+            number += 1
+            spoken_of = (number,)
+            found.of |= dict.fromkeys(places, spoken_of)
+            if role := next((item.noun for item in items if item.noun in _ROLES), ""):
+                found.roles[number] = role
+        elif not all(_goes_on(item, rigs) for item in items):
+            spoken_of = ()
+        elif spoken_of and any(item.text in vocabulary.words["together"] for item in items):
+            spoken_of = tuple(range(1, number + 1))
+        if spoken_of:  # "cup, warm light, pale blue": a color there may be a thing's
+            found.of |= {
+                place: spoken_of
+                for place in places
+                if place in found.of or _may_be_of_light(passage.items[place])
+            }
+    return found
+
+
+def _segments(passage: Passage, vocabulary: Vocabulary) -> Iterator[list[int]]:
+    """Places of the items, parted where a clause begins and at words that join or end a description.
+
+    A comma between adjectives parts nothing: "a small, hard lamp".
+    """
+    part: list[int] = []
+    for place, item in enumerate(passage.items):
+        begins = place in passage.starts and not _awaits_a_noun([passage.items[p] for p in part])
+        if part and (begins or _parts(item, vocabulary)):
+            yield part
+            part = []
+        part.append(place)
+    if part:
+        yield part
+
+
+def _awaits_a_noun(items: Sequence[Token]) -> bool:
+    """Whether words end with an article and adjectives: "as a crisp"."""
+    articles = [n for n, item in enumerate(items) if "article" in item.lists and "definite" not in item.lists]
+    last = max(articles, default=len(items))
+    tail = items[last + 1 :]
+    return bool(tail) and all((i.adjective or i.color) and not (i.noun or i.scene) for i in tail)
+
+
+def _parts(item: Token, vocabulary: Vocabulary) -> bool:
+    return "joiner" in item.lists or item.text in vocabulary.words["consequence"]
+
+
+def _counts_lights(items: Sequence[Token]) -> bool:
+    """Whether words only say how many lights there are."""
+    lights = any(item.noun == "light" for item in items)
+    return lights and any("count" in item.lists for item in items) and not any(i.names_a_look for i in items)
+
+
+def _has_head(items: Sequence[Token], vocabulary: Vocabulary, rigs: RigTable, several: bool) -> bool:
+    """Whether words name a light, and do not say that there is none."""
+    heads = [n for n, item in enumerate(items) if _is_head(item, vocabulary, rigs, several)]
+    return bool(heads) and not any("negation" in item.lists for item in items[: heads[0]])
+
+
+def _is_head(item: Token, vocabulary: Vocabulary, rigs: RigTable, several: bool) -> bool:
+    """Whether an item names a light."""
+    if several and item.text in vocabulary.words["one_of_them"]:
+        return True
+    if item.noun in _HEADS:
+        return True
+    if vocabulary.slot(item.entry) != "lighting":
+        return False
+    if any(vocabulary.nouns.get(singular(word)) in _HEADS for word in item.text.split()):
+        return True  # "light behind"
+    if not _names_a_setup(item, rigs):
+        return False
+    luminary = not vocabulary.words["luminaries"].isdisjoint(item.text.split())
+    return rigs.rigs[item.entry].kind == "source" or luminary
+
+
+def _may_be_of_light(item: Token) -> bool:
+    return item.color is None or item.text.endswith(_WHITE)
+
+
+def _names_a_setup(item: Token, rigs: RigTable) -> bool:
+    return item.entry in rigs.rigs and item.entry not in rigs.modifiers
+
+
+def _goes_on(item: Token, rigs: RigTable) -> bool:
+    """Whether an item names no other thing and no setup, so that it may go on about the light before it."""
+    known = item.names_a_look or item.filler or item.lists or item.strength is not None
+    if not known or _names_a_setup(item, rigs):
+        return False
+    return item.noun in ("", "glow") and not (item.scene or "action" in item.lists)

@@ -1,0 +1,231 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The lights that a prompt describes one by one, each as a light of a rig: what it is, where it comes from, its color and strength."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+from ..color.floats import hex_from_srgb
+from ..prompt.lexicon.rigs import Modifier, RigLight, RigTable
+from ..prompt.lexicon.vocabulary import Vocabulary
+from ..prompt.types import GLOW, Attribute
+
+LIGHT_KINDS = ("light", "fill", "rim")
+"""Kinds of things that are lights."""
+EDGES = ("rim", "kicker")
+"""Parts that draw an edge from behind."""
+_FILLS = ("fill", "bounce")
+_FREE = ("key", "accent", "practical", "top")
+"""Parts for lights of which the prompt does not say what they are for, in its order."""
+_TEMPLATES = {
+    "rim": "rim light", "kicker": "kicker light", "fill": "fill light", "bounce": "bounce light",
+    "background": "background light",
+}  # fmt: skip
+"""Part -> the rig that adds one."""
+_BEHIND = 120.0  # degrees from the camera from which a light draws an edge
+_FRONT, _EDGE = 20.0, 128.0  # an edge that is said to be on a side stands there, behind the subject
+_OPPOSITE = 100.0  # degrees of azimuth from the key at which a light stands that says nothing of its place
+_SOFTER, _OF_FREE = 1.6, -0.5
+"""How much "faint" takes of a light that is not the key, and stops of a second light against the first."""
+_WIDEST = {"SUN": 45.0, "AREA": 5.0, "SPOT": 1.0, "POINT": 0.6}
+
+
+@dataclass(frozen=True)
+class DescribedLight:
+    """A light that the words of a prompt describe.
+
+    Attributes:
+        part: That it plays in the rig.
+        said: Its words.
+        own: The light of the scene that they name; "" where they name none.
+    """
+
+    part: str
+    said: tuple[Attribute, ...]
+    own: str = ""
+
+
+def described(said: Iterable[Attribute], table: RigTable) -> list[DescribedLight]:
+    """The lights of a prompt of which it says more than that they are there.
+
+    Args:
+        said: The prompt's attributes.
+        table: The rigs and modifiers.
+    """
+    groups: dict[int, list[Attribute]] = {}
+    for attribute in said:
+        glow = any(name.startswith(GLOW) for name in attribute.lights)
+        if attribute.kind in LIGHT_KINDS and not (attribute.owners or attribute.cause or glow):
+            for number in attribute.phrases:
+                groups.setdefault(number, []).append(attribute)
+    found: list[DescribedLight] = []
+    groups = {n: words for n, words in groups.items() if _tells(words, table, len(groups))}
+    for words in groups.values():
+        for own in _own_lights(words):
+            taken = {each.part for each in found}
+            free = (p for p in _parts_for(words, table, len(groups)) if p not in taken)
+            if part := next(free, ""):
+                found.append(DescribedLight(part, tuple(words), own))
+    return _with_a_key(found)
+
+
+def _own_lights(words: Iterable[Attribute]) -> tuple[str, ...]:
+    """The lights of the scene that words single out by name; one without a name where they single out none."""
+    names = dict.fromkeys(name for a in words for name in a.lights)
+    return tuple(names) or ("",)
+
+
+def _with_a_key(lights: list[DescribedLight]) -> list[DescribedLight]:
+    """The lights; of an edge and a fill without a key the edge is the key: a scene lit from behind."""
+    parts = {light.part for light in lights}
+    if "key" in parts or parts.isdisjoint(_FILLS):
+        return lights
+    edge = next((light for light in lights if light.part in EDGES), None)
+    return [replace(light, part="key") if light is edge else light for light in lights]
+
+
+def _tells(words: Sequence[Attribute], table: RigTable, lights: int) -> bool:
+    """Whether words single a light out: by what it is for, where it comes from or what burns there; by its color beside others."""
+    said = [a for a in words if not a.negated]
+    if _places(said, table) or any(a.lights for a in said):
+        return True
+    colored = any(a.role or a.color or _source(a, table) for a in said)
+    return lights > 1 and (colored or any((m := table.modifier(a.entry)) and m.kelvin for a in said))
+
+
+def _parts_for(words: Sequence[Attribute], table: RigTable, lights: int) -> tuple[str, ...]:
+    """The parts that a light may play, the likeliest first."""
+    role = next((a.role for a in words if a.role), "")
+    nouns = {word for a in words for word in a.thing.split()}
+    if role == "rim" or "kicker" in nouns:
+        return EDGES
+    if role == "fill":
+        return _FILLS[::-1] if "bounce" in nouns else _FILLS
+    azimuth, _ = _direction(words, table)
+    if role != "key" and azimuth is not None and abs(azimuth) > _BEHIND and lights > 1:
+        return (*EDGES, *_FREE)
+    return _FREE
+
+
+def composed(
+    light: DescribedLight,
+    base: RigLight | None,
+    key: RigLight | None,
+    table: RigTable,
+    vocabulary: Vocabulary,
+) -> RigLight:
+    """A light of a rig as words describe it.
+
+    Args:
+        light: The words.
+        base: The rig's light of that part; None if it has none.
+        key: The rig's key; None if it has none.
+        table: The rigs and modifiers.
+        vocabulary: What words mean.
+    """
+    made = _placed(_template(light, base, key, table), light, table)
+    for attribute in light.said:
+        modifier = table.modifier(attribute.entry)
+        if attribute.negated:
+            modifier = modifier.reversed() if modifier else None
+        if attribute.color and not attribute.negated:
+            made = replace(made, color=hex_from_srgb(attribute.color), kelvin=0.0)
+        elif modifier:
+            made = replace(modifier, azimuth=None, elevation=None).change(made, attribute.strength)
+    if light.part != "key":
+        made = replace(made, stops=made.stops + _SOFTER * _brighter(light.said, table, vocabulary))
+    return limited(made)
+
+
+def mirrored(light: DescribedLight, table: RigTable) -> bool:
+    """Whether words say that the other side gets such a light too."""
+    return any(modifier.both for _, modifier in _places(light.said, table))
+
+
+def limited(light: RigLight) -> RigLight:
+    """A light that is not larger than lights of its type are."""
+    return replace(light, size=min(light.size, max(_WIDEST[light.type], 1.0)))
+
+
+def source_of(words: Sequence[Attribute], table: RigTable) -> Attribute | None:
+    """The word that says what burns there, the last of several: a "tungsten spot" is a spot."""
+    return next((a for a in reversed(words) if _source(a, table)), None)
+
+
+def _source(attribute: Attribute, table: RigTable) -> RigLight | None:
+    """The light that a word names: of "moon" the moon; None for words that name none, or a whole setup."""
+    rig = table.rigs.get(attribute.entry)
+    if rig is None or not rig.lights or attribute.color or attribute.negated:
+        return None
+    if attribute.entry in table.modifiers:  # a "low sun" is a sun, a "low lamp" is not
+        named = rig.kind == "time" and attribute.entry.split()[-1] in attribute.word.split()
+        return rig.lights[0] if named else None
+    return rig.lights[0] if rig.kind in ("source", "time", "hour") else None
+
+
+def _template(
+    light: DescribedLight, base: RigLight | None, key: RigLight | None, table: RigTable
+) -> RigLight:
+    """What a light is before words say more of it: what burns there, else the rig's own, else a plain one of its part."""
+    plain = (table.rigs[_TEMPLATES[light.part]] if light.part in _TEMPLATES else table.plain).lights[0]
+    stops = _OF_FREE if light.part in _FREE[1:] else plain.stops
+    made = replace(base, stops=max(base.stops, stops)) if base else replace(plain, stops=stops)
+    sources = [a for a in light.said if _source(a, table)]
+    head = source_of(light.said, table)
+    if head and not (base and light.part == "key"):
+        lamp = _source(head, table)
+        assert lamp
+        made = replace(lamp, stops=made.stops, reach=lamp.reach if light.part == "key" else "subject")
+    for other in (lamp for a in sources if a is not head and (lamp := _source(a, table))):
+        made = replace(made, color=other.color, kelvin=other.kelvin)
+    if key is not None and light.part not in ("key", *EDGES):
+        away = abs(made.azimuth) if base and not head else _OPPOSITE
+        made = replace(made, azimuth=-away if key.azimuth > 0 else away)
+    return replace(made, part=light.part, own=light.own)
+
+
+def _placed(made: RigLight, light: DescribedLight, table: RigTable) -> RigLight:
+    """A light where words say that it is: an edge behind the subject on that side, a fill of "the side" on the one that is dark."""
+    azimuth, elevation = _direction(light.said, table)
+    if light.part in _FILLS and azimuth == table.modifiers["side light"].azimuth:
+        azimuth = None
+    if azimuth is not None:
+        if light.part in EDGES and _FRONT < abs(azimuth) < _EDGE:
+            azimuth = math.copysign(_EDGE, azimuth)
+        made = replace(made, azimuth=azimuth, mirrored=False, through="")
+    return made if elevation is None else replace(made, elevation=elevation)
+
+
+def _places(said: Iterable[Attribute], table: RigTable) -> list[tuple[str, Modifier]]:
+    """What words say of where a light comes from, with their entries."""
+    found = [(a.entry, table.modifier(a.entry)) for a in said if not (a.negated or a.color)]
+    return [(entry, m) for entry, m in found if m and "direction" in m.aspects]
+
+
+def _direction(said: Iterable[Attribute], table: RigTable) -> tuple[float | None, float | None]:
+    """Azimuth and elevation that words give a light, degrees; None for what they leave open.
+
+    Of "back left" it is half way between both; a mere "side" gives way to other words.
+    """
+    places = _places(said, table)
+    turns = {entry: m.azimuth for entry, m in places if m.azimuth is not None}
+    if len(turns) > 1:
+        turns.pop("side light", None)
+    angles = [math.radians(turn) for turn in turns.values()]
+    rises = [m.elevation for _, m in places if m.elevation is not None]
+    azimuth = math.degrees(math.atan2(sum(map(math.sin, angles)), sum(map(math.cos, angles))))
+    return azimuth if angles else None, max(rises, key=abs) if rises else None
+
+
+def _brighter(said: Iterable[Attribute], table: RigTable, vocabulary: Vocabulary) -> float:
+    """Stops that words such as "faint" and "strong" give a light, wherever they stand: in "dim cyan" too."""
+    entries: dict[str, None] = {}
+    for attribute in said:
+        rows = [vocabulary.adjectives.get(word, {}) for word in attribute.word.split()]
+        entries |= dict.fromkeys(
+            [attribute.entry, *(row.get("lamp") or row.get("light", "") for row in rows)]
+        )
+    stops = [m.exposure for entry in entries if (m := table.modifier(entry))]
+    return min([0.0, *stops]) or max([0.0, *stops])

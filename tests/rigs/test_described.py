@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Lights that a prompt describes one by one: each stands where its words say, in its color, as strong as they say."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from proxy_renderer.color.floats import hex_from_srgb
+from proxy_renderer.prompt.lexicon.rigs import Rig, RigLight, rig_table
+from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
+from proxy_renderer.prompt.parser import parse
+from proxy_renderer.prompt.types import LightWords, SceneWords
+from proxy_renderer.rigs.chosen import chosen_rig
+
+SIDES = {"left": -1.0, "right": 1.0}
+KITCHEN = SceneWords(
+    objects={"Cup": "subject", "Plate": "subject", "Wall": "surroundings"},
+    materials={"Clay": "subject", "Glaze": "subject", "Plaster": "surroundings"},
+    object_materials={"Cup": ("Clay",), "Plate": ("Glaze",), "Wall": ("Plaster",)},
+)
+
+
+def rig(prompt: str, scene: SceneWords | None = None) -> Rig:
+    """The rig of a prompt."""
+    vocabulary = default_vocabulary()
+    found = chosen_rig(parse(prompt, scene or SceneWords(), vocabulary), rig_table(), vocabulary)
+    assert found
+    return found.rig
+
+
+def part(prompt: str, name: str) -> RigLight:
+    """The light of a prompt's rig that plays a part."""
+    (light,) = (light for light in rig(prompt).lights if light.part == name)
+    return light
+
+
+def sides(rig: Rig) -> dict[str, float]:
+    """Color of a light -> on which side it stands."""
+    return {light.color: 1.0 if light.azimuth > 0 else -1.0 for light in rig.lights if light.color}
+
+
+@pytest.mark.parametrize("first", SIDES)
+@pytest.mark.parametrize(
+    "form",
+    [
+        "a {a} light from the {x} and a {b} light from the {y}",
+        "a {a} lamp on the {x}, a {b} one on the {y}",
+        "two lights: a {a} one at the {x} and a {b} one at the {y}",
+        "{a} softbox from the {x} plus a {b} kicker from the {y}",
+        "a large {a} key from the {x} with a weak {b} fill from the {y}",
+    ],
+)
+@pytest.mark.parametrize("colors", [("pink", "teal"), ("orange", "blue"), ("green", "magenta")])
+@pytest.mark.parametrize("scene", [SceneWords(), KITCHEN], ids=["no names", "kitchen"])
+def test_each_light_has_its_color_on_its_side(form, first, colors, scene):
+    (second,) = SIDES.keys() - {first}
+    named = default_vocabulary().colors
+    expected = dict(
+        zip((hex_from_srgb(named[c]) for c in colors), (SIDES[first], SIDES[second]), strict=True)
+    )
+    found = rig(form.format(a=colors[0], b=colors[1], x=first, y=second), scene)
+    assert sides(found) == expected
+    assert found.lights[0].part == "key"
+
+
+@pytest.mark.parametrize("noun", ["rim", "rim light", "kicker", "backlight"])
+@pytest.mark.parametrize("side", SIDES)
+def test_an_edge_stands_behind_on_its_side_and_leaves_the_scene_lit_as_it_is(noun, side):
+    found = rig(f"a cool {noun} from the {side}")
+    (edge,) = found.lights
+    assert 100 < abs(edge.azimuth) < 180
+    assert edge.azimuth * SIDES[side] > 0
+    assert found.keeps_own_light
+    assert found.world is None
+    assert found.sky is None
+
+
+@pytest.mark.parametrize("noun", ["rim", "fill", "bounce"])
+@pytest.mark.parametrize("weak", ["faint", "dim", "weak"])
+def test_a_weak_light_is_weaker_and_leaves_the_exposure(noun, weak):
+    prompt = "hard key from the left and a {}blue {} from the right"
+    plain, weaker = (rig(prompt.format(word, noun)) for word in ("", f"{weak} "))
+    stops = [next(light.stops for light in each.lights if light.part == noun) for each in (plain, weaker)]
+    assert stops[1] < stops[0] - 0.5
+    assert weaker.exposure == plain.exposure
+
+
+@pytest.mark.parametrize("joined", ["both soft", "both large and soft", "all very soft"])
+def test_both_is_said_of_both(joined):
+    plain = rig("a red lamp on the left and a blue lamp on the right")
+    soft = rig(f"a red lamp on the left and a blue lamp on the right, {joined}")
+    assert all(a.size > 1.5 * b.size for a, b in zip(soft.lights, plain.lights, strict=True))
+
+
+@pytest.mark.parametrize("none", ["no fill", "almost no fill", "hardly any fill", "without any fill"])
+def test_no_fill_is_deeper_shadow_and_no_light(none):
+    plain, deep = rig("hard key from the left"), rig(f"hard key from the left, {none}")
+    assert [light.part for light in deep.lights] == ["key"]
+    assert deep.world < plain.world
+
+
+@pytest.mark.parametrize("noun", ["key", "lamp", "light"])
+def test_a_comma_between_adjectives_parts_no_light(noun):
+    (light,) = rig(f"a small, hard {noun} from the left").lights
+    assert light.size < 0.5
+    assert light.azimuth < 0
+
+
+@pytest.mark.parametrize(("source", "kind"), [("spot", "SPOT"), ("candle", "POINT"), ("softbox", "AREA")])
+def test_a_light_is_what_its_name_says(source, kind):
+    assert part(f"a {source} from the left and a dim blue rim from the right", "key").type == kind
+
+
+@pytest.mark.parametrize("prompt", ["a tungsten spot from above", "a 2700K spot from above"])
+def test_what_a_light_is_like_is_no_other_light(prompt):
+    light = rig(prompt).lights[0]
+    assert light.type == "SPOT"
+    assert light.is_warm
+
+
+@pytest.mark.parametrize(
+    ("where", "azimuth"), [("back left", -140), ("back right", 125), ("left", -85), ("above", None)]
+)
+def test_two_words_of_place_are_half_way_between(where, azimuth):
+    light = (
+        rig(f"a hard key from the {where}").lights[0] if azimuth else rig("a hard key from above").lights[0]
+    )
+    assert light.azimuth == pytest.approx(azimuth, abs=1) if azimuth else light.elevation > 60
+
+
+def test_lights_on_both_sides_are_a_pair():
+    key, other = (part("softboxes on both sides", name) for name in ("key", "accent"))
+    assert (key.azimuth, key.elevation, key.size) == (-other.azimuth, other.elevation, other.size)
+
+
+@pytest.mark.parametrize(
+    "prompt", ["red cup, a blue lamp from the left", "a blue lamp from the left, the cup red"]
+)
+def test_a_things_color_is_no_lights(prompt):
+    assert len(sides(rig(prompt, KITCHEN))) == 1
+    assert {a.owners for a in parse(prompt, KITCHEN).attributes if a.entry == "red"} == {("Clay",)}
+
+
+def test_a_light_that_the_scene_names_is_that_light():
+    lamp, sun = (LightWords(kind, "other", None) for kind in ("POINT", "SUN"))
+    scene = replace(KITCHEN, lights={"Desk Lamp": lamp, "Sun": sun})
+    lights = rig("warm desk lamp, cold sun from behind", scene).lights
+    assert {light.own for light in lights} == {"Desk Lamp", "Sun"}
