@@ -10,9 +10,9 @@ from ..color.floats import hex_from_srgb, lab_from_srgb
 from ..prompt.lexicon.rigs import KINDS, Modifier, Rig, RigLight, RigTable
 from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.types import Attribute, Parsed
-from .described import EDGES, LIGHT_KINDS, DescribedLight, composed, described, limited, mirrored, source_of
+from .described import LIGHT_KINDS, DescribedLight, composed, described, limited, mirrored, source_of
+from .mixed import at_an_hour, deepened, in_a_mood, in_a_style, with_source
 
-_SECOND = -1.0  # stops of another setup's key against the first one's
 _LIT = (*LIGHT_KINDS, "ambience")
 """Kinds of things whose colors are gels where a rig stands."""
 _OF_LIGHT = (*_LIT, "tone", "whole", "shadow")
@@ -25,7 +25,6 @@ _DARK_WORDS = ("darker surface", "dark surface", "black surface", "dark surround
 _DARK, _BLACK_WORLD, _BLACK_SKY, _BLACK_OWN = 20.0, -6.5, -6.5, -10.0
 """L* of a color up to which it is black, and the stops of a world, a sky and lights that leave all but the subject black."""
 _EXPOSURES = (-2.2, 1.0)
-_DIMMED = 0.6  # stops that an hour may darken a setup of another kind
 
 
 Asked = tuple[tuple[str, ...], tuple[str, ...]]
@@ -123,14 +122,16 @@ class _Build:
         if other.name == self.first.name:
             self.words.setdefault(attribute.cause or attribute.word, _ALL)
         elif not attribute.cause and other.kind == "source":
-            self.rig = _with_source(self.rig, other)
+            self.rig = with_source(self.rig, other)
             self.words.setdefault(attribute.word, (("accent",), ("color",)))
         elif (
             not attribute.cause and other.kind in ("time", "hour") and self.first.kind not in ("time", "hour")
         ):
-            self.rig = _at_an_hour(self.rig, other)
+            self.rig = at_an_hour(self.rig, other)
         elif not attribute.cause and other.kind == "style" and self.first.kind == "source":
-            self.rig = _in_a_style(self.rig, other)
+            self.rig = in_a_style(self.rig, other)
+        elif not attribute.cause and other.kind == "mood" and self.first.kind in ("time", "hour", "place"):
+            self.rig, self.first = in_a_mood(self.rig, other), replace(self.first, kind="mood")
 
     def describe(self, lights: Sequence[DescribedLight]) -> None:
         """Gives the rig the lights that words describe one by one; beside several, a source has no others of its own."""
@@ -161,7 +162,7 @@ class _Build:
         elif modifier:
             if part == "key":
                 modifier = modifier.reversed() if attribute.negated else modifier
-                self.rig = _deepened(self.rig, modifier, attribute.strength)
+                self.rig = deepened(self.rig, modifier, attribute.strength)
             self._take(attribute, (part,), modifier.aspects)
         elif attribute.entry in self.table.rigs:
             self._take(attribute, (part,), ("rim", "color"))
@@ -194,7 +195,7 @@ class _Build:
             limited(modifier.change(light, attribute.strength)) if light.part in parts else light
             for light in (self._with_parts(parts) if of_a_light else self.rig.lights)
         ]
-        self.rig = _deepened(replace(self.rig, lights=tuple(lights)), modifier, attribute.strength)
+        self.rig = deepened(replace(self.rig, lights=tuple(lights)), modifier, attribute.strength)
         self._take(attribute, tuple(parts), modifier.aspects)
 
     def darken(self, attribute: Attribute) -> None:
@@ -259,53 +260,6 @@ def _turns_a_light(attribute: Attribute, table: RigTable) -> bool:
 def _rank(attribute: Attribute, table: RigTable) -> tuple[bool, int]:
     """What is said before what a mood stands for; of that by the rig's kind."""
     return bool(attribute.cause), KINDS.index(table.rigs[attribute.entry].kind)
-
-
-def _with_source(rig: Rig, other: Rig) -> Rig:
-    """A setup with the key of another one as a second light, on the side where the first key is not."""
-    if not other.lights or not rig.lights:
-        return rig
-    first, key = rig.lights[0], other.lights[0]
-    if (first.color, first.kelvin) == (key.color, key.kelvin):
-        return rig
-    azimuth = -key.azimuth if first.azimuth * key.azimuth > 0 else key.azimuth
-    rest = tuple(light for light in rig.lights if light.part != "accent")
-    return replace(rig, lights=(*rest, replace(key, part="accent", stops=_SECOND, azimuth=azimuth)))
-
-
-def _at_an_hour(rig: Rig, hour: Rig) -> Rig:
-    """A setup under the sky of an hour or a weather, which may darken it a little."""
-    return replace(
-        rig,
-        sky=rig.sky if hour.sky is None else hour.sky,
-        sky_color=hour.sky_color or rig.sky_color,
-        world_color=hour.world_color or rig.world_color,
-        exposure=min(rig.exposure, max(hour.exposure, rig.exposure - _DIMMED)),
-    )
-
-
-def _in_a_style(rig: Rig, style: Rig) -> Rig:
-    """A setup as dark as a style has its shadows and its background."""
-    darker = {
-        name: theirs if mine is None else min(mine, theirs)
-        for name in ("world", "sky")
-        if (theirs := getattr(style, name)) is not None
-        for mine in (getattr(rig, name),)
-    }
-    return replace(rig, **darker, exposure=min(rig.exposure, max(style.exposure, rig.exposure - _DIMMED)))
-
-
-def _deepened(rig: Rig, modifier: Modifier, strength: float) -> Rig:
-    """A rig with a modifier's contrast and exposure."""
-    deeper = modifier.contrast * strength
-    lights = tuple(
-        light
-        if light.part in ("key", *EDGES) or light.reach == "background"
-        else replace(light, stops=light.stops + deeper)
-        for light in rig.lights
-    )
-    world = None if rig.world is None else min(rig.world + deeper, 0.5)
-    return replace(rig, lights=lights, world=world, exposure=rig.exposure + modifier.exposure * strength)
 
 
 def _gels(said: Sequence[Attribute], setups: Sequence[Attribute], table: RigTable) -> list[Attribute]:
