@@ -25,6 +25,7 @@ from ..schema.messages import Options
 from ..schema.spec import Region
 from . import headroom
 from .places import places
+from .present_looks import present_looks
 
 if TYPE_CHECKING:
     from ..render.proxy import Proxy, Render
@@ -59,6 +60,7 @@ def scene_words(*scenes: SceneData) -> SceneWords:
         lights=lights,
         glows=tuple(dict.fromkeys(name for scene in scenes for name in glowing(scene))),
         places=places(scenes[0]) if scenes else {},
+        looks=present_looks(scenes[0]) if scenes else {},
     )
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from ..lexer import Lexer
 from ..lexicon.vocabulary import Vocabulary
+from ..mentions.changes import with_changes
 from ..mentions.find import mentions
 from ..mentions.nouns import NounMention
 from ..mentions.passage import Passage, PromptLook, passage
@@ -64,7 +65,7 @@ def reading(
         vocabulary: What is known.
         foreign: Words of another language that are left in the prompt.
     """
-    clauses = Lexer(vocabulary, words, foreign).clauses(text)
+    clauses = with_changes(Lexer(vocabulary, words, foreign).clauses(text), vocabulary)
     found = passage(clauses, vocabulary)
     nouns = mentions(found, SceneIndex(words), vocabulary)
     every = targets(nouns, words)
