@@ -10,7 +10,8 @@ from ..mentions.changes import is_object
 from ..mentions.nouns import NounMention
 from ..mentions.passage import Passage
 
-_NO_MATTER = ("light", "fill", "rim", "sky", "fog", "shadow", "highlight", "tone")
+NO_MATTER = ("light", "fill", "rim", "sky", "fog", "shadow", "highlight", "tone")
+"""Kinds of nouns without a surface."""
 _STOPS = ("around", "comparison", "exception")
 """Lists of words over which a look is not said of the noun before them: "a cup on red"."""
 
@@ -40,7 +41,7 @@ class OwnNouns:
         if change:
             changed = (p for p, item in enumerate(self._items) if item.presents and item.change == change)
             return next((self._at[place] for place in changed if place in self._at), None)
-        return self._after(look) or self._before(look) or self._ahead(look)
+        return self._purpose(look) or self._after(look) or self._before(look) or self._ahead(look)
 
     def _after(self, look: int) -> NounMention | None:
         """The noun of "a red roof", the last one of "a red roof tile" unless the scene has only the other."""
@@ -55,6 +56,14 @@ class OwnNouns:
             elif found or not (item.names_a_look or item.strength is not None):
                 break
         return found
+
+    def _purpose(self, look: int) -> NounMention | None:
+        """The noun of "oak for the table"."""
+        after = range(look + 1, len(self._items))
+        place = next((p for p in after if not self._items[p].names_a_look), len(self._items))
+        said, led = self._items[place : place + 1], self._items[place + 1 : place + 2]
+        is_for = any(item.text == "for" for item in said) and any("article" in item.lists for item in led)
+        return self._noun(place + 2) if is_for and place + 2 < len(self._items) else None
 
     def _before(self, look: int) -> NounMention | None:
         """The noun of "the roof is red" and "the roof in dark red"; one that the scene has before one without an article."""

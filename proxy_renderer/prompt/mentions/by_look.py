@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 
 from ...color.floats import oklab_from_srgb
 from ...schema import Values
@@ -12,6 +13,7 @@ from ..lexicon.vocabulary import Vocabulary
 from ..tokens import Token
 from ..types import MaterialLook, SceneWords
 from .changes import STRUCTURES
+from .nouns import Named
 
 _NEAR = 0.15  # OKLab distance, lightness at a third, within which a color is called so
 _CLEAR = 1.4  # how many times farther away the next color has to be
@@ -20,6 +22,7 @@ _GRAY = 0.04  # chroma below which a hue says nothing
 _STRETCH = (0.5, 1.6)  # how much paler or stronger than its name's a color may be
 _SHAPED = 0.6  # what multiplies the distance of a material with the shape that the noun says
 _SEEN = 0.001  # share of the image from which somebody would speak of a material
+_OWN = 0.5  # share of what is seen of a material that has to be on an object by whose name it is found
 _MAIN = 3.0  # how many times larger than others of its color a material is that one noun means
 
 
@@ -48,6 +51,22 @@ class LookIndex:
         if color is None:
             return frozenset(shaped if len(shaped) == 1 else ())
         return self._colored(color, shaped, plural=noun.endswith("s"))
+
+    def own(self, named: Iterable[Named], objects: Iterable[str]) -> list[Named]:
+        """What words name, without materials by objects that are mostly seen on others: a sofa that wears the wall's paint.
+
+        Args:
+            named: What they name.
+            objects: Those that they name.
+        """
+        wearers = {*objects}
+        others = {
+            name
+            for name, look in self._looks.items()
+            if 0 < sum(share for o, share in look.worn.items() if o in wearers) < _OWN * look.share
+        }
+        kept = ((n, n.names - others if n.kind == "things" and _by_object(n) else n.names) for n in named)
+        return [replace(n, names=names) for n, names in kept if names]
 
     def narrowed(self, names: frozenset[str], presents: Iterable[Token]) -> frozenset[str]:
         """Those of some materials that have a present look; all where none is known to.
@@ -104,3 +123,8 @@ class LookIndex:
         factor = min(max(strong / length, 1 / _STRETCH[1]), 1 / _STRETCH[0])
         lighter = 0.0 if look.glows else (light - own_light) / 3
         return math.hypot(lighter, *(a - factor * b for a, b in zip(named, own, strict=True)))
+
+
+def _by_object(named: Named) -> bool:
+    """Whether materials were found by the name of an object alone."""
+    return not any(sign.startswith("material") for sign in named.signs)

@@ -75,6 +75,7 @@ class _Finder:
             return None
         named = [] if self._is_of_the_next(start) else self._of_one(start, said)
         named += self._of_the_material_before(start, named)
+        named = self._looks.own(named, self.index.objects(said))
         if seen := self._by_look(token, named):
             return self._mention(start, start, "", seen)
         noun = token.noun or "unknown" if token.presents else self._noun(start)
@@ -83,9 +84,10 @@ class _Finder:
     def _by_look(self, token: Token, named: list[Named]) -> list[Named]:
         """What a noun means by its present look or its shape, which also tell apart what its name may mean."""
         things = [n for n in named if n.kind == "things"]
-        if things:
-            seen = ((n, self._looks.narrowed(n.names, token.presents)) for n in things)
-            return [replace(n, names=names) for n, names in seen] if token.presents else []
+        if things and token.presents:
+            return [replace(n, names=self._looks.narrowed(n.names, token.presents)) for n in things]
+        if named:
+            return []
         names = self._looks.meant(token.text, token.presents)
         return [Named("things", names, _BY_LOOK)] if names else []
 
