@@ -25,6 +25,7 @@ from ..schema.messages import Options
 from ..schema.spec import Region
 from . import headroom
 from .places import places
+from .present_looks import present_looks
 
 if TYPE_CHECKING:
     from ..render.proxy import Proxy, Render
@@ -50,6 +51,8 @@ def scene_words(*scenes: SceneData) -> SceneWords:
         for o, m in pairs.tolist():
             names = worn.setdefault(scene.objects[o].name, [])
             names += [scene.materials[m].name] * (scene.materials[m].name not in names)
+    looks = present_looks(scenes[0]) if scenes else {}
+    dark = {name for name, look in looks.items() if not look.glows}  # with a strength, but a black color
     subjects = [name for name, region in objects.items() if region == "subject"]
     return SceneWords(
         subject=subjects[0] if len(subjects) == 1 else "",
@@ -57,8 +60,9 @@ def scene_words(*scenes: SceneData) -> SceneWords:
         materials=materials,
         object_materials={name: tuple(worn.get(name, ())) for name in objects},
         lights=lights,
-        glows=tuple(dict.fromkeys(name for scene in scenes for name in glowing(scene))),
+        glows=tuple(dict.fromkeys(n for scene in scenes for n in glowing(scene) if n not in dark)),
         places=places(scenes[0]) if scenes else {},
+        looks=looks,
     )
 
 

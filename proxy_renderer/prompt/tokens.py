@@ -36,6 +36,8 @@ class Token:
         shades: What shade words before it do to a material's color, see `types.Attribute`.
         clause: Number of its clause.
         wished: It is part of a wish that values cannot fulfill: "remove the chair".
+        presents: Of an object in a change phrase, its looks at present: red of "the roof from red to grey".
+        change: Number of the change phrase that it is in, as its object or as a look that is wished of it; 0 for none.
     """
 
     text: str
@@ -52,6 +54,8 @@ class Token:
     shades: tuple[ShadeArguments, ...] = ()
     clause: int = 0
     wished: bool = False
+    presents: tuple[Token, ...] = ()
+    change: int = 0
 
     @property
     def known(self) -> bool:

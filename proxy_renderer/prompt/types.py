@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from ..color.constants import Lab
@@ -27,6 +28,25 @@ class LightWords:
     objects: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True)
+class MaterialLook:
+    """How a material looks before any wish.
+
+    Attributes:
+        color: sRGB in [0, 1], that of its glow where it glows; None where nothing says it.
+        glows: Whether it emits light.
+        share: Of the image's pixels.
+        worn: Object -> the share of the image that it covers with the material.
+        structures: What it clearly is by its shape: "ground", "support" (the subject stands on it), "wall", "roof", "ceiling".
+    """
+
+    color: Values | None = None
+    glows: bool = False
+    share: float = 0.0
+    worn: Mapping[str, float] = field(default_factory=dict)
+    structures: frozenset[str] = frozenset()
+
+
 GLOW = "material/"
 """How a material whose glow counts as a light is called among lights: this and its name."""
 
@@ -44,6 +64,7 @@ class SceneWords:
         glows: Names of materials that emit light.
         groups: Collection or parent -> names of the objects in it.
         places: Object name -> x (-1 left, 1 right), y (0 near, 1 far), and size as a share of the picture's width.
+        looks: Material name -> how it looks at present; empty where only names are known.
     """
 
     subject: str = ""
@@ -54,6 +75,7 @@ class SceneWords:
     glows: tuple[str, ...] = ()
     groups: dict[str, tuple[str, ...]] = field(default_factory=dict)
     places: dict[str, tuple[float, float, float]] = field(default_factory=dict)
+    looks: Mapping[str, MaterialLook] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -3,39 +3,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from itertools import pairwise
-
-from ..lexicon.spelling import singular
-from ..lexicon.things import thing_words
 from ..lexicon.vocabulary import Vocabulary
+from ..lexicon.things import thing_words
+from ..mentions.changes import STRUCTURES
 from ..mentions.names import parts
-from ..mentions.nouns import NounMention
-from ..names import name_words
+from ..mentions.nouns import NounMention, materials_of
+from ..names import is_detail, name_words
 from ..types import SceneWords
 from .becoming import SURFACE
+from .own_nouns import NO_MATTER, OwnNouns
 from .pairs import PromptPairs, TargetPair
 from .targets import MATTER
+
+_MAIN = 0.6  # share of the subject from which one material is what a name for the subject means
 
 
 class AbsentObjects:
     """Nouns of a prompt that name an object which its scene lacks.
 
-    The first of them is what the artist calls the subject, unless another noun names it: a "boat" of hull and mast.
+    The first of them is what the artist calls the subject, where the subject is of one material and no noun names it.
 
     Args:
         found: The prompt.
-        scene: Its names; where none of them says what a thing is, nothing is known to be absent.
+        scene: Its names, and how its materials look.
         vocabulary: What words mean.
     """
 
     def __init__(self, found: PromptPairs, scene: SceneWords, vocabulary: Vocabulary) -> None:
         self._found, self._scene, self._vocabulary = found, scene, vocabulary
-        absent = {m.start: m for m in found.mentions if m.members == 1 and self._is_absent(m)}
-        telling = thing_words().rows.keys() - name_words("primitives")
-        known = any(word in telling for name in (*scene.objects, *scene.materials) for word in parts(name))
-        self._objects = absent if known else {}
-        self._absent = {m.start: m for m in self._scenery()} | absent if known else {}
+        self._own = OwnNouns(found.passage, found.mentions, vocabulary)
         self._subject = self._called()
 
     def noun_of(self, pair: TargetPair) -> str:
@@ -44,49 +40,64 @@ class AbsentObjects:
         Args:
             pair: The look word with its target.
         """
-        token, unused = pair.look.token, pair.target.kind == "none"
-        slot = (
-            ("color" if token.color else self._vocabulary.slot(token.entry)) if unused else pair.becoming.slot
-        )
-        if slot not in SURFACE or not (unused or pair.target.kind in MATTER):
-            return ""
-        own = next(self._own_nouns(pair), None)
-        return own.text if own and own is not self._subject else ""
+        own = self._own_of(pair)
+        return own.text if own and own.text != self._subject and self._is_absent(own) else ""
 
-    def _own_nouns(self, pair: TargetPair) -> Iterator[NounMention]:
-        """The absent noun by which a look word is bound, the look word itself, or the one right after it."""
-        mentions, items, look = self._found.mentions, self._found.passage.items, pair.look.index
-        bound = mentions[pair.target.mention] if pair.target.mention >= 0 else None
-        if bound and bound.start in self._absent:
-            yield self._absent[bound.start]
-        if look in self._absent:
-            yield self._absent[look]
-        for place in range(look + 1, len(items)):
-            if items[place].clause != items[look].clause:
-                return
-            if place in self._absent:
-                yield self._absent[place]
-            if not (items[place].names_a_look or items[place].strength):
-                return
+    def is_astray(self, pair: TargetPair) -> bool:
+        """Whether a word that is said of light, the sky or the like would paint an object: "a yellow beam on the rug".
 
-    def _scenery(self) -> Iterator[NounMention]:
-        """What lies around, not called so in the scene, with a look word before it: "teal water"."""
-        items, named = self._found.passage.items, {m.start for m in self._found.mentions if m.named}
-        for place, (before, item) in enumerate(pairwise(items), start=1):
-            described = before.names_a_look and before.clause == item.clause
-            if described and item.text in self._vocabulary.words["scenery"] and place not in named:
-                yield NounMention(place, place, item.text, "unknown")
+        Args:
+            pair: The look word with its target.
+        """
+        painted = pair.target.kind in MATTER and pair.becoming.slot != "material"
+        own = self._own_of(pair) if painted else None
+        return own is not None and own.noun in NO_MATTER and not own.named and own.start > pair.look.index
 
-    def _is_absent(self, mention: NounMention) -> bool:
-        """Whether a noun is the name of an object, and of none in the scene."""
-        token = self._found.passage.items[mention.start]
-        thing = singular(mention.text) in thing_words().rows
-        return mention.noun == "unknown" and not mention.named and not token.filler and thing
+    def _own_of(self, pair: TargetPair) -> NounMention | None:
+        """The noun that a word about surfaces is said of."""
+        token = pair.look.token
+        slot = "color" if token.color else self._vocabulary.slot(token.entry) or pair.becoming.slot
+        return self._own.of(pair.look.index) if slot in SURFACE else None
 
-    def _called(self) -> NounMention | None:
-        """The noun by which the prompt calls a subject whose names the scene does not tell."""
-        named = any(map(self._names_subject, self._found.mentions))
-        return None if named else next(iter(self._objects.values()), None)
+    def _is_absent(self, noun: NounMention) -> bool:
+        """Whether a noun names an object, and none in the scene."""
+        if noun.named or not self._scene.materials:
+            return False
+        if noun.noun == "surroundings":
+            words = self._vocabulary.words
+            shaped = any(noun.text in words[kind] for kind in STRUCTURES)
+            return shaped and bool(self._scene.looks) and len(materials_of("surroundings", self._scene)) != 1
+        if noun.noun == "subject":
+            whole = noun.text in self._vocabulary.words["whole"]
+            return not whole and bool(self._scene.looks) and not self._is_of_one_material()
+        return noun.noun == "unknown"
+
+    def _called(self) -> str:
+        """What the prompt calls a subject whose names the scene does not tell: the only object that it describes; "" for none."""
+        mentions = self._found.mentions
+        nouns = [noun for look in self._found.passage.looks if (noun := self._own.of(look.index))]
+        absent = [noun for noun in nouns if self._is_absent(noun) and noun.noun == "unknown"]
+        listed = any(m.members > 1 and m.covers(noun.start) for m in mentions for noun in absent)
+        called = {noun.text for noun in absent} - self._vocabulary.words["scenery"]
+        told = listed or any(map(self._names_subject, mentions)) or self._is_told() or not self._is_of_one_material()
+        return "" if told or len(called) != 1 else called.pop()
+
+    def _is_told(self) -> bool:
+        """Whether the subject's objects are called what they are, so that nobody calls it otherwise."""
+        scene = self._scene
+        things = thing_words().rows.keys() - name_words("primitives") - name_words("limbs") - name_words("details")
+        mine = (name for name, region in scene.objects.items() if region == "subject")
+        told = any(word in things for name in mine for word in parts(name))
+        return told and bool(scene.looks) and len(scene.materials) > 1
+
+    def _is_of_one_material(self) -> bool:
+        """Whether the subject is of one material, or nearly so; where only names are known it may be."""
+        mine = [n for n in materials_of("subject", self._scene) if not is_detail(n)]
+        looks = [look for name in mine if (look := self._scene.looks.get(name))]
+        if not looks or len(mine) < 2:
+            return True
+        main = max(looks, key=lambda look: look.share)
+        return not main.structures and main.share > _MAIN * sum(look.share for look in looks)
 
     def _names_subject(self, mention: NounMention) -> bool:
         named = (name for n in mention.named if n.kind == "things" for name in n.names)

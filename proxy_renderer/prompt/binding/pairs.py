@@ -6,8 +6,10 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass
 
+from ...color.floats import chroma, lab_from_srgb
 from ..lexer import Lexer
 from ..lexicon.vocabulary import Vocabulary
+from ..mentions.changes import with_changes
 from ..mentions.find import mentions
 from ..mentions.nouns import NounMention
 from ..mentions.passage import Passage, PromptLook, passage
@@ -16,7 +18,10 @@ from ..types import SceneWords
 from .becoming import Becoming, becoming
 from .clauses import ClauseForms
 from .features import PairFeatures
+from .own_nouns import OwnNouns
 from .targets import TINGE, Target, targets
+
+_GRAYISH = 25.0  # C* of colors that a light hardly has
 
 
 @dataclass(frozen=True)
@@ -64,16 +69,18 @@ def reading(
         vocabulary: What is known.
         foreign: Words of another language that are left in the prompt.
     """
-    clauses = Lexer(vocabulary, words, foreign).clauses(text)
+    clauses = with_changes(Lexer(vocabulary, words, foreign).clauses(text), vocabulary)
     found = passage(clauses, vocabulary)
     nouns = mentions(found, SceneIndex(words), vocabulary)
     every = targets(nouns, words)
     forms = ClauseForms(found, nouns, vocabulary)
-    pairs = []
+    own, pairs = OwnNouns(found, nouns, vocabulary), []
     for look in found.looks:
         facts = PairFeatures(look, forms)
         itself = {number for number, noun in enumerate(nouns) if noun.covers(look.index)}
         may_describe = [*every, Target(TINGE)] if found.tinged(look) else every
+        if _is_a_tone(look, own.of(look.index), found, vocabulary):
+            may_describe = [target for target in may_describe if target.kind == "picture"]
         may_be = {t: b for t in may_describe if (b := becoming(look.token, t.kind, vocabulary))}
         pairs.append(
             [
@@ -82,3 +89,16 @@ def reading(
             ]
         )
     return PromptPairs(found, nouns, pairs)
+
+
+def _is_a_tone(
+    look: PromptLook, noun: NounMention | None, found: Passage, vocabulary: Vocabulary
+) -> bool:
+    """Whether a color is the tone of the whole picture: "everything is pink", unless somebody paints it so or leaves something out."""
+    words, color = vocabulary.words, look.token.color
+    if not color or noun is None or noun.text not in words["everything"] or noun.spared:
+        return False
+    done = words["paints"] | words["changes"]
+    spares = vocabulary.lists["save"] | vocabulary.lists["exception"] | vocabulary.lists["refusal"]
+    acts = any(item.text in done | spares for item in found.items)
+    return not acts and chroma(lab_from_srgb(color)) > _GRAYISH

@@ -153,7 +153,8 @@ class PromptReader:
             said = ", ".join(f"'{pair.look.text}'" for pair in pairs)
             self.lacking.append(f"{said}: there is no '{noun}' in the scene; not used.")
         things.notes += self.lacking
-        return {id(pair) for pairs in lacking.values() for pair in pairs}
+        absent = {id(pair) for pairs in lacking.values() for pair in pairs}
+        return absent | {id(pair) for pair in self.chosen if objects.is_astray(pair)}
 
     def _tinged(self, attribute: Attribute, look: PromptLook) -> Attribute:
         """A color with the shade that a word before it says."""

@@ -31,7 +31,7 @@ class Share:
 
 
 def shared_out(read: PromptPairs, chosen: Iterable[TargetPair], scene: SceneWords) -> list[list[Share]]:
-    """The shares of each thing that has several looks, and materials enough for them.
+    """The shares of each thing that has several looks: of alike objects of one noun, or of a subject with as many materials.
 
     The first look gets the largest material, as a body is named before its trim, and so on in turn.
 
@@ -41,13 +41,14 @@ def shared_out(read: PromptPairs, chosen: Iterable[TargetPair], scene: SceneWord
         scene: Its materials, and how large the things are that wear them.
     """
     described: dict[int | None, _Look] = {}
-    for pair in filter(_may_share, chosen):  # the subject, by whatever noun, or several things by one
+    for pair in filter(_may_share, chosen):  # the subject, or several things by one noun
         described.setdefault(pair.target.mention if pair.target.names else None, []).append(pair)
     found = []
-    for pairs in described.values():
+    for mention, pairs in described.items():
         looks = _painted(_looks(pairs, read))
         materials = _by_size(pairs[0].target.names, scene) if len(looks) > 1 else []
-        if 1 < len(looks) <= len(materials):
+        enough = len(looks) == len(materials) if mention is None else len(looks) <= len(materials)
+        if len(looks) > 1 and enough:
             found.append([Share(look, tuple(materials[n :: len(looks)])) for n, look in enumerate(looks)])
     return found
 
@@ -65,7 +66,7 @@ def told(shares: list[Share]) -> str:
 def _may_share(pair: TargetPair) -> bool:
     """Whether a word is about several materials that it does not tell apart; a finish of "glossy red and white balls" is all of theirs."""
     if pair.target.kind == "subject":
-        return not pair.look.negated
+        return not pair.look.negated and pair.target.mention < 0
     several = pair.target.kind in MATTER and "several" in pair.target.signs
     return several and pair.becoming.slot in _PAINTS
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from ..lexicon.vocabulary import Vocabulary
 from ..tokens import Token
+from .by_look import LookIndex
 from .joined import joined
 from .names import FITS, parts
 from .nouns import Named, NounMention, fit_signs
@@ -18,6 +19,7 @@ from .scene import SceneIndex
 
 _LONGEST = 3  # tokens of a name
 _SURE = (*(f"{s} {way}" for s in ("material", "object", "group", "light") for way in FITS[:2]),)
+_BY_LOOK = frozenset({"material exact", "by look"})
 _NO_NOUNS = {"negation", "comparison", "exception", "action", "undo", "beyond"}
 
 
@@ -45,6 +47,7 @@ class _Finder:
 
     def __init__(self, passage: Passage, index: SceneIndex, vocabulary: Vocabulary) -> None:
         self.passage, self.items, self.index, self.vocabulary = passage, passage.items, index, vocabulary
+        self._looks = LookIndex(index.words, vocabulary)
 
     def single(self) -> Iterator[NounMention]:
         """One by one, the longest name first."""
@@ -72,8 +75,21 @@ class _Finder:
             return None
         named = [] if self._is_of_the_next(start) else self._of_one(start, said)
         named += self._of_the_material_before(start, named)
-        noun = self._noun(start)
+        named = self._looks.own(named, self.index.objects(said))
+        if seen := self._by_look(token, named):
+            return self._mention(start, start, "", seen)
+        noun = token.noun or "unknown" if token.presents else self._noun(start)
         return self._mention(start, start, noun, named) if named or noun else None
+
+    def _by_look(self, token: Token, named: list[Named]) -> list[Named]:
+        """What a noun means by its present look or its shape, which also tell apart what its name may mean."""
+        things = [n for n in named if n.kind == "things"]
+        if things and token.presents:
+            return [replace(n, names=self._looks.narrowed(n.names, token.presents)) for n in things]
+        if named:
+            return []
+        names = self._looks.meant(token.text, token.presents)
+        return [Named("things", names, _BY_LOOK)] if names else []
 
     def _is_done(self, start: int) -> bool:
         """Whether a clause begins with what is to be done to a thing of the scene: "paint the crate" names no paint."""

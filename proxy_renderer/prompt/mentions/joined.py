@@ -41,5 +41,6 @@ def _unions(run: list[NounMention], words: SceneWords) -> Iterator[Named]:
 
 def _region(mention: NounMention, kind: str, words: SceneWords) -> Named | None:
     """The part of the picture that a noun without a name means: "ground" all that lies around."""
-    names = materials_of(REGIONS.get(mention.noun, ""), words) if kind == "things" else frozenset()
+    region = "" if mention.noun == "unknown" else REGIONS.get(mention.noun, "")
+    names = materials_of(region, words) if kind == "things" else frozenset()
     return Named(kind, names, frozenset()) if names else None

@@ -18,6 +18,7 @@ from .nouns import Named, NounMention
 from .passage import Passage
 from .scene import SceneIndex
 
+_ONE = ("one", "ones")
 _NEAR = 3  # items from a word that picks to its noun
 _RANKS = {
     "left": ("x", 0), "right": ("x", -1), "middle": ("off", 0), "near": ("depth", 0), "far": ("depth", -1),
@@ -46,7 +47,8 @@ def with_picks(
         noun = _noun_of(passage, place, single)
         groups = [_group(noun, index)] if noun else []
         groups += [g for m in single if m.end < place and not noun and len(g := _group(m, index)) > 1][-1:]
-        one = next((o for g in [*groups, *_alike(index.words)] if (o := _picked(way, g, index.words))), "")
+        groups += _alike(index.words) if not noun and _is_one(passage, place) else []
+        one = next((o for g in groups if (o := _picked(way, g, index.words))), "")
         if one:
             target = noun or found.get(place) or NounMention(place, place, item.text)
             known = found.get(target.start, target)
@@ -101,12 +103,24 @@ def _group(mention: NounMention, index: SceneIndex) -> list[str]:
 def _noun_of(passage: Passage, place: int, single: list[NounMention]) -> NounMention | None:
     """The noun that a word picks one of: right after it, or before it and "on the"."""
     items = passage.items
-    near = [m for m in single if items[m.start].clause == items[place].clause and not m.covers(place)]
+    others = (m for m in single if not m.covers(place) and m.text not in _ONE)
+    near = [m for m in others if items[m.start].clause == items[place].clause]
     after = (m for m in near if place < m.start <= place + _NEAR)
     before = (m for m in reversed(near) if m.end < place <= m.end + _NEAR)
     right_after = (m for m in after if all(i.names_a_look for i in passage.content(place + 1, m.start)))
     led_back = (m for m in before if _leads_back(items[m.end + 1 : place], items[place]))
     return next(chain(right_after, led_back), None)
+
+
+def _is_one(passage: Passage, place: int) -> bool:
+    """Whether a word that picks stands for an object by itself: "the left one", "the left is red", but not "to the left"."""
+    items = passage.items
+    if any(item.text in _ONE for item in items[place + 1 : place + 2]):
+        return True
+    definite = place > 0 and "definite" in items[place - 1].lists
+    where = place > 1 and items[place - 2].ties
+    after = next((i for i in items[place + 1 :] if i.clause == items[place].clause and not i.filler), None)
+    return definite and not where and after is not None and (after.names_a_look or after.ties)
 
 
 def _leads_back(between: list[Token], pick: Token) -> bool:
