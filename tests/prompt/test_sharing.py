@@ -42,7 +42,9 @@ def test_how_looks_are_shared_out_is_told():
 
 
 def test_looks_of_named_parts_are_not_shared_out():
-    assert "chrome" not in {name for name, worn in owners("a lime green car with chrome wheels").items() if worn}
+    assert "chrome" not in {
+        name for name, worn in owners("a lime green car with chrome wheels").items() if worn
+    }
 
 
 def test_things_of_one_name_share_as_the_parts_of_the_subject_do():
