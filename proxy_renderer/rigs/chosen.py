@@ -21,7 +21,8 @@ _PARTS = {"rim": ("rim", "kicker"), "fill": ("fill", "bounce"), "key": ("key",)}
 """Role of a light that words speak of -> parts of a rig."""
 _COLORED = ("key", "accent", "rim")
 """Parts that take the colors of light which are said of no light in particular, in their order."""
-_DARK_WORDS = ("darker surface", "dark surface", "black surface", "dark surroundings", "dark")
+_DARKER, _DIMMER = "darker surface", 1.3  # the entry of what is only to be darker, and by how many stops
+_DARK_WORDS = (_DARKER, "dark surface", "black surface", "dark surroundings", "dark")
 _DARK, _BLACK_WORLD, _BLACK_SKY, _BLACK_OWN = 20.0, -6.5, -6.5, -10.0
 """L* of a color up to which it is black, and the stops of a world, a sky and lights that leave all but the subject black."""
 _EXPOSURES = (-2.2, 1.0)
@@ -199,8 +200,12 @@ class _Build:
         self._take(attribute, tuple(parts), modifier.aspects)
 
     def darken(self, attribute: Attribute) -> None:
-        """Leaves all but the subject in the dark."""
-        self.rig = replace(self.rig, sky=_BLACK_SKY, world=_BLACK_WORLD, own=_BLACK_OWN)
+        """Leaves all but the subject in the dark, or takes light from it where it is only to be darker."""
+        world, sky, own = _BLACK_WORLD, _BLACK_SKY, _BLACK_OWN
+        if attribute.entry == _DARKER:
+            world, sky = ((-2.0 if v is None else v) - _DIMMER for v in (self.rig.world, self.rig.sky))
+            own = min(self.rig.own, -_DIMMER)
+        self.rig = replace(self.rig, sky=sky, world=world, own=own)
         self.rig = replace(self.rig, lights=tuple(x for x in self.rig.lights if x.reach != "background"))
         self._take(attribute, ("key",), ("rest",))
 

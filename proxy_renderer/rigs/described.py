@@ -89,9 +89,10 @@ def _with_a_key(lights: list[DescribedLight]) -> list[DescribedLight]:
 def _tells(words: Sequence[Attribute], table: RigTable, lights: int) -> bool:
     """Whether words single a light out: by what it is for, where it comes from or what burns there; by its color beside others."""
     said = [a for a in words if not a.negated]
-    if _places(said, table) or any(a.lights for a in said):
+    sources = [a for a in said if _source(a, table)]
+    if len(sources) > 1 or _places(said, table) or any(a.lights for a in said):
         return True
-    colored = any(a.role or a.color or _source(a, table) for a in said)
+    colored = bool(sources) or any(a.role or a.color for a in said)
     return lights > 1 and (colored or any((m := table.modifier(a.entry)) and m.kelvin for a in said))
 
 
@@ -150,8 +151,10 @@ def limited(light: RigLight) -> RigLight:
 
 
 def source_of(words: Sequence[Attribute], table: RigTable) -> Attribute | None:
-    """The word that says what burns there, the last of several: a "tungsten spot" is a spot."""
-    return next((a for a in reversed(words) if _source(a, table)), None)
+    """The word that says what burns there, the last of several: a "tungsten spot" is a spot, and moonlight from a window the moon."""
+    sources = [(a, lamp) for a in words if (lamp := _source(a, table))]
+    lamps = [a for a, lamp in sources if lamp.type == "SUN" or not lamp.through]
+    return next(reversed(lamps or [a for a, _ in sources]), None)
 
 
 def _source(attribute: Attribute, table: RigTable) -> RigLight | None:
@@ -179,7 +182,10 @@ def _template(
         assert lamp
         made = replace(lamp, stops=made.stops, reach=lamp.reach if light.part == "key" else "subject")
     for other in (lamp for a in sources if a is not head and (lamp := _source(a, table))):
-        made = replace(made, color=other.color, kelvin=other.kelvin)
+        if other.through and other.type != "SUN":  # a window
+            made = replace(made, through=other.through)
+        else:
+            made = replace(made, color=other.color, kelvin=other.kelvin)
     if key is not None and light.part not in ("key", *EDGES):
         away = abs(made.azimuth) if base and not head else _OPPOSITE
         made = replace(made, azimuth=-away if key.azimuth > 0 else away)

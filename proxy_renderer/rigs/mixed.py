@@ -11,7 +11,10 @@ from .described import EDGES
 
 _SECOND = -1.0  # stops of another setup's key against the first one's
 _DIMMED = 0.6  # stops that an hour may darken a setup of another kind
-_MOOD = 0.6  # how much of a mood's sky, fill and exposure an hour takes on
+_MOOD, _MOST = (
+    0.6,
+    0.8,
+)  # how much of a mood's sky, fill and exposure an hour takes on, and by how many stops at most
 
 
 def with_source(rig: Rig, other: Rig) -> Rig:
@@ -68,7 +71,7 @@ def in_a_mood(rig: Rig, mood: Rig) -> Rig:
 def _mixed(mine: float | None, theirs: float | None) -> float | None:
     if mine is None or theirs is None:
         return mine if theirs is None else theirs
-    return mine + _MOOD * (theirs - mine)
+    return mine + max(-_MOST, min(_MOOD * (theirs - mine), _MOST))
 
 
 def _mixed_color(mine: str, theirs: str) -> str:

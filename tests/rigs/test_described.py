@@ -148,3 +148,25 @@ def test_a_light_that_the_scene_names_is_that_light():
     scene = replace(KITCHEN, lights={"Desk Lamp": lamp, "Sun": sun})
     lights = rig("warm desk lamp, cold sun from behind", scene).lights
     assert {light.own for light in lights} == {"Desk Lamp", "Sun"}
+
+
+@pytest.mark.parametrize(("verb", "with_"), [("replace", "with"), ("swap", "for"), ("exchange", "for")])
+def test_a_light_that_is_to_go_describes_none(verb, with_):
+    found = rig(f"{verb} the harsh red lamp on the right {with_} a cold softbox from the left")
+    assert [light.part for light in found.lights] == ["key"]
+    assert found.lights[0].azimuth < 0
+    assert not found.lights[0].color
+
+
+@pytest.mark.parametrize("source", ["moonlight", "daylight"])
+def test_a_window_is_where_a_sun_comes_in(source):
+    light = rig(f"{source} through the windows").lights[0]
+    assert (light.type, light.through) == ("SUN", "window")
+
+
+@pytest.mark.parametrize("words", ["the rest darker", "everything else dimmer"])
+def test_darker_is_not_black(words):
+    plain, darker, black = (
+        rig(f"candle from the left{x}") for x in ("", f", {words}", ", everything else black")
+    )
+    assert black.world < darker.world < plain.world

@@ -84,7 +84,9 @@ class PromptReader:
         tinge: TargetPair | None = None
         for number, pair in enumerate(self.chosen):
             unsure = self._is_unsure(pair, self.found.pairs[number])
-            if (pair.target.kind == "none" or unsure) and self._is_a_light(pair.look, things):
+            if pair.look.index in phrases.gone and pair.target.kind not in MATTER:  # "replace the harsh lamp"
+                parsed.ignored.append(pair.look.text)
+            elif (pair.target.kind == "none" or unsure) and self._is_a_light(pair.look, things):
                 parsed.attributes.append(_light(pair.look, phrases.of.get(pair.look.index, ())))
             elif (
                 pair.target.kind == "light"

@@ -25,10 +25,12 @@ class LightPhrases:
     Attributes:
         of: Place of an item -> the numbers, from 1, of the lights that it belongs to; items that belong to none are left out.
         roles: Number of a light -> "fill" or "rim", where its name says so.
+        gone: Places of items that describe what is to be replaced.
     """
 
     of: dict[int, tuple[int, ...]] = field(default_factory=dict)
     roles: dict[int, str] = field(default_factory=dict)
+    gone: set[int] = field(default_factory=set)
 
     def role(self, place: int) -> str:
         """The role of the light that an item belongs to; "" if none is said.
@@ -57,6 +59,9 @@ def light_phrases(passage: Passage, vocabulary: Vocabulary, rigs: RigTable) -> L
         items = [passage.items[place] for place in places]
         if _counts_lights(items):  # "two lights only: a pink one ..."
             several, spoken_of = True, ()
+        elif _exchanges(items, vocabulary) and _is_followed(places, passage, vocabulary):
+            found.gone |= {*places}
+            spoken_of = ()
         elif _has_head(items, vocabulary, rigs, several or bool(spoken_of)):
             number += 1
             spoken_of = (number,)
@@ -84,7 +89,10 @@ def _segments(passage: Passage, vocabulary: Vocabulary) -> Iterator[list[int]]:
     part: list[int] = []
     for place, item in enumerate(passage.items):
         begins = place in passage.starts and not _awaits_a_noun([passage.items[p] for p in part])
-        if part and (begins or _parts(item, vocabulary)):
+        exchanged = item.text in vocabulary.words["exchanged"] and _exchanges(
+            [passage.items[p] for p in part], vocabulary
+        )
+        if part and (begins or exchanged or _parts(item, vocabulary)):
             yield part
             part = []
         part.append(place)
@@ -102,6 +110,17 @@ def _awaits_a_noun(items: Sequence[Token]) -> bool:
 
 def _parts(item: Token, vocabulary: Vocabulary) -> bool:
     return "joiner" in item.lists or item.text in vocabulary.words["consequence"]
+
+
+def _exchanges(items: Sequence[Token], vocabulary: Vocabulary) -> bool:
+    """Whether words say that one thing takes the place of another: "replace the lamp"."""
+    return any(item.text in vocabulary.words["exchanges"] for item in items)
+
+
+def _is_followed(places: Sequence[int], passage: Passage, vocabulary: Vocabulary) -> bool:
+    """Whether the next word says what comes in the place of what was spoken of: "replace the lamp with ..."."""
+    following = passage.items[places[-1] + 1 : places[-1] + 2]
+    return any(item.text in vocabulary.words["exchanged"] for item in following)
 
 
 def _counts_lights(items: Sequence[Token]) -> bool:
