@@ -203,7 +203,8 @@ class _Build:
         """Leaves all but the subject in the dark, or takes light from it where it is only to be darker."""
         world, sky, own = _BLACK_WORLD, _BLACK_SKY, _BLACK_OWN
         if attribute.entry == _DARKER:
-            world, sky = ((-2.0 if v is None else v) - _DIMMER for v in (self.rig.world, self.rig.sky))
+            now = (-2.0 if v is None else v for v in (self.rig.world, self.rig.sky))
+            world, sky = (max(v - _DIMMER, black) for v, black in zip(now, (world, sky), strict=True))
             own = min(self.rig.own, -_DIMMER)
         self.rig = replace(self.rig, sky=sky, world=world, own=own)
         self.rig = replace(self.rig, lights=tuple(x for x in self.rig.lights if x.reach != "background"))

@@ -167,6 +167,6 @@ def test_a_window_is_where_a_sun_comes_in(source):
 @pytest.mark.parametrize("words", ["the rest darker", "everything else dimmer"])
 def test_darker_is_not_black(words):
     plain, darker, black = (
-        rig(f"candle from the left{x}") for x in ("", f", {words}", ", everything else black")
+        rig(f"window light from the left{x}") for x in ("", f", {words}", ", everything else black")
     )
     assert black.world < darker.world < plain.world

@@ -164,4 +164,4 @@ def _goes_on(item: Token, rigs: RigTable) -> bool:
     known = item.names_a_look or item.filler or item.lists or item.strength is not None
     if not known or _names_a_setup(item, rigs):
         return False
-    return item.noun in ("", "glow") and not (item.scene or "action" in item.lists)
+    return item.noun in ("", "glow") and not (item.scene or item.lists & {"action", "others"})
