@@ -26,6 +26,8 @@ _SHOWN = (0.5, 3.0)
 """Multiples of a color's brightest component that a backdrop may have, for the same reason."""
 _CAST, _EVEN = (0.6, 1.5), 0.01
 """Shares of a film's usual tint that claims may choose between, and what a component may lie beside that."""
+_DARKER, _LIGHTER = {"darker"}, {"lighter", "paler"}
+_STEP = 0.6  # luminance of a color that is clearly darker than another, as a share of the other's
 OWN_COLOR = ("base_color", "tint")
 """Parameters that hold a material's color."""
 _NEUTRAL_BOX = 0.02  # the same for white and gray: a little tint makes them another color
@@ -99,6 +101,25 @@ def shaded(srgb: Values, attribute: Attribute) -> Values:
     for arguments in attribute.shades:
         srgb = shade(srgb, *arguments)
     return srgb
+
+
+def beyond_present(low: Values, high: Values, attribute: Attribute, instance: Instance) -> Range:
+    """A range of linear colors, moved to the side of the present color that "darker walnut" or "paler oak" asks for.
+
+    Args:
+        low: The range's lower end.
+        high: Its upper end.
+        attribute: The words.
+        instance: Has the present color.
+    """
+    said = {*(attribute.english or attribute.word).split()}
+    present = luminance(instance.value)
+    factor = 1.0
+    if said & _DARKER:
+        factor = min(_STEP * present / max(luminance(high), 1e-6), 1.0)
+    elif said & _LIGHTER:
+        factor = max(present / _STEP / max(luminance(low), 1e-6), 1.0)
+    return tuple(v * factor for v in low), tuple(v * factor for v in high)
 
 
 def _box(linear: Values) -> Range:

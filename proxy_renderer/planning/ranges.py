@@ -10,7 +10,7 @@ from ..color.shades import hue_apart, relative_shade
 from ..prompt.lexicon.entries import Effect
 from ..prompt.types import Attribute
 from ..schema import Instance, Values
-from .color_ranges import OWN_COLOR, color_range, shaded
+from .color_ranges import OWN_COLOR, beyond_present, color_range, shaded
 from .grays import radiance
 from .lights.facing import kelvin_color, watts
 from .sources import Range, Sources
@@ -30,7 +30,7 @@ def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sourc
             linear_from_srgb(shaded(srgb_from_linear(_spread(v, instance)), attribute))
             for v in (effect.lower, effect.upper)
         )
-        low, high = ends
+        low, high = beyond_present(*ends, attribute, instance)
     elif effect.color:
         low, high = color_range(effect, attribute, instance, sources)
     elif effect.name == "temperature" and instance.parameter.kind == "color":

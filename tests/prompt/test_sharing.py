@@ -41,10 +41,9 @@ def test_how_looks_are_shared_out_is_told():
     assert any("'walnut' is M2" in text for text in told)
 
 
-def test_looks_of_named_parts_are_not_shared_out():
-    assert "chrome" not in {
-        name for name, worn in owners("a lime green car with chrome wheels").items() if worn
-    }
+@pytest.mark.parametrize("part", ["wheels", "handle", "windows"])
+def test_a_look_of_a_part_is_not_shared_out(part):
+    assert not any(owners(f"warm light, a green car with a chrome {part}").values())
 
 
 def test_things_of_one_name_share_as_the_parts_of_the_subject_do():

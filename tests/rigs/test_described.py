@@ -164,7 +164,7 @@ def test_a_window_is_where_a_sun_comes_in(source):
     assert (light.type, light.through) == ("SUN", "window")
 
 
-@pytest.mark.parametrize("words", ["the rest darker", "everything else dimmer"])
+@pytest.mark.parametrize("words", ["the rest darker", "the rest of the room darker"])
 def test_darker_is_not_black(words):
     plain, darker, black = (
         rig(f"window light from the left{x}") for x in ("", f", {words}", ", everything else black")

@@ -10,7 +10,7 @@ from ..mentions.changes import is_object
 from ..mentions.nouns import NounMention
 from ..mentions.passage import Passage
 
-NO_MATTER = ("light", "fill", "rim", "sky", "fog", "shadow", "highlight", "tone")
+NO_MATTER = ("light", "fill", "rim", "sky", "fog", "shadow")
 """Kinds of nouns without a surface."""
 _STOPS = ("around", "comparison", "exception")
 """Lists of words over which a look is not said of the noun before them: "a cup on red"."""

@@ -68,7 +68,7 @@ def light_phrases(passage: Passage, vocabulary: Vocabulary, rigs: RigTable) -> L
             found.of |= dict.fromkeys(places, spoken_of)
             if role := next((item.noun for item in items if item.noun in _ROLES), ""):
                 found.roles[number] = role
-        elif not all(_goes_on(item, rigs) for item in items):
+        elif not all(_goes_on(item, rigs, vocabulary) for item in items):
             spoken_of = ()
         elif spoken_of and any(item.text in vocabulary.words["together"] for item in items):
             spoken_of = tuple(range(1, number + 1))
@@ -159,9 +159,10 @@ def _names_a_setup(item: Token, rigs: RigTable) -> bool:
     return item.entry in rigs.rigs and item.entry not in rigs.modifiers
 
 
-def _goes_on(item: Token, rigs: RigTable) -> bool:
+def _goes_on(item: Token, rigs: RigTable, vocabulary: Vocabulary) -> bool:
     """Whether an item names no other thing and no setup, so that it may go on about the light before it."""
     known = item.names_a_look or item.filler or item.lists or item.strength is not None
     if not known or _names_a_setup(item, rigs):
         return False
-    return item.noun in ("", "glow") and not (item.scene or item.lists & {"action", "others"})
+    rest = "others" in item.lists and item.text not in vocabulary.words["together"]
+    return item.noun in ("", "glow") and not (item.scene or rest or "action" in item.lists)

@@ -103,8 +103,8 @@ def _group(mention: NounMention, index: SceneIndex) -> list[str]:
 def _noun_of(passage: Passage, place: int, single: list[NounMention]) -> NounMention | None:
     """The noun that a word picks one of: right after it, or before it and "on the"."""
     items = passage.items
-    others = (m for m in single if not m.covers(place) and m.text not in _ONE)
-    near = [m for m in others if items[m.start].clause == items[place].clause]
+    known = (m for m in single if m.text not in _ONE and (m.named or m.noun != "unknown"))
+    near = [m for m in known if items[m.start].clause == items[place].clause and not m.covers(place)]
     after = (m for m in near if place < m.start <= place + _NEAR)
     before = (m for m in reversed(near) if m.end < place <= m.end + _NEAR)
     right_after = (m for m in after if all(i.names_a_look for i in passage.content(place + 1, m.start)))
@@ -113,14 +113,16 @@ def _noun_of(passage: Passage, place: int, single: list[NounMention]) -> NounMen
 
 
 def _is_one(passage: Passage, place: int) -> bool:
-    """Whether a word that picks stands for an object by itself: "the left one", "the left is red", but not "to the left"."""
-    items = passage.items
-    if any(item.text in _ONE for item in items[place + 1 : place + 2]):
+    """Whether a word that picks stands for an object by itself: "the left one", "left red", but not "from the left"."""
+    clause = [p for p, item in enumerate(passage.items) if item.clause == passage.items[place].clause]
+    after = [passage.items[p] for p in clause if p > place]
+    if any(item.text in _ONE for item in after[:1]):
         return True
-    definite = place > 0 and "definite" in items[place - 1].lists
-    where = place > 1 and items[place - 2].ties
-    after = next((i for i in items[place + 1 :] if i.clause == items[place].clause and not i.filler), None)
-    return definite and not where and after is not None and (after.names_a_look or after.ties)
+    before = [passage.items[p] for p in clause if p < place]
+    definite = any("definite" in item.lists for item in before[-1:])
+    where = any(item.ties for item in before[-1 - definite :])
+    said = next((item for item in after if not item.filler), None)
+    return said is not None and (said.names_a_look or (said.ties and definite)) and not where
 
 
 def _leads_back(between: list[Token], pick: Token) -> bool:
