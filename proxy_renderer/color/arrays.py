@@ -25,6 +25,12 @@ def luminance(linear: np.ndarray) -> np.ndarray:
     return linear @ np.asarray(c.LUMINANCE_WEIGHTS, linear.dtype)
 
 
+def sphere_luminance(environment: np.ndarray) -> float:
+    """Mean luminance over the sphere of an equirectangular environment (H, W, 3), linear Rec.709: its rows at the poles are narrow."""
+    heights = (np.arange(len(environment)) + 0.5) / len(environment) * np.pi - np.pi / 2
+    return float(np.average(luminance(environment).mean(1), weights=np.cos(heights)))
+
+
 def oklab_from_srgb(encoded: np.ndarray) -> np.ndarray:
     """OKLab (..., 3) of sRGB (..., 3) in [0, 1]."""
     cones = linear_from_srgb(encoded) @ np.array(c.CONES_FROM_REC709).T

@@ -106,10 +106,7 @@ def plan_context(proxy: Proxy, values: dict[str, Values], picture: Render) -> Pl
 
 def _mean_luminance(image: np.ndarray | None) -> float:
     """Mean luminance over the sphere of a linked environment; 0.5, which says nothing, without one."""
-    if image is None:
-        return 0.5
-    heights = (np.arange(len(image)) + 0.5) / len(image) * np.pi - np.pi / 2
-    return float(np.average(arrays.luminance(image).mean(1), weights=np.cos(heights)))
+    return 0.5 if image is None else arrays.sphere_luminance(image)
 
 
 def picture_stats(picture: Render) -> PictureStats:

@@ -2,8 +2,8 @@
 """How bright the lights of a rig are: light adds up, so what each gives to surfaces, looked up once by rays, gives its power.
 
 Ratios are in stops of irradiance against the key on the subject's lit side. The key itself follows from the exposure that the rig
-wants, from the artist's own exposure, which stays, and in part from how light the subject is: a black car stays darker than a
-white one. Where that would bleach what the camera sees, all lights are weaker.
+wants, from the artist's own view and exposure, which stay, and in part from how light the subject is: a black car stays darker than
+a white one. Where that would bleach what the camera sees, all lights are weaker; a lesser light that alone bleaches it is.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from ..render.lights.types.light_source import LightSource
 from ..scene import SceneData
 from ..scene.values import RenderValues
 from ..schema import Values
+from .exposing import Exposing
 from .places import Placed
 from .stage import LightStage, Points
 
@@ -32,14 +33,15 @@ _EDGE = (
     0.12  # share of the subject that a light from behind reaches, and of a background that is its hot spot
 )
 _ALBEDOS = (0.05, 0.8)
-_KEPT = 0.5  # how much of its own lightness a subject keeps, in the exponent
+_KEPT_DARK, _KEPT_LIGHT = 0.42, 0.7
+"""How much of its own lightness a subject keeps, in the exponent: one that is darker, or lighter, than a gray card."""
 _SKY_RAYS = 48
 _FILLS, _OF_FILLS = ("fill", "bounce", "top", "accent"), 0.5
 """Parts whose light falls on the lit side too, and how much of it does."""
-_WHITE, _BLEACHED = {"Standard": 0.65, "Raw": 0.65}, 0.95
-"""Radiance, after exposure, that the lights of a normally exposed picture have: in views that cut off, and in those that roll off."""
+_WHITE = 0.7  # luminance on the display that the lights of a normally exposed picture have
 _LIGHTEST = 0.93  # share of what the camera sees that is darker than its lights
 _LEAST = 0.35  # what is left, at least, where much would bleach
+_MOST_BOUNCE = 3.0
 _FOLLOWS = 0.7  # how far they follow the rig's exposure
 _BARELY = 1e-7
 
@@ -83,11 +85,15 @@ def measured(
         each.name: tuple(_shed(lamps[each.name], stage, p) for p in (stage.subject, stage.around))
         for each in lights
     }
-    stops = sum(scene.value(key)[0] for key in ("film/exposure", "film/grade_exposure"))
+    exposing = Exposing(scene)
     albedo = min(
         max(float(stage.subject.albedo.mean()) if len(stage.subject) else GRAY, _ALBEDOS[0]), _ALBEDOS[1]
     )
-    key = math.pi * 2.0 ** (rig.exposure - stops) * (albedo / GRAY) ** (_KEPT - 1.0) / _together(rig, lights)
+    kept = _KEPT_LIGHT if albedo > GRAY else _KEPT_DARK
+    lit = exposing.gray(GRAY * 2.0**rig.exposure * (albedo / GRAY) ** kept)
+    bounce = _bounce(stage, sheds[lights[0].name]) if lights else 0.0
+    key = math.pi * lit / albedo / (_together(rig, lights) + bounce)
+    white = exposing.gray(_WHITE * 2.0 ** (_FOLLOWS * rig.exposure))
     if rig.keeps_own_light:
         own = _own_level(scene, stage, {each.name for each in lights}) + ambient * sky_irradiance(stage)
         key = own if own > _BARELY else key
@@ -96,8 +102,9 @@ def measured(
         subject, around = sheds[each.name]
         edge = each.light.part in ("rim", "kicker") or each.light.reach == "background"
         level = _brightest(around if each.light.reach == "background" else subject, _EDGE if edge else _LIT)
-        factors[each.name] = key * 2.0**each.light.stops / level if level > _BARELY else 0.0
-    white = _WHITE.get(scene.film.view, _BLEACHED) * 2.0 ** (_FOLLOWS * rig.exposure - stops)
+        factor = key * 2.0**each.light.stops / level if level > _BARELY else 0.0
+        spot = 0.0 if each.light.part == "key" else _hot_spot(stage.around, factor * around)
+        factors[each.name] = factor * min(white / max(spot, _BARELY), 1.0)
     lightest = max(_lightest(stage, lights, sheds, factors, rig, key, n) for n in (0, 1))
     weaker = max(min(white / max(lightest, _BARELY), 1.0), _LEAST)
     return Levels(
@@ -143,6 +150,20 @@ def _together(rig: Rig, lights: Sequence[Placed]) -> float:
     return 1.0 + world + _OF_FILLS * sum(2.0**stops for stops in fills)
 
 
+def _bounce(stage: LightStage, key: tuple[Tensor, ...]) -> float:
+    """What the walls of a room throw back of the key, against what its lit side gets: light that goes to and fro in a box."""
+    lit, every = _brightest(key[0], _LIT), torch.cat(key)
+    if lit <= _BARELY or not len(every):
+        return 0.0
+    walls = (1.0 - stage.openness) * float(torch.cat((stage.subject.albedo, stage.around.albedo)).mean())
+    return min(float(every.mean()) / lit * walls / (1.0 - walls), _MOST_BOUNCE)
+
+
+def _hot_spot(points: Points, light: Tensor) -> float:
+    """Radiance of the lightest places in an irradiance (N,)."""
+    return float(torch.quantile(points.albedo * light / math.pi, _LIGHTEST)) if len(points) else 0.0
+
+
 def _lightest(
     stage: LightStage,
     lights: Sequence[Placed],
@@ -154,12 +175,10 @@ def _lightest(
 ) -> float:
     """Radiance of the lights of the subject (0), or of what is around (1), without hot spots."""
     points = (stage.subject, stage.around)[which]
-    if not len(points):
-        return 0.0
     broad = [x for x in lights if not (which and x.light.reach == "background")]
     world = 0.0 if rig.world is None else key * 2.0**rig.world
     total = sum((factors[x.name] * sheds[x.name][which] for x in broad), torch.full((len(points),), world))
-    return float(torch.quantile(points.albedo * total / math.pi, _LIGHTEST))
+    return _hot_spot(points, total)
 
 
 def _brightest(light: Tensor, share: float) -> float:

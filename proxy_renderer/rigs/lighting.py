@@ -23,6 +23,7 @@ from ..scene import SceneData
 from ..schema import Instance, Values, orbit, radiometry
 from ..schema.added_lights import CARD, CARD_AWAY, card
 from .chosen import ChosenRig
+from .exposing import Exposing
 from .levels import GRAY, Levels, measured
 from .places import Placed, placed
 from .shown import claims_of_rig
@@ -37,6 +38,7 @@ _FIRST, _LATER = 1, 4
 _POOL_MARGIN, _WIDEST = 1.5, 140.0
 _GLOWS, _OF_GLOWS = 0.15, 0.5
 """Share of the key's light from which a surface that glows counts as a light, and how far it follows the scene's own lights."""
+_LAMPS = 0.7  # most light of what glows at night, against the key
 _FAINT = 0.02  # of what the world should give the subject: if it gives less at full strength, it is shut out
 _FULL = 8.0  # the most strength of a world
 _NIGHT = -3.0  # stops of a sky from which it is night
@@ -76,7 +78,10 @@ def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add
     stage = LightStage(first, geometry_of(first, torch.device("cpu")))
     lights = placed(rig.lights, stage, add)
     scenes = [_with_cards(_with_lights(scene, lights, stage), lights) for scene in scenes]
-    if rig.sky is not None and all(scene.may_be_parted for scene in scenes):
+    parts = (
+        rig.sky is not None or rig.world is not None
+    )  # else a sky would grow as bright as the fill that it gives
+    if parts and all(scene.may_be_parted for scene in scenes):
         scenes = [scene.parted() for scene in scenes]
     scene = scenes[0]
     values = _trial(scene, lights, stage, rig.world_color if rig.world is not None else "")
@@ -210,18 +215,35 @@ def _world_luminance(scene: SceneData, values: Mapping[str, Values], part: str =
         return luminance(values.get(key, scene.value(key)))
     picture = scene.world.backdrop if part and scene.world.backdrop is not None else scene.world.image
     tint = luminance(values.get(f"world/{part}tint", scene.value(f"world/{part}tint", (1.0, 1.0, 1.0))))
-    return tint * (float(arrays.luminance(picture).mean()) if picture is not None else 0.5)
+    return tint * (arrays.sphere_luminance(picture) if picture is not None else 0.5)
 
 
 def _sky(scene: SceneData, rig: Rig) -> dict[str, Values]:
-    """What the camera sees of the world: its color, and the strength that gives it the rig's lightness."""
-    key = "world/backdrop_strength" if "world/backdrop_strength" in scene.instances else ""
-    if not key:
+    """What the camera sees of the world: the light that is displayed with the rig's color and lightness.
+
+    A color that cannot be so light is darker: a pure sky is worth more than a pale one.
+    """
+    if "world/backdrop_strength" not in scene.instances:
         return {}
-    found = _world_color(scene, "world/backdrop_", rig.sky_color or rig.world_color or _GRAY_SKY)
-    stops = sum(scene.value(each)[0] for each in ("film/exposure", "film/grade_exposure"))
-    bright = GRAY * 2.0 ** ((rig.sky or 0.0) - stops)
-    return found | {key: (min(bright / max(_world_luminance(scene, found, "backdrop_"), 1e-4), 10.0),)}
+    color = linear_from_srgb(srgb_from_hex(rig.sky_color or rig.world_color or _GRAY_SKY))
+    scale = min(GRAY * 2.0 ** (rig.sky or 0.0) / max(luminance(color), _BARELY), 1.0 / max(color))
+    light = Exposing(scene).color([v * scale for v in color])
+    if "world/backdrop_color" in scene.instances:
+        found, strength = {"world/backdrop_color": tuple(v / max(light) for v in light)}, max(light)
+    else:
+        pure = tuple(v / max(luminance(light), _BARELY) for v in light)
+        found = _within(scene, {"world/backdrop_tint": pure})
+        strength = luminance(light) / max(_world_luminance(scene, found, "backdrop_"), _BARELY)
+    return found | _within(scene, {"world/backdrop_strength": (strength,)})
+
+
+def _within(scene: SceneData, values: dict[str, Values]) -> dict[str, Values]:
+    """Values within what their parameters can have; without those that the scene lacks."""
+    return {
+        key: tuple(min(v, high) for v, high in zip(value, scene.instances[key].upper, strict=True))
+        for key, value in values.items()
+        if key in scene.instances
+    }
 
 
 def _air(scene: SceneData, rig: Rig, parsed: Parsed) -> dict[str, Values]:
@@ -249,20 +271,17 @@ def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict
         if instance.parameter.family in ("light/power", "light/strength") and instance.owner not in playing:
             found[key] = (instance.value[0] * 2.0**rig.own,)
     dark = rig.sky is not None and rig.sky <= _NIGHT
-    for material, glow in (
-        () if dark else glows(scene).items()
-    ):  # at night what glows is the lamps of the picture
+    for material, glow in glows(scene).items():
         key, color = f"material/{material}/emission", f"material/{material}/emission_color"
-        shed = (
-            luminance(scene.value(color, (1.0, 1.0, 1.0)))
-            * luminance(glow.color)
-            * glow.strength
-            * glow.light
-        )
-        if f"{GLOW}{material}" in playing:
+        if key not in scene.instances or f"{GLOW}{material}" in playing:
             continue
-        if key in scene.instances and shed * scene.value(key)[0] > _GLOWS * white:
-            found[key] = (scene.instances[key].value[0] * 2.0 ** (rig.own * _OF_GLOWS),)
+        own = scene.instances[key].value[0]
+        tint = luminance(scene.value(color, (1.0, 1.0, 1.0)))
+        shed = own * tint * luminance(glow.color) * glow.strength * glow.light
+        if dark:  # what glows is the lamps of the picture, which do not outshine the key
+            found |= {key: (own * _LAMPS * white / shed,)} if shed > _LAMPS * white else {}
+        elif shed > _GLOWS * white:
+            found[key] = (own * 2.0 ** (rig.own * _OF_GLOWS),)
     return found
 
 

@@ -37,6 +37,7 @@ _TOUCHED, _PATCHES, _PATCH = 0.03, (0.03, 0.5), 0.3
 _FROM_CAMERA = 50.0  # degrees within which a sun would stand behind the camera
 _OPEN = 0.4  # of what the sun could reach of the subject, from which it stands in the open
 _AWAY_COST = 0.25
+_OUTDOORS = 0.78  # of the sky's light, from which on a place has no windows: a cut-away room has 0.75, a walled garden 0.8
 
 
 @dataclass(frozen=True)
@@ -241,11 +242,11 @@ def _best_place(light: RigLight, stage: LightStage) -> tuple[Tensor, float]:
 def _sun(light: RigLight, stage: LightStage) -> tuple[float, float] | None:
     """Azimuth from the camera and elevation of a sun; None where none gets in.
 
-    A sun that comes through a window is looked for over the whole sky: it draws a patch where the camera sees it, falls on the
+    A sun that comes through a window is looked for over the whole sky, but not outdoors: it draws a patch where the camera sees it, falls on the
     subject, and does not stand behind the camera. Others stand where the rig has them, unless something is in the way there.
     """
     everywhere = [(float(a), e) for a in _SKY_TURNS for e in _SKY_HEIGHTS]
-    if light.through:
+    if light.through and stage.openness < _OUTDOORS:
         score, best = max((_through_window(light, stage, *each), each) for each in everywhere)
         if score > _ENOUGH:
             return best

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 from functools import cached_property
@@ -25,6 +26,7 @@ _MOST = 400  # points of the subject, and of what is around, that light is looke
 _FEW = 8
 _WIDE = 0.85  # share of the subject's points within its radius
 _LEAST_RADIUS = 0.02  # of the distance of the camera
+_SKY = tuple(itertools.product(range(-180, 180, 45), (14.0, 32.0, 60.0)))  # azimuths and elevations
 _PLAIN = 0.5  # albedo of what is not known
 
 
@@ -106,6 +108,17 @@ class LightStage:
         toward = torch.tensor(orbit.direction(self.front + azimuth, elevation), dtype=torch.float32)
         toward = toward[:, None].expand_as(points.position).contiguous()
         return self._reached(points, toward, torch.full((len(points),), 1e30))
+
+    @cached_property
+    def openness(self) -> float:
+        """Share of the sky's light that gets to what the camera sees: 1 on a plain, 0 in a closed room."""
+        clear, all_of_it = 0.0, 0.0
+        for points, (azimuth, elevation) in itertools.product((self.subject, self.around), _SKY):
+            toward = torch.tensor(orbit.direction(self.front + azimuth, elevation), dtype=torch.float32)
+            facing = (points.normal * toward[:, None]).sum(0).clamp_min(0.0)
+            clear += float(self.sunlit(points, azimuth, elevation).sum())
+            all_of_it += float(facing.sum())
+        return clear / max(all_of_it, 1e-6)
 
     def _reached(self, points: Points, toward: Tensor, distance: Tensor) -> Tensor:
         return self.clear(points, toward, distance) * (points.normal * toward).sum(0).clamp_min(0.0)
