@@ -159,13 +159,8 @@ def source_of(words: Sequence[Attribute], table: RigTable) -> Attribute | None:
 
 def _source(attribute: Attribute, table: RigTable) -> RigLight | None:
     """The light that a word names: of "moon" the moon; None for words that name none, or a whole setup."""
-    rig = table.rigs.get(attribute.entry)
-    if rig is None or not rig.lights or attribute.color or attribute.negated:
-        return None
-    if attribute.entry in table.modifiers:  # a "low sun" is a sun, a "low lamp" is not
-        named = rig.kind == "time" and attribute.entry.split()[-1] in attribute.word.split()
-        return rig.lights[0] if named else None
-    return rig.lights[0] if rig.kind in ("source", "time", "hour") else None
+    named = table.is_a_light(attribute.entry, attribute.word) and not (attribute.color or attribute.negated)
+    return table.rigs[attribute.entry].lights[0] if named else None
 
 
 def _template(

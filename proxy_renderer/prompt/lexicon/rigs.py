@@ -170,15 +170,31 @@ class RigTable:
     Attributes:
         rigs: Vocabulary entry -> the rig that it stands for.
         modifiers: Vocabulary entry -> what it changes.
+        luminaries: Words in the names of times and hours that are lights themselves.
     """
 
     rigs: Mapping[str, Rig]
     modifiers: Mapping[str, Modifier]
+    luminaries: frozenset[str] = frozenset()
 
     def modifier(self, entry: str) -> Modifier | None:
         """What a word changes about lights, a color temperature in kelvins too; None if it changes nothing."""
         kelvin = temperature(entry)
         return Modifier(kelvin=kelvin) if kelvin else self.modifiers.get(entry)
+
+    def is_a_light(self, entry: str, word: str) -> bool:
+        """Whether a word for a setup names a light by itself: a candle, the low sun of "low sun", and no night.
+
+        Args:
+            entry: Of the vocabulary.
+            word: As the prompt says it.
+        """
+        rig = self.rigs.get(entry)
+        if rig is None or not rig.lights:
+            return False
+        if rig.kind == "source":
+            return entry not in self.modifiers
+        return rig.kind in ("time", "hour") and not self.luminaries.isdisjoint(word.split())
 
     @property
     def two_colors(self) -> Rig:
@@ -202,7 +218,9 @@ def rig_table() -> RigTable:
     rigs = read((folder / "rigs.toml").read_text("utf-8"), "rigs.toml")
     if own.is_file():
         rigs |= read(own.read_text("utf-8"), str(own))
-    return RigTable(by_entry(rigs), read_modifiers((folder / "modifiers.toml").read_text("utf-8")))
+    modifiers = (folder / "modifiers.toml").read_text("utf-8")
+    luminaries = frozenset(_words(tomllib.loads(modifiers)["luminaries"]))
+    return RigTable(by_entry(rigs), read_modifiers(modifiers), luminaries)
 
 
 def by_entry(every: Mapping[str, Rig]) -> dict[str, Rig]:

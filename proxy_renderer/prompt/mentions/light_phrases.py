@@ -145,10 +145,7 @@ def _is_head(item: Token, vocabulary: Vocabulary, rigs: RigTable, several: bool)
         return False
     if any(vocabulary.nouns.get(singular(word)) in _HEADS for word in item.text.split()):
         return True  # "light behind"
-    if not _names_a_setup(item, rigs):
-        return False
-    luminary = not vocabulary.words["luminaries"].isdisjoint(item.text.split())
-    return rigs.rigs[item.entry].kind == "source" or luminary
+    return rigs.is_a_light(item.entry, item.text)
 
 
 def _may_be_of_light(item: Token) -> bool:
