@@ -49,8 +49,12 @@ class AbsentObjects:
         Args:
             pair: The look word with its target.
         """
-        painted = pair.target.kind in MATTER and pair.becoming.slot != "material"
-        own = self._own_of(pair) if painted else None
+        if pair.target.kind not in MATTER or pair.becoming.slot == "material":
+            return False
+        own = self._own_of(pair)
+        named = pair.names_itself or pair.look.negated
+        if pair.look.token.color and not named and self._own.is_noun(pair.look.index):
+            return True
         return own is not None and own.noun in NO_MATTER and not own.named and own.start > pair.look.index
 
     def _own_of(self, pair: TargetPair) -> NounMention | None:

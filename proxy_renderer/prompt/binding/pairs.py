@@ -79,9 +79,10 @@ def reading(
         facts = PairFeatures(look, forms)
         itself = {number for number, noun in enumerate(nouns) if noun.covers(look.index)}
         may_describe = [*every, Target(TINGE)] if found.tinged(look) else every
+        chosen = _meant(look, own, may_describe, nouns)
         if _is_a_tone(look, own.of(look.index), found, vocabulary):
-            may_describe = [target for target in may_describe if target.kind == "picture"]
-        may_be = {t: b for t in may_describe if (b := becoming(look.token, t.kind, vocabulary))}
+            chosen = [target for target in every if target.kind == "picture"]
+        may_be = _becomings(look, chosen, vocabulary) or _becomings(look, may_describe, vocabulary)
         pairs.append(
             [
                 TargetPair(look, t, b, tuple(sorted({*facts.of(t, b)})), t.mention in itself)
@@ -89,6 +90,22 @@ def reading(
             ]
         )
     return PromptPairs(found, nouns, pairs)
+
+
+def _becomings(look: PromptLook, every: list[Target], vocabulary: Vocabulary) -> dict[Target, Becoming]:
+    """Targets that a look word can describe, with what it is there."""
+    return {target: b for target in every if (b := becoming(look.token, target.kind, vocabulary))}
+
+
+def _meant(
+    look: PromptLook, own: OwnNouns, every: list[Target], nouns: list[NounMention]
+) -> list[Target]:
+    """The targets of a look word; of one in a change phrase only those that its object names."""
+    noun = own.changed(look.index)
+    if noun is None or not noun.named:
+        return every
+    theirs = {number for number, each in enumerate(nouns) if each.covers(noun.start)}
+    return [target for target in every if target.mention in theirs or target.kind == TINGE]
 
 
 def _is_a_tone(
