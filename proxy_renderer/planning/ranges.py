@@ -26,11 +26,11 @@ _DIRECTIONS = ("azimuth", "elevation", "rotation")
 def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Range:
     """The range that an effect asks for, clipped to the instance's hard bounds (never empty)."""
     if attribute.shades and effect.name in OWN_COLOR and not (effect.color or effect.mode):
-        ends = (
+        low, high = (
             linear_from_srgb(shaded(srgb_from_linear(_spread(v, instance)), attribute))
             for v in (effect.lower, effect.upper)
         )
-        low, high = beyond_present(*ends, attribute, instance)
+        low, high = beyond_present(low, high, attribute, instance)
     elif effect.color:
         low, high = color_range(effect, attribute, instance, sources)
     elif effect.name == "temperature" and instance.parameter.kind == "color":

@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
-from ..lexicon.vocabulary import Vocabulary
 from ..lexicon.things import thing_words
+from ..lexicon.vocabulary import Vocabulary
 from ..mentions.changes import STRUCTURES
 from ..mentions.names import parts
 from ..mentions.nouns import NounMention, materials_of
@@ -83,13 +83,20 @@ class AbsentObjects:
         absent = [noun for noun in nouns if self._is_absent(noun) and noun.noun == "unknown"]
         listed = any(m.members > 1 and m.covers(noun.start) for m in mentions for noun in absent)
         called = {noun.text for noun in absent} - self._vocabulary.words["scenery"]
-        told = listed or any(map(self._names_subject, mentions)) or self._is_told() or not self._is_of_one_material()
+        told = (
+            listed
+            or any(map(self._names_subject, mentions))
+            or self._is_told()
+            or not self._is_of_one_material()
+        )
         return "" if told or len(called) != 1 else called.pop()
 
     def _is_told(self) -> bool:
         """Whether the subject's objects are called what they are, so that nobody calls it otherwise."""
         scene = self._scene
-        things = thing_words().rows.keys() - name_words("primitives") - name_words("limbs") - name_words("details")
+        things = (
+            thing_words().rows.keys() - name_words("primitives") - name_words("limbs") - name_words("details")
+        )
         mine = (name for name, region in scene.objects.items() if region == "subject")
         told = any(word in things for name in mine for word in parts(name))
         return told and bool(scene.looks) and len(scene.materials) > 1

@@ -116,8 +116,8 @@ def _applied(number: int, tokens: list[Token], match: re.Match[str]) -> list[Tok
     found = []
     for place, token in enumerate(tokens):
         if place == owner and number:
-            thing = token if named else Token(token.text, scene=token.scene, noun="unknown")
-            found.append(replace(thing, presents=looks, change=number))
+            noun = token.noun or "unknown"  # that of a look too: "the lawn", "the black plastic"
+            found.append(Token(token.text, scene=token.scene, noun=noun, presents=looks, change=number))
         elif match.start("b") <= place < match.end("b"):
             found.append(replace(token, change=number))
         elif not (match.start("a") <= place < match.end("a") or _only_says(place, match)):
