@@ -66,7 +66,9 @@ def test_a_present_color_alone_names_what_has_it(prompt, meant):
     assert surfaces(prompt) == meant
 
 
-@pytest.mark.parametrize("prompt", ["the sky goes from blue to orange", "a backdrop gradient from red to blue"])
+@pytest.mark.parametrize(
+    "prompt", ["the sky goes from blue to orange", "a backdrop gradient from red to blue"]
+)
 def test_a_gradient_and_the_sky_are_no_change_of_an_object(prompt):
     assert not {name for owners in surfaces(prompt).values() for name in owners} & {"M1", "M2", "M3"}
 
@@ -112,7 +114,9 @@ def test_a_ceiling_that_no_material_is_stays_unused():
 
 def test_the_name_of_the_only_material_may_be_anything():
     looks = {"A": MaterialLook(RED, share=0.3), "B": MaterialLook(SAND, share=0.02)}
-    scene = SceneWords("", {"Torus": "subject"}, dict.fromkeys("AB", "subject"), {"Torus": ("A", "B")}, looks=looks)
+    scene = SceneWords(
+        "", {"Torus": "subject"}, dict.fromkeys("AB", "subject"), {"Torus": ("A", "B")}, looks=looks
+    )
     assert surfaces("pastel pink donut", scene)
 
 
@@ -129,12 +133,16 @@ def test_an_object_that_shares_its_material_with_larger_ones_is_not_painted():
 
 
 @pytest.mark.parametrize("color", ["pink", "golden", "teal"])
-@pytest.mark.parametrize("prompt", ["everything's {} and lazy", "everything is {}", "all {} and dreamy at dusk"])
+@pytest.mark.parametrize(
+    "prompt", ["everything's {} and lazy", "everything is {}", "all {} and dreamy at dusk"]
+)
 def test_a_color_of_everything_is_the_tone_of_the_picture(prompt, color):
     assert surfaces(prompt.format(color)) == {}
 
 
-@pytest.mark.parametrize("prompt", ["make everything pink", "everything pink but the roof", "everything white"])
+@pytest.mark.parametrize(
+    "prompt", ["make everything pink", "everything pink but the roof", "everything white"]
+)
 def test_everything_can_be_painted(prompt):
     assert surfaces(prompt)
 
