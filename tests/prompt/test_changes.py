@@ -15,7 +15,7 @@ LOOKS = {
     "M5": MaterialLook((0.5, 0.5, 0.5), share=0.01, worn={"Plane.001": 0.01}),
 }
 SCENE = SceneWords(
-    objects={name: "subject" for name in ("Cube.001", "Cube.002", "Cube.003")}
+    objects=dict.fromkeys(("Cube.001", "Cube.002", "Cube.003"), "subject")
     | {"Plane": "surroundings", "Plane.001": "surroundings"},
     materials={"M1": "subject", "M2": "subject", "M3": "subject", "M4": "surroundings", "M5": "surroundings"},
     object_materials={next(iter(look.worn)): (name,) for name, look in LOOKS.items()},
@@ -83,7 +83,7 @@ def test_a_gradient_and_the_sky_are_no_change_of_an_object(prompt):
     ],
 )
 def test_a_shape_says_what_a_structure_is(prompt, meant):
-    assert {owners for owners in surfaces(prompt).values()} == {(meant,)}
+    assert set(surfaces(prompt).values()) == {(meant,)}
 
 
 @pytest.mark.parametrize(
