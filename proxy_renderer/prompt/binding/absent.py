@@ -97,7 +97,8 @@ class AbsentObjects:
         things = (
             thing_words().rows.keys() - name_words("primitives") - name_words("limbs") - name_words("details")
         )
-        mine = (name for name, region in scene.objects.items() if region == "subject")
+        names = (*scene.objects.items(), *scene.materials.items())
+        mine = (name for name, region in names if region == "subject")
         told = any(word in things for name in mine for word in parts(name))
         return told and bool(scene.looks) and len(scene.materials) > 1
 

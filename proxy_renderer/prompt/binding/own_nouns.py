@@ -151,5 +151,4 @@ class OwnNouns:
         return bool(noun.named) or noun.noun != "unknown" or listed or self._has_article(noun)
 
     def _has_article(self, noun: NounMention) -> bool:
-        before = self._items[max(noun.start - 1, 0) : noun.start]
-        return any(not item.lists.isdisjoint(("article", "definite")) for item in before)
+        return self._led(noun.start)
