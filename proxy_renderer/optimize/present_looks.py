@@ -22,7 +22,11 @@ from ..schema import Values
 _SIDE = 64  # rays along each side of the image
 _GLOWS = 0.05  # radiance from which a surface glows
 _CLIPPED = 4.0  # times what the display shows at most: the strongest glow whose color counts
-_LEVEL, _UPRIGHT, _SLOPED = 0.9, 0.25, 0.2  # |z| of normals: above it level, below it upright, above it part of a roof
+_LEVEL, _UPRIGHT, _SLOPED = (
+    0.9,
+    0.25,
+    0.2,
+)  # |z| of normals: above it level, below it upright, above it part of a roof
 _FLAT = 0.15  # how much the slope of a roof varies at most
 _MOST, _SOME = 0.75, 0.5  # share of a material's surface that has to be so
 _LEAST = 0.02  # share of the image of a structure
@@ -106,7 +110,9 @@ def _glow(scene: SceneData, material: Material) -> Values | None:
     brightest = max(emitted)
     if strength * brightest < _GLOWS:
         return None
-    clipped = max(min(strength * brightest, _CLIPPED), 1.0) / brightest  # a strong glow is paler than its color
+    clipped = (
+        max(min(strength * brightest, _CLIPPED), 1.0) / brightest
+    )  # a strong glow is paler than its color
     return srgb_from_linear([min(clipped * c, 1.0) for c in emitted])
 
 

@@ -26,11 +26,10 @@ _DIRECTIONS = ("azimuth", "elevation", "rotation")
 def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Range:
     """The range that an effect asks for, clipped to the instance's hard bounds (never empty)."""
     if attribute.shades and effect.name in OWN_COLOR and not (effect.color or effect.mode):
-        ends = (
+        low, high = (
             linear_from_srgb(shaded(srgb_from_linear(_spread(v, instance)), attribute))
             for v in (effect.lower, effect.upper)
         )
-        low, high = beyond_present(*ends, attribute, instance)
     elif effect.color:
         low, high = color_range(effect, attribute, instance, sources)
     elif effect.name == "temperature" and instance.parameter.kind == "color":
@@ -41,6 +40,8 @@ def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sourc
         low, high = _azimuth(effect, instance, sources.context.camera_azimuth)
     else:
         low, high = _MODES.get(effect.mode, _plain)(effect, attribute.strength, instance, sources)
+    if attribute.shades and effect.name in OWN_COLOR:
+        low, high = beyond_present(low, high, attribute, instance)
     if effect.name == "elevation":
         bottom, top = sources.context.light_elevations.get(instance.owner, (-90.0, 90.0))
         low, high = ((min(max(v[0], bottom), top),) for v in (low, high))

@@ -3,7 +3,7 @@
 
 import pytest
 
-from proxy_renderer.color.floats import chroma, lab_from_srgb, srgb_from_linear
+from proxy_renderer.color.floats import chroma, lab_from_srgb, luminance, srgb_from_linear
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.ranges import effect_range
 from proxy_renderer.planning.sources import Sources
@@ -78,3 +78,15 @@ def test_no_light_lifts_the_shadows_of_one_color():
     lifts = [e for entry in lights for e in entry.effects if (e.owner, e.name) == ("film", "lift")]
     assert lifts
     assert all(len({*side}) == 1 for effect in lifts for side in (effect.lower, effect.upper))
+
+
+@pytest.mark.parametrize("substance", ["walnut", "oak", "leather"])
+@pytest.mark.parametrize("present", [(0.02, 0.015, 0.01), (0.12, 0.04, 0.01), (0.5, 0.4, 0.3)])
+def test_a_darker_and_a_paler_substance_are_so_compared_with_the_present_color(substance, present):
+    instance = Instance(FAMILIES["material/base_color"], "Jacket", present, 1.0, "subject")
+    scene = SceneWords(objects={"Jacket": "subject"}, materials={"Jacket": "subject"})
+    for shade, sign in (("darker", -1), ("lighter", 1), ("paler", 1)):
+        parsed = parse(f"the jacket in {shade} {substance}", scene)
+        entries = plan(parsed, compose(parsed), {instance.key: instance}, PlanContext())
+        ends = (luminance(entries[instance.key].lower), luminance(entries[instance.key].upper))
+        assert all(sign * end > sign * luminance(present) for end in ends), shade

@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
-from ..lexicon.vocabulary import Vocabulary
 from ..lexicon.things import thing_words
+from ..lexicon.vocabulary import Vocabulary
 from ..mentions.changes import STRUCTURES
 from ..mentions.names import parts
 from ..mentions.nouns import NounMention, materials_of
@@ -49,8 +49,12 @@ class AbsentObjects:
         Args:
             pair: The look word with its target.
         """
-        painted = pair.target.kind in MATTER and pair.becoming.slot != "material"
-        own = self._own_of(pair) if painted else None
+        if pair.target.kind not in MATTER or pair.becoming.slot == "material":
+            return False
+        own = self._own_of(pair)
+        named = pair.names_itself or pair.look.negated
+        if pair.look.token.color and not named and self._own.is_noun(pair.look.index):
+            return True
         return own is not None and own.noun in NO_MATTER and not own.named and own.start > pair.look.index
 
     def _own_of(self, pair: TargetPair) -> NounMention | None:
@@ -79,14 +83,22 @@ class AbsentObjects:
         absent = [noun for noun in nouns if self._is_absent(noun) and noun.noun == "unknown"]
         listed = any(m.members > 1 and m.covers(noun.start) for m in mentions for noun in absent)
         called = {noun.text for noun in absent} - self._vocabulary.words["scenery"]
-        told = listed or any(map(self._names_subject, mentions)) or self._is_told() or not self._is_of_one_material()
+        told = (
+            listed
+            or any(map(self._names_subject, mentions))
+            or self._is_told()
+            or not self._is_of_one_material()
+        )
         return "" if told or len(called) != 1 else called.pop()
 
     def _is_told(self) -> bool:
         """Whether the subject's objects are called what they are, so that nobody calls it otherwise."""
         scene = self._scene
-        things = thing_words().rows.keys() - name_words("primitives") - name_words("limbs") - name_words("details")
-        mine = (name for name, region in scene.objects.items() if region == "subject")
+        things = (
+            thing_words().rows.keys() - name_words("primitives") - name_words("limbs") - name_words("details")
+        )
+        names = (*scene.objects.items(), *scene.materials.items())
+        mine = (name for name, region in names if region == "subject")
         told = any(word in things for name in mine for word in parts(name))
         return told and bool(scene.looks) and len(scene.materials) > 1
 

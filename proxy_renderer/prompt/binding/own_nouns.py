@@ -37,19 +37,46 @@ class OwnNouns:
         Args:
             look: Place of the look word.
         """
-        change = self._items[look].change
-        if change:
+        if change := self._change(look):
             changed = (p for p, item in enumerate(self._items) if item.presents and item.change == change)
             return next((self._at[place] for place in changed if place in self._at), None)
         return self._purpose(look) or self._after(look) or self._before(look) or self._ahead(look)
+
+    def changed(self, look: int) -> NounMention | None:
+        """The object of the change phrase that a look word is in, or that it goes on with: "from red to grey, still glossy".
+
+        Args:
+            look: Place of the look word.
+        """
+        return self.of(look) if self._change(look) else None
+
+    def is_noun(self, look: int) -> bool:
+        """Whether a color stands as a noun itself, and speaks of what is there: "out of the black".
+
+        Args:
+            look: Place of the look word.
+        """
+        definite = look > 0 and self._items[look - 1].text == "the"
+        return definite and not (self._items[look].change or self._after(look))
+
+    def _change(self, look: int) -> int:
+        """The number of the change phrase that a word is in, or that ends right before its clause, which has no noun."""
+        items, clause = self._items, self._items[look].clause
+        token = items[look]
+        if token.change or not (token.color or self._vocabulary.slot(token.entry) in ("finish", "material")):
+            return token.change
+        mine = [place for place, item in enumerate(items) if item.clause == clause]
+        before = [place for place, item in enumerate(items) if item.clause == clause - 1]
+        alone = before and not any(self._noun(place) for place in mine)
+        return items[before[-1]].change if alone else 0
 
     def _after(self, look: int) -> NounMention | None:
         """The noun of "a red roof", the last one of "a red roof tile" unless the scene has only the other."""
         found = None
         for place in range(look + 1, len(self._items)):
             item = self._items[place]
-            if item.clause != self._items[look].clause:
-                break
+            if item.clause != self._items[look].clause and (found or not self._led(look)):
+                break  # "a crisp, pale beam" goes on
             noun = self._noun(place)
             if noun and self._is_led(look, noun):
                 found = noun if not found or noun.named or not found.named else found
@@ -96,6 +123,8 @@ class OwnNouns:
         item, known = self._items[place], self._at.get(place)
         if known:
             return known
+        if item.entry and item.text.endswith(("light", "lights")):  # "moonlight"
+            return NounMention(place, place, item.text, "light")
         definite = place > 0 and "definite" in self._items[place - 1].lists
         described = place - 1 in self._looks
         if item.filler:
@@ -107,11 +136,14 @@ class OwnNouns:
 
     def _is_led(self, look: int, noun: NounMention) -> bool:
         """Whether a word after a look is a noun: one that is known, or any word after an article."""
+        return self._led(look) or self._is_a_noun(noun)
+
+    def _led(self, look: int) -> bool:
+        """Whether an article stands before a look and the looks before it."""
         first = look
         while first > 0 and (self._items[first - 1].names_a_look or self._items[first - 1].strength):
             first -= 1
-        led = first > 0 and not self._items[first - 1].lists.isdisjoint(("article", "definite"))
-        return led or self._is_a_noun(noun)
+        return first > 0 and not self._items[first - 1].lists.isdisjoint(("article", "definite"))
 
     def _is_a_noun(self, noun: NounMention) -> bool:
         """Whether a word is a noun by itself, or by the article before it."""
@@ -119,5 +151,4 @@ class OwnNouns:
         return bool(noun.named) or noun.noun != "unknown" or listed or self._has_article(noun)
 
     def _has_article(self, noun: NounMention) -> bool:
-        before = self._items[noun.start - 1] if noun.start else None
-        return bool(before) and not before.lists.isdisjoint(("article", "definite"))
+        return self._led(noun.start)

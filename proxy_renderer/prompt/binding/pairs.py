@@ -21,6 +21,7 @@ from .features import PairFeatures
 from .own_nouns import OwnNouns
 from .targets import TINGE, Target, targets
 
+_OF_LIGHT = ("mood", "lighting", "grade", "atmosphere")
 _GRAYISH = 25.0  # C* of colors that a light hardly has
 
 
@@ -79,9 +80,10 @@ def reading(
         facts = PairFeatures(look, forms)
         itself = {number for number, noun in enumerate(nouns) if noun.covers(look.index)}
         may_describe = [*every, Target(TINGE)] if found.tinged(look) else every
+        chosen = _meant(look, own, may_describe, nouns)
         if _is_a_tone(look, own.of(look.index), found, vocabulary):
-            may_describe = [target for target in may_describe if target.kind == "picture"]
-        may_be = {t: b for t in may_describe if (b := becoming(look.token, t.kind, vocabulary))}
+            chosen = [target for target in every if target.kind == "picture"]
+        may_be = _becomings(look, chosen, vocabulary) or _becomings(look, may_describe, vocabulary)
         pairs.append(
             [
                 TargetPair(look, t, b, tuple(sorted({*facts.of(t, b)})), t.mention in itself)
@@ -91,14 +93,28 @@ def reading(
     return PromptPairs(found, nouns, pairs)
 
 
-def _is_a_tone(
-    look: PromptLook, noun: NounMention | None, found: Passage, vocabulary: Vocabulary
-) -> bool:
-    """Whether a color is the tone of the whole picture: "everything is pink", unless somebody paints it so or leaves something out."""
+def _becomings(look: PromptLook, every: list[Target], vocabulary: Vocabulary) -> dict[Target, Becoming]:
+    """Targets that a look word can describe, with what it is there."""
+    return {target: b for target in every if (b := becoming(look.token, target.kind, vocabulary))}
+
+
+def _meant(look: PromptLook, own: OwnNouns, every: list[Target], nouns: list[NounMention]) -> list[Target]:
+    """The targets of a look word; of one in a change phrase only those that its object names."""
+    noun = own.changed(look.index)
+    if noun is None or not noun.named:
+        return every
+    theirs = {number for number, each in enumerate(nouns) if each.covers(noun.start)}
+    return [target for target in every if target.mention in theirs or target.kind == TINGE]
+
+
+def _is_a_tone(look: PromptLook, noun: NounMention | None, found: Passage, vocabulary: Vocabulary) -> bool:
+    """Whether a color is the tone of the picture: "everything is pink", "all gold and lazy", and nobody paints it so."""
     words, color = vocabulary.words, look.token.color
     if not color or noun is None or noun.text not in words["everything"] or noun.spared:
         return False
     done = words["paints"] | words["changes"]
     spares = vocabulary.lists["save"] | vocabulary.lists["exception"] | vocabulary.lists["refusal"]
+    clause = [item for item in found.items if item.clause == found.items[look.index].clause]
+    told = any(i.text in words["copulas"] or vocabulary.slot(i.entry) in _OF_LIGHT for i in clause)
     acts = any(item.text in done | spares for item in found.items)
-    return not acts and chroma(lab_from_srgb(color)) > _GRAYISH
+    return told and not acts and chroma(lab_from_srgb(color)) > _GRAYISH

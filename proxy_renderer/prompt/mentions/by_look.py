@@ -15,7 +15,8 @@ from ..types import MaterialLook, SceneWords
 from .changes import STRUCTURES
 from .nouns import Named
 
-_NEAR = 0.15  # OKLab distance, lightness at a third, within which a color is called so
+_NEAR = 0.11  # OKLab distance, lightness at less than half, within which a color is called so
+_LIGHTNESS = 0.4  # how much lightness counts
 _CLEAR = 1.4  # how many times farther away the next color has to be
 _ALIKE = 0.05  # within which two materials have one color
 _GRAY = 0.04  # chroma below which a hue says nothing
@@ -113,15 +114,14 @@ class LookIndex:
         return all(least >= _MAIN * self._looks[name].share for name in rivals)
 
     def _distance(self, color: Values, look: MaterialLook) -> float:
-        """How far a material is from what its color is called; lightness counts a third, and how strong the color is hardly."""
+        """How far a material is from what its color is called; lightness counts less, and how strong the color is hardly."""
         if look.color is None:
             return math.inf
         (light, *named), (own_light, *own) = oklab_from_srgb(color), oklab_from_srgb(look.color)
         strong, length = math.hypot(*named), math.hypot(*own)
-        if strong < _GRAY or length < _GRAY:
-            return math.hypot(light - own_light, *(a - b for a, b in zip(named, own, strict=True)))
-        factor = min(max(strong / length, 1 / _STRETCH[1]), 1 / _STRETCH[0])
-        lighter = 0.0 if look.glows else (light - own_light) / 3
+        hues = min(strong, length) > _GRAY
+        factor = min(max(strong / length, 1 / _STRETCH[1]), 1 / _STRETCH[0]) if hues else 1.0
+        lighter = 0.0 if look.glows else _LIGHTNESS * (light - own_light)
         return math.hypot(lighter, *(a - factor * b for a, b in zip(named, own, strict=True)))
 
 

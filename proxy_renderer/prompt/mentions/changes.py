@@ -29,7 +29,7 @@ _PATTERNS = [
         f"S[d_]*{_A}[^LNK]*?[wt][d_w]*{_B}[_d]*{_X}",  # "swap the cyan glow for orange on the rings"
         f"S[d_]*{_A}(?:[^LNK]*{_X})?[^LK]*?[wt][d_w]*{_B}O?",  # "swap the navy surface for oak"
         f"[VP][d_]*{_A}(?:[^LNK]*{_X})?[^LK]*?t[d_]*{_B}O?",  # "turn the purple ground into a pale mint"
-        f"[VP][_d]*{_A}{_X}(?:[._][^LVK]*?)?(?<!d){_B}(?!N)",  # "make the red chair blue"
+        f"[VP](?:.*?_)??[_d]*{_A}{_X}(?:[._][^LVK]*?)?(?<!d){_B}(?!N)",  # "make the red chair blue"
         f"[VP]_*d{_A}(?:[._][^LVK]*?)?(?<!d){_B}(?!N)",  # "turn the black plastic between the stickers shiny"
         f"d{_A}{_X}[^LNK]*?J[d_]*{_B}(?!N)",  # "the red roof becomes grey"
         f"(?:{_X}[^LNK]*)?R[d_]*{_A}_*b[d_]*{_B}",  # "the roof is no longer red but grey"
@@ -38,6 +38,7 @@ _PATTERNS = [
         f"(?:{_X}[^LNK]*)?I[d_]*(?P<a>L){_B}",  # "the roof, instead of red, grey"
     )
 ]
+_MOST = 4  # changes in one clause
 _SAID = "VSftwIRbOv"
 """Letters of tokens that only make a change phrase."""
 
@@ -70,18 +71,24 @@ STRUCTURES = ("ground", "support", "wall", "roof", "ceiling")
 """Rows of [grammar.words]: what parts of a scene are called that its names hardly ever say."""
 
 
-def _changed(number: int, tokens: list[Token], vocabulary: Vocabulary) -> list[Token]:
-    letters = "".join(_letter(token, vocabulary) for token in tokens)
-    found = filter(None, (pattern.search(letters) for pattern in _PATTERNS))
-    match = next((match for match in found if _is_a_change(tokens, match)), None)
-    return _applied(number, tokens, match) if match and "G" not in letters else tokens
+def _changed(clause: int, tokens: list[Token], vocabulary: Vocabulary) -> list[Token]:
+    """A clause with all of its changes, one after the other: "make the red door blue and the white wall grey"."""
+    for number in range(_MOST):
+        letters = "".join(_letter(token, vocabulary) for token in tokens)
+        found = filter(None, (pattern.search(letters) for pattern in _PATTERNS))
+        match = next((match for match in found if _is_a_change(tokens, match)), None)
+        if match is None or "G" in letters:
+            break
+        tokens = _applied(clause * _MOST + number, tokens, match)
+    return tokens
 
 
 def _is_a_change(tokens: list[Token], match: re.Match[str]) -> bool:
     """Whether a phrase says more than "make red chair glossy", in which both looks are wished, and than "make the leather red"."""
     present, wished = (tokens[slice(*match.span(part))] for part in "ab")
     colored = any(token.color for token in present)
-    if not (colored or _named(match) or "I" in match[0]):
+    done = any(token.change for token in (*present, *wished))
+    if done or not (colored or _named(match) or "I" in match[0]):
         return False
     says_so = not set("df_tSIRJ").isdisjoint(match.string[match.start() : match.start("b")])
     return says_so or (colored and any(token.color for token in wished))
@@ -116,8 +123,8 @@ def _applied(number: int, tokens: list[Token], match: re.Match[str]) -> list[Tok
     found = []
     for place, token in enumerate(tokens):
         if place == owner and number:
-            thing = token if named else Token(token.text, scene=token.scene, noun="unknown")
-            found.append(replace(thing, presents=looks, change=number))
+            noun = token.noun or "unknown"  # that of a look too: "the lawn", "the black plastic"
+            found.append(Token(token.text, scene=token.scene, noun=noun, presents=looks, change=number))
         elif match.start("b") <= place < match.end("b"):
             found.append(replace(token, change=number))
         elif not (match.start("a") <= place < match.end("a") or _only_says(place, match)):
