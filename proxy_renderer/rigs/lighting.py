@@ -41,7 +41,7 @@ _GLOWS, _OF_GLOWS = 0.15, 0.5
 _LAMPS = 0.7  # most light of what glows at night, against the key
 _FAINT = 0.02  # of what the world should give the subject: if it gives less at full strength, it is shut out
 _FULL = 8.0  # the most strength of a world
-_HAZES, _VEIL = ("haze", "mist", "fog", "smoke"), 0.65
+_HAZES, _VEIL = ("haze", "mist", "fog", "smoke"), 0.5
 """Entries of the vocabulary for air that is not clear, and how far a sky behind it goes towards gray."""
 _NIGHT = -3.0  # stops of a sky from which it is night
 _BARELY = 1e-7
