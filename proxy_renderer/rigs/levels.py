@@ -41,7 +41,7 @@ _FILLS, _OF_FILLS = ("fill", "bounce", "top", "accent"), 0.5
 _WHITE = 0.7  # luminance on the display that the lights of a normally exposed picture have
 _LIGHTEST = 0.93  # share of what the camera sees that is darker than its lights
 _LEAST = 0.35  # what is left, at least, where much would bleach
-_MOST_BOUNCE = 3.0
+_THROWN_BACK = 0.75  # most of its light that a room throws back
 _FOLLOWS = 0.7  # how far they follow the rig's exposure
 _BARELY = 1e-7
 
@@ -151,12 +151,13 @@ def _together(rig: Rig, lights: Sequence[Placed]) -> float:
 
 
 def _bounce(stage: LightStage, key: tuple[Tensor, ...]) -> float:
-    """What the walls of a room throw back of the key, against what its lit side gets: light that goes to and fro in a box."""
+    """What the walls of a room throw back of the key, against what its lit side gets: a box keeps light."""
     lit, every = _brightest(key[0], _LIT), torch.cat(key)
     if lit <= _BARELY or not len(every):
         return 0.0
-    walls = (1.0 - stage.openness) * float(torch.cat((stage.subject.albedo, stage.around.albedo)).mean())
-    return min(float(every.mean()) / lit * walls / (1.0 - walls), _MOST_BOUNCE)
+    albedo = float(torch.cat((stage.subject.albedo, stage.around.albedo)).mean())
+    walls = min((1.0 - stage.openness) * albedo, _THROWN_BACK)
+    return float(every.mean()) / lit * walls / (1.0 - walls)
 
 
 def _hot_spot(points: Points, light: Tensor) -> float:

@@ -12,7 +12,7 @@ import torch
 
 from ..claims.claim import Claim
 from ..color import arrays
-from ..color.floats import linear_from_srgb, luminance, srgb_from_hex
+from ..color.floats import hex_from_srgb, linear_from_srgb, luminance, srgb_from_hex, srgb_from_linear
 from ..planning.lights.facing import kelvin_color
 from ..planning.lights.glow import glows
 from ..planning.types import LightPlan, PlanEntry
@@ -41,6 +41,8 @@ _GLOWS, _OF_GLOWS = 0.15, 0.5
 _LAMPS = 0.7  # most light of what glows at night, against the key
 _FAINT = 0.02  # of what the world should give the subject: if it gives less at full strength, it is shut out
 _FULL = 8.0  # the most strength of a world
+_HAZES, _VEIL = ("haze", "mist", "fog", "smoke"), 0.5
+"""Entries of the vocabulary for air that is not clear, and how far a sky behind it goes towards gray."""
 _NIGHT = -3.0  # stops of a sky from which it is night
 _BARELY = 1e-7
 _GEL = 0.7  # share of the white in a color's name that a light of it lacks
@@ -78,15 +80,15 @@ def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add
     stage = LightStage(first, geometry_of(first, torch.device("cpu")))
     lights = placed(rig.lights, stage, add)
     scenes = [_with_cards(_with_lights(scene, lights, stage), lights) for scene in scenes]
-    parts = (
-        rig.sky is not None or rig.world is not None
-    )  # else a sky would grow as bright as the fill that it gives
-    if parts and all(scene.may_be_parted for scene in scenes):
+    # a world that the camera sees would become as bright as the fill that it gives
+    if (rig.sky, rig.world) != (None, None) and all(scene.may_be_parted for scene in scenes):
         scenes = [scene.parted() for scene in scenes]
     scene = scenes[0]
     values = _trial(scene, lights, stage, rig.world_color if rig.world is not None else "")
     ambient = scene.value("world/strength", (0.0,))[0] * _world_luminance(scene, {})
     levels = measured(scene, stage, lights, values, rig, ambient)
+    if rig.sky_color and _is_hazy(parsed):
+        rig = replace(rig, sky_color=_veiled(rig.sky_color))
     playing = {each.name for each in lights} | {name for a in parsed.attributes for name in a.lights}
     values = _balanced(scene, rig, lights, playing, values, levels) | _air(scene, rig, parsed)
     word = next(iter(chosen.words), "")
@@ -235,6 +237,18 @@ def _sky(scene: SceneData, rig: Rig) -> dict[str, Values]:
         found = _within(scene, {"world/backdrop_tint": pure})
         strength = luminance(light) / max(_world_luminance(scene, found, "backdrop_"), _BARELY)
     return found | _within(scene, {"world/backdrop_strength": (strength,)})
+
+
+def _is_hazy(parsed: Parsed) -> bool:
+    """Whether words ask for air through which a sky is pale."""
+    return any(a.entry in _HAZES and not a.negated for a in parsed.attributes)
+
+
+def _veiled(color: str) -> str:
+    """The color of a sky behind haze."""
+    linear = linear_from_srgb(srgb_from_hex(color))
+    gray = luminance(linear)
+    return hex_from_srgb(srgb_from_linear([v + _VEIL * (gray - v) for v in linear]))
 
 
 def _within(scene: SceneData, values: dict[str, Values]) -> dict[str, Values]:

@@ -11,6 +11,10 @@ import pytest
 import torch
 from tiny_job import write_job
 
+from proxy_renderer.color.arrays import sphere_luminance
+from proxy_renderer.color.floats import chroma, lab_from_srgb, srgb_from_hex
+from proxy_renderer.color.tensors import linear_from_srgb
+from proxy_renderer.color.view_transform import ViewTransform
 from proxy_renderer.engine.additions import with_additions
 from proxy_renderer.optimize.context import scene_words
 from proxy_renderer.prompt.lexicon.rigs import KINDS, read, rig_table
@@ -19,7 +23,10 @@ from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.render.material.textures import geometry_of
 from proxy_renderer.rigs.chosen import ChosenRig, chosen_rig
-from proxy_renderer.rigs.levels import sky_irradiance
+from proxy_renderer.rigs.exposing import Exposing
+from proxy_renderer.rigs.levels import _bounce, sky_irradiance
+from proxy_renderer.rigs.lighting import _is_hazy, _sky, _veiled
+from proxy_renderer.rigs.places import placed
 from proxy_renderer.rigs.stage import LightStage
 from proxy_renderer.scene import Light, SceneData, load_scene
 from proxy_renderer.scene.data import Standby
@@ -232,3 +239,97 @@ def test_a_prompt_is_read_alike_before_and_after_lights_are_added(scene):
     again = parse(prompt, scene_words(*addition.scenes), default_vocabulary())
     assert again.attributes == parse(prompt, scene_words(scene), default_vocabulary()).attributes
     assert all(a in addition.plan.served for a in again.attributes)
+
+
+@pytest.mark.parametrize("color", [(0.2, 0.4, 0.7), (0.8, 0.45, 0.3), (0.3, 0.3, 0.3), (0.01, 0.02, 0.06)])
+def test_light_is_found_that_the_view_shows_as_a_color(color, scene):
+    film = scene.film
+    view = ViewTransform(film.ocio, film.display, film.view, film.look)
+    shown = linear_from_srgb(view(torch.tensor(Exposing(scene).color(color))).clamp(0, 1))
+    assert shown.tolist() == pytest.approx(color, abs=0.05)
+
+
+def test_a_view_that_rolls_off_gets_more_light_for_a_white_wall(scene):
+    standard = replace(scene, film=replace(scene.film, view="Standard"))
+    assert Exposing(standard).gray(0.8) == pytest.approx(0.8, rel=0.05)
+    assert Exposing(scene).gray(0.8) > 2.0
+    assert Exposing(scene).gray(0.18) == pytest.approx(0.18, rel=0.15)
+
+
+def test_the_artists_exposure_stays(scene):
+    brighter = dict(scene.instances)
+    brighter["film/exposure"] = replace(brighter["film/exposure"], value=(1.0,))
+    lit = replace(scene, instances=brighter)
+    assert Exposing(lit).gray(0.18) == pytest.approx(0.5 * Exposing(scene).gray(0.18), rel=1e-3)
+
+
+SUNNY = [
+    r
+    for r in RIGS
+    if r.kind in ("hour", "time")
+    and (r.sky or -9.0) > 0.0
+    and r.lights[0].type == "SUN"
+    and abs(r.lights[0].azimuth) < 115.0
+]
+"""Rigs of the day whose sun does not stand behind the subject."""
+
+
+@pytest.mark.parametrize("rig", SUNNY, ids=lambda rig: rig.name)
+def test_a_sun_leaves_a_shadow_side(rig):
+    fills = [light.stops for light in rig.lights if light.part in ("fill", "bounce")]
+    total = sum(2.0**stops for stops in (*fills, rig.world))
+    assert math.log2(total) < -0.9, "the shadow side is hardly darker"
+
+
+def test_outdoors_a_sun_stands_where_its_rig_has_it(scene):
+    stage = LightStage(scene, geometry_of(scene, torch.device("cpu")))
+    assert stage.openness > 0.8
+    for light in (chosen(prompt).rig.lights[0] for prompt in ("golden hour", "summer day", "late afternoon")):
+        (sun,) = placed([light], stage)
+        turn = abs((sun.azimuth - stage.front + 180.0) % 360.0 - 180.0)
+        assert turn == pytest.approx(abs(light.azimuth), abs=21.0)
+
+
+def test_the_rows_at_the_poles_of_an_environment_are_narrow():
+    environment = np.zeros((64, 128, 3))
+    environment[:4] = 100.0
+    assert sphere_luminance(environment) < 0.5 * environment.mean()
+    assert sphere_luminance(np.full((8, 16, 3), 0.25)) == pytest.approx(0.25)
+
+
+def test_the_walls_of_a_box_throw_light_back(scene):
+    stage = LightStage(scene, geometry_of(scene, torch.device("cpu")))
+    light = torch.ones(len(stage.subject)), torch.ones(len(stage.around))
+    in_the_open = _bounce(stage, light)
+    stage.openness = 0.0  # a cached property
+    assert in_the_open < 0.15 < _bounce(stage, light) <= 3.0
+
+
+def test_a_sky_is_displayed_in_the_color_of_its_rig(scene):
+    rig = rig_table().rigs["summery"]
+    parted = replace(scene, instances={**scene.instances, **_backdrop()})
+    values = _sky(parted, rig)
+    light = torch.tensor(values["world/backdrop_color"]) * values["world/backdrop_strength"][0]
+    film = scene.film
+    shown = ViewTransform(film.ocio, film.display, film.view, film.look)(light).clamp(0, 1)
+    lab, wanted = lab_from_srgb(shown.tolist()), lab_from_srgb(srgb_from_hex(rig.sky_color))
+    assert lab[0] == pytest.approx(wanted[0], abs=4.0)
+    assert math.atan2(lab[2], lab[1]) == pytest.approx(math.atan2(wanted[2], wanted[1]), abs=0.25)
+    assert chroma(lab) > 0.5 * chroma(wanted)  # AgX shows no blue that is so pure and so light
+
+
+def _backdrop() -> dict[str, Instance]:
+    """A backdrop of its own."""
+    values = {"backdrop_color": (0.1, 0.1, 0.1), "backdrop_strength": (1.0,)}
+    found = (Instance(FAMILIES[f"world/{name}"], "", value, 1.0) for name, value in values.items())
+    return {instance.key: instance for instance in found}
+
+
+def test_a_sky_behind_haze_is_pale():
+    clear, hazy = (
+        parse(prompt, SceneWords(), default_vocabulary()) for prompt in ("sunset", "sunset, hazy air")
+    )
+    assert (_is_hazy(clear), _is_hazy(hazy)) == (False, True)
+    pure, pale = (lab_from_srgb(srgb_from_hex(color)) for color in ("#56a2ec", _veiled("#56a2ec")))
+    assert chroma(pale) < 0.7 * chroma(pure)
+    assert pale[0] == pytest.approx(pure[0], abs=2.0)
