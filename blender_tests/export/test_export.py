@@ -294,6 +294,22 @@ def test_exporting_changes_nothing_but_what_is_missing(stage, tmp_path):
     assert content["world"]["kind"] == "environment"
 
 
+@pytest.mark.parametrize("kind", ["voronoi", "noise", "white_noise"])
+def test_a_texture_of_one_dimension_has_no_place(stage, tmp_path, kind):
+    _, tree, shader = material("Striped", cube())
+    node = tree.nodes.new(
+        {
+            "voronoi": "ShaderNodeTexVoronoi",
+            "noise": "ShaderNodeTexNoise",
+            "white_noise": "ShaderNodeTexWhiteNoise",
+        }[kind]
+    )
+    setattr(node, "noise_dimensions" if kind != "voronoi" else "voronoi_dimensions", "1D")
+    tree.links.new(node.outputs["Color"], shader.inputs["Base Color"])
+    _, scene = job_of(stage, tmp_path)
+    assert "material/Striped/tint" in scene.instances
+
+
 def test_a_failure_takes_back_what_was_added(stage, tmp_path):
     before = contents()
     with pytest.raises(VibeError, match="no mesh"):

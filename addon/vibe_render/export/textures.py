@@ -234,7 +234,8 @@ def _reads_uv_only(source: bpy.types.NodeSocket) -> bool:
             if any(s.is_linked for s in node.outputs if s.name != "UV"):
                 return False
         elif node.bl_idname in _TEXTURES:
-            if not active_links(node.inputs["Vector"]):
+            place = node.inputs.get("Vector")  # textures of one dimension have none
+            if place and not active_links(place):
                 return False
         elif node.bl_idname not in _PURE or (
             node.bl_idname == "ShaderNodeTexImage" and node.projection != "FLAT"
