@@ -6,11 +6,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ..color.floats import hex_from_srgb, lab_from_srgb
+from ..color.floats import lab_from_srgb
 from ..prompt.lexicon.rigs import KINDS, Modifier, Rig, RigLight, RigTable
 from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.types import Attribute, Parsed
-from .described import LIGHT_KINDS, DescribedLight, composed, described, limited, mirrored, source_of
+from .described import LIGHT_KINDS, DescribedLight, composed, described, limited, mirrored, source_of, tint_of
 from .mixed import at_an_hour, deepened, in_a_mood, in_a_style, with_source
 
 _LIT = (*LIGHT_KINDS, "ambience")
@@ -212,11 +212,10 @@ class _Build:
 
     def color(self, gel: Attribute, parts: Sequence[str]) -> None:
         """Gives a color to the lights of some parts; without parts, to the next light that has none of the prompt's."""
-        assert gel.color
         if not parts:
             parts = _COLORED[min(self._colored, 2) :][:1]
             self._colored += 1
-        color = hex_from_srgb(gel.color)
+        color = tint_of(gel, self.vocabulary)
         lights = [
             replace(light, color=color, kelvin=0.0) if light.part in parts else light
             for light in self._with_parts(parts)

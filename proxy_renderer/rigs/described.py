@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
-from ..color.floats import hex_from_srgb
+from ..color.floats import hex_from_srgb, linear_from_srgb, srgb_from_linear
 from ..prompt.lexicon.rigs import Modifier, RigLight, RigTable
 from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.types import GLOW, Attribute
@@ -98,11 +98,11 @@ def _tells(words: Sequence[Attribute], table: RigTable, lights: int) -> bool:
 
 def _parts_for(words: Sequence[Attribute], table: RigTable, lights: int) -> tuple[str, ...]:
     """The parts that a light may play, the likeliest first."""
-    role = next((a.role for a in words if a.role), "")
     nouns = {word for a in words for word in a.thing.split()}
-    if role == "rim" or "kicker" in nouns:
+    role = next((a.role for a in words if a.role), "")
+    if role == "rim" or not nouns.isdisjoint(EDGES):
         return EDGES
-    if role == "fill":
+    if role == "fill" or not nouns.isdisjoint(_FILLS):
         return _FILLS[::-1] if "bounce" in nouns else _FILLS
     azimuth, _ = _direction(words, table)
     if role != "key" and azimuth is not None and abs(azimuth) > _BEHIND and lights > 1:
@@ -132,7 +132,7 @@ def composed(
         if attribute.negated:
             modifier = modifier.reversed() if modifier else None
         if attribute.color and not attribute.negated:
-            made = replace(made, color=hex_from_srgb(attribute.color), kelvin=0.0)
+            made = replace(made, color=tint_of(attribute, vocabulary), kelvin=0.0)
         elif modifier:
             made = replace(modifier, azimuth=None, elevation=None).change(made, attribute.strength)
     if light.part != "key":
@@ -143,6 +143,17 @@ def composed(
 def mirrored(light: DescribedLight, table: RigTable) -> bool:
     """Whether words say that the other side gets such a light too."""
     return any(modifier.both for _, modifier in _places(light.said, table))
+
+
+def tint_of(attribute: Attribute, vocabulary: Vocabulary) -> str:
+    """The color that a word gives a light, "#rrggbb": "slightly yellow" is nearer to white, "faint yellow" only weaker."""
+    assert attribute.color
+    weaker = any("lamp" in vocabulary.adjectives.get(word, {}) for word in attribute.word.split())
+    share = (
+        1.0 if weaker else min(attribute.strength, 1.0) ** 2
+    )  # gels are purer than what their names show on paint
+    linear = (1.0 - share + share * v for v in linear_from_srgb(attribute.color))
+    return hex_from_srgb(srgb_from_linear([*linear]))
 
 
 def limited(light: RigLight) -> RigLight:

@@ -32,6 +32,7 @@ _LIT = 0.5  # share of the subject that counts as its lit side
 _EDGE = (
     0.12  # share of the subject that a light from behind reaches, and of a background that is its hot spot
 )
+_EDGE_SHARE = 0.2  # of an edge light's brightest light, what the whole of the subject may get of it at most
 _ALBEDOS = (0.05, 0.8)
 _KEPT_DARK, _KEPT_LIGHT = 0.42, 0.7
 """How much of its own lightness a subject keeps, in the exponent: one that is darker, or lighter, than a gray card."""
@@ -103,6 +104,8 @@ def measured(
         edge = each.light.part in ("rim", "kicker") or each.light.reach == "background"
         level = _brightest(around if each.light.reach == "background" else subject, _EDGE if edge else _LIT)
         factor = key * 2.0**each.light.stops / level if level > _BARELY else 0.0
+        if edge and each.light.reach != "background":  # on a box an edge light falls on a whole side
+            factor *= min(_EDGE_SHARE * level / max(float(subject.mean()), _BARELY), 1.0)
         spot = 0.0 if each.light.part == "key" else _hot_spot(stage.around, factor * around)
         factors[each.name] = factor * min(white / max(spot, _BARELY), 1.0)
     lightest = max(_lightest(stage, lights, sheds, factors, rig, key, n) for n in (0, 1))

@@ -285,6 +285,7 @@ def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict
         if instance.parameter.family in ("light/power", "light/strength") and instance.owner not in playing:
             found[key] = (instance.value[0] * 2.0**rig.own,)
     dark = rig.sky is not None and rig.sky <= _NIGHT
+    subject = {material.name for material in scene.materials if material.role == "subject"}
     for material, glow in glows(scene).items():
         key, color = f"material/{material}/emission", f"material/{material}/emission_color"
         if key not in scene.instances or f"{GLOW}{material}" in playing:
@@ -292,6 +293,8 @@ def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict
         own = scene.instances[key].value[0]
         tint = luminance(scene.value(color, (1.0, 1.0, 1.0)))
         shed = own * tint * luminance(glow.color) * glow.strength * glow.light
+        if dark and material in subject:  # a lantern stays lit
+            continue
         if dark:  # what glows is the lamps of the picture, which do not outshine the key
             found |= {key: (own * _LAMPS * white / shed,)} if shed > _LAMPS * white else {}
         elif shed > _GLOWS * white:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from proxy_renderer.color.floats import hex_from_srgb
+from proxy_renderer.color.floats import chroma, hex_from_srgb, lab_from_srgb, srgb_from_hex
 from proxy_renderer.prompt.lexicon.rigs import Rig, RigLight, rig_table
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.parser import parse
@@ -170,3 +170,12 @@ def test_darker_is_not_black(words):
         rig(f"window light from the left{x}") for x in ("", f", {words}", ", everything else black")
     )
     assert black.world < darker.world < plain.world
+
+
+def test_slightly_is_of_the_color_and_faint_of_the_light():
+    full, slight, faint = (
+        part(f"a {x}yellow lamp from the left", "key").color for x in ("", "slightly ", "faint ")
+    )
+    chromas = [chroma(lab_from_srgb(srgb_from_hex(color))) for color in (full, slight, faint)]
+    assert chromas[1] < 0.6 * chromas[0]
+    assert chromas[2] == pytest.approx(chromas[0], rel=0.05)
