@@ -19,6 +19,7 @@ from ..optimize.inner.descent import fixed_views
 from ..optimize.rounds.judges import make_guidance
 from ..planning.advice import OfflineAdvisor
 from ..prompt.lexicon.user_words import default_vocabulary
+from ..prompt.understood import Understood
 from ..render.proxy import Proxy
 from ..schema.messages import Options
 
@@ -46,7 +47,9 @@ def objective(proxy: Proxy, prompt: str, encoder: Encoder) -> Callable[[Tensor],
     with torch.no_grad():
         picture, seen = proxy.render({}), proxy.gbuffer({})
         now = plan_context(proxy, {key: each.value for key, each in scene.instances.items()}, picture)
-        advice = OfflineAdvisor(prompt, scene_words(scene)).advise(picture.display, scene.instances, now)
+        advice = OfflineAdvisor(Understood(prompt, scene_words(scene))).advise(
+            picture.display, scene.instances, now
+        )
         guidance = make_guidance(encoder, encoder, prompt, Options(), advice, picture)
         wanted = claims_of(advice.parsed, default_vocabulary())
         claims = ClaimSet.about(wanted, MeasuredPicture(picture.display, seen))

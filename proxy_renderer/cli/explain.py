@@ -19,6 +19,7 @@ from ..prompt.lexicon.rigs import rig_table
 from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.parser import prepared
 from ..prompt.types import Parsed, SceneWords
+from ..prompt.understood import Understood
 from ..rigs.chosen import chosen_rig
 from ..scene.plain import plain_instances
 from ..schema import Instance
@@ -51,9 +52,8 @@ def account(
     words, instances, context, addition = _read(prompt, scene, subject) if scene else (*_plain(), None)
     if with_reasons:
         return _reasons(prompt, words)
-    advice = OfflineAdvisor(prompt, words, addition.plan if addition else None).advise(
-        None, instances, context
-    )
+    understood = addition.understood if addition else Understood(prompt, words)
+    advice = OfflineAdvisor(understood, addition.plan if addition else None).advise(None, instances, context)
     decided = advice.parsed, advice.prompts, advice.plan
     light = _light(advice.parsed, addition)
     if as_json:

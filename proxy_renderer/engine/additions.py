@@ -15,12 +15,11 @@ from ..planning.lights.lacking import lacking
 from ..planning.types import LightPlan, PlanContext
 from ..prompt.lexicon.rigs import rig_table
 from ..prompt.lexicon.user_words import default_vocabulary
-from ..prompt.parser import parse
 from ..prompt.types import Parsed
+from ..prompt.understood import Understood
 from ..rigs.chosen import chosen_rig
 from ..rigs.lighting import Lighting, lighting
 from ..scene import SceneData
-from ..schema import VibeError
 from ..schema.added_lights import ADDED_LIGHTS, light_name
 
 _SPARE = {light_name(part, "AREA") for part in ("key", "fill", "rim")}
@@ -33,10 +32,12 @@ class Addition:
 
     Attributes:
         scenes: The shots.
+        understood: The words, read against the scene.
         lighting: The rig that the words ask for, set up; None where they ask for none.
     """
 
     scenes: list[SceneData]
+    understood: Understood
     lighting: Lighting | None = None
 
     @property
@@ -60,15 +61,14 @@ def with_additions(scenes: Sequence[SceneData], prompt: str, new_lights: bool = 
         prompt: What the artist typed; where nothing in it is understood offline, nothing is added.
         new_lights: Whether the scene may get lights.
     """
-    vocabulary = default_vocabulary()
-    try:
-        parsed = parse(prompt, scene_words(*scenes), vocabulary)
-    except VibeError:
-        return Addition(list(scenes))
-    if chosen := chosen_rig(parsed, rig_table(), vocabulary):
+    understood = Understood(prompt, scene_words(*scenes))
+    if understood.unknown:
+        return Addition(list(scenes), understood)
+    parsed = understood.parsed
+    if chosen := chosen_rig(parsed, rig_table(), default_vocabulary()):
         lit = lighting(scenes, parsed, chosen, new_lights)
-        return Addition(lit.scenes, lit)
-    return Addition(_with_standby(scenes, parsed, new_lights))
+        return Addition(lit.scenes, understood, lit)
+    return Addition(_with_standby(scenes, parsed, new_lights), understood)
 
 
 def _with_standby(scenes: Sequence[SceneData], parsed: Parsed, new_lights: bool) -> list[SceneData]:

@@ -51,7 +51,7 @@ class Glances:
         if stopped():
             return None
         looks = Looks(shot)
-        advisor = OfflineAdvisor(request.prompt, context.scene_words(scene), addition.plan)
+        advisor = OfflineAdvisor(addition.understood, addition.plan)
         report.save_picture(looks.before.display, Path(request.job) / BEFORE)
         try:
             u, advice = looks.planned(advisor)

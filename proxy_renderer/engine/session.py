@@ -194,8 +194,7 @@ class EngineSession:
         """The model as parser and confiner; None for the offline planner."""
         if self._model is None or not self.prompt.strip():
             return None
-        words = context.scene_words(*addition.scenes)
-        return ModelAdvisor(self.prompt, words, self._model, self._observer.stage, addition.plan)
+        return ModelAdvisor(addition.understood, self._model, self._observer.stage, addition.plan)
 
     def _judge(self, before: Image.Image, after: Image.Image) -> dict[str, Any]:
         """The model's verdict on Cycles' two pictures, or why there is none."""

@@ -9,9 +9,9 @@ from typing import Any, Protocol
 
 from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.meaning import forget_parts, forget_sky
-from ..prompt.parser import parse
 from ..prompt.prompts import compose
-from ..prompt.types import Parsed, Prompts, SceneWords
+from ..prompt.types import Parsed, Prompts
+from ..prompt.understood import Understood
 from ..schema import Instance
 from .owners import SLIVER
 from .planner import plan
@@ -54,35 +54,32 @@ class OfflineAdvisor:
     """The vocabulary and its planner.
 
     Args:
-        prompt: What the artist typed.
-        words: Names in the scene.
+        understood: The prompt, read against the scene.
         light: What a rig plans; None where the words ask for none.
     """
 
-    def __init__(self, prompt: str, words: SceneWords, light: LightPlan | None = None) -> None:
-        self.prompt, self.words, self.light = prompt, words, light
+    def __init__(self, understood: Understood, light: LightPlan | None = None) -> None:
+        self.understood, self.light = understood, light
 
     def advise(self, display: Any, instances: Mapping[str, Instance], context: PlanContext) -> Advice:
         """Raises VibeError if no word of the prompt is known."""
-        parsed = understood(self.prompt, self.words, context)
+        parsed = seen(self.understood, context)
         prompts = compose(parsed)
         decided = plan(parsed, prompts, dict(instances), context, light=self.light)
         return Advice(parsed, prompts, decided, placed=frozenset(self.light.entries if self.light else ()))
 
 
-def understood(prompt: str, words: SceneWords, context: PlanContext) -> Parsed:
+def seen(understood: Understood, context: PlanContext) -> Parsed:
     """What the words mean where the camera sees this much of the sky, and of each material.
 
     Args:
-        prompt: What the artist typed.
-        words: Names in the scene.
+        understood: The prompt, read against the scene.
         context: What is known about the scene and its picture.
 
     Raises:
         VibeError: No word of the prompt is known.
     """
-    vocabulary = default_vocabulary()
-    parsed = parse(prompt, words, vocabulary)
+    vocabulary, parsed = default_vocabulary(), understood.parsed
     if context.world_share is not None and context.world_share < SLIVER:
         forget_sky(parsed, vocabulary)
     forget_parts(parsed, context.material_share, vocabulary)

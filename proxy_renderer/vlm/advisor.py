@@ -12,7 +12,8 @@ from ..planning.planner import plan as confine
 from ..planning.types import LightPlan, Plan, PlanContext, PlanEntry
 from ..prompt.parser import parse
 from ..prompt.prompts import compose
-from ..prompt.types import Parsed, PromptObject, Prompts, SceneWords
+from ..prompt.types import Parsed, PromptObject, Prompts
+from ..prompt.understood import Understood
 from ..schema import Instance, VibeError
 from .aliases import AliasTable
 from .client import Client
@@ -28,8 +29,7 @@ class ModelAdvisor:
     """Asks a model once a round, with the current picture.
 
     Args:
-        prompt: What the artist typed.
-        words: Names in the scene.
+        understood: The prompt, read against the scene.
         client: The model.
         tell: Called with what goes on, for a status line.
         light: What a rig plans, which is part of the draft; None where the words ask for none.
@@ -37,14 +37,18 @@ class ModelAdvisor:
 
     def __init__(
         self,
-        prompt: str,
-        words: SceneWords,
+        understood: Understood,
         client: Client,
         tell: Callable[[str], None],
         light: LightPlan | None = None,
     ) -> None:
-        self._prompt, self._words, self._client, self._tell = prompt, words, client, tell
-        self._offline = OfflineAdvisor(prompt, words, light)
+        self._prompt, self._words, self._client, self._tell = (
+            understood.prompt,
+            understood.words,
+            client,
+            tell,
+        )
+        self._offline = OfflineAdvisor(understood, light)
         self._caption = ""  # the model's own words for the look: the vocabulary may know these at least
         self._failures: list[str] = []
         self._in_a_row = 0

@@ -14,6 +14,7 @@ from proxy_renderer.optimize import pipeline
 from proxy_renderer.optimize.baseline import GlobalGuidance
 from proxy_renderer.optimize.inner.descent import fixed_views
 from proxy_renderer.optimize.shots import ShotInput
+from proxy_renderer.prompt import understood
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import VibeError
@@ -172,3 +173,11 @@ def test_a_prompt_in_which_nothing_is_known(scene, encoder):
 def test_everything_locked(scene, encoder):
     with pytest.raises(VibeError, match="may change"):
         vibe(scene, encoder, prompt="vignette", lock=("film",))
+
+
+def test_a_prompt_is_read_once_however_many_rounds_there_are(scene, encoder, monkeypatch):
+    read = []
+    parse = understood.parse
+    monkeypatch.setattr(understood, "parse", lambda *given: read.append(given[0]) or parse(*given))
+    vibe(scene, encoder, rounds=2)
+    assert read == [PROMPT]

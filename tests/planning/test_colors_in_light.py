@@ -15,6 +15,7 @@ from proxy_renderer.prompt.meaning import forget_parts, forget_sky
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.prompts import compose
 from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.prompt.understood import Understood
 from proxy_renderer.schema import FAMILIES, Instance
 
 COLOR = Instance(FAMILIES["material/base_color"], "Body", (0.5, 0.5, 0.5), 1.0, "subject")
@@ -71,7 +72,7 @@ def test_a_sky_out_of_sight_is_its_light():
 
 @pytest.mark.parametrize(("share", "kind"), [(0.0, "ambience"), (0.5, "sky"), (None, "sky")])
 def test_whether_the_sky_is_seen_decides_what_its_color_is(share, kind):
-    advice = OfflineAdvisor("blue dusk", SceneWords()).advise(
+    advice = OfflineAdvisor(Understood("blue dusk", SceneWords())).advise(
         None, {COLOR.key: COLOR}, PlanContext(world_share=share)
     )
     assert [a.kind for a in advice.parsed.attributes if a.color] == [kind]

@@ -18,6 +18,7 @@ from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.planning.types import Plan, PlanContext
 from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
 from proxy_renderer.prompt.types import Parsed, Prompts, SceneWords
+from proxy_renderer.prompt.understood import Understood
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import FAMILIES, Instance, VibeError
 from proxy_renderer.schema.messages import Options
@@ -75,7 +76,7 @@ class TestQuestion:
     def test_the_draft_is_told(self, scene):
         from proxy_renderer.planning.advice import OfflineAdvisor
 
-        advice = OfflineAdvisor(PROMPT, context.scene_words(scene)).advise(
+        advice = OfflineAdvisor(Understood(PROMPT, context.scene_words(scene))).advise(
             None, scene.instances, PlanContext()
         )
         table = AliasTable(scene.instances, PlanContext())
@@ -329,7 +330,7 @@ def vibe(scene, encoder, model, prompt=PROMPT, **options):
     """A whole small vibe with a model."""
     watch = Silent()
     client = Client(Endpoint(MODEL, model.url, KEY, 5.0))
-    advisor = ModelAdvisor(prompt, context.scene_words(scene), client, watch.stage)
+    advisor = ModelAdvisor(Understood(prompt, context.scene_words(scene)), client, watch.stage)
     chosen = Options(**{"rounds": 2, "steps": 2, "size": 48, **options})
     outcome = pipeline.run([ShotInput(scene)], prompt, chosen, encoder, encoder, watch, advisor)
     return outcome, advisor.account(), watch.seen
@@ -448,7 +449,7 @@ def test_scene_words_need_no_scene():
     """The advisor works without names too."""
     with serving(lambda body, n: refuses(401, "no")) as model:
         client = Client(Endpoint(MODEL, model.url))
-        made = ModelAdvisor("misty", SceneWords(), client, lambda text: None)
+        made = ModelAdvisor(Understood("misty", SceneWords()), client, lambda text: None)
         fog = instance("volume/density", value=0.0)
         picture = torch.zeros(8, 8, 3)
         assert made.advise(picture, {fog.key: fog}, PlanContext()).plan["volume/density"].priority is not None

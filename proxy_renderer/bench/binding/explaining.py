@@ -12,6 +12,7 @@ from typing import Any
 from ...planning.advice import OfflineAdvisor
 from ...planning.explanation import explain
 from ...prompt.types import Parsed
+from ...prompt.understood import Understood
 from ...schema import VibeError
 from ...train.sentences.labels import LabeledScene, LabeledSentence
 from ...train.sentences.stand_in import SceneStandIn, stand_in
@@ -44,7 +45,7 @@ def explained(text: str, whole: SceneStandIn) -> Parsed:
     Raises:
         VibeError: The prompt asks for no look.
     """
-    advice = OfflineAdvisor(text, whole.words).advise(None, whole.instances, whole.context)
+    advice = OfflineAdvisor(Understood(text, whole.words)).advise(None, whole.instances, whole.context)
     explain(advice.parsed, advice.prompts, advice.plan)
     return advice.parsed
 

@@ -19,6 +19,7 @@ from ...planning.advice import Advice, Advisor, OfflineAdvisor
 from ...planning.types import LightPlan, Plan
 from ...prompt.lexicon.user_words import default_vocabulary
 from ...prompt.types import Parsed
+from ...prompt.understood import Understood
 from ...reference.advisor import beside
 from ...reference.like import Reference
 from ...render.proxy import Proxy, Render
@@ -56,6 +57,10 @@ class Missed(NamedTuple):
 
 class LightAsked(Protocol):
     """The light that words ask for, set up in the scene."""
+
+    @property
+    def understood(self) -> Understood:
+        """The words, read against the scene."""
 
     @property
     def plan(self) -> LightPlan | None:
@@ -106,7 +111,11 @@ class Search:
 
         self.vector, self.shots = gathered(views, options, proxy)
         words = context.scene_words(*(view.scene for view in views))
-        offline = OfflineAdvisor(prompt, words, light.plan if light else None)
+        offline = (
+            OfflineAdvisor(light.understood, light.plan)
+            if light
+            else OfflineAdvisor(Understood(prompt, words))
+        )
         self.offline, asked = (
             beside(self.reference, each, prompt, len(views), words.lights)
             for each in (offline, advisor or offline)

@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A prompt is read once, and what one reader takes out of it the next one still finds."""
+
+from __future__ import annotations
+
+import pytest
+
+from proxy_renderer.prompt import understood as module
+from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.prompt.understood import Understood
+from proxy_renderer.schema import VibeError
+
+
+def test_each_caller_gets_a_copy_of_one_reading(monkeypatch):
+    read = []
+    parse = module.parse
+    monkeypatch.setattr(module, "parse", lambda *given: read.append(given) or parse(*given))
+    understood = Understood("glossy teal, warm light", SceneWords())
+    first = understood.parsed
+    first.attributes.clear()
+    first.conflicts.append("spoiled")
+    assert [a.entry for a in understood.parsed.attributes][:2] == ["glossy", "teal"]
+    assert understood.parsed.conflicts == []
+    assert len(read) == 1
+
+
+@pytest.mark.parametrize("prompt", ["", "hello there", "x" * 100_000])
+def test_what_is_not_understood_is_said_whenever_it_is_asked_for(prompt):
+    understood = Understood(prompt, SceneWords())
+    assert understood.unknown
+    for _ in range(2):
+        with pytest.raises(VibeError) as caught:
+            understood.parsed  # noqa: B018
+        assert caught.value is understood.unknown
