@@ -39,6 +39,7 @@ def account(
     scene: Path | None = None,
     subject: Sequence[str] = (),
     with_reasons: bool = False,
+    target: Sequence[str] = (),
 ) -> str:
     """What the words mean, readable or as JSON.
 
@@ -48,11 +49,14 @@ def account(
         scene: A .blend or a mesh, which Blender reads; None for a subject, its surroundings and three lights.
         subject: Arguments that say what in the scene is the subject: "--subject=Cup".
         with_reasons: Say why each look word is bound as it is, and nothing else.
+        target: "copper=Cup": what words describe, where they are taken for something else.
     """
-    words, instances, context, addition = _read(prompt, scene, subject) if scene else (*_plain(), None)
+    words, instances, context, addition = (
+        _read(prompt, scene, subject, target) if scene else (*_plain(), None)
+    )
     if with_reasons:
         return _reasons(prompt, words)
-    understood = addition.understood if addition else Understood(prompt, words)
+    understood = addition.understood if addition else Understood(prompt, words, target)
     advice = OfflineAdvisor(understood, addition.plan if addition else None).advise(None, instances, context)
     decided = advice.parsed, advice.prompts, advice.plan
     light = _light(advice.parsed, addition)
@@ -85,7 +89,7 @@ def _reasons(prompt: str, words: SceneWords) -> str:
 
 
 def _read(
-    prompt: str, scene: Path, subject: Sequence[str]
+    prompt: str, scene: Path, subject: Sequence[str], target: Sequence[str]
 ) -> tuple[SceneWords, dict[str, Instance], PlanContext, Addition]:
     """A scene as the first round of a vibe sees it: its names, its parameters, and the picture that they give."""
     from ..blender.launch import launch
@@ -102,7 +106,7 @@ def _read(
         from ..render.proxy import Proxy
         from ..scene import load_scene
 
-        addition = with_additions([load_scene(Path(folder))], prompt)
+        addition = with_additions([load_scene(Path(folder))], prompt, told=target)
         data = addition.scenes[0]
         vector = ParameterVector(lock(data.instances, (), (), scene.suffix.lower() != ".blend"))
         proxy = Proxy(data, context.picture_size(data.resolution, _LOOK), device="cpu", seed=0)

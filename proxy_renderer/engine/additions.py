@@ -53,15 +53,21 @@ class Addition:
         return (*self.lighting.claims, *claims_of(parsed, vocabulary, self.lighting.plan.served))
 
 
-def with_additions(scenes: Sequence[SceneData], prompt: str, new_lights: bool = True) -> Addition:
+def with_additions(
+    scenes: Sequence[SceneData], prompt: str, new_lights: bool = True, told: Sequence[str] = ()
+) -> Addition:
     """The shots, lit by the rig that the words ask for; or with what is on standby for them, where they ask for no rig.
 
     Args:
         scenes: One or several shots. The first decides on lights for all; a backdrop is for all of them or for none.
         prompt: What the artist typed; where nothing in it is understood offline, nothing is added.
         new_lights: Whether the scene may get lights.
+        told: "copper=Cup": what the artist says that words describe.
+
+    Raises:
+        VibeError: The scene has nothing that a word is told to describe.
     """
-    understood = Understood(prompt, scene_words(*scenes))
+    understood = Understood(prompt, scene_words(*scenes), told)
     if understood.unknown:
         return Addition(list(scenes), understood)
     parsed = understood.parsed

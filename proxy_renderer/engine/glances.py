@@ -45,7 +45,9 @@ class Glances:
             VibeError: The job cannot be read.
         """
         options = messages.Options.from_dict(request.options)
-        addition = with_additions([self._scene(request.job)], request.prompt, options.new_lights)
+        addition = with_additions(
+            [self._scene(request.job)], request.prompt, options.new_lights, options.target
+        )
         (scene,) = addition.scenes
         _, (shot,) = gathered([ShotInput(scene)], options, lambda _: self._proxy(scene, options))
         if stopped():

@@ -79,7 +79,7 @@ class EngineSession:
         self._observer.stage("loading the scene")
         found = [load_scene(Path(shot.job)) for shot in self.shots]
         self._observer.stage("setting the light")
-        addition = with_additions(found, self.prompt, self.options.new_lights)
+        addition = with_additions(found, self.prompt, self.options.new_lights, self.options.target)
         scenes = addition.scenes
         clock.lap("load scene")
         advisor = self._advisor(addition)

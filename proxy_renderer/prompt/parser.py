@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from ..schema import VibeError
 from ..schema.limits import LONGEST_PROMPT
@@ -61,6 +61,7 @@ def parse(
     scene: SceneWords,
     vocabulary: Vocabulary | None = None,
     weights: FactWeights | None = None,
+    told: Mapping[str, str] | None = None,
 ) -> Parsed:
     """Finds the look words of a prompt and binds them to subject, surroundings, lights or the film.
 
@@ -69,6 +70,7 @@ def parse(
         scene: The names in the scene.
         vocabulary: What words mean; the artist's own if None.
         weights: Of the reader; those that are shipped if None.
+        told: Word -> what the artist says that it describes: a name in the scene, "lights", "not used" and so on.
 
     Raises:
         VibeError: The prompt is empty, too long, or holds no look word at all.
@@ -79,7 +81,7 @@ def parse(
     if foreign == "all":
         raise VibeError(f"The prompt '{text[:60]}' is in a language that is not understood.", understood())
     said, spared = _prepared(glossed.english, scene, vocabulary)
-    found = PromptReader(vocabulary, scene, weights)
+    found = PromptReader(vocabulary, scene, weights, told=told)
     parsed = found.read(said, {normalize(word) for word in glossed.unknown})
     parsed.prompt = text
     parsed.conflicts += map(str, spared)

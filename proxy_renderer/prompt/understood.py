@@ -3,9 +3,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from copy import deepcopy
 
 from ..schema import VibeError
+from ..schema.options import checks
 from .lexicon.user_words import default_vocabulary
 from .parser import parse
 from .types import Parsed, SceneWords
@@ -17,6 +19,7 @@ class Understood:
     Args:
         prompt: What the artist typed.
         words: The names in the scene.
+        told: "copper=Cup": what the artist says that words describe.
 
     Attributes:
         prompt: What the artist typed.
@@ -24,12 +27,12 @@ class Understood:
         unknown: Why nothing in the prompt is understood; None where something is.
     """
 
-    def __init__(self, prompt: str, words: SceneWords) -> None:
+    def __init__(self, prompt: str, words: SceneWords, told: Iterable[str] = ()) -> None:
         self.prompt, self.words = prompt, words
         self.unknown: VibeError | None = None
         self._parsed: Parsed | None = None
         try:
-            self._parsed = parse(prompt, words, default_vocabulary())
+            self._parsed = parse(prompt, words, default_vocabulary(), told=checks.targets(told))
         except VibeError as error:
             self.unknown = error
 

@@ -61,6 +61,7 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
         checks.prompt(args.prompt, args.like)
         args.groups = checks.groups(args.groups)
         checks.locks(args.lock)
+        checks.targets(args.target)
         args.like_only = checks.traits(args.like_only, args.like)
         args.like = os.path.abspath(args.like) if args.like else ""
     if args.command not in ("revert", "serve"):

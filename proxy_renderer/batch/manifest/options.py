@@ -78,6 +78,7 @@ class OptionReader:
         checks.numbers(given, self._rows.values())
         checks.groups(given.groups)
         checks.locks(given.lock)
+        checks.targets(given.target)
         checks.traits(given.like_only, given.like or "perhaps in another table")
         check.device(given.device)
         frame_numbers(getattr(given, "frames", ""))

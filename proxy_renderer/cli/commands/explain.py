@@ -18,6 +18,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("prompt", metavar="TEXT", help="the look")
     add_scene(parser, optional=True)
     command_line.add_option(parser, named("vocabulary"))
+    command_line.add_option(parser, named("target"))
     parser.add_argument(
         "--why",
         action="store_true",
@@ -32,7 +33,8 @@ def act(a: argparse.Namespace) -> int:
 
     checks.prompt(a.prompt)
     check.vocabulary(a.vocabulary)
+    checks.targets(a.target)
     scene = check.scene(a.scene) if a.scene else None
     subject = [f"--subject={name}" for name in a.subject]
-    print(account(a.prompt, a.json, scene, subject, a.why))
+    print(account(a.prompt, a.json, scene, subject, a.why, a.target))
     return 0

@@ -62,6 +62,7 @@ def carry_out(a: argparse.Namespace, what: str, scenes: Sequence[Path] = ()) -> 
     checks.numbers(a)
     a.groups = checks.groups(a.groups)
     checks.locks(a.lock)
+    checks.targets(a.target)
     a.like_only = checks.traits(a.like_only, a.like)
     a.like = str(check.file(a.like, "picture")) if a.like else ""
     check.device(a.device)

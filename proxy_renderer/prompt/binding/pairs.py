@@ -35,6 +35,7 @@ class TargetPair:
         becoming: What it would be there.
         features: What can be said of the two, each once, in order: sums are the same in every process.
         names_itself: The look word is in the noun that names the target: "sunlight".
+        told: The artist has chosen the target.
     """
 
     look: PromptLook
@@ -42,6 +43,7 @@ class TargetPair:
     becoming: Becoming
     features: tuple[str, ...]
     names_itself: bool = False
+    told: bool = False
 
 
 @dataclass(frozen=True)

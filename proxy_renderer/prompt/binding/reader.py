@@ -24,6 +24,7 @@ from .bound import Thing, Things
 from .model import scores, shipped_weights
 from .pairs import PromptPairs, TargetPair, reading
 from .targets import LAMPS, MATTER, TINGE
+from .told import ToldTargets
 
 _PLAIN = "Use plain look words that the vocabulary knows."
 _UNSURE = 0.35
@@ -39,6 +40,7 @@ class PromptReader:
         scene: The names in the scene.
         weights: By feature; None for those that are shipped.
         is_part: What is read is what a mood stands for; no mood may be in it.
+        told: Word -> what the artist says that it describes.
 
     Attributes:
         mentioned: The nouns with a surface: name, region and materials.
@@ -56,8 +58,10 @@ class PromptReader:
         scene: SceneWords,
         weights: Mapping[str, float] | None = None,
         is_part: bool = False,
+        told: Mapping[str, str] | None = None,
     ) -> None:
         self.vocabulary, self.scene, self.is_part = vocabulary, scene, is_part
+        self.told = ToldTargets(told or {}, scene, vocabulary)
         self.weights = shipped_weights() if weights is None else weights
         self.subject = scene.subject
         self.mentioned: list[NamedThing] = []
@@ -79,10 +83,14 @@ class PromptReader:
             self._of_its_light(pair, pairs, phrases) if pair.look.index in phrases.of else pair
             for pair, pairs in bound
         ]
+        self.chosen = [self.told.of(pair) or pair for pair in self.chosen]
         things = Things(self.found, self.chosen, self.scene)
         parsed, absent = Parsed(text), self._without_object(things)
         tinge: TargetPair | None = None
         for number, pair in enumerate(self.chosen):
+            if pair.told:
+                self._take_told(pair, things, parsed)
+                continue
             unsure = self._is_unsure(pair, self.found.pairs[number])
             if pair.look.index in phrases.gone and pair.target.kind not in MATTER:  # "replace the harsh lamp"
                 parsed.ignored.append(pair.look.text)
@@ -110,12 +118,23 @@ class PromptReader:
                 if pair.look.token.guess:
                     parsed.guesses[pair.look.token.text] = pair.look.token.guess
                 tinge = None
+        things.notes += [
+            f"'{word}' is no look word here: its target is not used." for word in self.told.unused()
+        ]
         passage = self.found.passage
         self.mentioned, self.subject, parsed.conflicts = things.mentioned, things.subject, things.notes
         self.beyond, self.undone = passage.beyond, [" ".join(words) for words in passage.wishes]
         parsed.ignored += [*(w for words in passage.wishes for w in words), *self.beyond, *self._unknown()]
         parsed.guesses |= dict(self._guessed_names())
         return parsed
+
+    def _take_told(self, pair: TargetPair, things: Things, parsed: Parsed) -> None:
+        """What a look word says of what the artist has chosen for it."""
+        if pair.target.kind == "none":
+            parsed.ignored.append(pair.look.text)
+            return
+        thing = self.told.thing(pair, things.of(pair))
+        parsed.attributes += self._attributes(pair.look, self._entry(pair, []), thing, ())
 
     def _of_its_light(self, pair: TargetPair, pairs: list[TargetPair], phrases: LightPhrases) -> TargetPair:
         """A word in the description of a light, said of light unless it tells of something that is named there: "a pink one"."""
@@ -149,6 +168,8 @@ class PromptReader:
         """The pairs of words whose object the scene lacks, by id; the notes get a sentence for each object."""
         objects, lacking = AbsentObjects(self.found, self.scene, self.vocabulary), defaultdict(list)
         for pair in self.chosen:
+            if pair.told:
+                continue
             if noun := objects.noun_of(pair):
                 lacking[noun].append(pair)
         for noun, pairs in lacking.items():

@@ -104,6 +104,23 @@ def locks(patterns: Sequence[str]) -> None:
             )
 
 
+def targets(pairs: Iterable[str]) -> dict[str, str]:
+    """Word of a prompt -> what it describes, from "copper=Cup"; whether the scene has that, the scene will tell.
+
+    Raises:
+        VibeError: A pair lacks the word or the target.
+    """
+    found = {}
+    for pair in pairs:
+        word, _, target = pair.partition("=")
+        if not (word.strip() and target.strip()):
+            raise VibeError(
+                f"The target {pair!r} says nothing.", "Write WORD=TARGET, as in --target copper=Cup."
+            )
+        found[word.strip()] = target.strip()
+    return found
+
+
 def folder(path: Path) -> Path:
     """An output folder that exists now and can be written.
 

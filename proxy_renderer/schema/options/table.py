@@ -103,6 +103,13 @@ class Options:
             "Values that must stay, separated by commas: light/Key, material/*/metallic, film/exposure",
         ),
     )
+    target: tuple[str, ...] = option(
+        (),
+        'what a word describes, where it is taken for something else: copper=Cup, warm="key light", gold="not used"; can '
+        "be given several times",
+        "reach",
+        unit="WORD=TARGET",
+    )
     new_lights: bool = option(
         True,
         "light the scene with its own lights alone: add none",

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What an artist says that a word describes counts before what the reader takes it for."""
+
+from __future__ import annotations
+
+import pytest
+
+from proxy_renderer.prompt.parser import parse
+from proxy_renderer.prompt.types import LightWords, SceneWords
+from proxy_renderer.prompt.understood import Understood
+from proxy_renderer.schema import VibeError
+
+SCENE = SceneWords(
+    objects={"Cube.003": "subject", "Cube.004": "subject", "Plane": "surroundings"},
+    materials={"Material": "subject", "Material.001": "subject", "Material.002": "surroundings"},
+    object_materials={"Cube.003": ("Material",), "Cube.004": ("Material.001",), "Plane": ("Material.002",)},
+    lights={"Area": LightWords("AREA", "key"), "Area.001": LightWords("AREA", "rim")},
+)
+
+
+def told(prompt, **targets):
+    """The attributes that a prompt says itself, with targets."""
+    parsed = parse(prompt, SCENE, told={word.replace("_", " "): name for word, name in targets.items()})
+    return [a for a in parsed.attributes if not a.cause], parsed
+
+
+@pytest.mark.parametrize("word", ["copper", "glossy", "teal", "velvet"])
+@pytest.mark.parametrize(
+    "prompt", ["{} teapot, warm light", "the sofa in {}", "warm light and {}", "walls in {}"]
+)
+@pytest.mark.parametrize(
+    ("name", "material"),
+    [("Cube.003", "Material"), ("cube.004", "Material.001"), ("Material.002", "Material.002")],
+)
+def test_a_word_goes_where_it_is_told(word, prompt, name, material):
+    attributes, parsed = told(prompt.format(word), **{word: name})
+    assert [a.owners for a in attributes if a.word == word] == [(material,)]
+    assert word not in parsed.ignored
+
+
+@pytest.mark.parametrize("word", ["copper", "glossy", "warm"])
+def test_a_word_that_is_not_to_be_used_is_left_out(word):
+    attributes, parsed = told(f"dim light, {word} and teal", **{word: "not used"})
+    assert word not in [a.word for a in attributes]
+    assert word in parsed.ignored
+
+
+@pytest.mark.parametrize(
+    ("target", "kind"), [("lights", "light"), ("key light", "light"), ("rim light", "rim"), ("image", "tone")]
+)
+def test_a_word_can_be_told_to_be_of_light_or_of_the_image(target, kind):
+    attributes, _ = told("teapot, warm", warm=target)
+    assert {a.kind for a in attributes if a.word == "warm"} & {kind, "whole", "ambience"}
+    assert not any(a.owners for a in attributes)
+
+
+def test_one_light_can_be_meant():
+    attributes, _ = told("warm and dim", warm="Area.001")
+    assert [a.lights for a in attributes if a.word == "warm"] == [("Area.001",)]
+
+
+def test_a_word_that_the_prompt_lacks_is_told_of():
+    _, parsed = told("teal", copper="Cube.003")
+    assert any("copper" in note for note in parsed.conflicts)
+
+
+@pytest.mark.parametrize(
+    "pairs", [["copper"], ["=Cube.003"], ["copper="], ["copper=Teapot"], ["misty=Cube.003"]]
+)
+def test_what_cannot_be_is_one_line_with_its_remedy(pairs):
+    with pytest.raises(VibeError) as caught:
+        _ = Understood("misty copper", SCENE, pairs).parsed
+    assert caught.value.remedy
+    assert "\n" not in str(caught.value)
