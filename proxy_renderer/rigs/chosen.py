@@ -6,11 +6,21 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ..color.floats import lab_from_srgb
-from ..prompt.lexicon.rigs import KINDS, Modifier, Rig, RigLight, RigTable
+from ..color.floats import chroma, lab_from_srgb
+from ..prompt.lexicon.rigs import KINDS, TIMES, Modifier, Rig, RigLight, RigTable
 from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.types import Attribute, Parsed
-from .described import LIGHT_KINDS, DescribedLight, composed, described, limited, mirrored, source_of, tint_of
+from .described import (
+    LIGHT_KINDS,
+    DescribedLight,
+    composed,
+    described,
+    is_dark,
+    limited,
+    mirrored,
+    source_of,
+    tint_of,
+)
 from .mixed import at_an_hour, deepened, in_a_mood, in_a_style, with_source
 
 _LIT = (*LIGHT_KINDS, "ambience")
@@ -23,6 +33,7 @@ _COLORED = ("key", "accent", "rim")
 """Parts that take the colors of light which are said of no light in particular, in their order."""
 _DARKER, _DIMMER = "darker surface", 1.3  # the entry of what is only to be darker, and by how many stops
 _DARK_WORDS = (_DARKER, "dark surface", "black surface", "dark surroundings", "dark")
+_HUED = 14.0  # C* from which a dark color is not black: "dark burgundy"
 _DARK, _BLACK_WORLD, _BLACK_SKY, _BLACK_OWN = 20.0, -6.5, -6.5, -10.0
 """L* of a color up to which it is black, and the stops of a world, a sky and lights that leave all but the subject black."""
 _EXPOSURES = (-2.2, 1.0)
@@ -125,13 +136,11 @@ class _Build:
         elif not attribute.cause and other.kind == "source":
             self.rig = with_source(self.rig, other)
             self.words.setdefault(attribute.word, (("accent",), ("color",)))
-        elif (
-            not attribute.cause and other.kind in ("time", "hour") and self.first.kind not in ("time", "hour")
-        ):
+        elif not attribute.cause and other.kind in TIMES and self.first.kind not in TIMES:
             self.rig = at_an_hour(self.rig, other)
         elif not attribute.cause and other.kind == "style" and self.first.kind == "source":
             self.rig = in_a_style(self.rig, other)
-        elif not attribute.cause and other.kind == "mood" and self.first.kind in ("time", "hour", "place"):
+        elif not attribute.cause and other.kind == "mood" and self.first.kind in (*TIMES, "place"):
             self.rig, self.first = in_a_mood(self.rig, other), replace(self.first, kind="mood")
 
     def describe(self, lights: Sequence[DescribedLight]) -> None:
@@ -269,7 +278,7 @@ def _rank(attribute: Attribute, table: RigTable) -> tuple[bool, int]:
 
 def _gels(said: Sequence[Attribute], setups: Sequence[Attribute], table: RigTable) -> list[Attribute]:
     """The colors that are colors of light: those said of light, and those of signs, where the rig has signs."""
-    colors = [a for a in said if a.color and not a.negated and not a.cause]
+    colors = [a for a in said if a.color and not (a.negated or a.cause or is_dark(a))]
     signs = any(light.color for a in setups for light in table.rigs[a.entry].lights)
     neon = {a.thing for a in said if a.color and a.entry.startswith(_NEON) and signs}
     return [a for a in colors if a.kind in _LIT] + [
@@ -284,7 +293,8 @@ def _darkens_the_rest(attribute: Attribute, said: Sequence[Attribute], vocabular
     if attribute.negated or not around or (attribute.owners and not others):
         return False
     if attribute.color is not None:
-        return lab_from_srgb(attribute.color)[0] < _DARK
+        lab = lab_from_srgb(attribute.color)
+        return lab[0] < _DARK and chroma(lab) < _HUED
     colored = any(
         a.color and a.thing == attribute.thing for a in said
     )  # "darken the backdrop to a dusty teal"

@@ -4,10 +4,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ..color.floats import hex_from_srgb, linear_from_srgb, srgb_from_linear
+from ..color.floats import hex_from_srgb, lab_from_srgb, linear_from_srgb, srgb_from_linear
 from ..prompt.lexicon.rigs import Modifier, RigLight, RigTable
 from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.types import GLOW, Attribute
@@ -27,6 +27,7 @@ _TEMPLATES = {
 _BEHIND = 120.0  # degrees from the camera from which a light draws an edge
 _FRONT, _EDGE = 20.0, 128.0  # an edge that is said to be on a side stands there, behind the subject
 _OPPOSITE = 100.0  # degrees of azimuth from the key at which a light stands that says nothing of its place
+_DARKEST = 12.0  # L* of a color below which no light has it
 _SOFTER, _OF_FREE = 1.6, -0.5
 """How much "faint" takes of a light that is not the key, and stops of a second light against the first."""
 _WIDEST = {"SUN": 45.0, "AREA": 5.0, "SPOT": 1.0, "POINT": 0.6}
@@ -57,10 +58,13 @@ def described(said: Iterable[Attribute], table: RigTable) -> list[DescribedLight
     groups: dict[int, list[Attribute]] = {}
     for attribute in said:
         glow = any(name.startswith(GLOW) for name in attribute.lights)
-        if attribute.kind in LIGHT_KINDS and not (attribute.owners or attribute.cause or glow):
+        if attribute.kind in LIGHT_KINDS and not (
+            attribute.owners or attribute.cause or glow or is_dark(attribute)
+        ):
             for number in attribute.phrases:
                 groups.setdefault(number, []).append(attribute)
     found: list[DescribedLight] = []
+    groups = _merged(groups, table)
     groups = {n: words for n, words in groups.items() if _tells(words, table, len(groups))}
     for words in groups.values():
         for own in _own_lights(words):
@@ -69,6 +73,26 @@ def described(said: Iterable[Attribute], table: RigTable) -> list[DescribedLight
             if part := next(free, ""):
                 found.append(DescribedLight(part, tuple(words), own))
     return _with_a_key(found)
+
+
+def _merged(groups: Mapping[int, list[Attribute]], table: RigTable) -> dict[int, list[Attribute]]:
+    """The groups, those that name the same source as one: "full moon ... cold moonlight from behind"."""
+    found: dict[int, list[Attribute]] = {}
+    of_source: dict[str, int] = {}
+    for number, words in groups.items():
+        source = source_of(words, table)
+        first = (
+            of_source.setdefault(source.entry, number)
+            if source and not any(a.color for a in words)
+            else number
+        )
+        found.setdefault(first, []).extend(words)
+    return found
+
+
+def is_dark(attribute: Attribute) -> bool:
+    """Whether a word is a color that no light can have: "black"."""
+    return attribute.color is not None and lab_from_srgb(attribute.color)[0] < _DARKEST
 
 
 def _own_lights(words: Iterable[Attribute]) -> tuple[str, ...]:

@@ -30,9 +30,12 @@ def with_source(rig: Rig, other: Rig) -> Rig:
 
 
 def at_an_hour(rig: Rig, hour: Rig) -> Rig:
-    """A setup under the sky of an hour or a weather, which may darken it a little."""
+    """A setup under the sky of an hour or a weather, which may darken it a little; of several skies under the darkest."""
+    if rig.under_sky and rig.sky is not None and (hour.sky is None or hour.sky > rig.sky):
+        return rig
     return replace(
         rig,
+        under_sky=True,
         sky=rig.sky if hour.sky is None else hour.sky,
         sky_color=hour.sky_color or rig.sky_color,
         world_color=hour.world_color or rig.world_color,

@@ -179,3 +179,25 @@ def test_slightly_is_of_the_color_and_faint_of_the_light():
     chromas = [chroma(lab_from_srgb(srgb_from_hex(color))) for color in (full, slight, faint)]
     assert chromas[1] < 0.6 * chromas[0]
     assert chromas[2] == pytest.approx(chromas[0], rel=0.05)
+
+
+@pytest.mark.parametrize("second", ["cold moonlight from behind", "the moonlight comes from behind"])
+def test_a_source_that_is_named_twice_is_one_light(second):
+    found = rig(f"a full moon, {second}")
+    assert [light.type for light in found.lights].count("SUN") == 1
+    assert abs(found.lights[0].azimuth) > 120
+
+
+@pytest.mark.parametrize("color", ["greenish", "pale blue", "orange"])
+@pytest.mark.parametrize("air", ["ground fog", "mist", "smoke"])
+def test_a_color_before_fog_is_the_fogs(color, air):
+    attributes = parse(f"cold moonlight, {color} {air}", SceneWords()).attributes
+    assert {a.kind for a in attributes if a.color} == {"fog"}
+
+
+def test_no_light_is_black_and_dark_red_is_not_black():
+    assert not sides(rig("a jet black lamp from the left"))
+    spot = "a spot from the left, {} background"
+    assert rig(spot.format("dark burgundy")).world > rig(spot.format("black")).world or (
+        rig(spot.format("dark burgundy")) == rig("a spot from the left")
+    )

@@ -8,6 +8,10 @@ import itertools
 import pytest
 
 from proxy_renderer.prompt.lexicon.rigs import Rig, rig_table
+from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
+from proxy_renderer.prompt.parser import parse
+from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.rigs.chosen import chosen_rig
 from proxy_renderer.rigs.mixed import at_an_hour, in_a_mood, with_source
 
 _KINDS = {
@@ -54,3 +58,13 @@ def test_a_second_source_stands_on_the_other_side(other):
     accents = [light for light in both.lights if light.part == "accent"]
     if both is not first and accents[0].azimuth:
         assert accents[0].azimuth * first.lights[0].azimuth < 0
+
+
+@pytest.mark.parametrize(
+    "words", ["snowy night by the fire", "by the fire, night, snow outside", "night, snowfall, lamplight"]
+)
+def test_of_several_skies_the_darkest_counts(words):
+    vocabulary = default_vocabulary()
+    found = chosen_rig(parse(words, SceneWords(), vocabulary), rig_table(), vocabulary)
+    assert found
+    assert found.rig.sky < -2.5

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from ...schema import VibeError
 from ..lexicon.entries import VocabularyEntry
-from ..lexicon.rigs import rig_table
+from ..lexicon.rigs import TIMES, rig_table
 from ..lexicon.vocabulary import Vocabulary
 from ..meaning import NamedThing
 from ..mentions.light_phrases import LightPhrases, light_phrases
@@ -80,7 +80,9 @@ class PromptReader:
         phrases = light_phrases(self.found.passage, self.vocabulary, rig_table())
         bound = zip(assigned(self.found, self.weights), self.found.pairs, strict=True)
         self.chosen: list[TargetPair] = [
-            self._of_its_light(pair, pairs, phrases) if pair.look.index in phrases.of else pair
+            self._of_its_light(pair, pairs, phrases)
+            if pair.look.index in phrases.of
+            else self._of_its_air(pair, pairs)
             for pair, pairs in bound
         ]
         self.chosen = [self.told.of(pair) or pair for pair in self.chosen]
@@ -152,6 +154,15 @@ class PromptReader:
             return pair
         return next((other for other in pairs if other.target.kind == (role or "light")), pair)
 
+    def _of_its_air(self, pair: TargetPair, pairs: list[TargetPair]) -> TargetPair:
+        """A color right before fog, smoke or the like, said of that: "greenish ground fog"."""
+        items, place = self.found.passage.items, pair.look.index + 1
+        following = next((item for item in items[place:] if item.strength is None), None)
+        if following is None or following.clause != items[place - 1].clause or not pair.look.token.color:
+            return pair
+        air = following.noun == "fog" or self.vocabulary.slot(following.entry) == "atmosphere"
+        return next((other for other in pairs if other.target.kind == "air"), pair) if air else pair
+
     def _is_definite(self, look: PromptLook) -> bool:
         """Whether a word that could be a thing is spoken of as one: "the candle is red"."""
         before = self.found.passage.items[look.index - 1 : look.index]
@@ -192,7 +203,7 @@ class PromptReader:
     def _is_a_light(self, look: PromptLook, things: Things) -> bool:
         """Whether a word that seems to name a thing is a source of light that a rig is for: "a single candle on the left"."""
         rig = rig_table().rigs.get(look.token.entry)
-        if rig is None or rig.kind not in ("source", "time", "hour") or rig.adds or look.token.guess:
+        if rig is None or rig.kind not in ("source", *TIMES) or rig.adds or look.token.guess:
             return False
         if self._is_definite(look) and "thing" in look.token.lists:
             return False

@@ -20,7 +20,9 @@ from .kelvins import temperature
 SOURCES = {"point": "POINT", "spot": "SPOT", "area": "AREA", "sun": "SUN"}
 REACHES = ("subject", "pool", "background", "all")
 THROUGH = ("", "window")
-KINDS = ("source", "style", "time", "mood", "hour", "place")
+KINDS = ("source", "style", "time", "season", "mood", "hour", "place")
+TIMES = ("time", "season", "hour")
+"""Kinds that have a sky."""
 _HEX = re.compile("#[0-9a-fA-F]{6}")
 _DISTANCES = {"POINT": 1.8, "SPOT": 5.0, "AREA": 3.0, "SUN": 0.0}
 _SIZES = {"POINT": 0.1, "SPOT": 0.08, "AREA": 1.2, "SUN": 0.5}
@@ -80,7 +82,7 @@ class Rig:
         words: Ways to say it that the vocabulary does not have; its name is one where the vocabulary lacks it.
         entries: Entries of the vocabulary that it is for.
         says: What it looks like, for people.
-        kind: "source", "style", "time", "mood", "hour" or "place": of several that a prompt names the first kind is the setup.
+        kind: "source", "style", "time", "season", "mood", "hour" or "place": of several that a prompt names the first kind is the setup.
         adds: Whether it adds its lights to another rig, or to the scene's own light: a rim light does.
         exposure: Stops of the lit side of the subject, as a gray card has it, against middle gray.
         own: Stops by which the scene's own lights without a part are changed.
@@ -91,6 +93,7 @@ class Rig:
         air: Optical depth of the air up to the subject; None to leave it.
         grade: Effects on the film.
         lights: Its lights, the key first.
+        under_sky: Whether its sky is that of an hour that the prompt names too.
     """
 
     name: str
@@ -108,6 +111,7 @@ class Rig:
     air: float | None = None
     grade: tuple[Effect, ...] = ()
     lights: tuple[RigLight, ...] = ()
+    under_sky: bool = False
 
     @property
     def keeps_own_light(self) -> bool:
@@ -194,7 +198,7 @@ class RigTable:
             return False
         if rig.kind == "source":
             return entry not in self.modifiers
-        return rig.kind in ("time", "hour") and not self.luminaries.isdisjoint(word.split())
+        return rig.kind in TIMES and not self.luminaries.isdisjoint(word.split())
 
     @property
     def two_colors(self) -> Rig:
@@ -284,10 +288,12 @@ def _line(text: str, name: str) -> int:
 
 
 def _rig(name: str, row: dict[str, Any]) -> Rig:
-    known = {f.name for f in fields(Rig)} - {"name"}
+    known = {f.name for f in fields(Rig)} - {"name", "under_sky"}
     _only(row, known)
     entries = _words(row.get("entries", ""))
-    numbers = {key: float(row[key]) for key in ("exposure", "own", "world", "sky", "air") if key in row}
+    numbers: dict[str, Any] = {
+        key: float(row[key]) for key in ("exposure", "own", "world", "sky", "air") if key in row
+    }
     lights = tuple(_light(light) for light in row.get("lights", ()))
     if not lights and not entries:
         raise VibeError("it has no light.", "Give it a row lights = [...].")
