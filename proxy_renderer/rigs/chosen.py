@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from ..color.floats import chroma, lab_from_srgb
 from ..prompt.lexicon.rigs import KINDS, TIMES, Modifier, Rig, RigLight, RigTable
 from ..prompt.lexicon.vocabulary import Vocabulary
-from ..prompt.types import Attribute, Parsed
+from ..prompt.types import GLOW, Attribute, Parsed
 from .described import (
     LIGHT_KINDS,
     DescribedLight,
@@ -71,7 +71,11 @@ def chosen_rig(parsed: Parsed, table: RigTable, vocabulary: Vocabulary) -> Chose
     Returns:
         None where no word stands for a setup: then each word acts on the lights that are there.
     """
-    said = [a for a in parsed.attributes if not (a.cause and a in parsed.overruled)]
+    # words that tell glowing things apart by their names act on these alone
+    apart = len({a.lights for a in parsed.attributes if _of_glows(a)}) > 1
+    said = [
+        a for a in parsed.attributes if not ((apart and _of_glows(a)) or (a.cause and a in parsed.overruled))
+    ]
     lights = described(said, table)
     of_lights = [a for light in lights for a in light.said]
     heads = [source_of(light.said, table) for light in lights if light.part == "key"]
@@ -99,6 +103,10 @@ def chosen_rig(parsed: Parsed, table: RigTable, vocabulary: Vocabulary) -> Chose
         exposure=min(max(build.rig.exposure, min(_EXPOSURES[0], build.first.exposure)), _EXPOSURES[1]),
     )
     return ChosenRig(rig, build.words, (*build.served, *(a for a in moods if a not in build.served)))
+
+
+def _of_glows(attribute: Attribute) -> bool:
+    return any(name.startswith(GLOW) for name in attribute.lights)
 
 
 def _first(

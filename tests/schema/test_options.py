@@ -74,7 +74,14 @@ def test_what_vibe_run_hands_over_means_the_same_on_the_other_side():
     argv = ["run", "a.blend", "--out=o", "--prompt=noir", "--subject=Cup", "--stage=floor", "--cameras=A,B"]
     argv += ["--frames=1,5", "--grade-each", "--budget=quick", "--rounds=7", "--steps=8", "--starts=2"]
     argv += ["--variants=3", "--top-k=5", "--seed=4", "--groups=light", "--lock=world", "--encoder=e"]
-    argv += ["--device=cpu", "--vlm-model=m", "--vlm-url=u", "--no-anchor", "--baseline=clip-only"]
+    argv += [
+        "--target=copper=Cup",
+        "--device=cpu",
+        "--vlm-model=m",
+        "--vlm-url=u",
+        "--no-anchor",
+        "--baseline=clip-only",
+    ]
     argv += ["--no-new-lights", "--inner=adam", "--leave-out=encoder", "--rate=20"]
     argv += ["--like=still.jpg", "--like-only=light", "--like-same"]
     argv += ["--size=64", "--samples=2"]
