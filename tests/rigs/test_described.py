@@ -201,3 +201,13 @@ def test_no_light_is_black_and_dark_red_is_not_black():
     assert rig(spot.format("dark burgundy")).world > rig(spot.format("black")).world or (
         rig(spot.format("dark burgundy")) == rig("a spot from the left")
     )
+
+
+@pytest.mark.parametrize(("noun", "parts"), [("rim lights", ("rim", "kicker")), ("lamps", ("key", "accent"))])
+@pytest.mark.parametrize("join", [":", ","])
+@pytest.mark.parametrize("scene", [SceneWords(), KITCHEN], ids=["no names", "kitchen"])
+def test_lights_that_are_counted_are_told_apart_by_what_follows(noun, parts, join, scene):
+    found = rig(f"two {noun} from behind{join} orange on the left, blue on the right", scene)
+    named = default_vocabulary().colors
+    assert sides(found) == {hex_from_srgb(named["orange"]): -1.0, hex_from_srgb(named["blue"]): 1.0}
+    assert {light.part for light in found.lights if light.color} <= {*parts, "rim", "kicker"}

@@ -144,7 +144,9 @@ class PromptReader:
         if mention >= 0:
             noun = self.found.mentions[mention]
             here = phrases.of.get(noun.start) == phrases.of[pair.look.index]
-            side = here and noun.text in self.vocabulary.picks  # "a pink one at the left"
+            side = here and any(
+                word in self.vocabulary.picks for word in noun.text.split()
+            )  # "a pink one at the left"
             stays = here if pair.target.kind in LAMPS else not side
         else:
             matter = pair.target.kind in MATTER or (pair.target.kind == "picture" and pair.look.token.color)

@@ -54,6 +54,8 @@ def light_phrases(passage: Passage, vocabulary: Vocabulary, rigs: RigTable) -> L
     """
     found = LightPhrases()
     number, several = 0, False
+    group: list[int] = []  # places of what is said of lights that are counted, and their numbers
+    listed: list[int] = []
     spoken_of: tuple[int, ...] = ()
     for places in _segments(passage, vocabulary):
         items = [passage.items[place] for place in places]
@@ -66,7 +68,19 @@ def light_phrases(passage: Passage, vocabulary: Vocabulary, rigs: RigTable) -> L
             number += 1
             spoken_of = (number,)
             found.of |= dict.fromkeys(places, spoken_of)
+            group, listed = (places if any(_is_counted(item, vocabulary) for item in items) else []), []
             if role := next((item.noun for item in items if item.noun in _ROLES), ""):
+                found.roles[number] = role
+        elif (
+            group
+            and any(item.color for item in items)
+            and all(_goes_on(item, rigs, vocabulary) for item in items)
+        ):
+            number += bool(listed)  # "two rims from behind: orange on the left, blue on the right"
+            listed.append(number)
+            spoken_of = (number,)
+            found.of |= dict.fromkeys(places, spoken_of) | dict.fromkeys(group, tuple(listed))
+            if role := found.roles.get(listed[0], ""):
                 found.roles[number] = role
         elif not all(_goes_on(item, rigs, vocabulary) for item in items):
             spoken_of = ()
@@ -106,6 +120,12 @@ def _awaits_a_noun(items: Sequence[Token]) -> bool:
     last = max(articles, default=len(items))
     tail = items[last + 1 :]
     return bool(tail) and all((i.adjective or i.color) and not (i.noun or i.scene) for i in tail)
+
+
+def _is_counted(item: Token, vocabulary: Vocabulary) -> bool:
+    """Whether a word says how many lights there are: "two rim lights"."""
+    first, *others = item.text.split()
+    return "count" in item.lists or (bool(others) and first in vocabulary.lists["count"])
 
 
 def _parts(item: Token, vocabulary: Vocabulary) -> bool:
