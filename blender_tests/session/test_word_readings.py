@@ -39,7 +39,7 @@ def test_words_are_marked_as_understood_or_left_out(typing):
     assert [word.state for word in words.values()] == ["understood", "understood", "left out", "left out"]
     assert words["sumptuous"].others  # known words that are as near are offered, and act on a click only
     assert "cube" in words["red"].meaning.lower()
-    assert not word_readings.addon_state.readings.due(typing.vibe.prompt)
+    assert not word_readings.addon_state.readings.due(typing)
 
 
 def test_another_reading_goes_into_the_prompt(typing):
@@ -47,6 +47,39 @@ def test_another_reading_goes_into_the_prompt(typing):
     assert bpy.ops.vibe.reword(word="sumptuous", other=other) == {"FINISHED"}
     assert typing.vibe.prompt == f"glossy red cube, very {other}"
     assert bpy.ops.vibe.reword(word="sumptuous", other=other) == {"CANCELLED"}
+
+
+def test_what_a_word_describes_is_told_with_a_click_and_stays_with_the_scene(typing):
+    assert "Plane" not in read(typing, "glossy red cube")["red"].meaning
+    bpy.ops.mesh.primitive_plane_add()
+    bpy.context.object.data.materials.append(bpy.data.materials.new("Floor"))
+    assert bpy.ops.vibe.describe(word="red", target="Plane") == {"FINISHED"}
+    assert typing.vibe.engine_options(bpy.context).target == ("red=Plane",)
+    assert "Plane" in reread(typing)["red"].meaning
+    assert bpy.ops.vibe.describe(word="red", target="not used") == {"FINISHED"}
+    assert reread(typing)["red"].state == "left out"
+    assert bpy.ops.vibe.describe(word="red", target="") == {"FINISHED"}
+    assert "Plane" not in reread(typing)["red"].meaning
+    assert not typing.vibe.targets
+
+
+def test_a_choice_for_a_word_that_is_gone_is_not_sent(typing):
+    typing.vibe.prompt = "glossy cube"
+    bpy.ops.vibe.describe(word="red", target="lights")
+    assert typing.vibe.told() == []
+    typing.vibe.prompt = "Red cube"
+    assert typing.vibe.told() == ["red=lights"]
+    typing.vibe.targets.clear()
+
+
+def reread(scene):
+    """The readings of the same prompt after a choice."""
+    end = time.monotonic() + 240.0
+    while addon_state.readings.due(scene):
+        assert time.monotonic() < end
+        word_readings._tick()
+        time.sleep(0.005)
+    return {word.text: word for word in addon_state.readings.newest.words}
 
 
 def test_they_come_while_a_look_is_drawn_and_hold_it_up_by_nothing(typing):

@@ -8,8 +8,8 @@ from collections.abc import Iterator, Mapping
 
 from ..prompt.lexicon.nearest import Nearest
 from ..prompt.lexicon.user_words import default_vocabulary
-from ..prompt.parser import parse
 from ..prompt.types import Attribute, LightWords, Parsed, SceneWords
+from ..prompt.understood import Understood
 from ..schema import VibeError
 from ..schema.limits import LONGEST_PROMPT
 from ..schema.messages import AskReadings, Readings, WordReading
@@ -27,7 +27,7 @@ def readings(request: AskReadings) -> Readings:
         return Readings(request.prompt)
     note = ""
     try:
-        parsed = parse(request.prompt, _names(request), default_vocabulary())
+        parsed = Understood(request.prompt, _names(request), request.target).parsed
     except VibeError as error:
         note, parsed = str(error), Parsed(request.prompt, ignored=_offered(request.prompt))
     told = [*_understood(parsed), *map(_left_out, dict.fromkeys(parsed.ignored))]

@@ -94,6 +94,7 @@ class AskReadings:
         prompt: What the artist has typed so far.
         objects: Object that a render shows -> names of its materials.
         lights: Light -> its type, "AREA" and so on.
+        target: "copper=Cup": what the artist says that words describe.
     """
 
     type: ClassVar[str] = "ask_readings"
@@ -101,6 +102,7 @@ class AskReadings:
     prompt: str
     objects: dict[str, list[str]] = field(default_factory=dict)
     lights: dict[str, str] = field(default_factory=dict)
+    target: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

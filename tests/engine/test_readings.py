@@ -65,3 +65,19 @@ def test_messages_survive_the_wire():
 
     found = read("a sumptuous red vase")
     assert wire.decode(wire.encode(found)) == found
+
+
+@pytest.mark.parametrize(
+    ("target", "means"), [("Lemons", "Lemons"), ("Desk Lamp", "Desk Lamp"), ("not used", "not used")]
+)
+def test_the_marks_say_what_a_word_was_told_to_describe(target, means):
+    asked = messages.AskReadings(
+        schema_hash(), "warm vase", OBJECTS, {"Desk Lamp": "POINT"}, (f"warm={target}",)
+    )
+    (word,) = readings(asked).words
+    assert means in word.meaning
+
+
+def test_a_target_that_is_gone_is_said_with_its_remedy():
+    asked = messages.AskReadings(schema_hash(), "warm vase", OBJECTS, {}, ("warm=Kettle",))
+    assert "Kettle" in readings(asked).note

@@ -9,6 +9,9 @@ from ..core.schema_import import messages, schema
 from ..engine.process import Engine
 from ..scene.scene_context import GEOMETRY, hidden, layer
 
+_Words = tuple[str, tuple[str, ...]]
+"""A prompt and its targets: "copper=Cup"."""
+
 
 class WordReadings:
     """The newest readings of a prompt's words.
@@ -19,11 +22,12 @@ class WordReadings:
 
     def __init__(self) -> None:
         self.newest = messages.Readings("")
-        self._asked: str | None = None  # the prompt whose readings are on their way
+        self._asked: _Words | None = None  # those whose readings are on their way
+        self._read: _Words = ("", ())
 
-    def due(self, prompt: str) -> bool:
-        """Whether these words have not been read yet."""
-        return self._asked is not None or prompt != self.newest.prompt
+    def due(self, scene: bpy.types.Scene) -> bool:
+        """Whether the words of a scene have not been read yet, as its artist wants them read."""
+        return self._asked is not None or _words(scene) != self._read
 
     def step(self, engine: Engine, scene: bpy.types.Scene) -> bool:
         """Takes what has arrived, and asks about the words of now; never waits.
@@ -40,11 +44,12 @@ class WordReadings:
         """
         arrived = engine.poll_readings()
         if arrived:
-            self.newest, self._asked = arrived, None
-        prompt = scene.vibe.prompt
-        if self._asked is None and prompt != self.newest.prompt:
-            engine.send(messages.AskReadings(schema.schema_hash(), prompt, *_names(scene)))
-            self._asked = prompt
+            self.newest, self._read, self._asked = arrived, self._asked or self._read, None
+        words = _words(scene)
+        if self._asked is None and words != self._read:
+            prompt, targets = words
+            engine.send(messages.AskReadings(schema.schema_hash(), prompt, *names(scene), targets))
+            self._asked = words
         return arrived is not None
 
     def forget(self) -> None:
@@ -52,7 +57,12 @@ class WordReadings:
         self._asked = None
 
 
-def _names(scene: bpy.types.Scene) -> tuple[dict[str, list[str]], dict[str, str]]:
+def _words(scene: bpy.types.Scene) -> _Words:
+    """The prompt, and what its artist says that words describe."""
+    return scene.vibe.prompt, tuple(scene.vibe.told())
+
+
+def names(scene: bpy.types.Scene) -> tuple[dict[str, list[str]], dict[str, str]]:
     """What a prompt may call by name: objects with their materials, and lights with their types."""
     objects: dict[str, list[str]] = {}
     lights: dict[str, str] = {}

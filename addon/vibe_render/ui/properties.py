@@ -44,6 +44,14 @@ class VibeLock(bpy.types.PropertyGroup):
     """A single value that must stay. Its `name` is the parameter's key."""
 
 
+class VibeTarget(bpy.types.PropertyGroup):
+    """What a word of the prompt describes, against what it is taken for. Its `name` is the word."""
+
+    target: StringProperty(
+        description="A name in the scene, or one of lights, world, image, not used and so on"
+    )
+
+
 def _toggles() -> dict[str, BoolProperty]:
     """A toggle for every group of the schema."""
     toggles = {}
@@ -114,6 +122,9 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
         default=_EFFORT.default,
     )
     locks: CollectionProperty(type=VibeLock, description="Single values that must stay")
+    targets: CollectionProperty(
+        type=VibeTarget, description="What words describe, where they are taken for something else"
+    )
     shared: EnumProperty(
         name="Shared",
         description="Materials of the subject that other things use too",
@@ -153,6 +164,11 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
             return SubjectChoice(objects=(self.collection.name,))
         return SubjectChoice(selected=self.subject == "SELECTED")
 
+    def told(self) -> list[str]:
+        """What the artist says that words of the prompt describe: "copper=Cup"."""
+        said = self.prompt.casefold()
+        return [f"{each.name}={each.target}" for each in self.targets if each.name.casefold() in said]
+
     def groups(self) -> tuple[str, ...]:
         """The groups that a vibe may change."""
         return tuple(g for g in schema.GROUPS if getattr(self, f"change_{g}"))
@@ -171,10 +187,11 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
         chosen["device"] = chosen.get("device", "").strip().lower() or "auto"
         patterns = filter(None, (pattern.strip() for pattern in self.lock.split(",")))
         chosen |= {"groups": self.groups(), "lock": [*patterns, *self.locks.keys()]}
+        chosen |= {"target": self.told()}
         chosen |= {"like": "", "like_only": ()}  # whoever reads the scene saves the picture, and knows where
         if picture := reference.name(self):
             chosen |= {"like": picture, "like_only": self.traits()}
         return messages.Options.from_dict(chosen | {"online": preferences.online()})
 
 
-CLASSES = (VibeChange, VibeLock, VibeSettings)
+CLASSES = (VibeChange, VibeLock, VibeTarget, VibeSettings)

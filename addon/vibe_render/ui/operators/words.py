@@ -10,6 +10,14 @@ from typing import ClassVar
 import bpy
 from bpy.props import StringProperty
 
+from ...core import drawing
+from ...session import word_readings
+
+GENERAL = ("lights", "key light", "world", "image", "not used")
+"""What every word can be told to describe; the engine knows these names."""
+_SAYS = {"not used": "Do not use it"}
+_MOST = 16  # things of a kind that a menu shows
+
 
 class VIBE_OT_reading(bpy.types.Operator):
     """Show how this word is understood, and what it could be taken for instead"""
@@ -26,7 +34,7 @@ class VIBE_OT_reading(bpy.types.Operator):
     @classmethod
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
         """What is made of the word."""
-        more = ". Click for other readings" if properties.others else ""
+        more = ". Click to say what it describes"
         return f"{properties.state.capitalize()}: {properties.meaning}{more}"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
@@ -40,6 +48,48 @@ class VIBE_OT_reading(bpy.types.Operator):
         for other in self.others.splitlines():
             button = layout.operator("vibe.reword", text=f"Say “{other}” instead")
             button.word, button.other = self.word, other
+        self._draw_targets(layout, context.scene)
+
+    def _draw_targets(self, layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
+        """What the word may be said to describe: things of the scene, and what every scene has."""
+        told = scene.vibe.targets.get(self.word)
+        objects, lights = word_readings.names(scene)
+        layout.separator()
+        if told:
+            self._target(layout, "", "As it is read", "LOOP_BACK")
+        for names, icon in ((objects, "OBJECT_DATA"), (lights, "LIGHT"), (GENERAL, "WORLD")):
+            for name in [*names][:_MOST]:
+                chosen = told is not None and told.target == name
+                self._target(
+                    layout, name, _SAYS.get(name, f"Describes {name}"), "CHECKMARK" if chosen else icon
+                )
+
+    def _target(self, layout: bpy.types.UILayout, target: str, text: str, icon: str) -> None:
+        button = layout.operator("vibe.describe", text=text, icon=icon)
+        button.word, button.target = self.word, target
+
+
+class VIBE_OT_describe(bpy.types.Operator):
+    """Say what this word describes, where it is taken for something else"""
+
+    bl_idname = "vibe.describe"
+    bl_label = "Describes"
+    bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
+
+    word: StringProperty()
+    target: StringProperty(description="Empty: as the word is read")
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Keeps the choice in the scene."""
+        targets = context.scene.vibe.targets
+        place = targets.find(self.word)
+        if place >= 0:
+            targets.remove(place)
+        if self.target:
+            told = targets.add()
+            told.name, told.target = self.word, self.target
+        drawing.redraw()
+        return {"FINISHED"}
 
 
 class VIBE_OT_reword(bpy.types.Operator):
@@ -70,4 +120,4 @@ class VIBE_OT_reword(bpy.types.Operator):
         return {"FINISHED"}
 
 
-CLASSES = (VIBE_OT_reading, VIBE_OT_reword)
+CLASSES = (VIBE_OT_reading, VIBE_OT_describe, VIBE_OT_reword)
