@@ -24,6 +24,7 @@ from window_screen import Screen
 from window_steps import PROMPT, a_result, open_panel, running
 from window_still import still
 from window_without import without_engine
+from window_words import words
 
 WAY, ZIP, OUT = sys.argv[sys.argv.index("--") + 1 :][:3]
 observed: dict[str, Any] = {}
@@ -301,7 +302,7 @@ def preferences(screen):
 
 WAYS = {
     way.__name__: way
-    for way in (ways_out, live, choosing, presets, questions, ends, without_engine, files, still)
+    for way in (ways_out, live, choosing, presets, questions, ends, without_engine, files, still, words)
 }
 
 

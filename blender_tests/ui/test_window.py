@@ -121,6 +121,15 @@ def test_live_looks_come_while_words_are_typed(walk):
         assert observed[seen], seen
 
 
+def test_a_click_on_a_word_says_what_it_describes(walk):
+    """The menu's last line leaves the word out."""
+    observed = walk("words")
+    (told,) = observed["told"]
+    word, _, target = told.partition("=")
+    assert target == "not used"
+    assert observed["states"][word] == "left out"
+
+
 def test_preferences_find_and_try_the_engine(walk):
     """The engine is found by itself, and answers."""
     assert "answers" in walk("ways_out")["engine"]

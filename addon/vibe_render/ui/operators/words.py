@@ -13,8 +13,8 @@ from bpy.props import StringProperty
 from ...core import drawing
 from ...session import word_readings
 
-GENERAL = ("lights", "key light", "world", "image", "not used")
-"""What every word can be told to describe; the engine knows these names."""
+GENERAL = {"lights": "LIGHT", "key light": "LIGHT", "world": "WORLD", "image": "IMAGE_DATA", "not used": "X"}
+"""What every word can be told to describe, as the engine knows it, and the icon."""
 _SAYS = {"not used": "Do not use it"}
 _MOST = 16  # things of a kind that a menu shows
 
@@ -57,12 +57,10 @@ class VIBE_OT_reading(bpy.types.Operator):
         layout.separator()
         if told:
             self._target(layout, "", "As it is read", "LOOP_BACK")
-        for names, icon in ((objects, "OBJECT_DATA"), (lights, "LIGHT"), (GENERAL, "WORLD")):
-            for name in [*names][:_MOST]:
-                chosen = told is not None and told.target == name
-                self._target(
-                    layout, name, _SAYS.get(name, f"Describes {name}"), "CHECKMARK" if chosen else icon
-                )
+        own = dict.fromkeys([*objects][:_MOST], "OBJECT_DATA") | dict.fromkeys([*lights][:_MOST], "LIGHT")
+        for name, icon in (*own.items(), *GENERAL.items()):
+            chosen = told is not None and told.target == name
+            self._target(layout, name, _SAYS.get(name, f"Describes {name}"), "CHECKMARK" if chosen else icon)
 
     def _target(self, layout: bpy.types.UILayout, target: str, text: str, icon: str) -> None:
         button = layout.operator("vibe.describe", text=text, icon=icon)
