@@ -17,7 +17,7 @@ from ..planning.lights.facing import kelvin_color
 from ..planning.lights.glow import glows
 from ..planning.types import LightPlan, PlanEntry
 from ..prompt.lexicon.rigs import Rig
-from ..prompt.types import GLOW, Parsed
+from ..prompt.types import GLOW, Attribute, Parsed
 from ..render.material.textures import geometry_of
 from ..scene import SceneData
 from ..schema import Instance, Values, orbit, radiometry
@@ -90,7 +90,7 @@ def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add
     if rig.sky_color and _is_hazy(parsed):
         rig = replace(rig, sky_color=_veiled(rig.sky_color))
     playing = {each.name for each in lights} | {name for a in parsed.attributes for name in a.lights}
-    values = _balanced(scene, rig, lights, playing, values, levels) | _air(scene, rig, parsed)
+    values = _balanced(scene, rig, lights, playing, values, levels) | _air(scene, rig, parsed, chosen.served)
     word = next(iter(chosen.words), "")
     still = {each.name for each in lights if each.fixed or each.own}
     entries = {key: _entry(scene.instances[key], value, word, still) for key, value in values.items()}
@@ -260,10 +260,10 @@ def _within(scene: SceneData, values: dict[str, Values]) -> dict[str, Values]:
     }
 
 
-def _air(scene: SceneData, rig: Rig, parsed: Parsed) -> dict[str, Values]:
-    """The air of a rig, where the prompt says nothing of it itself."""
+def _air(scene: SceneData, rig: Rig, parsed: Parsed, served: Sequence[Attribute]) -> dict[str, Values]:
+    """The air of a rig, where no other word of the prompt speaks of it: a sandstorm brings its own."""
     density = scene.instances.get("volume/density")
-    said = any(a.slot == "atmosphere" and not a.cause for a in parsed.attributes)
+    said = any(a.slot == "atmosphere" and not a.cause and a not in served for a in parsed.attributes)
     if rig.air is None or density is None or density.locked or said:
         return {}
     return {density.key: (rig.air * density.reference,)}

@@ -333,3 +333,12 @@ def test_a_sky_behind_haze_is_pale():
     pure, pale = (lab_from_srgb(srgb_from_hex(color)) for color in ("#56a2ec", _veiled("#56a2ec")))
     assert chroma(pale) < 0.7 * chroma(pure)
     assert pale[0] == pytest.approx(pure[0], abs=2.0)
+
+
+@pytest.mark.parametrize("word", ["sandstorm", "blizzard"])
+def test_a_weather_brings_its_air_unless_another_word_speaks_of_it(scene, word):
+    air = Instance(FAMILIES["volume/density"], "", (0.0,), 0.2)
+    hazy = replace(scene, instances={**scene.instances, air.key: air})
+    entries = with_additions([hazy], f"in a {word}").plan.entries
+    assert entries[air.key].lower[0] > 0.05 * air.reference
+    assert air.key not in with_additions([hazy], f"in a {word}, clear air, no fog").plan.entries
