@@ -8,6 +8,9 @@ import pytest
 from vibe_render.session.state import addon_state
 from vibe_render.ui import live as live_ui
 from vibe_render.ui import word_readings
+from vibe_render.ui.operators import words
+
+from proxy_renderer.prompt.binding.told import GENERAL
 
 
 @pytest.fixture
@@ -61,6 +64,11 @@ def test_what_a_word_describes_is_told_with_a_click_and_stays_with_the_scene(typ
     assert bpy.ops.vibe.describe(word="red", target="") == {"FINISHED"}
     assert "Plane" not in reread(typing)["red"].meaning
     assert not typing.vibe.targets
+
+
+@pytest.mark.parametrize("target", words.GENERAL)
+def test_the_engine_knows_what_the_menu_offers(target):
+    assert target in GENERAL
 
 
 def test_a_choice_for_a_word_that_is_gone_is_not_sent(typing):

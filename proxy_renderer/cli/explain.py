@@ -23,6 +23,7 @@ from ..prompt.understood import Understood
 from ..rigs.chosen import chosen_rig
 from ..scene.plain import plain_instances
 from ..schema import Instance
+from ..schema.options import checks
 from ..schema.spec import Region
 
 if TYPE_CHECKING:
@@ -55,7 +56,7 @@ def account(
         _read(prompt, scene, subject, target) if scene else (*_plain(), None)
     )
     if with_reasons:
-        return _reasons(prompt, words)
+        return _reasons(prompt, words, target)
     understood = addition.understood if addition else Understood(prompt, words, target)
     advice = OfflineAdvisor(understood, addition.plan if addition else None).advise(None, instances, context)
     decided = advice.parsed, advice.prompts, advice.plan
@@ -80,10 +81,10 @@ def _light(parsed: Parsed, addition: Addition | None) -> list[str]:
     return [f"Light: {chosen.rig.says}", *lights]
 
 
-def _reasons(prompt: str, words: SceneWords) -> str:
+def _reasons(prompt: str, words: SceneWords, target: Sequence[str]) -> str:
     """What the reader chose among, and why."""
     vocabulary = default_vocabulary()
-    reader = PromptReader(vocabulary, words)
+    reader = PromptReader(vocabulary, words, told=checks.targets(target))
     reader.read(prepared(prompt, words, vocabulary))
     return why(reader)
 
@@ -112,7 +113,7 @@ def _read(
         proxy = Proxy(data, context.picture_size(data.resolution, _LOOK), device="cpu", seed=0)
         u = vector.encode({})
         now = context.plan_context(proxy, vector.values(u), draw(proxy, vector, u))
-        return context.scene_words(data), dict(vector.instances), now, addition
+        return addition.understood.words, dict(vector.instances), now, addition
 
 
 def _plain() -> tuple[SceneWords, dict[str, Instance], PlanContext]:

@@ -43,6 +43,12 @@ def linear_from_srgb(srgb: Sequence[float]) -> Values:
     return tuple(map(decode, srgb))
 
 
+def mixed(one: Sequence[float], other: Sequence[float], share: float) -> Values:
+    """A share of another sRGB color in one, mixed as light is."""
+    pairs = zip(linear_from_srgb(one), linear_from_srgb(other), strict=True)
+    return srgb_from_linear([a + share * (b - a) for a, b in pairs])
+
+
 def srgb_from_linear(linear: Sequence[float]) -> Values:
     """sRGB of linear Rec.709, clamped to [0, 1]."""
     return tuple(encode(min(max(v, 0.0), 1.0)) for v in linear)

@@ -126,6 +126,11 @@ class Attribute:
     phrases: tuple[int, ...] = ()
 
     @property
+    def of_glows(self) -> bool:
+        """Whether it is about surfaces that glow, which count as lights."""
+        return any(name.startswith(GLOW) for name in self.lights)
+
+    @property
     def told_apart(self) -> bool:
         """Whether it is said of some lights, and not of light as a whole."""
         return bool(self.lamp or self.lights)

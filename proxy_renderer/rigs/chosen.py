@@ -9,9 +9,11 @@ from dataclasses import dataclass, replace
 from ..color.floats import chroma, lab_from_srgb
 from ..prompt.lexicon.rigs import KINDS, TIMES, Modifier, Rig, RigLight, RigTable
 from ..prompt.lexicon.vocabulary import Vocabulary
-from ..prompt.types import GLOW, Attribute, Parsed
+from ..prompt.mentions.passage import LIGHTS
+from ..prompt.types import Attribute, Parsed
 from .described import (
-    LIGHT_KINDS,
+    EDGES,
+    FILLS,
     DescribedLight,
     composed,
     described,
@@ -23,11 +25,11 @@ from .described import (
 )
 from .mixed import at_an_hour, deepened, in_a_mood, in_a_style, with_source
 
-_LIT = (*LIGHT_KINDS, "ambience")
+_LIT = (*LIGHTS, "ambience")
 """Kinds of things whose colors are gels where a rig stands."""
 _OF_LIGHT = (*_LIT, "tone", "whole", "shadow")
 _NEON = "neon "  # what names of colors begin with that are colors of signs where a rig has signs
-_PARTS = {"rim": ("rim", "kicker"), "fill": ("fill", "bounce"), "key": ("key",)}
+_PARTS = {"rim": EDGES, "fill": FILLS, "key": ("key",)}
 """Role of a light that words speak of -> parts of a rig."""
 _COLORED = ("key", "accent", "rim")
 """Parts that take the colors of light which are said of no light in particular, in their order."""
@@ -72,9 +74,9 @@ def chosen_rig(parsed: Parsed, table: RigTable, vocabulary: Vocabulary) -> Chose
         None where no word stands for a setup: then each word acts on the lights that are there.
     """
     # words that tell glowing things apart by their names act on these alone
-    apart = len({a.lights for a in parsed.attributes if _of_glows(a)}) > 1
+    apart = len({a.lights for a in parsed.attributes if a.of_glows}) > 1
     said = [
-        a for a in parsed.attributes if not ((apart and _of_glows(a)) or (a.cause and a in parsed.overruled))
+        a for a in parsed.attributes if not ((apart and a.of_glows) or (a.cause and a in parsed.overruled))
     ]
     lights = described(said, table)
     of_lights = [a for light in lights for a in light.said]
@@ -105,10 +107,6 @@ def chosen_rig(parsed: Parsed, table: RigTable, vocabulary: Vocabulary) -> Chose
     return ChosenRig(rig, build.words, (*build.served, *(a for a in moods if a not in build.served)))
 
 
-def _of_glows(attribute: Attribute) -> bool:
-    return any(name.startswith(GLOW) for name in attribute.lights)
-
-
 def _first(
     setups: Sequence[Attribute], gels: Sequence[Attribute], lights: Sequence[DescribedLight], table: RigTable
 ) -> Rig:
@@ -133,6 +131,7 @@ class _Build:
         self.words: dict[str, Asked] = {}
         self.served: list[Attribute] = []
         self._colored = 0
+        self._in_a_mood = False
         self._turned: set[tuple[str, ...]] = set()  # parts whose side a word has said
 
     def take_setup(self, attribute: Attribute) -> None:
@@ -144,12 +143,16 @@ class _Build:
         elif not attribute.cause and other.kind == "source":
             self.rig = with_source(self.rig, other)
             self.words.setdefault(attribute.word, (("accent",), ("color",)))
-        elif not attribute.cause and other.kind in TIMES and self.first.kind not in TIMES:
+        elif not attribute.cause and other.kind in TIMES and self.first.kind not in ("time", "hour"):
             self.rig = at_an_hour(self.rig, other)
         elif not attribute.cause and other.kind == "style" and self.first.kind == "source":
             self.rig = in_a_style(self.rig, other)
-        elif not attribute.cause and other.kind == "mood" and self.first.kind in (*TIMES, "place"):
-            self.rig, self.first = in_a_mood(self.rig, other), replace(self.first, kind="mood")
+        elif (
+            not (attribute.cause or self._in_a_mood)
+            and other.kind == "mood"
+            and self.first.kind in (*TIMES, "place")
+        ):
+            self.rig, self._in_a_mood = in_a_mood(self.rig, other), True
 
     def describe(self, lights: Sequence[DescribedLight]) -> None:
         """Gives the rig the lights that words describe one by one; beside several, a source has no others of its own."""

@@ -7,16 +7,16 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ..color.floats import hex_from_srgb, lab_from_srgb, linear_from_srgb, srgb_from_linear
+from ..color.floats import hex_from_srgb, lab_from_srgb, mixed
 from ..prompt.lexicon.rigs import Modifier, RigLight, RigTable
 from ..prompt.lexicon.vocabulary import Vocabulary
-from ..prompt.types import GLOW, Attribute
+from ..prompt.mentions.passage import LIGHTS
+from ..prompt.types import Attribute
 
-LIGHT_KINDS = ("light", "fill", "rim")
-"""Kinds of things that are lights."""
 EDGES = ("rim", "kicker")
 """Parts that draw an edge from behind."""
-_FILLS = ("fill", "bounce")
+FILLS = ("fill", "bounce")
+"""Parts that open the shadows."""
 _FREE = ("key", "accent", "practical", "top")
 """Parts for lights of which the prompt does not say what they are for, in its order."""
 _TEMPLATES = {
@@ -57,10 +57,8 @@ def described(said: Iterable[Attribute], table: RigTable) -> list[DescribedLight
     """
     groups: dict[int, list[Attribute]] = {}
     for attribute in said:
-        glow = any(name.startswith(GLOW) for name in attribute.lights)
-        if attribute.kind in LIGHT_KINDS and not (
-            attribute.owners or attribute.cause or glow or is_dark(attribute)
-        ):
+        elsewhere = attribute.owners or attribute.cause or attribute.of_glows or is_dark(attribute)
+        if attribute.kind in LIGHTS and not elsewhere:
             for number in attribute.phrases:
                 groups.setdefault(number, []).append(attribute)
     found: list[DescribedLight] = []
@@ -81,11 +79,8 @@ def _merged(groups: Mapping[int, list[Attribute]], table: RigTable) -> dict[int,
     of_source: dict[str, int] = {}
     for number, words in groups.items():
         source = source_of(words, table)
-        first = (
-            of_source.setdefault(source.entry, number)
-            if source and not any(a.color for a in words)
-            else number
-        )
+        colored = any(a.color for a in words)
+        first = number if source is None or colored else of_source.setdefault(source.entry, number)
         found.setdefault(first, []).extend(words)
     return found
 
@@ -104,7 +99,7 @@ def _own_lights(words: Iterable[Attribute]) -> tuple[str, ...]:
 def _with_a_key(lights: list[DescribedLight]) -> list[DescribedLight]:
     """The lights; of an edge and a fill without a key the edge is the key: a scene lit from behind."""
     parts = {light.part for light in lights}
-    if "key" in parts or parts.isdisjoint(_FILLS):
+    if "key" in parts or parts.isdisjoint(FILLS):
         return lights
     edge = next((light for light in lights if light.part in EDGES), None)
     return [replace(light, part="key") if light is edge else light for light in lights]
@@ -126,8 +121,8 @@ def _parts_for(words: Sequence[Attribute], table: RigTable, lights: int) -> tupl
     role = next((a.role for a in words if a.role), "")
     if role == "rim" or not nouns.isdisjoint(EDGES):
         return EDGES
-    if role == "fill" or not nouns.isdisjoint(_FILLS):
-        return _FILLS[::-1] if "bounce" in nouns else _FILLS
+    if role == "fill" or not nouns.isdisjoint(FILLS):
+        return FILLS[::-1] if "bounce" in nouns else FILLS
     azimuth, _ = _direction(words, table)
     if role != "key" and azimuth is not None and abs(azimuth) > _BEHIND and lights > 1:
         return (*EDGES, *_FREE)
@@ -173,11 +168,9 @@ def tint_of(attribute: Attribute, vocabulary: Vocabulary) -> str:
     """The color that a word gives a light, "#rrggbb": "slightly yellow" is nearer to white, "faint yellow" only weaker."""
     assert attribute.color
     weaker = any("lamp" in vocabulary.adjectives.get(word, {}) for word in attribute.word.split())
-    share = (
-        1.0 if weaker else min(attribute.strength, 1.0) ** 2
-    )  # gels are purer than what their names show on paint
-    linear = (1.0 - share + share * v for v in linear_from_srgb(attribute.color))
-    return hex_from_srgb(srgb_from_linear([*linear]))
+    # squared, as gels are purer than what their names show on paint
+    white = 0.0 if weaker else 1.0 - min(attribute.strength, 1.0) ** 2
+    return hex_from_srgb(mixed(attribute.color, (1.0, 1.0, 1.0), white))
 
 
 def limited(light: RigLight) -> RigLight:
@@ -225,7 +218,7 @@ def _template(
 def _placed(made: RigLight, light: DescribedLight, table: RigTable) -> RigLight:
     """A light where words say that it is: an edge behind the subject on that side, a fill of "the side" on the one that is dark."""
     azimuth, elevation = _direction(light.said, table)
-    if light.part in _FILLS and azimuth == table.modifiers["side light"].azimuth:
+    if light.part in FILLS and azimuth == table.modifiers["side light"].azimuth:
         azimuth = None
     if azimuth is not None:
         if light.part in EDGES and _FRONT < abs(azimuth) < _EDGE:

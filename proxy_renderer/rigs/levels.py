@@ -68,7 +68,7 @@ def measured(
     lights: Sequence[Placed],
     values: Mapping[str, Values],
     rig: Rig,
-    ambient: float = 0.0,
+    ambient: float,
 ) -> Levels:
     """The levels of a rig.
 

@@ -12,7 +12,7 @@ import torch
 
 from ..claims.claim import Claim
 from ..color import arrays
-from ..color.floats import hex_from_srgb, linear_from_srgb, luminance, srgb_from_hex, srgb_from_linear
+from ..color.floats import hex_from_srgb, linear_from_srgb, luminance, mixed, srgb_from_hex, srgb_from_linear
 from ..planning.lights.facing import kelvin_color
 from ..planning.lights.glow import glows
 from ..planning.types import LightPlan, PlanEntry
@@ -246,9 +246,9 @@ def _is_hazy(parsed: Parsed) -> bool:
 
 def _veiled(color: str) -> str:
     """The color of a sky behind haze."""
-    linear = linear_from_srgb(srgb_from_hex(color))
-    gray = luminance(linear)
-    return hex_from_srgb(srgb_from_linear([v + _VEIL * (gray - v) for v in linear]))
+    srgb = srgb_from_hex(color)
+    gray = srgb_from_linear((luminance(linear_from_srgb(srgb)),) * 3)
+    return hex_from_srgb(mixed(srgb, gray, _VEIL))
 
 
 def _within(scene: SceneData, values: dict[str, Values]) -> dict[str, Values]:

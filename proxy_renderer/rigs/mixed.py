@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..color.floats import hex_from_srgb, linear_from_srgb, srgb_from_hex, srgb_from_linear
+from ..color.floats import hex_from_srgb, mixed, srgb_from_hex
 from ..prompt.lexicon.rigs import Modifier, Rig
 from .described import EDGES
 
@@ -80,8 +80,7 @@ def _mixed(mine: float | None, theirs: float | None) -> float | None:
 def _mixed_color(mine: str, theirs: str) -> str:
     if not (mine and theirs):
         return mine or theirs
-    pairs = zip(*(linear_from_srgb(srgb_from_hex(color)) for color in (mine, theirs)), strict=True)
-    return hex_from_srgb(srgb_from_linear([a + _MOOD * (b - a) for a, b in pairs]))
+    return hex_from_srgb(mixed(srgb_from_hex(mine), srgb_from_hex(theirs), _MOOD))
 
 
 def deepened(rig: Rig, modifier: Modifier, strength: float) -> Rig:

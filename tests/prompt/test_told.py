@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import pytest
 
+from proxy_renderer.prompt.binding.told import GENERAL
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.types import LightWords, SceneWords
 from proxy_renderer.prompt.understood import Understood
@@ -72,3 +73,8 @@ def test_what_cannot_be_is_one_line_with_its_remedy(pairs):
         _ = Understood("misty copper", SCENE, pairs).parsed
     assert caught.value.remedy
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("name", sorted(GENERAL))
+def test_what_every_scene_has_can_be_told(name):
+    told("misty teal", teal=name)

@@ -211,3 +211,9 @@ def test_lights_that_are_counted_are_told_apart_by_what_follows(noun, parts, joi
     named = default_vocabulary().colors
     assert sides(found) == {hex_from_srgb(named["orange"]): -1.0, hex_from_srgb(named["blue"]): 1.0}
     assert {light.part for light in found.lights if light.color} <= {*parts, "rim", "kicker"}
+
+
+@pytest.mark.parametrize("finish", ["translucent", "glossy"])
+def test_a_finish_in_the_description_of_a_light_stays_a_surfaces(finish):
+    attributes = parse(f"a warm spot from the left, {finish} with light bleeding through", KITCHEN).attributes
+    assert all(a.kind == "subject" for a in attributes if a.entry == finish)

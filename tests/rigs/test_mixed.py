@@ -68,3 +68,11 @@ def test_of_several_skies_the_darkest_counts(words):
     found = chosen_rig(parse(words, SceneWords(), vocabulary), rig_table(), vocabulary)
     assert found
     assert found.rig.sky < -2.5
+
+
+@pytest.mark.parametrize("words", ["autumn, at night", "summery, dreamy, at night"])
+def test_a_season_at_night_has_a_night_sky(words):
+    vocabulary = default_vocabulary()
+    found = chosen_rig(parse(words, SceneWords(), vocabulary), rig_table(), vocabulary)
+    assert found
+    assert found.rig.sky < -1.0

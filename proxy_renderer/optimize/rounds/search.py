@@ -110,14 +110,13 @@ class Search:
             return Proxy(scene, size, device=str(encoder.device), seed=options.seed)
 
         self.vector, self.shots = gathered(views, options, proxy)
-        words = context.scene_words(*(view.scene for view in views))
-        offline = (
-            OfflineAdvisor(light.understood, light.plan)
-            if light
-            else OfflineAdvisor(Understood(prompt, words))
-        )
+        if light:
+            understood, plan = light.understood, light.plan
+        else:
+            understood, plan = Understood(prompt, context.scene_words(*(v.scene for v in views))), None
+        offline = OfflineAdvisor(understood, plan)
         self.offline, asked = (
-            beside(self.reference, each, prompt, len(views), words.lights)
+            beside(self.reference, each, prompt, len(views), understood.words.lights)
             for each in (offline, advisor or offline)
         )
         self.confiner = Confiner(self.vector, self.shots, asked, options.baseline)

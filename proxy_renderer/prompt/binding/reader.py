@@ -13,7 +13,7 @@ from ..lexicon.entries import VocabularyEntry
 from ..lexicon.rigs import TIMES, rig_table
 from ..lexicon.vocabulary import Vocabulary
 from ..meaning import NamedThing
-from ..mentions.light_phrases import LightPhrases, light_phrases
+from ..mentions.light_phrases import light_phrases
 from ..mentions.passage import PromptLook
 from ..shading import shaded
 from ..types import Attribute, Parsed, SceneWords
@@ -77,14 +77,9 @@ class PromptReader:
             foreign: Words of another language that are left in it.
         """
         self.found: PromptPairs = reading(text, self.scene, self.vocabulary, foreign)
-        phrases = light_phrases(self.found.passage, self.vocabulary, rig_table())
+        self._phrases = light_phrases(self.found.passage, self.vocabulary, rig_table())
         bound = zip(assigned(self.found, self.weights), self.found.pairs, strict=True)
-        self.chosen: list[TargetPair] = [
-            self._of_its_light(pair, pairs, phrases)
-            if pair.look.index in phrases.of
-            else self._of_its_air(pair, pairs)
-            for pair, pairs in bound
-        ]
+        self.chosen: list[TargetPair] = [self._where_it_stands(*each) for each in bound]
         self.chosen = [self.told.of(pair) or pair for pair in self.chosen]
         things = Things(self.found, self.chosen, self.scene)
         parsed, absent = Parsed(text), self._without_object(things)
@@ -94,10 +89,12 @@ class PromptReader:
                 self._take_told(pair, things, parsed)
                 continue
             unsure = self._is_unsure(pair, self.found.pairs[number])
-            if pair.look.index in phrases.gone and pair.target.kind not in MATTER:  # "replace the harsh lamp"
+            if (
+                pair.look.index in self._phrases.gone and pair.target.kind not in MATTER
+            ):  # "replace the harsh lamp"
                 parsed.ignored.append(pair.look.text)
             elif (pair.target.kind == "none" or unsure) and self._is_a_light(pair.look, things):
-                parsed.attributes.append(_light(pair.look, phrases.of.get(pair.look.index, ())))
+                parsed.attributes.append(_light(pair.look, self._lights(pair.look)))
             elif (
                 pair.target.kind == "light"
                 and self._is_a_name(pair.look.index)
@@ -113,9 +110,7 @@ class PromptReader:
                 tinge = pair
             else:
                 entry = self._entry(pair, self.chosen[number + 1 : number + 2])
-                said = self._attributes(
-                    pair.look, entry, things.of(pair), phrases.of.get(pair.look.index, ())
-                )
+                said = self._attributes(pair.look, entry, things.of(pair), self._lights(pair.look))
                 parsed.attributes += [self._tinged(each, tinge.look) for each in said] if tinge else said
                 if pair.look.token.guess:
                     parsed.guesses[pair.look.token.text] = pair.look.token.guess
@@ -138,20 +133,28 @@ class PromptReader:
         thing = self.told.thing(pair, things.of(pair))
         parsed.attributes += self._attributes(pair.look, self._entry(pair, []), thing, ())
 
-    def _of_its_light(self, pair: TargetPair, pairs: list[TargetPair], phrases: LightPhrases) -> TargetPair:
+    def _lights(self, look: PromptLook) -> tuple[int, ...]:
+        """The numbers of the lights in whose description a word stands."""
+        return self._phrases.of.get(look.index, ())
+
+    def _where_it_stands(self, pair: TargetPair, pairs: list[TargetPair]) -> TargetPair:
+        """A word with the target that its place leaves no doubt of: in the description of a light, or right before fog."""
+        return self._of_its_light(pair, pairs) if self._lights(pair.look) else self._of_its_air(pair, pairs)
+
+    def _of_its_light(self, pair: TargetPair, pairs: list[TargetPair]) -> TargetPair:
         """A word in the description of a light, said of light unless it tells of something that is named there: "a pink one"."""
         mention = pair.target.mention
         if mention >= 0:
             noun = self.found.mentions[mention]
-            here = phrases.of.get(noun.start) == phrases.of[pair.look.index]
-            side = here and any(
-                word in self.vocabulary.picks for word in noun.text.split()
-            )  # "a pink one at the left"
+            here = self._phrases.of.get(noun.start) == self._lights(pair.look)
+            picks = any(word in self.vocabulary.picks for word in noun.text.split())
+            side = here and picks  # "a pink one at the left"
             stays = here if pair.target.kind in LAMPS else not side
         else:
             matter = pair.target.kind in MATTER or (pair.target.kind == "picture" and pair.look.token.color)
-            stays = not matter or self._is_definite(pair.look)
-        role = phrases.role(pair.look.index)
+            may_turn = pair.look.token.color or pair.look.token.adjective
+            stays = not (matter and may_turn) or self._is_definite(pair.look)
+        role = self._phrases.role(pair.look.index)
         if stays and not (role and pair.target.kind == "light"):
             return pair
         return next((other for other in pairs if other.target.kind == (role or "light")), pair)

@@ -15,7 +15,7 @@ from .bound import Thing
 from .pairs import TargetPair
 from .targets import ROLES, Target
 
-_GENERAL = {
+GENERAL = {
     "not used": "none", "lights": "light", "light": "light", "key light": "key", "fill light": "fill",
     "rim light": "rim", "world": "sky", "sky": "sky", "air": "air", "image": "picture", "subject": "subject",
     "surroundings": "surroundings",
@@ -79,7 +79,7 @@ class ToldTargets:
 
 def _target(word: str, name: str, scene: SceneWords) -> Target:
     said = name.casefold()
-    kind = _GENERAL.get(said, "")
+    kind = GENERAL.get(said, "")
     if kind in ROLES:
         return Target(kind, frozenset(n for n, light in scene.lights.items() if light.role == kind))
     if kind:
@@ -94,5 +94,5 @@ def _target(word: str, name: str, scene: SceneWords) -> Target:
             return find(own)
     raise VibeError(
         f"'{name}', which '{word}' is to describe, is no object, material or light of the scene.",
-        f"Use a name in the scene, or one of: {', '.join(_GENERAL)}.",
+        f"Use a name in the scene, or one of: {', '.join(GENERAL)}.",
     )

@@ -10,10 +10,8 @@ from ..lexicon.rigs import RigTable
 from ..lexicon.spelling import singular
 from ..lexicon.vocabulary import Vocabulary
 from ..tokens import Token
-from .passage import Passage
+from .passage import LIGHTS, Passage
 
-_HEADS = ("light", "fill", "rim")
-"""Kinds of nouns that are lights."""
 _ROLES = ("fill", "rim")
 _WHITE = "white"
 
@@ -159,11 +157,11 @@ def _is_head(item: Token, vocabulary: Vocabulary, rigs: RigTable, several: bool)
     """Whether an item names a light."""
     if several and item.text in vocabulary.words["one_of_them"]:
         return True
-    if item.noun in _HEADS:
+    if item.noun in LIGHTS:
         return True
     if vocabulary.slot(item.entry) != "lighting":
         return False
-    if any(vocabulary.nouns.get(singular(word)) in _HEADS for word in item.text.split()):
+    if any(vocabulary.nouns.get(singular(word)) in LIGHTS for word in item.text.split()):
         return True  # "light behind"
     return rigs.is_a_light(item.entry, item.text)
 

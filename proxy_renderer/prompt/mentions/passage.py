@@ -13,7 +13,8 @@ from ..tokens import Token
 _WISHES = {"action", "undo"}
 _ENDS = {*_WISHES, "again"}
 """Lists of words that end a wish."""
-_LAMPS = ("light", "fill", "rim")
+LIGHTS = ("light", "fill", "rim")
+"""Kinds of nouns that are lights."""
 
 
 @dataclass(frozen=True)
@@ -163,11 +164,11 @@ def _is_intensity(token: Token, following: Token | None, vocabulary: Vocabulary)
         return True
     if following is None or following.clause != token.clause or not following.names_a_look:
         return False
-    nouns = (following.noun, "lamp") if following.noun in _LAMPS else (following.noun,)
+    nouns = (following.noun, "lamp") if following.noun in LIGHTS else (following.noun,)
     return vocabulary.adjectives.get(token.adjective, {}).keys().isdisjoint(nouns)
 
 
 def _speaks_of_looks(tokens: list[Token]) -> bool:
     """Whether an action is about light, fog or the like, rather than about things."""
-    speaks = any(t.entry or t.noun in (*_LAMPS, "fog") for t in tokens)
+    speaks = any(t.entry or t.noun in (*LIGHTS, "fog") for t in tokens)
     return speaks and all(t.known and "count" not in t.lists for t in tokens)
