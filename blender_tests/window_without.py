@@ -51,8 +51,8 @@ def earlier_prompts(screen):
 def single_values(screen):
     """The list is opened, a value locked in it, and all set free."""
     locks = bpy.context.scene.vibe.locks
-    yield from screen.find("shared", 660)
-    yield from screen.open(screen.observed["found"]["shared"][1] + 32, 0.4)
+    yield from screen.find("new_lights", 709)
+    yield from screen.open(screen.observed["found"]["new_lights"][1] + 32, 0.4)
     yield from screen.wait(lambda: bpy.context.window_manager.vibe_values.rows, 30, "the list")
     yield from screen.away()
     screen.shoot("single_values")
@@ -63,7 +63,7 @@ def single_values(screen):
     yield from screen.click_on("vibe.unlock_all", 880)
     yield from screen.wait(lambda: not locks, 30, "no lock")
     screen.observed["unlocked"] = True
-    yield from screen.click_at(screen.observed["found"]["shared"][1] + 32, 0.4)
+    yield from screen.click_at(screen.observed["found"]["new_lights"][1] + 32, 0.4)
 
 
 def a_preset(screen):
