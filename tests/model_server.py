@@ -145,7 +145,7 @@ def plan_for(body, **changes):
             "surroundings_negatives": ["a teal background"],
             "whole_negatives": ["a dark picture"],
         },
-        "targets": {"subject_color": "teal", "subject_finish": "glossy", "fog": ""},
+        "targets": {"color": "teal", "finish": "glossy", "haze": ""},
         "colors": {"subject": "#108080", "surroundings": ""},
         "ignored": [],
         "plan": [{"reason": "asked for", **entry} for entry in plan if entry["parameter"] in names],

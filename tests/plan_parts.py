@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import random
 
+from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import Plan, PlanContext
 from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.prompts import compose
 from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.schema import PARAMETERS, Instance
 
@@ -73,5 +73,5 @@ CONTEXT = PlanContext(light_types={name: kind for name, kind, _, _ in LIGHTS})
 def make_plan(
     prompt: str, instances=None, context: PlanContext = CONTEXT, scene: SceneWords | None = None
 ) -> Plan:
-    parsed = parse(prompt, scene or SceneWords())
-    return plan(parsed, compose(parsed), make_instances() if instances is None else instances, context)
+    goals = goals_of(parse(prompt, scene or SceneWords()))
+    return plan(goals, make_instances() if instances is None else instances, context)

@@ -13,10 +13,10 @@ from vibe_render.render import anchors
 from vibe_render.scene import bindings, snapshot
 from vibe_render.scene.subject import SubjectChoice
 
+from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import PlanContext
 from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.prompts import compose
 from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.render.cycles.pictures import CyclesPicture
 from proxy_renderer.render.proxy import Proxy
@@ -177,7 +177,7 @@ def test_words_mean_what_is_seen_or_what_lights(scene, tmp_path, prompt, seen, s
     reading.export_scene(scene, tmp_path, SubjectChoice(("Ball",)))
     parsed = parse(prompt, SceneWords())
     data = load_scene(tmp_path)
-    entries = plan(parsed, compose(parsed), dict(data.instances), PlanContext())
+    entries = plan(goals_of(parsed), dict(data.instances), PlanContext())
     named = {
         key for key, entry in entries.items() if entry.priority is not None and "supports" not in entry.reason
     }

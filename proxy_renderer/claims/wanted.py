@@ -1,50 +1,42 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From words to claims: what a prompt, understood, says that the picture has to look like."""
+"""From wishes to claims: what the picture has to look like."""
 
 from __future__ import annotations
 
 import math
-import tomllib
-from collections.abc import Container, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from functools import cache
-from pathlib import Path
 from typing import cast
 
 from ..color.floats import chroma, lab_from_srgb, srgb_from_hex
-from ..prompt.heads import heads_of
+from ..goals.resolve import Goals
+from ..goals.wish import Wish
+from ..prompt.lexicon.claim_text import ClaimText
 from ..prompt.lexicon.vocabulary import Vocabulary
-from ..prompt.types import Attribute, Parsed
-from .claim import Claim
-from .colored import in_colored_light, in_the_dark, of_color, part_of
-from .comparing import compares
-from .conflicts import (
-    USUAL,
-    adds,
-    asks,
+from ..prompt.types import Attribute
+from .beside import (
     beside_painted,
     cast_of,
-    gives_way,
     is_brightness,
     is_light,
     is_painted,
     lit,
+    narrows,
     on_things,
     parted,
     still_light,
 )
+from .claim import Claim
+from .colored import in_colored_light, in_the_dark, of_color, part_of
+from .comparing import compares
 from .matter import of_matter
 from .measures.picture import Part
-from .notation import ClaimText, read_claim
 
 _OF_MOODS = 0.5
 """Weight of what a mood stands for."""
 
 _SLIGHT = 0.8
 """Strength below which a word is a weak one."""
-
-_TIMELY = "light_temperature"
-"""A head that times of day have too: of several words for it claims choose, not the first one of the prompt."""
 
 _BURNT = 0.06
 """Share of a thing, or of the picture, that may burn out."""
@@ -62,40 +54,27 @@ _DIMMEST = 24.0
 """L* of the lightest parts of a subject in the dark, at least."""
 
 
-def claims_of(parsed: Parsed, vocabulary: Vocabulary, served: Container[Attribute] = ()) -> tuple[Claim, ...]:
-    """The claims of a prompt, and what holds of every picture: that its subject can be seen.
+def claims_of(goals: Goals, vocabulary: Vocabulary) -> tuple[Claim, ...]:
+    """The claims of goals, and what holds of every picture: that its subject can be seen.
 
     Args:
-        parsed: The prompt, bound to what the scene has.
+        goals: What the words wish for, resolved.
         vocabulary: What words mean.
-        served: Words that a rig stands for, which claims what is to be seen of them.
-
-    Raises:
-        VibeError: A claim in the vocabulary cannot be read.
     """
-    moods = bool(served)  # of which the rig is what is to be seen
-    words = [
-        a
-        for a in parsed.attributes
-        if a not in parsed.overruled and a not in served and not (moods and a.cause)
-    ]
-    said = parted([(a, tuple(_of_word(a, parsed, vocabulary))) for a in words])
-    said_colors = [
-        claim for attribute, row in said if attribute.color and not attribute.cause for claim in row
-    ]
+    attributes = goals.parsed.attributes
+    ranked = sorted(goals.wishes, key=lambda wish: wish.rank)
+    said = parted([(wish, tuple(_of_wish(wish, goals, vocabulary))) for wish in ranked])
+    said_colors = [claim for wish, row in said if wish.attribute.color and not wish.implied for claim in row]
     claims: list[Claim] = []
-    for attribute, row in sorted(said, key=lambda pair: _rank(*pair)):
-        compared = compares(attribute, parsed.attributes, vocabulary)
+    for wish, row in said:
+        compared, usual = compares(wish.attribute, attributes, vocabulary), wish.usual > 0
         for claim in row:
-            claim = replace(beside_painted(claim, attribute, said_colors), compares=compared)
-            if all(adds(claim, attribute, first) for first in claims):
+            claim = replace(beside_painted(claim, usual, said_colors), compares=compared)
+            if all(narrows(claim, usual, first) for first in claims):
                 claims.append(claim)
-    casts = [c for c in claims if c.part == "picture" and asks(c)] + said_colors
-    grays = [c for c in claims if c.color and c.measure == "lightness"]
-    claims = [claim for claim in claims if not gives_way(claim, said_colors + grays, casts)]
     darkest = min((c.upper[0] for c in claims if is_brightness(c)), default=math.inf)
     claims += still_light(said_colors, claims)
-    painted = [c for attribute, row in said for c in row if is_painted(c, attribute)]
+    painted = [c for wish, row in said for c in row if is_painted(c, wish.attribute)]
     colored = [c for c in claims if c.measure == "color"] + painted
     tints = [cast for c in claims if (cast := cast_of(c))]
     shown = (
@@ -103,45 +82,32 @@ def claims_of(parsed: Parsed, vocabulary: Vocabulary, served: Container[Attribut
     )
     return (
         *map(on_things, shown),
-        *_of_every_picture(parsed),
+        *_of_every_picture(goals),
         *_unburnt(claims),
-        *_undrowned(parsed, claims),
+        *_undrowned(goals, claims),
     )
 
 
-def _rank(attribute: Attribute, claims: Sequence[Claim]) -> tuple[bool, int, int]:
-    """Which of two words for one measure goes first, the least.
-
-    The prompt's own before what another one stands for, light before weather and that before a setting, and what is about
-    nothing else before what has it among other things: dusk is cool, but not in the light of a warm lamp.
-    """
-    usual = USUAL.index(attribute.slot) + 1 if attribute.slot in USUAL else 0
-    return bool(attribute.cause), usual, len({(c.measure, c.part) for c in claims})
-
-
-def _of_word(attribute: Attribute, parsed: Parsed, vocabulary: Vocabulary) -> Iterator[Claim]:
+def _of_wish(wish: Wish, goals: Goals, vocabulary: Vocabulary) -> Iterator[Claim]:
+    attribute = wish.attribute
     if attribute.color:
-        word, weight = attribute.cause or attribute.word, _OF_MOODS if attribute.cause else 1.0
-        claims = () if attribute.negated else of_color(attribute, attribute.color)
-        yield from (replace(claim, word=word, weight=weight) for claim in claims)
+        weight = _OF_MOODS if wish.implied else 1.0
+        claims = of_color(attribute, attribute.color)
+        yield from (replace(claim, word=wish.word, weight=weight) for claim in claims)
         return
-    entry = vocabulary.entries.get(attribute.entry)
-    if entry and not attribute.negated:
-        yield from (_bound(read_claim(text), attribute) for text in entry.claims)
-        yield from of_matter(attribute, parsed.attributes, vocabulary)
-    for head, value in heads_of(attribute, vocabulary).items():
-        if attribute.owners or head == _TIMELY or parsed.targets.get(head) == value:
-            yield from (_bound(text, attribute) for text in _of_heads().get((head, value), ()))
+    yield from (_bound(text, attribute) for text in wish.claims)
+    if wish.quantity == "color" and not attribute.negated:
+        yield from of_matter(attribute, goals.parsed.attributes, vocabulary)
 
 
-def _of_every_picture(parsed: Parsed) -> Iterator[Claim]:
+def _of_every_picture(goals: Goals) -> Iterator[Claim]:
     """That the subject stands out from what is around it, and neither burns out nor drowns, or no more than before."""
-    silhouette = any(a.entry == "silhouette" and not a.negated for a in parsed.attributes)
+    silhouette = any(a.entry == "silhouette" and not a.negated for a in goals.parsed.attributes)
     yield Claim.unsaid("subject", "separation", lower=10.0)
     yield Claim.unsaid("subject", "burnt", upper=_BURNT)
     if silhouette:
         return
-    if parsed.targets.get("brightness") == "dark":  # even at night its lights are seen
+    if goals.classes.get("brightness") == "dark":  # even at night its lights are seen
         yield Claim.unsaid("subject", "white_point", lower=_DIMMEST)
     else:
         yield Claim.unsaid("subject", "drowned", upper=0.3)
@@ -154,13 +120,13 @@ def _unburnt(claims: Sequence[Claim]) -> Iterator[Claim]:
         yield Claim.unsaid("picture", "burnt", upper=_BURNT)
 
 
-def _undrowned(parsed: Parsed, claims: Sequence[Claim]) -> Iterator[Claim]:
+def _undrowned(goals: Goals, claims: Sequence[Claim]) -> Iterator[Claim]:
     """That no more of the picture drowns in black than before, unless words ask for dark, or for something that is."""
     black = any(c.color and lab_from_srgb(c.color)[0] < _BLACK for c in claims)
     dark = any(
         (c.measure in _OF_DARKNESS and c.upper[0] < _DARK) or c.measure == "silhouette" for c in claims
     )
-    if not black and not dark and parsed.targets.get("brightness") != "dark":
+    if not black and not dark and goals.classes.get("brightness") != "dark":
         yield Claim.unsaid("picture", "drowned", upper=_DROWNED)
 
 
@@ -197,14 +163,3 @@ def _milder(text: ClaimText) -> tuple[float, float]:
     if text.change is None or not math.isfinite(middle):
         return text.lower, text.upper
     return (text.lower, middle) if text.change > 0 else (middle, text.upper)
-
-
-@cache
-def _of_heads() -> dict[tuple[str, str], tuple[ClaimText, ...]]:
-    """(head, class) -> its claims, from `heads.toml`."""
-    rows = tomllib.loads(Path(__file__).with_name("heads.toml").read_text("utf-8"))
-    return {
-        (head, value): tuple(map(read_claim, texts))
-        for head, classes in rows.items()
-        for value, texts in classes.items()
-    }

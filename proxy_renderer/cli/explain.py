@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..goals.resolve import Goals, goals_or_why
 from ..planning.advice import OfflineAdvisor
 from ..planning.explanation import as_dict, explain
 from ..planning.types import PlanContext
@@ -18,7 +19,7 @@ from ..prompt.binding.why import why
 from ..prompt.lexicon.rigs import rig_table
 from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.parser import prepared
-from ..prompt.types import Parsed, SceneWords
+from ..prompt.types import SceneWords
 from ..prompt.understood import Understood
 from ..rigs.chosen import chosen_rig
 from ..scene.plain import plain_instances
@@ -57,20 +58,20 @@ def account(
     )
     if with_reasons:
         return _reasons(prompt, words, target)
-    understood = addition.understood if addition else Understood(prompt, words, target)
-    advice = OfflineAdvisor(understood, addition.plan if addition else None).advise(None, instances, context)
-    decided = advice.parsed, advice.prompts, advice.plan
-    light = _light(advice.parsed, addition)
+    goals = addition.goals if addition else goals_or_why(Understood(prompt, words, target))
+    advice = OfflineAdvisor(goals, addition.plan if addition else None).advise(None, instances, context)
+    decided = advice.goals, advice.prompts, advice.plan
+    light = _light(advice.goals, addition)
     if as_json:
         return json.dumps({**as_dict(*decided), "light": light}, indent=2, ensure_ascii=False)
     return "\n".join([explain(*decided), *(["", "Light", *(f"  {line}" for line in light)] if light else [])])
 
 
-def _light(parsed: Parsed, addition: Addition | None) -> list[str]:
+def _light(goals: Goals, addition: Addition | None) -> list[str]:
     """The rig that the words ask for, and who plays its parts in the scene; without one, what each of its lights is."""
     if addition:
         return list(addition.lighting.notes) if addition.lighting else []
-    chosen = chosen_rig(parsed, rig_table(), default_vocabulary())
+    chosen = chosen_rig(goals, rig_table(), default_vocabulary())
     if chosen is None:
         return []
     lights = (

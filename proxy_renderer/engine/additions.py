@@ -8,18 +8,20 @@ from dataclasses import dataclass
 
 from ..claims.claim import Claim
 from ..claims.wanted import claims_of
+from ..goals.resolve import Goals, goals_or_why
 from ..optimize.context import scene_words
+from ..planning.acting import beside_rig
 from ..planning.lights.backdrop import asks_for_backdrop
 from ..planning.lights.glow import glows
 from ..planning.lights.lacking import lacking
 from ..planning.types import LightPlan, PlanContext
 from ..prompt.lexicon.rigs import rig_table
 from ..prompt.lexicon.user_words import default_vocabulary
-from ..prompt.types import Parsed
 from ..prompt.understood import Understood
 from ..rigs.chosen import chosen_rig
 from ..rigs.lighting import Lighting, lighting
 from ..scene import SceneData
+from ..schema import VibeError
 from ..schema.added_lights import ADDED_LIGHTS, light_name
 
 _SPARE = {light_name(part, "AREA") for part in ("key", "fill", "rim")}
@@ -33,11 +35,13 @@ class Addition:
     Attributes:
         scenes: The shots.
         understood: The words, read against the scene.
+        goals: What the words wish for; why there are none where nothing is understood.
         lighting: The rig that the words ask for, set up; None where they ask for none.
     """
 
     scenes: list[SceneData]
     understood: Understood
+    goals: Goals | VibeError
     lighting: Lighting | None = None
 
     @property
@@ -45,12 +49,16 @@ class Addition:
         """Of the rig."""
         return self.lighting.plan if self.lighting else None
 
-    def claims(self, parsed: Parsed) -> tuple[Claim, ...]:
-        """What the words of a prompt claim, the rig's structure among it."""
+    def claims(self, goals: Goals) -> tuple[Claim, ...]:
+        """What the words claim of the image, the rig's structure among it.
+
+        Args:
+            goals: What they wish for.
+        """
         vocabulary = default_vocabulary()
         if self.lighting is None:
-            return claims_of(parsed, vocabulary)
-        return (*self.lighting.claims, *claims_of(parsed, vocabulary, self.lighting.plan.served))
+            return claims_of(goals, vocabulary)
+        return (*self.lighting.claims, *claims_of(beside_rig(goals, self.lighting.plan), vocabulary))
 
 
 def with_additions(
@@ -68,16 +76,16 @@ def with_additions(
         VibeError: The scene has nothing that a word is told to describe.
     """
     understood = Understood(prompt, scene_words(*scenes), told)
-    if understood.unknown:
-        return Addition(list(scenes), understood)
-    parsed = understood.parsed
-    if chosen := chosen_rig(parsed, rig_table(), default_vocabulary()):
-        lit = lighting(scenes, parsed, chosen, new_lights)
-        return Addition(lit.scenes, understood, lit)
-    return Addition(_with_standby(scenes, parsed, new_lights), understood)
+    goals = goals_or_why(understood)
+    if isinstance(goals, VibeError):
+        return Addition(list(scenes), understood, goals)
+    if chosen := chosen_rig(goals, rig_table(), default_vocabulary()):
+        lit = lighting(scenes, goals.parsed, chosen, new_lights)
+        return Addition(lit.scenes, understood, goals, lit)
+    return Addition(_with_standby(scenes, goals, new_lights), understood, goals)
 
 
-def _with_standby(scenes: Sequence[SceneData], parsed: Parsed, new_lights: bool) -> list[SceneData]:
+def _with_standby(scenes: Sequence[SceneData], goals: Goals, new_lights: bool) -> list[SceneData]:
     """The shots with lights and a backdrop on standby that single words need."""
     first, vocabulary = scenes[0], default_vocabulary()
     context = PlanContext(
@@ -88,8 +96,8 @@ def _with_standby(scenes: Sequence[SceneData], parsed: Parsed, new_lights: bool)
     spare = [ADDED_LIGHTS[light.name] for light in first.standby.lights if light.name in _SPARE]
     roles = {light.name: light.role for light in spare}
     instances = dict(first.instances)
-    names = lacking(parsed, instances, context, roles, vocabulary) if new_lights else []
-    parts = asks_for_backdrop(parsed, instances, context, vocabulary)
+    names = lacking(goals, instances, context, roles, vocabulary) if new_lights else []
+    parts = asks_for_backdrop(goals, instances, context, vocabulary)
     if parts and all(scene.may_be_parted for scene in scenes):
         scenes = [scene.parted() for scene in scenes]
     return [scene.with_lights(names) for scene in scenes] if names else list(scenes)

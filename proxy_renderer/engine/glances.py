@@ -53,13 +53,13 @@ class Glances:
         if stopped():
             return None
         looks = Looks(shot)
-        advisor = OfflineAdvisor(addition.understood, addition.plan)
+        advisor = OfflineAdvisor(addition.goals, addition.plan)
         report.save_picture(looks.before.display, Path(request.job) / BEFORE)
         try:
             u, advice = looks.planned(advisor)
         except VibeError:  # half a word, perhaps
             return None
-        return None if stopped() else looks.drawn(u, addition.claims(advice.parsed))
+        return None if stopped() else looks.drawn(u, addition.claims(advice.goals))
 
     def _scene(self, job: str) -> SceneData:
         if self._found is None or job != self._job:

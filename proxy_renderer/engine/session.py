@@ -194,7 +194,9 @@ class EngineSession:
         """The model as parser and confiner; None for the offline planner."""
         if self._model is None or not self.prompt.strip():
             return None
-        return ModelAdvisor(addition.understood, self._model, self._observer.stage, addition.plan)
+        return ModelAdvisor(
+            addition.understood, addition.goals, self._model, self._observer.stage, addition.plan
+        )
 
     def _judge(self, before: Image.Image, after: Image.Image) -> dict[str, Any]:
         """The model's verdict on Cycles' two pictures, or why there is none."""
@@ -220,7 +222,7 @@ class EngineSession:
 
     def _facts(self, outcome: pipeline.Outcome, encoder: Encoder) -> dict[str, Any]:
         """The fields of report.json that the engine knows."""
-        parsed, prompts = outcome.parsed, outcome.prompts
+        goals, prompts = outcome.goals, outcome.prompts
         return {
             "prompt": self.prompt,
             "encoder": encoder.name,
@@ -232,10 +234,10 @@ class EngineSession:
                 "subject": prompts.subject,
                 "surroundings": prompts.surroundings,
                 "whole": prompts.whole,
-                "targets": parsed.targets,
-                "ignored": parsed.ignored,
-                "guesses": parsed.guesses,
-                "notes": list(dict.fromkeys([*parsed.conflicts, *outcome.plan.notes])),
+                "classes": goals.classes,
+                "ignored": goals.parsed.ignored,
+                "guesses": goals.parsed.guesses,
+                "notes": list(dict.fromkeys([*goals.parsed.notes, *outcome.plan.notes])),
             },
             "versions": report.versions(),
         }

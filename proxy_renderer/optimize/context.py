@@ -25,7 +25,7 @@ from ..schema.messages import Options
 from ..schema.spec import Region
 from . import headroom
 from .places import places
-from .present_looks import present_looks
+from .present_looks import present_looks, sees_sky
 
 if TYPE_CHECKING:
     from ..render.proxy import Proxy, Render
@@ -63,6 +63,7 @@ def scene_words(*scenes: SceneData) -> SceneWords:
         glows=tuple(dict.fromkeys(n for scene in scenes for n in glowing(scene) if n not in dark)),
         places=places(scenes[0]) if scenes else {},
         looks=looks,
+        sky=not scenes or sees_sky(scenes[0]),
     )
 
 

@@ -20,6 +20,7 @@ from ..scene.values import RenderValues
 from ..schema import Values
 
 _SIDE = 64  # rays along each side of the image
+_SKY = 0.05  # share of what surrounds the subject from which the sky is seen
 _GLOWS = 0.05  # radiance from which a surface glows
 _CLIPPED = 4.0  # times what the display shows at most: the strongest glow whose color counts
 _LEVEL, _UPRIGHT, _SLOPED = (
@@ -33,6 +34,18 @@ _LEAST = 0.02  # share of the image of a structure
 _CLEAR = 2.0  # how many times larger than the second a structure has to be
 _NEAR = 0.08  # of the scene's height: two levels within it are one
 _TALL, _HIGH = 0.4, 0.6  # of the scene's height: least height of walls, and where roofs begin
+
+
+def sees_sky(scene: SceneData) -> bool:
+    """Whether the camera sees the world, and not only surfaces.
+
+    Args:
+        scene: With the artist's values.
+    """
+    rays = _rays(scene)
+    subjects = np.array([o.subject for o in scene.objects], bool)
+    around = rays.count - int(subjects[rays.object].sum())
+    return around > 0 and rays.count - len(rays.object) >= _SKY * around
 
 
 @dataclass(frozen=True)

@@ -7,13 +7,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from ..prompt.lexicon.user_words import default_vocabulary
-from ..prompt.meaning import forget_parts, forget_sky
+from ..goals.resolve import Goals
 from ..prompt.prompts import compose
-from ..prompt.types import Parsed, Prompts
-from ..prompt.understood import Understood
-from ..schema import Instance
-from .owners import SLIVER
+from ..prompt.types import Prompts
+from ..schema import Instance, VibeError
 from .planner import plan
 from .types import LightPlan, Plan, PlanContext
 
@@ -23,14 +20,14 @@ class Advice:
     """A round's understanding of the prompt, and its plan.
 
     Attributes:
-        parsed: The objects list O.
+        goals: What the words wish for; with the objects list O.
         prompts: Captions and negatives by region.
         plan: Bounds and priority of every parameter.
         placed: Keys of what a rig has placed already.
         source: Who gave it: "offline planner", or the model; with the reason if it was not the one asked for.
     """
 
-    parsed: Parsed
+    goals: Goals
     prompts: Prompts
     plan: Plan
     source: str = "offline planner"
@@ -54,33 +51,19 @@ class OfflineAdvisor:
     """The vocabulary and its planner.
 
     Args:
-        understood: The prompt, read against the scene.
+        goals: What the words wish for; why there are none where nothing is understood.
         light: What a rig plans; None where the words ask for none.
     """
 
-    def __init__(self, understood: Understood, light: LightPlan | None = None) -> None:
-        self.understood, self.light = understood, light
+    def __init__(self, goals: Goals | VibeError, light: LightPlan | None = None) -> None:
+        self.goals, self.light = goals, light
 
     def advise(self, display: Any, instances: Mapping[str, Instance], context: PlanContext) -> Advice:
         """Raises VibeError if no word of the prompt is known."""
-        parsed = seen(self.understood, context)
-        prompts = compose(parsed)
-        decided = plan(parsed, prompts, dict(instances), context, light=self.light)
-        return Advice(parsed, prompts, decided, placed=frozenset(self.light.entries if self.light else ()))
-
-
-def seen(understood: Understood, context: PlanContext) -> Parsed:
-    """What the words mean where the camera sees this much of the sky, and of each material.
-
-    Args:
-        understood: The prompt, read against the scene.
-        context: What is known about the scene and its picture.
-
-    Raises:
-        VibeError: No word of the prompt is known.
-    """
-    vocabulary, parsed = default_vocabulary(), understood.parsed
-    if context.world_share is not None and context.world_share < SLIVER:
-        forget_sky(parsed, vocabulary)
-    forget_parts(parsed, context.material_share, vocabulary)
-    return parsed
+        if isinstance(self.goals, VibeError):
+            raise self.goals
+        prompts = compose(self.goals.parsed, self.goals.overruled)
+        decided = plan(self.goals, dict(instances), context, light=self.light)
+        return Advice(
+            self.goals, prompts, decided, placed=frozenset(self.light.entries if self.light else ())
+        )

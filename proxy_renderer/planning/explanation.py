@@ -3,13 +3,15 @@
 
 from __future__ import annotations
 
+from ..goals.resolve import Goals
 from ..prompt.types import Parsed, Prompts
 from ..schema import Values, labels
 from .types import Plan
 
 
-def explain(parsed: Parsed, prompts: Prompts, plan: Plan) -> str:
+def explain(goals: Goals, prompts: Prompts, plan: Plan) -> str:
     """A readable account of a prompt: what it says, what the encoder is told, what may change and why."""
+    parsed = goals.parsed
     lines = [f"Prompt: {parsed.prompt}", "", "Understood"]
     for thing in parsed.objects:
         said = "; ".join(f"{slot}: {words}" for slot, words in thing.attributes.items()) or "as it is"
@@ -25,11 +27,6 @@ def explain(parsed: Parsed, prompts: Prompts, plan: Plan) -> str:
     lines.append(f"  picture: {prompts.whole}")
     unwanted = (*prompts.subject_negatives, *prompts.surroundings_negatives, *prompts.whole_negatives)
     lines += [f"  not: {text}" for text in unwanted]
-    if parsed.targets:
-        lines.append(
-            "  measured by: "
-            + ", ".join(f"{head.replace('_', ' ')} = {value}" for head, value in parsed.targets.items())
-        )
     lines += ["", "Plan (the smaller the priority, the more important)"]
     moving = sorted((e.priority, key) for key, e in plan.items() if e.priority is not None)
     for priority, key in moving:
@@ -43,8 +40,9 @@ def explain(parsed: Parsed, prompts: Prompts, plan: Plan) -> str:
     return "\n".join(lines)
 
 
-def as_dict(parsed: Parsed, prompts: Prompts, plan: Plan) -> dict:
+def as_dict(goals: Goals, prompts: Prompts, plan: Plan) -> dict:
     """The same for `--json`: objects, prompts, plan, and what was ignored or guessed."""
+    parsed = goals.parsed
     return {
         "prompt": parsed.prompt,
         "objects": [
@@ -52,8 +50,7 @@ def as_dict(parsed: Parsed, prompts: Prompts, plan: Plan) -> dict:
             for o in parsed.objects
         ],
         "prompts": {name: getattr(prompts, name) for name in prompts.__dataclass_fields__},
-        "targets": parsed.targets,
-        "colors": {region: list(lab) for region, lab in parsed.colors.items()},
+        "classes": goals.classes,
         "plan": {
             key: {"lower": list(e.lower), "upper": list(e.upper), "priority": e.priority, "reason": e.reason}
             for key, e in plan.items()

@@ -8,24 +8,23 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from ..color.floats import srgb_from_linear
-from ..prompt.heads import is_vague
+from ..goals.resolve import Goals
+from ..goals.wish import Wish
 from ..prompt.lexicon.entries import Effect
 from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.lexicon.vocabulary import Vocabulary
-from ..prompt.types import GLOW, Attribute, Parsed, Prompts
+from ..prompt.types import GLOW, Parsed
 from ..schema import Instance, Values, labels
+from .acting import STAGES, acts, beside_rig, grade_of, is_usual, stage_of
+from .agreement import Agreements, WishedRange, lacking, reason_of
 from .color_ranges import named_color, painted
-from .demands import Demand, lacking, reason_of
 from .lights.facing import facing_radiance
 from .owners import BACKDROP, SEEN, Owners
 from .ranges import clip, effect_range, within
-from .settlement import Settlement
 from .sources import Sources, WorldLook
 from .support import added_power, supports
 from .types import LightPlan, Plan, PlanContext, PlanEntry
-from .wishes import STAGES, Wishes, is_usual, stage_of
 
-_NOT = 0.6  # "not glossy" asks for a mild "matte"
 _OF_SHADOWS = ("size", "angle")
 """Parameters that begin well inside of their ranges: edges of shadows have slopes that say little of where hardness is found."""
 _WELL_INSIDE = 0.75
@@ -43,13 +42,11 @@ _GRADES = {
     "film/gain": (0.8, 1.2),
 }
 """How far a grade goes beside a rig, which is most of a look."""
-_BESIDE_LIGHT = 0.5  # strength of a mood's grade where a rig gives it its light
 _SECOND = 6  # how much later a mood's own words come than the prompt's
 
 
 def plan(
-    parsed: Parsed,
-    prompts: Prompts,
+    goals: Goals,
     instances: dict[str, Instance],
     context: PlanContext,
     vocabulary: Vocabulary | None = None,
@@ -59,12 +56,19 @@ def plan(
 
     What words name gets a range (projection moves the value inside) and a priority; a few others
     may move a little to keep the subject visible; the rest keeps the artist's value.
+
+    Args:
+        goals: What the words wish for.
+        instances: The scene's parameters by key.
+        context: What is known about the scene and its picture.
+        vocabulary: What words mean; the artist's own if None.
+        light: What a rig plans; None where the words ask for none.
     """
     light = light or LightPlan()
-    planner = _Planner(parsed, instances, context, vocabulary or default_vocabulary(), light)
+    planner = _Planner(goals, instances, context, vocabulary or default_vocabulary(), light)
     entries = planner.entries()
     entries |= {key: entry for key, entry in light.entries.items() if not planner.instances[key].locked}
-    support = supports(parsed, planner.instances, planner.sources, entries, planner.owners)
+    support = supports(goals.parsed, planner.instances, planner.sources, entries, planner.owners)
     if light.served:  # exposed as the rig wants it
         support.pop("film/exposure", None)
         entries |= {key: _mild(entries[key], *ends) for key, ends in _GRADES.items() if key in entries}
@@ -75,32 +79,32 @@ def plan(
 class _Planner:
     def __init__(
         self,
-        parsed: Parsed,
+        goals: Goals,
         instances: dict[str, Instance],
         context: PlanContext,
         vocabulary: Vocabulary,
         light: LightPlan,
     ) -> None:
-        self.parsed, self.vocabulary = parsed, vocabulary
+        parsed = self.parsed = goals.parsed
+        self.vocabulary = vocabulary
         self.instances = {key: _protected(i, parsed) for key, i in instances.items()}
         self.owners = Owners(parsed, self.instances, context, vocabulary)
         stops = [i.value[0] for i in instances.values() if i.parameter.name in ("exposure", "grade_exposure")]
         self.sources = Sources(context, exposure=sum(stops))
-        self.notes = list(parsed.conflicts)
-        self.settlement = Settlement()
+        self.notes = [*parsed.notes, *goals.notes()]
+        self.agreed = Agreements()
         self.kept: dict[str, list[str]] = {}
-        wishes = Wishes(parsed, vocabulary, self.owners).all()
-        self.wishes = [(_beside(a, light), e) for a, e in wishes if _is_left(a, e, light)] + [*light.grade]
+        self.acts = [*acts(beside_rig(goals, light), vocabulary, self.owners), *grade_of(light)]
         self.of_materials = self._of_materials()
 
     def entries(self) -> dict[str, PlanEntry]:
         """An entry for every instance, from the words alone."""
         for stage in range(STAGES):
-            due = [(a, e) for a, e in self.wishes if stage_of(e) == stage]
-            self.settlement.add([demand for a, e in due for demand in self._demands(a, e)])
+            due = [(wish, effect) for wish, effect in self.acts if stage_of(effect) == stage]
+            self.agreed.add([each for wish, effect in due for each in self._ranges(wish, effect)])
             self._note_sources()
         entries = {key: self._entry(instance) for key, instance in self.instances.items()}
-        self.notes += [*self.settlement.notes(), *self._unmet()]
+        self.notes += [*self.agreed.notes(), *self._unmet()]
         for reason, keys in self.kept.items():
             self.notes.append(f"Left alone, though the words ask for it: {labels.titles(keys)} ({reason}).")
         return entries
@@ -108,7 +112,8 @@ class _Planner:
     def _of_materials(self) -> dict[str, Values]:
         """The values that parameters have by the materials that words name."""
         found = {}
-        for attribute, effect in self.wishes:
+        for wish, effect in self.acts:
+            attribute = wish.attribute
             if attribute.slot == "material" and effect.mode in ("", "color"):
                 for instance in self.owners.of(effect, attribute):
                     found[instance.key] = (
@@ -122,69 +127,66 @@ class _Planner:
         """Words whose main wish no part of the scene can fulfill: a rim light where there is only one light."""
         missing: dict[str, str] = {}
         for attribute in self.parsed.attributes:
-            strong = [e for a, e in self.wishes if a == attribute and not e.weak]
+            strong = [e for w, e in self.acts if w.attribute == attribute and not e.weak]
             most = min((e.priority for e in strong), default=0)
             main = [e for e in strong if e.priority == most]
             if main and not any(self.owners.of(e, attribute) for e in main):
                 missing.setdefault(attribute.cause or attribute.word, lacking(main[0].owner))
         return [f"'{word}' is not fully possible here: {what}." for word, what in missing.items()]
 
-    def _demands(self, attribute: Attribute, effect: Effect) -> Iterator[Demand]:
-        """What a word wants of each parameter that one of its effects is about."""
+    def _ranges(self, wish: Wish, effect: Effect) -> Iterator[WishedRange]:
+        """A wish's ranges of the parameters that one of its effects is about."""
         added = self.sources.context.added_lights
-        for instance in self.owners.of(effect, attribute):
+        for instance in self.owners.of(effect, wish.attribute):
             if instance.owner in added and effect.mode == "times" and effect.name == "power":
                 if effect.lower[0] < 1.0:
-                    yield self._demand(
-                        attribute, effect, replace(instance, value=added_power(instance, self.sources))
+                    yield self._range(
+                        wish, effect, replace(instance, value=added_power(instance, self.sources))
                     )
                 # else words ask for the light: it has nothing to be stronger than
             elif effect.mode in _RELATIVE and instance.key in self.of_materials:
-                yield self._demand(
-                    attribute, effect, replace(instance, value=self.of_materials[instance.key])
-                )
+                yield self._range(wish, effect, replace(instance, value=self.of_materials[instance.key]))
             else:
-                yield self._demand(attribute, effect, instance)
+                yield self._range(wish, effect, instance)
 
-    def _demand(self, attribute: Attribute, effect: Effect, instance: Instance) -> Demand:
+    def _range(self, wish: Wish, effect: Effect, instance: Instance) -> WishedRange:
+        attribute = replace(wish.attribute, strength=wish.strength)
         shown = self.vocabulary.entries.get(attribute.entry)
         sources = replace(self.sources, own_color=self._own_color(instance.owner))
-        vague = is_vague(attribute, self.vocabulary)
+        aside = False
         if instance.parameter.name.startswith("backdrop"):
             sources = replace(sources, world=self.sources.backdrop)
-            vague = vague or attribute.kind not in SEEN  # words for what is seen come first there
-        mild = attribute.negated and shown and shown.opposite and not shown.never
-        strength = _NOT if mild else attribute.strength
-        lower, upper = effect_range(effect, replace(attribute, strength=strength), instance, sources)
+            aside = attribute.kind not in SEEN  # words for what is seen come first there
+        lower, upper = effect_range(effect, attribute, instance, sources)
         glows = effect.family == "material/emission" and not effect.mode and effect.lower[0] > 0
-        if glows and strength >= 1 and self._glow(instance.owner) > lower[0]:
+        if glows and wish.strength >= 1 and self._glow(instance.owner) > lower[0]:
             upper = max(upper, instance.value)  # what glows more than "glowing" asks for gets no darker by it
-        return Demand(
+        return WishedRange(
             instance.key,
             lower,
             upper,
-            attribute,
+            wish,
             reason_of(attribute, shown.phrase if shown else ""),
             effect.weak,
-            self._priority(attribute, effect, instance),
-            vague,
-            is_usual(attribute, effect),
+            self._priority(wish, effect, instance),
+            is_usual(wish, effect),
+            aside,
             start=named_color(effect, attribute, instance, sources) if effect.color else None,
             any_hue=effect.mode == "cast",  # from faint to strong: no box whose corners are other hues
         )
 
-    def _priority(self, attribute: Attribute, effect: Effect, instance: Instance) -> int:
-        """How much a demand counts; the least counts most."""
+    def _priority(self, wish: Wish, effect: Effect, instance: Instance) -> int:
+        """How much a range counts; the least counts most."""
         light = f"{GLOW}{instance.owner}" if instance.parameter.group == "material" else instance.owner
         of_others = effect.owner == "lights" and light not in self.owners.lights.key
         # A color that is named comes before a word that only changes it: "a teal ball, the ball darker".
         changes = effect.mode == "times" and instance.parameter.kind == "color"
         late = 2 * effect.weak + 2 * of_others + changes
-        return effect.priority + late + (_SECOND if attribute.cause else 0)
+        return effect.priority + late + (_SECOND if wish.implied else 0)
 
     def _note_sources(self) -> None:
         context, key = self.sources.context, self.owners.lights.key
-        facing = facing_radiance(self.instances, context, self.settlement.value, key)
+        facing = facing_radiance(self.instances, context, self.agreed.value, key)
         self.sources = replace(self.sources, key=facing)
         world = backdrop = self._world("", context.environment_luminance)
         if BACKDROP in self.instances:
@@ -195,10 +197,8 @@ class _Planner:
         """What is settled of the world, or of its backdrop, whose picture has a mean luminance."""
         color, tint = (self.instances.get(f"world/{part}{name}") for name in ("color", "tint"))
         if color:
-            return WorldLook(self.settlement.value(color))
-        return (
-            WorldLook(tuple(v * level for v in self.settlement.value(tint)), level) if tint else WorldLook()
-        )
+            return WorldLook(self.agreed.value(color))
+        return WorldLook(tuple(v * level for v in self.agreed.value(tint)), level) if tint else WorldLook()
 
     def _own_color(self, owner: str) -> tuple[float, ...]:
         """The color that a material gets, or has."""
@@ -206,11 +206,11 @@ class _Planner:
         if named and named[0].color:
             return named[0].color
         found = (self.instances.get(f"material/{owner}/{name}") for name in ("base_color", "tint"))
-        return next((srgb_from_linear(self.settlement.value(i)) for i in found if i), (1.0, 1.0, 1.0))
+        return next((srgb_from_linear(self.agreed.value(i)) for i in found if i), (1.0, 1.0, 1.0))
 
     def _glows(self, owner: str) -> bool:
         """Whether a material is to glow, or does: many have a strength of 1 and a black emission color."""
-        asked = self.settlement.of(f"material/{owner}/emission")
+        asked = self.agreed.of(f"material/{owner}/emission")
         return max(asked.upper[0] if asked else 0.0, self._glow(owner)) > _SEEN_GLOW
 
     def _glow(self, owner: str) -> float:
@@ -221,7 +221,7 @@ class _Planner:
         return strength.value[0] * max(color.value) if strength and color else 0.0
 
     def _entry(self, instance: Instance) -> PlanEntry:
-        settled = self.settlement.of(instance.key)
+        settled = self.agreed.of(instance.key)
         if instance.locked:
             if settled:
                 self.kept.setdefault(instance.locked, []).append(instance.key)
@@ -253,27 +253,13 @@ def _mild(entry: PlanEntry, low: float, high: float) -> PlanEntry:
     return replace(entry, lower=lower, upper=upper, start=start, usual=True) if entry.is_named else entry
 
 
-def _beside(attribute: Attribute, light: LightPlan) -> Attribute:
-    """A word beside a rig: what a mood stands for is milder, for the light says most of it."""
-    milder = bool(light.served and attribute.cause)
-    return replace(attribute, strength=_BESIDE_LIGHT * attribute.strength) if milder else attribute
-
-
-def _is_left(attribute: Attribute, effect: Effect, light: LightPlan) -> bool:
-    """Whether a wish is left beside what a rig plans: it serves the word, and it alone sets the light of a mood."""
-    sheds = effect.family.startswith(("light/", "world/", "volume/", "film/vignette", "film/exposure"))
-    if attribute in light.served:
-        return attribute.slot == "grade" and not sheds
-    return not (light.served and attribute.cause and sheds)
-
-
 def _protected(instance: Instance, parsed: Parsed) -> Instance:
     """A parameter, locked where the prompt says that its owner stays as it is."""
     owner = f"{instance.parameter.group}/{instance.owner}".rstrip("/")
     return replace(instance, locked=_STAYS) if owner in parsed.protected and not instance.locked else instance
 
 
-def _start(instance: Instance, first: Demand, lower: Values, upper: Values) -> Values | None:
+def _start(instance: Instance, first: WishedRange, lower: Values, upper: Values) -> Values | None:
     """Where the search for a value begins; None for the artist's, or the nearest in its range."""
     moved = not math.isclose(instance.value[0], within(instance.value, lower, upper)[0], rel_tol=1e-6)
     if instance.parameter.name in _OF_SHADOWS and moved:

@@ -31,6 +31,8 @@ _LIGHTEST, _DARKEST = 75.0, 50.0
 _KEY = (0.35, 4.0)  # multiples of the key's power; black things need much light
 _WORLD = (0.5, 2.0)  # multiples of the strength of the world, and of what is seen of it
 _FAINT = 0.1  # the least multiple of the world's strength where light has a color: what the world sheds has another
+_SEEN = ("subject", "surroundings", "sky", "fog")
+"""Kinds of things that have a color of their own."""
 _AMBIENT = ("world/color", "world/tint")
 _SATURATION = (
     1.4  # the most that named colors are strengthened: reflections and the view's shoulder bleach them
@@ -80,9 +82,14 @@ def _reaches(
     for key in _AMBIENT:
         if key in instances and gel is not None:
             yield key, (_tinges(instances[key].value, gel), 1, "the light's color is seen in shadows too")
-    if parsed.colors and "film/saturation" in instances:
+    if any(_is_seen(a) for a in parsed.attributes) and "film/saturation" in instances:
         ends = _times(instances["film/saturation"].value, (1.0, _SATURATION))
         yield "film/saturation", (ends, 2, "the named colors are seen")
+
+
+def _is_seen(attribute: Attribute) -> bool:
+    """Whether a word names the color of a thing, of what is around it, or of the air."""
+    return bool(attribute.color) and not attribute.negated and attribute.kind in _SEEN
 
 
 def _exposures(exposure: Instance, sources: Sources) -> Range:

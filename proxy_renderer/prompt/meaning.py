@@ -1,16 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What bound look words add up to: objects, and attribute targets."""
+"""What bound look words add up to: the objects of a prompt, with their attributes."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
 from ..schema.spec import Region
-from .colors import color_regions
-from .heads import settle
 from .lexicon.vocabulary import Vocabulary
 from .lights import numbered
-from .moods import overruled
 from .shading import all_shaded
 from .types import Attribute, Parsed, PromptObject
 
@@ -22,31 +19,24 @@ _COLORED = {
     "glow": "material",
 }
 """Kind of thing -> slot that a color word about it counts for."""
-_MAIN = 0.5  # share of its region above which a thing's color is the region's
 _CLEAR = 0.02  # density of air that has no color
 _OUTER = {"surroundings", "atmosphere", "setting", "fog"}
 """Regions, slots and kinds of what is not the subject's."""
-_OF_REGIONS = ("subject_", "surroundings_")
-"""What heads begin with that speak of a region, and not of the picture or its light."""
 NamedThing = tuple[str, Region, tuple[str, ...]]
 
 
-def complete(parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[NamedThing]) -> None:
-    """Fills in objects, targets, colors and conflicts of a prompt whose attributes are bound."""
+def complete(
+    parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[NamedThing], sky: bool = True
+) -> None:
+    """Fills in the objects of a prompt whose attributes are bound, and what words say of each other."""
     qualified = _qualified(parsed.attributes, vocabulary)
     bound = all_shaded(qualified, parsed.prompt.lower(), vocabulary)
     parsed.attributes = numbered([*bound, *_tint_of_air(bound, vocabulary)], vocabulary)
+    if not sky:
+        parsed.attributes = [_without_sky(a) for a in parsed.attributes]
     parsed.objects = _objects(parsed.attributes, subject, things)
-    parsed.overruled = overruled(parsed.attributes, vocabulary)
-    _settle(parsed, parsed.attributes, vocabulary)
     parsed.ignored = list(dict.fromkeys(parsed.ignored))
-
-
-def _settle(parsed: Parsed, attributes: list[Attribute], vocabulary: Vocabulary) -> None:
-    """Targets and colors of a prompt: those that some of its attributes come to."""
-    settle(parsed, attributes, vocabulary)
-    color_regions(parsed, attributes)
-    parsed.conflicts = list(dict.fromkeys(parsed.conflicts))
+    parsed.notes = list(dict.fromkeys(parsed.notes))
 
 
 def _tint_of_air(attributes: list[Attribute], vocabulary: Vocabulary) -> list[Attribute]:
@@ -69,46 +59,15 @@ def _qualified(attributes: list[Attribute], vocabulary: Vocabulary) -> list[Attr
     """What later words say of earlier ones: "dark, but not too dark"; "the fog is too thick" asks for less."""
     later = {(a.entry, a.kind, a.owners): i for i, a in enumerate(attributes) if a.word.startswith("not ")}
     kept = [a for i, a in enumerate(attributes) if later.get((a.entry, a.kind, a.owners), i) <= i]
-    heads = {name: entry.heads for name, entry in vocabulary.entries.items() if entry.heads}
-    much = [(a.kind, heads[a.entry]) for a in kept if a.word.startswith("too ") and a.entry in heads]
-    return [a for a in kept if a.negated or a.cause or a.color or (a.kind, heads.get(a.entry)) not in much]
+    classes = {a.entry: vocabulary.entries[a.entry].classes for a in kept if a.entry in vocabulary.entries}
+    much = [(a.kind, classes[a.entry]) for a in kept if a.word.startswith("too ") and classes.get(a.entry)]
+    return [a for a in kept if a.negated or a.cause or a.color or (a.kind, classes.get(a.entry)) not in much]
 
 
-def forget_sky(parsed: Parsed, vocabulary: Vocabulary) -> None:
-    """A sky that the camera does not see is its light alone: what colors it colors the picture.
-
-    Args:
-        parsed: Complete; changed.
-        vocabulary: What words mean.
-    """
-
-    def its_light(attribute: Attribute) -> Attribute:
-        hidden = attribute.kind == "sky" and attribute.color
-        return replace(attribute, kind="ambience", region="whole") if hidden else attribute
-
-    for attributes in (parsed.attributes, parsed.overruled):
-        attributes[:] = map(its_light, attributes)
-    _settle(parsed, parsed.attributes, vocabulary)
-    if "surroundings" not in parsed.colors:  # "a cloudless noon" made them blue
-        parsed.targets.pop("surroundings_color", None)
-
-
-def forget_parts(parsed: Parsed, shares: dict[str, float], vocabulary: Vocabulary) -> None:
-    """A region's targets are those of what makes it up: a black book makes no still life black.
-
-    Args:
-        parsed: Complete; changed.
-        shares: Material -> fraction of its region's pixels.
-        vocabulary: What words mean.
-    """
-    said = parsed.targets
-    large = (a for a in parsed.attributes if sum(shares.get(n, 1.0) for n in a.owners or ("",)) >= _MAIN)
-    _settle(parsed, [*large], vocabulary)
-    parsed.targets = {
-        head: value
-        for head, value in said.items()
-        if not head.startswith(_OF_REGIONS) or parsed.targets.get(head) == value
-    }
+def _without_sky(attribute: Attribute) -> Attribute:
+    """A sky that the camera does not see is its light alone: what colors it colors the picture."""
+    hidden = attribute.kind == "sky" and attribute.color
+    return replace(attribute, kind="ambience", region="whole") if hidden else attribute
 
 
 def _objects(attributes: list[Attribute], subject: str, things: list[NamedThing]) -> list[PromptObject]:

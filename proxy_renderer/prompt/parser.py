@@ -84,16 +84,16 @@ def parse(
     found = PromptReader(vocabulary, scene, weights, told=told)
     parsed = found.read(said, {normalize(word) for word in glossed.unknown})
     parsed.prompt = text
-    parsed.conflicts += map(str, spared)
+    parsed.notes += map(str, spared)
     parsed.protected = tuple(dict.fromkeys(key for each in spared for key in each.kept))
     if found.beyond:
-        parsed.conflicts.append(
+        parsed.notes.append(
             f"{_quoted(found.beyond)}: no value of a material, light, world, fog or film gives that."
         )
     if found.undone:
-        parsed.conflicts.append(f"{_quoted(found.undone)}: {_THINGS_STAY}")
+        parsed.notes.append(f"{_quoted(found.undone)}: {_THINGS_STAY}")
     if foreign:
-        parsed.conflicts.append(f"Some of the prompt is in a language that is not understood. {understood()}")
+        parsed.notes.append(f"Some of the prompt is in a language that is not understood. {understood()}")
     if not parsed.attributes or (foreign and all(a.guess or a.cause for a in parsed.attributes)):
         raise VibeError(
             f"Nothing in the prompt '{text[:60]}' names a look{_in(glossed, foreign)}"
@@ -102,12 +102,12 @@ def parse(
             "Name colors (teal), materials (glossy, gold), light (warm soft light), fog, grading (noir, vignette) "
             "or a mood (cosy, ominous).",
         )
-    complete(parsed, vocabulary, found.subject, found.mentioned)
+    complete(parsed, vocabulary, found.subject, found.mentioned, scene.sky)
     if glossed.language:
         Retelling(glossed).retell(parsed)
         if unknown := glossed.unknown:
             lacks = f"The prompt was read as {glossed.language}, which lacks: {_quoted(unknown)}."
-            parsed.conflicts.append(lacks)
+            parsed.notes.append(lacks)
     return parsed
 
 

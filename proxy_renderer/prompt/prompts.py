@@ -7,7 +7,7 @@ a caption of its own, negatives are positive descriptions of the mistake, and ne
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import replace
 from itertools import groupby
 
@@ -32,10 +32,18 @@ _COLORED = ("light", "fill", "rim", "shadow", "highlight", "glow", "ambience")
 """Kinds of things that a color needs beside it to be understood: "blue shadows"."""
 
 
-def compose(parsed: Parsed, vocabulary: Vocabulary | None = None) -> Prompts:
-    """Captions and negatives of a parsed prompt."""
+def compose(
+    parsed: Parsed, overruled: Collection[Attribute] = (), vocabulary: Vocabulary | None = None
+) -> Prompts:
+    """Captions and negatives of a parsed prompt.
+
+    Args:
+        parsed: The prompt.
+        overruled: Its words of which nothing is sought.
+        vocabulary: What words mean; the artist's own if None.
+    """
     captions = _Captions(vocabulary or default_vocabulary())
-    meant = [a for a in parsed.attributes if a not in parsed.overruled]
+    meant = [a for a in parsed.attributes if a not in overruled]
     said = [a for a in meant if not a.negated and not a.cause]
     mine, theirs = ([a for a in said if _is_of(region, a)] for region in _KINDS)
     noun, backdrop = (_called(region, parsed) for region in _KINDS)
@@ -115,12 +123,12 @@ class _Captions:
         mine = {a.entry for a in own}
         swapped = (a for a in other if a.slot in ("color", "material") and a.entry not in mine)
         negatives = [self.caption([a], noun) for a in swapped]
-        meant = {pair for name in mine & self.entries.keys() for pair in self.entries[name].heads.items()}
+        meant = {pair for name in mine & self.entries.keys() for pair in self.entries[name].classes.items()}
         opposites = (self._opposite(a) for a in own if a.slot in _OF_MATTER)
         negatives += [
             f"a {opposite.phrase.partition(',')[0]} {noun}"
             for opposite in opposites
-            if opposite and meant.isdisjoint(opposite.heads.items())
+            if opposite and meant.isdisjoint(opposite.classes.items())
         ]
         return tuple(dict.fromkeys(negatives))
 

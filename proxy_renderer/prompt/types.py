@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from ..color.constants import Lab
 from ..schema import Values
 from ..schema.spec import Region
 
@@ -65,6 +64,7 @@ class SceneWords:
         groups: Collection or parent -> names of the objects in it.
         places: Object name -> x (-1 left, 1 right), y (0 near, 1 far), and size as a share of the picture's width.
         looks: Material name -> how it looks at present; empty where only names are known.
+        sky: Whether the camera sees the sky.
     """
 
     subject: str = ""
@@ -76,6 +76,7 @@ class SceneWords:
     groups: dict[str, tuple[str, ...]] = field(default_factory=dict)
     places: dict[str, tuple[float, float, float]] = field(default_factory=dict)
     looks: Mapping[str, MaterialLook] = field(default_factory=dict)
+    sky: bool = True
 
 
 @dataclass(frozen=True)
@@ -166,24 +167,18 @@ class Parsed:
         prompt: The text, white space tidied.
         objects: At least one for the subject.
         attributes: Every look word found, in the order of the text.
-        targets: Attribute head -> class that the words ask for, see `attributes.ATTRIBUTES`.
-        colors: "subject"/"surroundings" -> Lab that its mean display color should come near.
         ignored: Words that could not be used, in the order of the text.
         guesses: Misspelled word -> the known word, or the name in the scene, that it was taken for.
-        conflicts: Contradictions, and how each was resolved, one sentence each.
+        notes: What the artist should hear of how the prompt was read, one sentence each.
         protected: Owners of parameters that the prompt says should stay: "material/Plaster", "light/Key", "world".
-        overruled: Attributes that ask for nothing but what earlier ones contradict.
     """
 
     prompt: str
     objects: list[PromptObject] = field(default_factory=list)
     attributes: list[Attribute] = field(default_factory=list)
-    targets: dict[str, str] = field(default_factory=dict)
-    colors: dict[Region, Lab] = field(default_factory=dict)
     ignored: list[str] = field(default_factory=list)
     guesses: dict[str, str] = field(default_factory=dict)
-    conflicts: list[str] = field(default_factory=list)
-    overruled: list[Attribute] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
     protected: tuple[str, ...] = ()
 
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from ..claims.wanted import claims_of
+from ..goals.resolve import Goals
 from ..planning.advice import Advice, Advisor
 from ..planning.types import Plan, PlanContext, PlanEntry
 from ..prompt.lexicon.user_words import default_vocabulary
@@ -49,7 +50,7 @@ class LikeAdvisor:
                     "Unlock something, allow more groups, or name more in --like-only.",
                 )
             plan = Plan({key: own.get(key) or _untouched(i) for key, i in instances.items()})
-            advice = Advice(Parsed(""), Prompts("", "", ""), plan, "the picture")
+            advice = Advice(Goals(Parsed("")), Prompts("", "", ""), plan, "the picture")
         else:
             plan = Plan(
                 {key: own.get(key) or _alone(e) for key, e in advice.plan.items()} | _named(advice.plan)
@@ -62,7 +63,7 @@ class LikeAdvisor:
         reference = self._reference
         if reference.probe:
             return light_probe.entries_of(reference.probe, instances, self._keys, reference.name)
-        words = claims_of(advice.parsed, default_vocabulary()) if advice else ()
+        words = claims_of(advice.goals, default_vocabulary()) if advice else ()
         said = reference.of_any_scene(words)
         measures = {claim.measure for claim in said}
         colors, same = light_colors(said), bool(reference.same)

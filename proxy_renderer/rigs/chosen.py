@@ -7,10 +7,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..color.floats import chroma, lab_from_srgb
+from ..goals.resolve import Goals
 from ..prompt.lexicon.rigs import KINDS, TIMES, Modifier, Rig, RigLight, RigTable
 from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.mentions.passage import LIGHTS
-from ..prompt.types import Attribute, Parsed
+from ..prompt.types import Attribute
 from .described import (
     EDGES,
     FILLS,
@@ -62,11 +63,11 @@ class ChosenRig:
     served: tuple[Attribute, ...]
 
 
-def chosen_rig(parsed: Parsed, table: RigTable, vocabulary: Vocabulary) -> ChosenRig | None:
+def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary) -> ChosenRig | None:
     """The rig that a prompt asks for.
 
     Args:
-        parsed: The prompt, understood.
+        goals: What the words wish for; moods that gave way ask for no light.
         table: The rigs and modifiers.
         vocabulary: What words mean.
 
@@ -74,10 +75,9 @@ def chosen_rig(parsed: Parsed, table: RigTable, vocabulary: Vocabulary) -> Chose
         None where no word stands for a setup: then each word acts on the lights that are there.
     """
     # words that tell glowing things apart by their names act on these alone
-    apart = len({a.lights for a in parsed.attributes if a.of_glows}) > 1
-    said = [
-        a for a in parsed.attributes if not ((apart and a.of_glows) or (a.cause and a in parsed.overruled))
-    ]
+    attributes = goals.parsed.attributes
+    apart = len({a.lights for a in attributes if a.of_glows}) > 1
+    said = [a for a in attributes if not ((apart and a.of_glows) or (a.cause and a in goals.overruled))]
     lights = described(said, table)
     of_lights = [a for light in lights for a in light.said]
     heads = [source_of(light.said, table) for light in lights if light.part == "key"]

@@ -22,6 +22,8 @@ MEANS: dict[str, frozenset[str]] = {
     "setting": _LIT,
 }
 """Slot of a word -> groups of parameters that may serve it."""
+SURFACES = tuple(slot for slot, groups in MEANS.items() if PAINT in groups)
+"""Slots of words about surfaces."""
 
 
 def may_serve(group: str, slot: str, cause: str = "") -> bool:

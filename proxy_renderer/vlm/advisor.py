@@ -3,16 +3,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
+from ..color.floats import hex_from_srgb
+from ..goals.resolve import Goals, goals_of, resolved
+from ..goals.wish import Wish
 from ..planning.advice import Advice, OfflineAdvisor
 from ..planning.planner import plan as confine
 from ..planning.types import LightPlan, Plan, PlanContext, PlanEntry
+from ..prompt.lexicon.quantities import quantities
 from ..prompt.parser import parse
 from ..prompt.prompts import compose
-from ..prompt.types import Parsed, PromptObject, Prompts
+from ..prompt.types import Attribute, Parsed, PromptObject, Prompts
 from ..prompt.understood import Understood
 from ..schema import Instance, VibeError
 from .aliases import AliasTable
@@ -22,6 +26,10 @@ from .picture import jpeg_of
 from .reply import Reply, read_reply
 from .request import make_question
 
+_SAYS = "the model"
+"""What stands in reports in the place of a word, where a model asks for something."""
+_COLORS = {"subject": "color", "surroundings": "surroundings_color"}
+"""Region -> quantity of its color."""
 _PATIENCE = 2  # rounds in a row without an answer, after which the model is not asked any more
 
 
@@ -30,6 +38,7 @@ class ModelAdvisor:
 
     Args:
         understood: The prompt, read against the scene.
+        goals: What it asks for; why there is nothing where nothing is understood.
         client: The model.
         tell: Called with what goes on, for a status line.
         light: What a rig plans, which is part of the draft; None where the words ask for none.
@@ -38,6 +47,7 @@ class ModelAdvisor:
     def __init__(
         self,
         understood: Understood,
+        goals: Goals | VibeError,
         client: Client,
         tell: Callable[[str], None],
         light: LightPlan | None = None,
@@ -48,7 +58,7 @@ class ModelAdvisor:
             client,
             tell,
         )
-        self._offline = OfflineAdvisor(understood, light)
+        self._offline = OfflineAdvisor(goals, light)
         self._caption = ""  # the model's own words for the look: the vocabulary may know these at least
         self._failures: list[str] = []
         self._in_a_row = 0
@@ -102,10 +112,10 @@ class ModelAdvisor:
         self, display: Any, instances: Mapping[str, Instance], context: PlanContext, draft: Advice | None
     ) -> Reply:
         table = AliasTable(instances, context)
-        empty = Advice(Parsed(self._prompt), Prompts("", "", ""), Plan())
+        empty = Advice(Goals(Parsed(self._prompt)), Prompts("", "", ""), Plan())
         base = draft or empty
         question = make_question(
-            self._prompt, table, context, (base.parsed, base.prompts, base.plan), jpeg_of(display)
+            self._prompt, table, context, (base.goals, base.prompts, base.plan), jpeg_of(display)
         )
         self._tell(f"asking {self._client.endpoint.model}")
 
@@ -122,23 +132,22 @@ class ModelAdvisor:
         self, draft: Advice | None, reply: Reply, instances: Mapping[str, Instance], context: PlanContext
     ) -> Advice:
         """The model's words where it has some, the draft's elsewhere; its ranges over the drafted ones."""
-        parsed_prompt = draft.parsed if draft else self._read(reply.prompts.whole)
+        read = draft.goals if draft else goals_of(self._read(reply.prompts.whole))
         parsed = replace(
-            parsed_prompt,
+            read.parsed,
             objects=reply.objects
-            or parsed_prompt.objects
+            or read.parsed.objects
             or [PromptObject(self._words.subject or "subject", "subject")],
-            targets={**parsed_prompt.targets, **reply.targets},
-            colors={**parsed_prompt.colors, **reply.colors},
-            ignored=reply.ignored if draft is None else parsed_prompt.ignored,
+            ignored=reply.ignored if draft is None else read.parsed.ignored,
         )
-        composed = compose(parsed_prompt)
+        goals = resolved(parsed, [*read.wishes, *(each.wish for each in read.lost), *_wishes(reply)])
+        composed = compose(read.parsed, read.overruled)
         theirs = {name: value for name, value in vars(reply.prompts).items() if value}
         prompts = replace(composed, **theirs)
-        drafted = confine(parsed, prompts, dict(instances), context)
+        drafted = confine(goals, dict(instances), context)
         entries = {key: self._kept(instances[key]) if key in reply.keep else e for key, e in drafted.items()}
         plan = Plan({**entries, **reply.entries}, drafted.notes)
-        return Advice(parsed, prompts, plan, self._client.endpoint.model)
+        return Advice(goals, prompts, plan, self._client.endpoint.model)
 
     def _alone(
         self,
@@ -152,8 +161,9 @@ class ModelAdvisor:
         if draft is None and self._caption:
             parsed = self._read(self._caption)
             if parsed.attributes:
-                prompts = compose(parsed)
-                draft = Advice(parsed, prompts, confine(parsed, prompts, dict(instances), context))
+                goals = goals_of(parsed)
+                prompts = compose(parsed, goals.overruled)
+                draft = Advice(goals, prompts, confine(goals, dict(instances), context))
         if draft is None:
             assert unknown is not None
             raise VibeError(
@@ -173,3 +183,13 @@ class ModelAdvisor:
         if instance.locked:
             return PlanEntry(instance.value, instance.value, None, reason)
         return PlanEntry(instance.lower, instance.upper, None, reason)
+
+
+def _wishes(reply: Reply) -> Iterator[Wish]:
+    """What a model says that the image should show: implied, so that the prompt's own words come first."""
+    for quantity, named in reply.targets.items():
+        said = Attribute(named, "", "mood", "whole", "light", cause=_SAYS)
+        yield Wish(said, quantity, named, claims=quantities().by_name[quantity].classes[named])
+    for region, color in reply.colors.items():
+        said = Attribute(hex_from_srgb(color), "", "color", region, region, color=color, cause=_SAYS)
+        yield Wish(said, _COLORS[region])

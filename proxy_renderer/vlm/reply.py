@@ -11,12 +11,10 @@ import re
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..color.constants import Lab
 from ..color.floats import srgb_from_hex
 from ..planning.ranges import clip
 from ..planning.types import PlanEntry
-from ..prompt.colors import display_color
-from ..prompt.lexicon.attributes import ATTRIBUTES
+from ..prompt.lexicon.quantities import quantities
 from ..prompt.types import PromptObject, Prompts
 from ..schema import Instance, Values
 from ..schema.spec import Region
@@ -40,8 +38,8 @@ class Reply:
     Attributes:
         objects: What the look describes.
         prompts: Captions; "" and () where there is none.
-        targets: Attribute head -> class.
-        colors: Region -> Lab that it should show.
+        targets: Quantity -> class.
+        colors: Region -> sRGB that it should show.
         ignored: Words that no parameter can express.
         entries: Key -> plan entry, within hard bounds.
         keep: Keys that should not move.
@@ -54,7 +52,7 @@ class Reply:
     objects: list[PromptObject] = field(default_factory=list)
     prompts: Prompts = field(default_factory=lambda: Prompts("", "", ""))
     targets: dict[str, str] = field(default_factory=dict)
-    colors: dict[Region, Lab] = field(default_factory=dict)
+    colors: dict[Region, Values] = field(default_factory=dict)
     ignored: list[str] = field(default_factory=list)
     entries: dict[str, PlanEntry] = field(default_factory=dict)
     keep: set[str] = field(default_factory=set)
@@ -143,20 +141,20 @@ def _prompts(raw: Any, reply: Reply) -> Prompts:
 
 
 def _targets(raw: Any, reply: Reply) -> dict[str, str]:
-    targets = {}
-    for head, value in (raw if isinstance(raw, dict) else {}).items():
-        if head in ATTRIBUTES and isinstance(value, str) and value in ATTRIBUTES[head]:
-            targets[head] = value
+    targets, known = {}, quantities().by_name
+    for name, value in (raw if isinstance(raw, dict) else {}).items():
+        if name in known and isinstance(value, str) and value in known[name].classes:
+            targets[name] = value
         elif value not in ("", None):
             reply.dropped += 1
     return targets
 
 
-def _colors(raw: Any, reply: Reply) -> dict[Region, Lab]:
-    colors: dict[Region, Lab] = {}
+def _colors(raw: Any, reply: Reply) -> dict[Region, Values]:
+    colors: dict[Region, Values] = {}
     for region, value in (raw if isinstance(raw, dict) else {}).items():
         if region in REGIONS and isinstance(value, str) and _HEX.fullmatch(value.strip()):
-            colors[region] = display_color(srgb_from_hex(value.strip()), region)
+            colors[region] = srgb_from_hex(value.strip())
         elif value not in ("", None):
             reply.dropped += 1
     return colors

@@ -7,9 +7,10 @@ import json
 from typing import Any
 
 from ..color.floats import hex_from_srgb, srgb_from_lab
+from ..goals.resolve import Goals
 from ..planning.types import Plan, PlanContext
-from ..prompt.lexicon.attributes import ATTRIBUTES
-from ..prompt.types import Parsed, Prompts
+from ..prompt.lexicon.quantities import quantities
+from ..prompt.types import Prompts
 from ..schema import FAMILIES
 from ..schema.spec import SRGB
 from .aliases import AliasTable
@@ -53,7 +54,7 @@ def make_question(
     look: str,
     table: AliasTable,
     context: PlanContext,
-    draft: tuple[Parsed, Prompts, Plan],
+    draft: tuple[Goals, Prompts, Plan],
     picture: bytes | None,
 ) -> Question:
     """The question of a round.
@@ -65,7 +66,7 @@ def make_question(
         draft: What the offline planner makes of the look; the model improves on it.
         picture: The current render as JPEG.
     """
-    parsed, prompts, plan = draft
+    goals, prompts, plan = draft
     document = {
         "look": look,
         "scene": [
@@ -81,8 +82,8 @@ def make_question(
                 "surroundings": prompts.surroundings,
                 "whole": prompts.whole,
             },
-            "targets": parsed.targets,
-            "not_understood": parsed.ignored,
+            "targets": goals.classes,
+            "not_understood": goals.parsed.ignored,
         },
         "what_parameters_do": _docs(table),
         "parameters": {name: _row(name, table, context, plan) for name in table.rows},
@@ -118,7 +119,11 @@ def answer_schema(table: AliasTable) -> dict[str, Any]:
             whole_negatives=texts,
         ),
         targets=_object(
-            **{head: {"type": "string", "enum": [*classes, ""]} for head, classes in ATTRIBUTES.items()}
+            **{
+                name: {"type": "string", "enum": [*quantity.classes, ""]}
+                for name, quantity in quantities().by_name.items()
+                if quantity.classes
+            }
         ),
         colors=_object(**dict.fromkeys(REGIONS, text)),
         ignored=texts,

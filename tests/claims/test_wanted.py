@@ -8,14 +8,16 @@ import torch
 
 from proxy_renderer.claims.claim import Claim
 from proxy_renderer.claims.measures.registry import MEASURES
-from proxy_renderer.claims.notation import read_claim
-from proxy_renderer.claims.wanted import _of_heads, claims_of
+from proxy_renderer.claims.wanted import claims_of
 from proxy_renderer.color.floats import lab_from_srgb, oklab_from_srgb, srgb_from_hex
-from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
+from proxy_renderer.goals.resolve import goals_of
+from proxy_renderer.prompt.lexicon.claim_text import read_claim
+from proxy_renderer.prompt.lexicon.entries import OWNERS
+from proxy_renderer.prompt.lexicon.quantities import quantities
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.types import SceneWords
-from proxy_renderer.schema import VibeError
+from proxy_renderer.schema import FAMILIES, VibeError
 from proxy_renderer.schema.verdicts import missing_by_word
 
 SCENE = SceneWords(
@@ -28,19 +30,20 @@ SCENE = SceneWords(
 
 def claims(prompt: str) -> list[Claim]:
     vocabulary = default_vocabulary()
-    return [c for c in claims_of(parse(prompt, SCENE, vocabulary), vocabulary) if c.word]
+    return [c for c in claims_of(goals_of(parse(prompt, SCENE, vocabulary)), vocabulary) if c.word]
 
 
 def asked(prompt: str) -> set[tuple[str, str]]:
     return {(c.measure, c.part) for c in claims(prompt)}
 
 
-def test_claims_of_the_vocabulary_can_be_read_and_those_of_heads_name_classes() -> None:
-    for entry in default_vocabulary().entries.values():
-        for text in entry.claims:
-            read_claim(text)
-    assert all(value in ATTRIBUTES[head] for head, value in _of_heads())
-    assert {"color"} | {c.measure for texts in _of_heads().values() for c in texts} <= set(MEASURES)
+def test_every_measure_and_every_parameter_has_a_quantity() -> None:
+    table = quantities()
+    assert {row.rpartition(" ")[2] for row in table.measures} == set(MEASURES)
+    assert {name for name in FAMILIES if not name.startswith("camera")} == {
+        f"{OWNERS[owner]}/{name.partition(' ')[0]}"
+        for owner, _, name in (row.partition("/") for row in table.parameters)
+    }
 
 
 @pytest.mark.parametrize(
@@ -336,7 +339,7 @@ def test_places_claim_what_is_seen_of_them() -> None:
     silent = [
         e.name
         for e in default_vocabulary().entries.values()
-        if e.slot == "setting" and not (e.claims or e.heads)
+        if e.slot == "setting" and not any(m.claims or m.named for m in e.meanings)
     ]
     assert not silent
 
@@ -372,7 +375,7 @@ def test_colored_light_is_no_dark_light() -> None:
 
     def floor(prompt: str) -> list[float]:
         vocabulary = default_vocabulary()
-        every = claims_of(parse(prompt, SCENE, vocabulary), vocabulary)
+        every = claims_of(goals_of(parse(prompt, SCENE, vocabulary)), vocabulary)
         return [c.lower[0] for c in every if (c.measure, c.part, c.word) == ("lightness", "picture", "")]
 
     (green,), (blue,) = floor("toxic green light"), floor("deep blue light")
@@ -462,7 +465,7 @@ def test_what_a_place_usually_is_gives_way_around_the_subject_to_what_is_said_of
 
 def test_a_picture_burns_out_only_where_words_ask_for_white() -> None:
     def kept(prompt: str) -> bool:
-        said = claims_of(parse(prompt, SCENE, default_vocabulary()), default_vocabulary())
+        said = claims_of(goals_of(parse(prompt, SCENE, default_vocabulary())), default_vocabulary())
         return any((c.measure, c.part) == ("burnt", "picture") for c in said)
 
     assert kept("golden hour")

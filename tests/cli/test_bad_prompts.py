@@ -46,7 +46,7 @@ def test_what_a_look_cannot_do_is_said_and_the_rest_is_done():
     parsed = parse("add a second dragon, glossy teal", NOTHING)
     assert words(parsed) == {"glossy", "teal"}
     assert {"add", "second", "dragon"} <= set(parsed.ignored)
-    assert any("'add second dragon'" in note and "not added" in note for note in parsed.conflicts)
+    assert any("'add second dragon'" in note and "not added" in note for note in parsed.notes)
     assert words(parse("remove the chair and make it glossy", NOTHING)) == {"glossy"}
 
 
@@ -57,20 +57,21 @@ def test_numbers_are_no_names():
 
 
 @pytest.mark.parametrize(
-    ("prompt", "head", "value", "told", "hidden"),
+    ("prompt", "quantity", "named", "told", "hidden"),
     [
-        ("no fog, thick fog", "fog", "none", "", "thick fog"),
-        ("matte glossy teapot", "subject_finish", "matte", "matte", "reflections"),
-        ("cosy evening, warm light", "light_temperature", "warm", "warm", "cool"),
-        ("cold morning", "light_temperature", "cool", "cool", "warm"),
+        ("no fog, thick fog", "haze", "none", "", "thick fog"),
+        ("matte glossy teapot", "finish", "matte", "matte", "reflections"),
+        ("cosy evening, warm light", "light_color", "warm", "warm", "cool"),
+        ("cold morning", "light_color", "cool", "cool", "warm"),
         ("bright noir, pitch dark", "brightness", "bright", "noir", "dark,"),
     ],
 )
-def test_of_a_contradiction_the_first_word_counts_and_it_is_said(prompt, head, value, told, hidden):
+def test_of_a_contradiction_the_first_word_counts_and_it_is_said(prompt, quantity, named, told, hidden):
     parsed = parse(prompt, NOTHING)
-    assert parsed.targets[head] == value
-    assert any("contradicts" in note for note in parsed.conflicts)
-    whole = compose(parsed).whole + ","
+    goals = goals_of(parsed)
+    assert goals.classes[quantity] == named
+    assert any("gives way" in note for note in goals.notes())
+    whole = compose(parsed, goals.overruled).whole + ","
     assert told in whole
     assert hidden not in whole
 
@@ -87,4 +88,4 @@ def test_orders_in_names_of_things_are_names():
     )
     parsed = parse("glossy teal", scene)
     assert words(parsed) == {"glossy", "teal"}
-    assert not parsed.conflicts
+    assert not parsed.notes

@@ -5,11 +5,11 @@ from types import SimpleNamespace
 
 import pytest
 
+from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.lights.glow import glowing
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import PlanContext
 from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.prompts import compose
 from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.schema import FAMILIES, Instance
 
@@ -22,7 +22,7 @@ def entry(prompt, emission_color, strength, key=COLOR):
     instances = {row.key: row for row in rows}
     scene = SceneWords(objects={"Body": "subject"}, materials={"Body": "subject"})
     parsed = parse(prompt, scene)
-    return plan(parsed, compose(parsed), instances, PlanContext())[key]
+    return plan(goals_of(parsed), instances, PlanContext())[key]
 
 
 @pytest.mark.parametrize(

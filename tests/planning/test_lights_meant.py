@@ -4,6 +4,7 @@
 import pytest
 from plan_parts import make_instances, make_plan
 
+from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.lights.lacking import lacking
 from proxy_renderer.planning.types import PlanContext
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
@@ -98,10 +99,8 @@ def test_a_scene_that_has_the_lights_lacks_none():
 
 def found(prompt, lights):
     context = PlanContext(light_types={name: kind for name, kind, _, _ in lights})
-    vocabulary = default_vocabulary()
-    return lacking(
-        parse(prompt, SceneWords(), vocabulary), make_instances(lights=lights), context, STANDBY, vocabulary
-    )
+    goals = goals_of(parse(prompt, SceneWords()))
+    return lacking(goals, make_instances(lights=lights), context, STANDBY, default_vocabulary())
 
 
 @pytest.mark.parametrize(("prompt", "blue"), [("morning light", False), ("morning, pale blue light", True)])

@@ -34,7 +34,7 @@ def test_what_stays_gets_no_value(stays, material):
     plan = plan_of(f"everything red, {stays}")
     assert all(plan[key].priority is None for key in plan if key.startswith(f"material/{material}/"))
     assert any(plan[key].priority is not None for key in plan if key.startswith("material/Glaze/"))
-    (note,) = (note for note in parse(f"everything red, {stays}", SCENE).conflicts if stays in note)
+    (note,) = (note for note in parse(f"everything red, {stays}", SCENE).notes if stays in note)
     assert f"{material} stays as it is" in note
 
 

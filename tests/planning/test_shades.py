@@ -4,6 +4,7 @@
 import pytest
 
 from proxy_renderer.color.floats import chroma, lab_from_srgb, luminance, srgb_from_linear
+from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.ranges import effect_range
 from proxy_renderer.planning.sources import Sources
@@ -11,7 +12,6 @@ from proxy_renderer.planning.types import PlanContext
 from proxy_renderer.prompt.lexicon.entries import parse_effect
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.prompts import compose
 from proxy_renderer.prompt.types import Attribute, SceneWords
 from proxy_renderer.schema import FAMILIES, Instance
 
@@ -55,7 +55,7 @@ def planned(prompt):
     values = {"base_color": RED, "roughness": (0.2,)}
     rows = [Instance(FAMILIES[f"material/{n}"], "Jacket", v, 1.0, "subject") for n, v in values.items()]
     parsed = parse(prompt, SceneWords(objects={"Jacket": "subject"}, materials={"Jacket": "subject"}))
-    entries = plan(parsed, compose(parsed), {row.key: row for row in rows}, PlanContext())
+    entries = plan(goals_of(parsed), {row.key: row for row in rows}, PlanContext())
     return [
         tuple((a + b) / 2 for a, b in zip(entry.lower, entry.upper, strict=True))
         for entry in (entries[row.key] for row in rows)
@@ -87,6 +87,6 @@ def test_a_darker_and_a_paler_substance_are_so_compared_with_the_present_color(s
     scene = SceneWords(objects={"Jacket": "subject"}, materials={"Jacket": "subject"})
     for shade, sign in (("darker", -1), ("lighter", 1), ("paler", 1)):
         parsed = parse(f"the jacket in {shade} {substance}", scene)
-        entries = plan(parsed, compose(parsed), {instance.key: instance}, PlanContext())
+        entries = plan(goals_of(parsed), {instance.key: instance}, PlanContext())
         ends = (luminance(entries[instance.key].lower), luminance(entries[instance.key].upper))
         assert all(sign * end > sign * luminance(present) for end in ends), shade

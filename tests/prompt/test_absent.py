@@ -31,7 +31,7 @@ def said(prompt, scene):
 def test_a_word_whose_object_is_not_in_the_scene_is_not_used(prompt, used, absent):
     parsed = parse(prompt, VASE)
     assert {a.word for a in parsed.attributes} == used
-    assert any(f"there is no '{absent}' in the scene" in note for note in parsed.conflicts)
+    assert any(f"there is no '{absent}' in the scene" in note for note in parsed.notes)
 
 
 @pytest.mark.parametrize(

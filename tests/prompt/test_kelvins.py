@@ -4,9 +4,9 @@
 import pytest
 
 from proxy_renderer.cli.explain import _plain
+from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.prompts import compose
 from proxy_renderer.schema import VibeError
 
 
@@ -14,7 +14,7 @@ def temperatures(prompt):
     """Light -> the middle of its range of temperatures, kelvin; None where no word is about it."""
     words, instances, context = _plain()
     parsed = parse(prompt, words)
-    planned = plan(parsed, compose(parsed), instances, context)
+    planned = plan(goals_of(parsed), instances, context)
     rows = {key.split("/")[1]: row for key, row in planned.items() if key.endswith("/temperature")}
     return {name: (row.lower[0] + row.upper[0]) / 2 if row.priority else None for name, row in rows.items()}
 

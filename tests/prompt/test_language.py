@@ -19,13 +19,15 @@ from proxy_renderer.color.floats import (
     srgb_from_lab,
 )
 from proxy_renderer.color.shades import basic
+from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.explanation import as_dict, explain
 from proxy_renderer.planning.grays import radiance
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import PictureStats, PlanContext
 from proxy_renderer.prompt.lexer import Lexer
-from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES, COLORS
+from proxy_renderer.prompt.lexicon.attributes import COLORS
 from proxy_renderer.prompt.lexicon.entries import COLOR_MODES, parse_effect
+from proxy_renderer.prompt.lexicon.quantities import quantities
 from proxy_renderer.prompt.lexicon.rigs import rig_table
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.lexicon.vocabulary import load
@@ -63,7 +65,11 @@ def test_vocabulary_is_large_and_every_effect_fits_the_schema():
     assert len(vocabulary.synonyms) >= 350
     assert set(COLORS) <= set(vocabulary.colors)
     assert len(vocabulary.colors) >= 250
-    effects = [(e.name, f) for e in vocabulary.entries.values() for f in (*e.effects, *e.never)]
+    effects = [
+        (e.name, f)
+        for e in vocabulary.entries.values()
+        for f in (*e.effects, *(f for m in e.never for f in m.effects))
+    ]
     effects += [(kind, f) for kind, some in vocabulary.painted.items() for f in some]
     assert len(effects) > 400
     for name, effect in effects:
@@ -173,8 +179,11 @@ def test_swapping_the_words_swaps_the_regions():
     for one, other in (("red", "blue"), ("white", "black"), ("teal", "yellow"), ("pink", "dark green")):
         first = parse(f"{one} teapot, {other} background", SceneWords())
         second = parse(f"{other} teapot, {one} background", SceneWords())
-        assert first.targets["subject_color"] == second.targets["surroundings_color"]
-        assert first.targets["surroundings_color"] == second.targets["subject_color"]
+        colors = [
+            {wish.quantity: wish.attribute.entry for wish in goals_of(p).wishes} for p in (first, second)
+        ]
+        assert colors[0]["color"] == colors[1]["surroundings_color"]
+        assert colors[0]["surroundings_color"] == colors[1]["color"]
         texts = compose(first)
         assert one in texts.subject
         assert other not in texts.subject
@@ -193,7 +202,7 @@ def test_names_in_the_scene_match_several_subjects():
     owners = {a.entry: a.owners for a in parsed.attributes}
     assert owners == {"copper metal": ("M1",), "walnut": ("M2",), "silver metal": ("M3",)}
     instances = make_instances(materials=(("M1", "subject"), ("M2", "surroundings"), ("M3", "subject")))
-    plan_ = plan(parsed, compose(parsed), instances, CONTEXT)
+    plan_ = plan(goals_of(parsed), instances, CONTEXT)
     assert plan_["material/M1/base_color"].reason.startswith("'copper'")
     assert plan_["material/M3/base_color"].reason.startswith("'silver'")
     assert plan_["material/M2/metallic"].reason.startswith("'dark walnut'")
@@ -224,10 +233,10 @@ def test_prompts_never_negate():
 # ---- meaning
 
 
-def test_targets_are_classes_of_the_heads():
+def test_goals_are_of_known_classes():
     for prompt in PROMPTS:
-        for head, value in parse(prompt, SceneWords()).targets.items():
-            assert value in ATTRIBUTES[head]
+        for quantity, named in goals_of(parse(prompt, SceneWords())).classes.items():
+            assert named in quantities().by_name[quantity].classes
 
 
 @pytest.mark.parametrize(
@@ -509,15 +518,15 @@ def test_unknown_words_are_said_to_be_ignored_and_typos_to_be_guesses():
 def test_what_a_look_cannot_do_is_ignored():
     parsed = parse("add a second dragon, gold", SceneWords())
     assert {"add", "second", "dragon"} <= set(parsed.ignored)
-    assert parsed.targets["subject_metal"] == "metal"
-    assert "fog" in parse("add fog, gold", SceneWords()).targets
+    assert goals_of(parsed).classes["substance"] == "metal"
+    assert "haze" in goals_of(parse("add fog, gold", SceneWords())).classes
 
 
 def test_explanations_name_everything():
     for prompt in PROMPTS:
         parsed = parse(prompt, SceneWords())
         texts = compose(parsed)
-        plan_ = plan(parsed, texts, make_instances(), CONTEXT)
+        plan_ = plan(goals_of(parsed), make_instances(), CONTEXT)
         text = explain(parsed, texts, plan_)
         assert texts.subject in text
         assert all(note in text for note in plan_.notes)

@@ -3,7 +3,7 @@
 
 import pytest
 
-from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
+from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.types import SceneWords
 
@@ -17,7 +17,7 @@ SCENE = SceneWords(
 
 def given_up(prompt: str) -> set[str]:
     """Entries that moods stand for and that do not count."""
-    return {a.entry for a in parse(prompt, SCENE, default_vocabulary()).overruled if a.cause}
+    return {a.entry for a in goals_of(parse(prompt, SCENE)).overruled if a.cause}
 
 
 @pytest.mark.parametrize(
@@ -38,4 +38,4 @@ def test_a_mood_gives_way_to_colors_that_are_named(prompt: str, lost: set[str], 
 
 
 def test_what_the_prompt_says_itself_stays() -> None:
-    assert not parse("bright light, dark blue background", SCENE, default_vocabulary()).overruled
+    assert not goals_of(parse("bright light, dark blue background", SCENE)).overruled

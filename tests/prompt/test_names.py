@@ -3,13 +3,13 @@
 
 import pytest
 
+from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import PlanContext
 from proxy_renderer.prompt.binding.pairs import reading
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.prompt.names import is_detail, kind_of
 from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.prompts import compose
 from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.schema import FAMILIES, Instance
 
@@ -41,7 +41,7 @@ def painted(prompt: str, words: SceneWords, shares: dict[str, float], alike: boo
         for i, name in enumerate(words.materials)
     ]
     parsed = parse(prompt, words)
-    made = plan(parsed, compose(parsed), {i.key: i for i in instances}, PlanContext(material_share=shares))
+    made = plan(goals_of(parsed), {i.key: i for i in instances}, PlanContext(material_share=shares))
     return {i.owner for i in instances if made[i.key].priority is not None}
 
 
@@ -121,7 +121,7 @@ def test_keys_and_values_are_read_as_a_sentence(prompt, entries):
 
 def test_the_color_of_the_air_is_the_words():
     parsed = parse("underwater, murky green", SceneWords())
-    assert parsed.targets["surroundings_color"] == "green"
+    assert goals_of(parsed).classes["surroundings_color"] == "green"
     assert {"ambience", "fog"} <= {a.kind for a in parsed.attributes if a.color}
 
 
@@ -138,7 +138,7 @@ def test_a_color_after_light_or_air_is_theirs_if_light_can_have_it(prompt, kind)
 
 
 def test_light_of_gold_is_no_metal():
-    assert "subject_metal" not in parse("red vase, gold light", SceneWords()).targets
+    assert "substance" not in goals_of(parse("red vase, gold light", SceneWords())).classes
 
 
 def test_of_two_materials_of_one_name_the_subjects_is_meant():
@@ -157,7 +157,7 @@ def test_a_named_color_comes_before_a_word_that_only_changes_one():
     words = scene({"Ball": "Ball"})
     instance = Instance(FAMILIES["material/base_color"], "Ball", (0.5, 0.5, 0.5), 1.0, "subject")
     parsed = parse("the ball is teal, the ball is darker", words)
-    entry = plan(parsed, compose(parsed), {instance.key: instance}, PlanContext())[instance.key]
+    entry = plan(goals_of(parsed), {instance.key: instance}, PlanContext())[instance.key]
     assert entry.upper[0] < 0.1 < entry.upper[1]
 
 
@@ -224,7 +224,7 @@ def test_parts_of_another_stuff_may_stay_as_they_are() -> None:
 def test_a_color_that_is_said_comes_before_that_of_a_material(prompt: str) -> None:
     instance = Instance(FAMILIES["material/base_color"], "Ball", (0.5, 0.5, 0.5), 1.0, "subject")
     parsed = parse(prompt, scene({"Ball": "Ball"}))
-    entry = plan(parsed, compose(parsed), {instance.key: instance}, PlanContext())[instance.key]
+    entry = plan(goals_of(parsed), {instance.key: instance}, PlanContext())[instance.key]
     assert entry.upper[0] > 0.5 > 0.2 > entry.upper[1]
 
 

@@ -37,7 +37,7 @@ def test_each_look_has_a_material_of_its_own_where_there_are_as_many(prompt, mea
 
 
 def test_how_looks_are_shared_out_is_told():
-    told = parse("walnut, marble and gold", SCENE).conflicts
+    told = parse("walnut, marble and gold", SCENE).notes
     assert any("'walnut' is M2" in text for text in told)
 
 
@@ -55,7 +55,7 @@ def test_things_of_one_name_share_as_the_parts_of_the_subject_do():
         places={"Ring.001": (0.0, 0.5, 0.4)},
     )
     assert owners("gold and silver rings", scene) == {"gold": ("B", "C"), "silver": ("A",)}
-    assert any("'gold' is B, C" in text for text in parse("gold and silver rings", scene).conflicts)
+    assert any("'gold' is B, C" in text for text in parse("gold and silver rings", scene).notes)
 
 
 def test_the_rest_of_a_scene_is_the_sky_too():

@@ -62,7 +62,7 @@ def test_one_light_can_be_meant():
 
 def test_a_word_that_the_prompt_lacks_is_told_of():
     _, parsed = told("teal", copper="Cube.003")
-    assert any("copper" in note for note in parsed.conflicts)
+    assert any("copper" in note for note in parsed.notes)
 
 
 @pytest.mark.parametrize(

@@ -18,9 +18,9 @@ def test_each_caller_gets_a_copy_of_one_reading(monkeypatch):
     understood = Understood("glossy teal, warm light", SceneWords())
     first = understood.parsed
     first.attributes.clear()
-    first.conflicts.append("spoiled")
+    first.notes.append("spoiled")
     assert [a.entry for a in understood.parsed.attributes][:2] == ["glossy", "teal"]
-    assert understood.parsed.conflicts == []
+    assert understood.parsed.notes == []
     assert len(read) == 1
 
 

@@ -9,6 +9,7 @@ import pytest
 
 from proxy_renderer import bench
 from proxy_renderer.cli.main import main
+from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import PlanContext
 from proxy_renderer.prompt.lexicon.entries import normalize
@@ -147,9 +148,9 @@ def test_other_languages_are_one_clear_line(prompt):
 
 
 def test_a_few_foreign_words_are_said():
-    notes = parse("glossy teal teapot, мягкий свет", SceneWords()).conflicts
+    notes = parse("glossy teal teapot, мягкий свет", SceneWords()).notes
     assert any("English" in note for note in notes)
-    assert not parse("glossy teal teapot on a wooden desk", SceneWords()).conflicts
+    assert not parse("glossy teal teapot on a wooden desk", SceneWords()).notes
 
 
 def test_a_hundred_kilobytes_are_one_clear_error(capsys):
@@ -165,7 +166,7 @@ OWN = """
 [look."brand red"]
 slot = "material"
 words = "our red"
-do = ["material/base_color color #c8102e !1", "material/roughness 0.1..0.2 !2"]
+wishes = ["material/base_color color #c8102e !1", "material/roughness 0.1..0.2 !2"]
 opposite = "matte"
 
 [colors]
@@ -238,13 +239,13 @@ def test_the_command_uses_an_own_vocabulary(own, monkeypatch, capsys):
 def test_composed_prompts_take_own_words(own):
     parsed = parse("our red teapot", SceneWords())
     assert "brand red" in compose(parsed).subject
-    assert plan(parsed, compose(parsed), {}, PlanContext()) == {}
+    assert plan(goals_of(parsed), {}, PlanContext()) == {}
 
 
 def test_a_mood_that_paints_is_refused_with_its_line(tmp_path):
     path = tmp_path / "words.toml"
     path.write_text(
-        '[look.swampy]\nslot = "mood"\ndo = ["film/contrast 1..1.1", "subject/roughness 0..0.2"]\n'
+        '[look.swampy]\nslot = "mood"\nwishes = ["film/contrast 1..1.1", "subject/roughness 0..0.2"]\n'
     )
     with pytest.raises(
         VibeError, match=r"line 3: 'swampy' is of slot mood and may not change a material"

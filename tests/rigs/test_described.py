@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 
 from proxy_renderer.color.floats import chroma, hex_from_srgb, lab_from_srgb, srgb_from_hex
+from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.prompt.lexicon.rigs import Rig, RigLight, rig_table
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.parser import parse
@@ -25,7 +26,7 @@ KITCHEN = SceneWords(
 def rig(prompt: str, scene: SceneWords | None = None) -> Rig:
     """The rig of a prompt."""
     vocabulary = default_vocabulary()
-    found = chosen_rig(parse(prompt, scene or SceneWords(), vocabulary), rig_table(), vocabulary)
+    found = chosen_rig(goals_of(parse(prompt, scene or SceneWords(), vocabulary)), rig_table(), vocabulary)
     assert found
     return found.rig
 

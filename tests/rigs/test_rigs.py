@@ -16,6 +16,7 @@ from proxy_renderer.color.floats import chroma, lab_from_srgb, srgb_from_hex
 from proxy_renderer.color.tensors import linear_from_srgb
 from proxy_renderer.color.view_transform import ViewTransform
 from proxy_renderer.engine.additions import with_additions
+from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.optimize.context import scene_words
 from proxy_renderer.prompt.lexicon.rigs import KINDS, read, rig_table
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
@@ -75,7 +76,7 @@ def scene(tmp_path_factory) -> SceneData:
 def chosen(prompt: str) -> ChosenRig | None:
     """The rig of a prompt."""
     vocabulary = default_vocabulary()
-    return chosen_rig(parse(prompt, SceneWords(), vocabulary), rig_table(), vocabulary)
+    return chosen_rig(goals_of(parse(prompt, SceneWords(), vocabulary)), rig_table(), vocabulary)
 
 
 def rig_name(prompt: str) -> str:

@@ -11,13 +11,14 @@ from model_server import KEY, MODEL, document, has_picture, plan_for, refuses, s
 from tiny_job import write_job
 
 from proxy_renderer.engine.report import changed_values, parameter_records
+from proxy_renderer.goals.resolve import goals_of, goals_or_why
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import context, pipeline
 from proxy_renderer.optimize.rounds.refinement import Refinement
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.planning.types import Plan, PlanContext
 from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
-from proxy_renderer.prompt.types import Parsed, Prompts, SceneWords
+from proxy_renderer.prompt.types import Parsed, Prompts
 from proxy_renderer.prompt.understood import Understood
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import FAMILIES, Instance, VibeError
@@ -76,12 +77,12 @@ class TestQuestion:
     def test_the_draft_is_told(self, scene):
         from proxy_renderer.planning.advice import OfflineAdvisor
 
-        advice = OfflineAdvisor(Understood(PROMPT, context.scene_words(scene))).advise(
+        advice = OfflineAdvisor(goals_of(Understood(PROMPT, context.scene_words(scene)).parsed)).advise(
             None, scene.instances, PlanContext()
         )
         table = AliasTable(scene.instances, PlanContext())
         question = make_question(
-            PROMPT, table, PlanContext(), (advice.parsed, advice.prompts, advice.plan), None
+            PROMPT, table, PlanContext(), (advice.goals, advice.prompts, advice.plan), None
         )
         said = json.loads(question.text)
         assert said["parameters"]["material1/roughness"]["draft"]["why"].startswith("'glossy'")
@@ -168,7 +169,7 @@ class TestReply:
         reply = read_reply(plan_for(body), table)
         assert reply.objects[0].materials == ("Ball",)
         assert reply.objects[0].attributes == {"color": "teal", "material": "glossy", "shape": "round"}
-        assert reply.targets == {"subject_color": "teal", "subject_finish": "glossy"}
+        assert reply.targets == {"color": "teal", "finish": "glossy"}
         assert reply.prompts.subject == "a glossy teal ball"
         assert reply.entries["material/Ball/roughness"].priority == 2
         assert (reply.clipped, reply.mended, reply.dropped, reply.missing) == (0, 0, 0, 0)
@@ -330,7 +331,8 @@ def vibe(scene, encoder, model, prompt=PROMPT, **options):
     """A whole small vibe with a model."""
     watch = Silent()
     client = Client(Endpoint(MODEL, model.url, KEY, 5.0))
-    advisor = ModelAdvisor(Understood(prompt, context.scene_words(scene)), client, watch.stage)
+    understood = Understood(prompt, context.scene_words(scene))
+    advisor = ModelAdvisor(understood, goals_or_why(understood), client, watch.stage)
     chosen = Options(**{"rounds": 2, "steps": 2, "size": 48, **options})
     outcome = pipeline.run([ShotInput(scene)], prompt, chosen, encoder, encoder, watch, advisor)
     return outcome, advisor.account(), watch.seen
@@ -449,7 +451,8 @@ def test_scene_words_need_no_scene():
     """The advisor works without names too."""
     with serving(lambda body, n: refuses(401, "no")) as model:
         client = Client(Endpoint(MODEL, model.url))
-        made = ModelAdvisor(Understood("misty", SceneWords()), client, lambda text: None)
+        understood = Understood("misty", SceneWords())
+        made = ModelAdvisor(understood, goals_or_why(understood), client, lambda text: None)
         fog = instance("volume/density", value=0.0)
         picture = torch.zeros(8, 8, 3)
         assert made.advise(picture, {fog.key: fog}, PlanContext()).plan["volume/density"].priority is not None

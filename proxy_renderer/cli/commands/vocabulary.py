@@ -23,7 +23,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add.add_argument("--slot", default="material", help="kind of look word (default: material)")
     add.add_argument("--words", default="", help="other ways to say it, comma separated")
     add.add_argument(
-        "--do", action="append", default=[], metavar="EFFECT", help="what it does; may be repeated"
+        "--wish",
+        action="append",
+        default=[],
+        metavar="TEXT",
+        help='what it wishes for: a class ("finish is glossy"), an effect or a claim; may be repeated',
     )
     add.add_argument("--means", default="", help="the same said in plain look words")
     test = actions.add_parser("test", help="say how a prompt is read with it")
@@ -46,13 +50,13 @@ def _add(a: argparse.Namespace) -> None:
     from ...folders import config_folder
     from ...prompt.lexicon.own_entry import add_color, add_look
 
-    if bool(a.color) == bool(a.do or a.means):
-        raise VibeError(f"'{a.name}' needs a color, or what it does.", "Give --color, or --do, or --means.")
+    if bool(a.color) == bool(a.wish or a.means):
+        raise VibeError(f"'{a.name}' needs a color, or what it does.", "Give --color, or --wish, or --means.")
     path = Path(a.vocabulary).expanduser() if a.vocabulary else config_folder() / "vocabulary.toml"
     if a.color:
         add_color(path, a.name, a.color)
     else:
-        add_look(path, a.name, {"slot": a.slot, "words": a.words, "do": a.do, "means": a.means})
+        add_look(path, a.name, {"slot": a.slot, "words": a.words, "wishes": a.wish, "means": a.means})
     print(f"'{a.name}' is in {path} now.")
 
 

@@ -39,15 +39,13 @@ def make_guidance(
         advice: The composed captions, and what the words ask for.
         start: The artist's picture, on which the guidance is calibrated.
     """
-    parsed = advice.parsed
+    goals = advice.goals
     if options.baseline:
         return GlobalGuidance(encoder, prompt, Views())
     if not prompt.strip():  # a picture is there in their place, and its claims say all
         return NoGuidance()
-    silhouette = any(a.entry == "silhouette" and not a.negated for a in parsed.attributes)
+    silhouette = any(a.entry == "silhouette" and not a.negated for a in goals.parsed.attributes)
     first = (start.display, start.mask)
     # The paper's full-image term has the raw text.
     prompts = replace(advice.prompts, whole=prompt) if options.inner == "adam" else advice.prompts
-    return PromptGuidance(
-        encoder, heads, prompts, parsed.targets, parsed.colors, first, silhouette, weights_of(options)
-    )
+    return PromptGuidance(encoder, heads, prompts, goals.classes, {}, first, silhouette, weights_of(options))

@@ -15,8 +15,9 @@ from typing import Any
 from torch import Tensor
 
 from ...claims.claim import Claim
+from ...goals.resolve import Goals
 from ...planning.types import Plan
-from ...prompt.types import Parsed, Prompts
+from ...prompt.types import Prompts
 from ...reference.like import Reference
 from ...schema import Values
 from ..anchoring import AnchorState
@@ -56,7 +57,7 @@ class Outcome:
         plan: That round's plan.
         ranges: Key -> that round's (lower, upper) in schema units, azimuths turned as the values are.
         optimized: Keys that some round optimized.
-        parsed: The prompt, understood.
+        goals: What the words wish for.
         prompts: What the encoder was asked.
         claims: What the words, and a picture, claim of ours.
         rounds: One record per round: parameters, loss at start and end, its terms, how far its end was from what the
@@ -74,7 +75,7 @@ class Outcome:
     plan: Plan
     ranges: dict[str, tuple[Values, Values]]
     optimized: set[str]
-    parsed: Parsed
+    goals: Goals
     prompts: Prompts
     claims: tuple[Claim, ...]
     shots: list[ShotState]
@@ -269,7 +270,7 @@ class Refinement:
             plan=plan,
             ranges=best.confined.ranges,
             optimized={key for record in self._rounds for key in record["parameters"]},
-            parsed=best.confined.advice.parsed,
+            goals=best.confined.advice.goals,
             prompts=best.confined.advice.prompts,
             claims=search.claims,
             shots=search.shots,

@@ -13,12 +13,12 @@ from torch import Tensor
 
 from ...claims.claim import HOLDS, Claim, ClaimSet
 from ...claims.wanted import claims_of
+from ...goals.resolve import Goals, goals_or_why
 from ...guidance.encoder import Encoder
 from ...guidance.losses import claims_loss
 from ...planning.advice import Advice, Advisor, OfflineAdvisor
 from ...planning.types import LightPlan, Plan
 from ...prompt.lexicon.user_words import default_vocabulary
-from ...prompt.types import Parsed
 from ...prompt.understood import Understood
 from ...reference.advisor import beside
 from ...reference.like import Reference
@@ -63,11 +63,15 @@ class LightAsked(Protocol):
         """The words, read against the scene."""
 
     @property
+    def goals(self) -> Goals | VibeError:
+        """What they wish for; why there is nothing where nothing is understood."""
+
+    @property
     def plan(self) -> LightPlan | None:
         """Of all that sheds light."""
 
-    def claims(self, parsed: Parsed) -> tuple[Claim, ...]:
-        """What the words of a prompt claim, the light's structure among it."""
+    def claims(self, goals: Goals) -> tuple[Claim, ...]:
+        """What the words claim of the image, the light's structure among it."""
 
 
 class Search:
@@ -111,10 +115,11 @@ class Search:
 
         self.vector, self.shots = gathered(views, options, proxy)
         if light:
-            understood, plan = light.understood, light.plan
+            understood, goals, plan = light.understood, light.goals, light.plan
         else:
             understood, plan = Understood(prompt, context.scene_words(*(v.scene for v in views))), None
-        offline = OfflineAdvisor(understood, plan)
+            goals = goals_or_why(understood)
+        offline = OfflineAdvisor(goals, plan)
         self.offline, asked = (
             beside(self.reference, each, prompt, len(views), understood.words.lights)
             for each in (offline, advisor or offline)
@@ -142,7 +147,7 @@ class Search:
             return
         self.observer.begin(self.looks.before.display)
         self.observer.look(self.looks.values(u))
-        self.observer.look(self.looks.drawn(u, self._claims_of(advice.parsed)))
+        self.observer.look(self.looks.drawn(u, self._claims_of(advice.goals)))
 
     def show(self, u: Tensor) -> None:
         """Shows the best look so far.
@@ -153,9 +158,9 @@ class Search:
         if self.looks:
             self.observer.look(self.looks.drawn(u, self.claims))
 
-    def _claims_of(self, parsed: Parsed) -> tuple[Claim, ...]:
+    def _claims_of(self, goals: Goals) -> tuple[Claim, ...]:
         """What words and picture claim of the first shot; of the others the same."""
-        claims = self._light.claims(parsed) if self._light else claims_of(parsed, default_vocabulary())
+        claims = self._light.claims(goals) if self._light else claims_of(goals, default_vocabulary())
         return (
             self.reference.claims(claims, self.shots[0].seen_now(self.vector.encode({})))
             if self.reference
@@ -211,11 +216,11 @@ class Search:
             self._artists = [shot.draw(u) for shot in self.shots]
             self.observer.begin(self._artists[0].display.detach())
             if not self.options.baseline:
-                self.claims = self._claims_of(advice.parsed)
+                self.claims = self._claims_of(advice.goals)
             for shot, picture in zip(self.shots, self._artists, strict=True):
                 begun = shot.begin(u, picture)
                 shot.claims = None if self.options.baseline else ClaimSet.about(self.claims, begun)
-        asked = advice.prompts, advice.parsed.targets, advice.parsed.colors
+        asked = advice.prompts, advice.goals.classes
         if asked != self._asked:
             self._asked = asked
             for shot, picture in zip(self.shots, self._artists, strict=True):

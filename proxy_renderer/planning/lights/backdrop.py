@@ -4,20 +4,18 @@
 from __future__ import annotations
 
 from ...color.floats import chroma, lab_from_srgb
-from ...prompt.lexicon.entries import Effect
+from ...goals.resolve import Goals
 from ...prompt.lexicon.vocabulary import Vocabulary
-from ...prompt.types import Attribute, Parsed
 from ...schema import Instance
+from ..acting import Act, acts, is_usual
 from ..owners import Owners
 from ..types import PlanContext
-from ..wishes import Wishes, is_usual
 
 _VIVID = 20.0  # chroma from which a world tints what it lights
-Wish = tuple[Attribute, Effect]
 
 
 def asks_for_backdrop(
-    parsed: Parsed, instances: dict[str, Instance], context: PlanContext, vocabulary: Vocabulary
+    goals: Goals, instances: dict[str, Instance], context: PlanContext, vocabulary: Vocabulary
 ) -> bool:
     """Whether words give the background a color that is not to tint the scene, or a lightness that its light cannot have.
 
@@ -25,33 +23,36 @@ def asks_for_backdrop(
     place usually has is no such wish: the sky of a garden at night is the night's.
 
     Args:
-        parsed: The prompt, understood.
+        goals: What the words wish for.
         instances: The scene's parameters by key.
         context: The scene.
         vocabulary: What words mean.
     """
-    owners = Owners(parsed, instances, context, vocabulary)
-    wishes = Wishes(parsed, vocabulary, owners).all()
-    of_world = [(a, e) for a, e in wishes if e.family == "world/strength" and owners.of(e, a)]
-    seen = [wish for wish in of_world if wish[0].kind == "surroundings" and not is_usual(*wish)]
-    shed = [wish for wish in of_world if wish[0].kind not in ("surroundings", "sky")]
+    owners = Owners(goals.parsed, instances, context, vocabulary)
+    of_world = [
+        (wish, effect)
+        for wish, effect in acts(goals, vocabulary, owners)
+        if effect.family == "world/strength" and owners.of(effect, wish.attribute)
+    ]
+    seen = [act for act in of_world if act[0].attribute.kind == "surroundings" and not is_usual(*act)]
+    shed = [act for act in of_world if act[0].attribute.kind not in ("surroundings", "sky")]
     return any(map(_tints, seen)) or any(_apart(one, other) for one in seen for other in shed)
 
 
-def _tints(wish: Wish) -> bool:
-    color = wish[0].color
-    return color is not None and wish[1].mode == "shown" and chroma(lab_from_srgb(color)) > _VIVID
+def _tints(act: Act) -> bool:
+    color = act[0].attribute.color
+    return color is not None and act[1].mode == "shown" and chroma(lab_from_srgb(color)) > _VIVID
 
 
-def _apart(one: Wish, other: Wish) -> bool:
+def _apart(one: Act, other: Act) -> bool:
     """Whether no strength of the world serves both."""
     a, b = _lightness(one), _lightness(other)
     return a is not None and b is not None and (a[1] < b[0] or b[1] < a[0])
 
 
-def _lightness(wish: Wish) -> tuple[float, float] | None:
+def _lightness(act: Act) -> tuple[float, float] | None:
     """The L* that the world is to have, from and to; None where a wish says nothing of it."""
-    attribute, effect = wish
-    if effect.mode == "shown" and attribute.color:
-        return (lab_from_srgb(attribute.color)[0],) * 2
+    wish, effect = act
+    if effect.mode == "shown" and wish.attribute.color:
+        return (lab_from_srgb(wish.attribute.color)[0],) * 2
     return (effect.lower[0], effect.upper[0]) if effect.mode == "lightness" else None

@@ -5,14 +5,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from ...goals.resolve import Goals
 from ...prompt.lexicon.entries import OWNERS, Effect
 from ...prompt.lexicon.vocabulary import Vocabulary
 from ...prompt.lights import side
-from ...prompt.types import Attribute, Parsed
+from ...prompt.types import Attribute
 from ...schema import Instance
+from ..acting import acts
 from ..owners import Owners
 from ..types import PlanContext
-from ..wishes import Wishes
 from .choice import SceneLights
 from .meant import role_of
 
@@ -20,7 +21,7 @@ _BEHIND = 110.0  # degrees from the camera beyond which a light stands behind th
 
 
 def lacking(
-    parsed: Parsed,
+    goals: Goals,
     instances: dict[str, Instance],
     context: PlanContext,
     standby: Mapping[str, str],
@@ -29,18 +30,19 @@ def lacking(
     """The lights on standby that the words ask for.
 
     Args:
-        parsed: The prompt, understood.
+        goals: What the words wish for.
         instances: The scene's parameters by key.
         context: The scene.
         standby: Names of the lights on standby, with their roles.
         vocabulary: What words mean.
     """
+    parsed = goals.parsed
     owners = Owners(parsed, instances, context, vocabulary)
     missing = [number for number, names in owners.lights.numbered.items() if not names]
     said = ([a for a in parsed.attributes if a.lamp == number] for number in missing)
     roles = [_described(group, owners.lights, vocabulary) for group in said]
-    for attribute, effect in Wishes(parsed, vocabulary, owners).all():
-        role = _asked(effect, attribute, owners)
+    for wish, effect in acts(goals, vocabulary, owners):
+        role = _asked(effect, wish.attribute, owners)
         roles += [role] if role and role not in roles else []
     found: list[str] = []
     for role in roles:

@@ -119,7 +119,7 @@ class PromptReader:
             f"'{word}' is no look word here: its target is not used." for word in self.told.unused()
         ]
         passage = self.found.passage
-        self.mentioned, self.subject, parsed.conflicts = things.mentioned, things.subject, things.notes
+        self.mentioned, self.subject, parsed.notes = things.mentioned, things.subject, things.notes
         self.beyond, self.undone = passage.beyond, [" ".join(words) for words in passage.wishes]
         parsed.ignored += [*(w for words in passage.wishes for w in words), *self.beyond, *self._unknown()]
         parsed.guesses |= dict(self._guessed_names())

@@ -37,14 +37,13 @@ class Retelling:
             parsed: What was understood of the gloss; is changed.
         """
         parsed.attributes = [self._attribute(attribute) for attribute in parsed.attributes]
-        parsed.overruled = [self._attribute(attribute, again=True) for attribute in parsed.overruled]
         for thing in parsed.objects:
             thing.attributes = {
                 slot: ", ".join(map(self.said, words.split(", "))) for slot, words in thing.attributes.items()
             }
         parsed.ignored = [self.said(text) for text in parsed.ignored]
         parsed.guesses = {self.said(word): entry for word, entry in parsed.guesses.items()}
-        parsed.conflicts = [_QUOTED.sub(lambda m: self.said(m[0]), text) for text in parsed.conflicts]
+        parsed.notes = [_QUOTED.sub(lambda m: self.said(m[0]), text) for text in parsed.notes]
 
     def said(self, english: str) -> str:
         """The artist's words for English ones; these themselves where they are not from the prompt."""

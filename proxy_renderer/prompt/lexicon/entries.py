@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 
 from ...schema import FAMILIES, Values, VibeError
-from ...schema.means import MEANS, PAINT, may_serve
-from .attributes import ATTRIBUTES
+from ...schema.means import MEANS, SURFACES, may_serve
+from .claim_text import ClaimText, read_claim
+from .quantities import quantities
 
 OWNERS = {
     "material": "material",
@@ -28,15 +30,15 @@ OWNERS = {
 RANGE_MODES = ("", "times", "plus", "shade", "camera", "sides", "lightness", "share")
 SLOTS = tuple(MEANS)
 _TEXT: tuple[type, str] = (str, 'Write text in quotes: "...".')
-_LIST: tuple[type, str] = (list, 'Write a list of effects: ["film/contrast 1.1..1.3 !2"].')
-_CLAIMS: tuple[type, str] = (list, 'Write a list of claims: ["surroundings lightness ..14"].')
-_HEADS: tuple[type, str] = (dict, 'Write { fog = "none" }.')
+_LIST: tuple[type, str] = (list, 'Write a list: ["contrast is high", "film/contrast 1.1..1.3 !2"].')
 _ROWS = {
-    "slot": _TEXT, "words": _TEXT, "do": _LIST, "means": _TEXT, "phrase": _TEXT, "opposite": _TEXT, "heads": _HEADS,
-    "never": _LIST, "never_heads": _HEADS, "claims": _CLAIMS,
+    "slot": _TEXT, "words": _TEXT, "wishes": _LIST, "means": _TEXT, "phrase": _TEXT, "opposite": _TEXT, "never": _LIST,
 }  # fmt: skip
+_FORMER = {"do": "wishes", "heads": "wishes", "claims": "wishes", "never_heads": "never"}
+"""Rows of earlier versions -> where their content stands now."""
 COLOR_MODES = ("color", "gel", "albedo", "shown", "cast")
 _COLOR = re.compile(r"@|own|#[0-9a-fA-F]{6}")
+_CLASS = re.compile(r"(?P<quantity>[a-z_]+) is (?P<named>[a-z_]+)")
 _EFFECT = re.compile(
     r"(?P<owner>\w+)/(?P<name>\w+)(?: (?P<mode>[a-z]+))? (?P<args>\S+)(?P<weak> \?)?(?: !(?P<priority>\d+))?"
 )
@@ -73,20 +75,44 @@ class Effect:
 
 
 @dataclass(frozen=True)
+class Meaning:
+    """What a word wishes of one quantity.
+
+    Attributes:
+        quantity: Name in `quantities.toml`.
+        named: The class that it asks for: "glossy" of the finish; "" if it names none.
+        effects: What it does to parameters.
+        claims: What the image has to look like, beside what the class claims.
+    """
+
+    quantity: str
+    named: str = ""
+    effects: tuple[Effect, ...] = ()
+    claims: tuple[ClaimText, ...] = ()
+
+
+@dataclass(frozen=True)
 class VocabularyEntry:
     """One look word with its synonyms; see the head of vocabulary.toml."""
 
     name: str
     slot: str
     words: tuple[str, ...]
-    effects: tuple[Effect, ...] = ()
+    meanings: tuple[Meaning, ...] = ()
     means: str = ""
     phrase: str = ""
     opposite: str = ""
-    heads: dict[str, str] = field(default_factory=dict)
-    never: tuple[Effect, ...] = ()
-    never_heads: dict[str, str] = field(default_factory=dict)
-    claims: tuple[str, ...] = ()
+    never: tuple[Meaning, ...] = ()
+
+    @property
+    def effects(self) -> tuple[Effect, ...]:
+        """All that it does to parameters."""
+        return tuple(effect for meaning in self.meanings for effect in meaning.effects)
+
+    @property
+    def classes(self) -> dict[str, str]:
+        """Quantity -> the class that it asks for."""
+        return {meaning.quantity: meaning.named for meaning in self.meanings if meaning.named}
 
     @property
     def is_colored(self) -> bool:
@@ -148,33 +174,64 @@ def read_entry(name: str, row: dict) -> VocabularyEntry:
     """
     _check_rows(name, row)
     words = [name, *row.get("words", "").split(",")]
-    entry = VocabularyEntry(
+    for text in (*row.get("wishes", ()), *row.get("never", ())):
+        _check_means(name, row["slot"], text)
+    return VocabularyEntry(
         name,
         row["slot"],
         tuple(dict.fromkeys(normalize(w) for w in words if w.strip())),
-        tuple(map(parse_effect, row.get("do", ()))),
+        meanings(row.get("wishes", ())),
         row.get("means", ""),
         row.get("phrase", name),
         row.get("opposite", ""),
-        row.get("heads", {}),
-        tuple(map(parse_effect, row.get("never", ()))),
-        row.get("never_heads", {}),
-        tuple(row.get("claims", ())),
+        meanings(row.get("never", ())),
     )
-    for head, value in (*entry.heads.items(), *entry.never_heads.items()):
-        if value not in ATTRIBUTES.get(head, ()):
-            known = ", ".join(ATTRIBUTES.get(head, ())) or f"no such thing; there are {', '.join(ATTRIBUTES)}"
-            raise VibeError(f"Vocabulary: '{value}' is no class of {head}.", f"Choose from: {known}.")
-    for text in (*row.get("do", ()), *row.get("never", ())):
-        _check_means(name, entry.slot, text)
-    return entry
+
+
+def meanings(texts: Iterable[str]) -> tuple[Meaning, ...]:
+    """Reads the wishes of a word, grouped by their quantities in the order in which these are named first.
+
+    Args:
+        texts: Classes ("finish is glossy"), effects ("film/contrast 1.1..1.3 !2") and claims ("thing gloss 12..").
+
+    Raises:
+        VibeError: One of them is none of the three.
+    """
+    found: dict[str, Meaning] = {}
+    table = quantities()
+    for text in texts:
+        if named := _CLASS.fullmatch(text.strip()):
+            _check_class(text, named["quantity"], named["named"])
+            now = found.setdefault(named["quantity"], Meaning(named["quantity"]))
+            found[now.quantity] = replace(now, named=named["named"])
+        elif "/" in text:
+            effect = parse_effect(text)
+            quantity = table.of_parameter(effect.owner, effect.family, effect.mode)
+            now = found.setdefault(quantity, Meaning(quantity))
+            found[quantity] = replace(now, effects=(*now.effects, effect))
+        else:
+            claim = read_claim(text)
+            quantity = table.of_claim(claim)
+            now = found.setdefault(quantity, Meaning(quantity))
+            found[quantity] = replace(now, claims=(*now.claims, claim))
+    return tuple(found.values())
+
+
+def _check_class(text: str, quantity: str, named: str) -> None:
+    """Raises VibeError where a quantity does not exist, or has no such class."""
+    known = quantities().by_name
+    if quantity not in known:
+        raise VibeError(f"Vocabulary: '{text}' names no quantity.", f"Choose from: {', '.join(known)}.")
+    if named not in known[quantity].classes:
+        classes = ", ".join(known[quantity].classes) or "none: write an effect or a claim"
+        raise VibeError(f"Vocabulary: '{named}' is no class of {quantity}.", f"Choose from: {classes}.")
 
 
 def _check_means(name: str, slot: str, text: str) -> None:
     """Raises VibeError where an effect is no means that words of a slot have."""
-    if may_serve(OWNERS[parse_effect(text).owner], slot):
+    if "/" not in text or may_serve(OWNERS[parse_effect(text).owner], slot):
         return
-    surfaces = ", ".join(each for each, groups in MEANS.items() if PAINT in groups)
+    surfaces = ", ".join(SURFACES)
     raise VibeError(
         f"Vocabulary: '{name}' is of slot {slot} and may not change a material: '{text}'.",
         f"Remove that effect and use light, world, volume or film, or give the entry one of the slots {surfaces}.",
@@ -183,6 +240,11 @@ def _check_means(name: str, slot: str, text: str) -> None:
 
 def _check_rows(name: str, row: dict) -> None:
     for key, value in row.items():
+        if key in _FORMER:
+            raise VibeError(
+                f"Vocabulary: the row '{key}' of '{name}' is of an earlier version.",
+                f'Write its content into a row {_FORMER[key]} = [...]; classes as "finish is glossy".',
+            )
         if key not in _ROWS:
             raise VibeError(
                 f"Vocabulary: '{key}' is no row of an entry.", f"Use some of: {', '.join(_ROWS)}."
@@ -193,5 +255,7 @@ def _check_rows(name: str, row: dict) -> None:
             raise VibeError(f"Vocabulary: '{key}' of '{name}' has the wrong type.", remedy)
     if row.get("slot") not in SLOTS:
         raise VibeError(f"Vocabulary: '{name}' has no known slot.", f"Add slot = one of: {', '.join(SLOTS)}.")
-    if not (row.get("do") or row.get("means")):
-        raise VibeError(f"Vocabulary: '{name}' does nothing.", 'Give it a row do = [...] or means = "...".')
+    if not (row.get("wishes") or row.get("means")):
+        raise VibeError(
+            f"Vocabulary: '{name}' does nothing.", 'Give it a row wishes = [...] or means = "...".'
+        )

@@ -53,7 +53,9 @@ def _entry(kelvins: int) -> dict[str, Any]:
     tinged = "warm" if kelvins < _WARM else "cool" if kelvins > _COOL else ""
     return {
         "slot": "lighting",
-        "do": [f"lights/temperature {kelvins * (1 - _REACH):.0f}..{kelvins * (1 + _REACH):.0f} !1"],
+        "wishes": [
+            *([f"light_color is {tinged}"] if tinged else []),
+            f"lights/temperature {kelvins * (1 - _REACH):.0f}..{kelvins * (1 + _REACH):.0f} !1",
+        ],
         "phrase": f"{tinged or 'neutral'} light",
-        "heads": {"light_temperature": tinged} if tinged else {},
     }

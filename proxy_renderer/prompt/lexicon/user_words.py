@@ -4,7 +4,7 @@
     [look."brand red"]            # the same rows as in vocabulary.toml, whose head explains them
     slot = "material"
     words = "our red, house red"
-    do = ["material/base_color color #c8102e !1", "material/roughness 0.1..0.2 !2"]
+    wishes = ["material/base_color color #c8102e !1", "material/roughness 0.1..0.2 !2"]
 
     [colors]
     "midnight plum" = "#3a1238"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Claims of several words beside each other: which ones give way, and where light can be measured beside what is painted."""
+"""Claims of several words beside each other: what is measured where, and how far, when other words color the image too."""
 
 from __future__ import annotations
 
@@ -7,15 +7,13 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from ..color.floats import chroma, lab_from_srgb
-from ..color.shades import WARM, warm
+from ..color.floats import lab_from_srgb
+from ..color.shades import WARM
+from ..goals.wish import Wish
 from ..prompt.types import Attribute
 from ..schema import Values
 from .claim import Claim
-from .colored import COLORED, as_accent
-
-USUAL = ("atmosphere", "setting")
-"""Slots of words that say only what is usual of other measures than their own: the later, the less."""
+from .colored import as_accent
 
 _OPPOSED = 0.5
 """Cosine between a tint and the other direction, from where a picture cannot have both."""
@@ -26,45 +24,34 @@ _LIT, _STILL = 44.0, 0.7
 _MUTED = 0.7
 """Share of a named color's chroma that a picture keeps in which colors are muted."""
 
-_FIXED = ("warmth", "tint", "accent", "chroma")
-"""Measures of what lies around that a color word for it fixes."""
 
-
-_SIDES = {"light_right", "light_up", "light_front"}
-"""Measures of where light comes from."""
-
-
-def parted(said: list[tuple[Attribute, tuple[Claim, ...]]]) -> list[tuple[Attribute, tuple[Claim, ...]]]:
-    """Words with what they claim; colors of light that no picture can have all over, magenta and cyan, have a part of it each."""
-    tints = [c for a, row in said if a.color for c in row if (c.part, c.measure) == ("picture", "tint")]
+def parted(said: list[tuple[Wish, tuple[Claim, ...]]]) -> list[tuple[Wish, tuple[Claim, ...]]]:
+    """Wishes with what they claim; colors of light that no picture can have all over, magenta and cyan, have a part of it each."""
+    tints = [
+        c for w, row in said if w.attribute.color for c in row if (c.part, c.measure) == ("picture", "tint")
+    ]
     apart = [c for c in tints if any(_against(c, other.direction) for other in tints)]
     words = {c.word for c in apart}
-    rest = [(a, [c for c in row if c.measure != "off_hue" or c.word not in words]) for a, row in said]
-    return [(a, tuple(as_accent(c) if c in apart else c for c in row)) for a, row in rest]
+    rest = [(w, [c for c in row if c.measure != "off_hue" or c.word not in words]) for w, row in said]
+    return [(w, tuple(as_accent(c) if c in apart else c for c in row)) for w, row in rest]
 
 
-def adds(claim: Claim, attribute: Attribute, first: Claim) -> bool:
+def narrows(claim: Claim, usual: bool, first: Claim) -> bool:
     """Whether a claim says anything beside one that goes first.
 
     Of one measure of one thing, what is said and goes further in the same sense: an old detective movie is as gray as the
-    movie, not as the old one. What is usual of a place gives way, and so does, around the subject, what a mood stands for to
-    what is said of the picture: a toy shop is no gray shop. Of several colors of a thing the first counts. Where light comes
-    from is for the word that says it: a haunted house is lit from below, but not where light is to come from the right.
+    movie, not as the old one. Of several colors of a thing the first counts.
 
     Args:
         claim: Of a later word.
-        attribute: The word.
+        usual: Whether the word says only what is usual.
         first: Of an earlier one.
     """
-    usual = attribute.slot in USUAL
-    low, high = max(claim.lower[0], first.lower[0]), min(claim.upper[0], first.upper[0])
-    if attribute.cause and first.word != claim.word and {claim.measure, first.measure} <= _SIDES:
-        return False
     if _measured(claim) != _measured(first):
-        around = (claim.measure, claim.part, first.part) == (first.measure, "surroundings", "picture")
-        return not ((usual or attribute.cause) and around and low > high)
+        return True
     if first.color or claim.word == first.word or usual:
         return False
+    low, high = max(claim.lower[0], first.lower[0]), min(claim.upper[0], first.upper[0])
     return low <= high and (low, high) != (first.lower[0], first.upper[0])
 
 
@@ -74,14 +61,14 @@ def _measured(claim: Claim) -> tuple[object, ...]:
     return claim.measure, claim.part, claim.materials, hue
 
 
-def beside_painted(claim: Claim, attribute: Attribute, colors: Sequence[Claim]) -> Claim:
+def beside_painted(claim: Claim, usual: bool, colors: Sequence[Claim]) -> Claim:
     """A claim about the whole picture as far as the colors leave it that words name for what fills it.
 
     Muted colors are still colors, and a gallery with a dark backdrop is no light picture, though galleries are.
 
     Args:
         claim: Of a word.
-        attribute: The word.
+        usual: Whether the word says only what is usual of a place or a weather.
         colors: Claims of color words.
     """
     named = [lab_from_srgb(c.color) for c in colors if c.measure == "color" and c.color and not c.materials]
@@ -90,7 +77,7 @@ def beside_painted(claim: Claim, attribute: Attribute, colors: Sequence[Claim]) 
     if claim.measure == "chroma":
         kept = _MUTED * max(math.hypot(a, b) for _, a, b in named)
         return replace(claim, upper=(max(claim.upper[0], kept),))
-    if claim.measure == "lightness" and attribute.slot in USUAL:
+    if claim.measure == "lightness" and usual:
         light = [lab[0] for lab in named]
         return replace(claim, lower=(min(claim.lower[0], *light),), upper=(max(claim.upper[0], *light),))
     return claim
@@ -128,47 +115,12 @@ def still_light(colors: Sequence[Claim], claims: Iterable[Claim]) -> list[Claim]
     return [Claim.unsaid("picture", "lightness", lower=least)]
 
 
-def gives_way(claim: Claim, colors: Sequence[Claim], casts: Sequence[Claim]) -> bool:
-    """Whether what colors claim that the prompt names rules out what a word usually is like.
-
-    A forest before a purple background is not green, a morning of pale blue light not warm, a gallery at sunset not gray, and
-    fresh asphalt no more colored for being fresh.
-
-    Args:
-        claim: Of any word.
-        colors: Claims of color words, and how light gray materials are.
-        casts: Claims that light is warm, cool or of a color.
-    """
-    if claim in colors:
-        return False
-    if claim.materials and claim.measure == "chroma" and claim.lower[0] > 0.0:
-        return any(_is_gray(c) and not {*c.materials}.isdisjoint(claim.materials) for c in colors)
-    if claim.part == "picture" and claim.measure in ("warmth", "tint"):
-        tints = [c for c in colors if (c.part, c.measure) == ("picture", "tint")]
-        return any(_against(claim, c.direction) for c in tints)
-    if claim.part in ("surroundings", "sky") and claim.measure in _FIXED and not claim.materials:
-        gray = (claim.part, claim.measure) == ("surroundings", "chroma")
-        if gray and any(c.part == "picture" and c.word != claim.word for c in casts):
-            return True
-        same = [c for c in colors if c.part == claim.part and not c.materials]
-        return any(c.measure == "color" or _against(claim, c.direction) for c in same)
-    return False
-
-
-def _is_gray(claim: Claim) -> bool:
-    return claim.color is not None and chroma(lab_from_srgb(claim.color)) < COLORED
-
-
 def _against(claim: Claim, direction: Values) -> bool:
-    """Whether a color lies on the other side of what a claim about warmth or a tint asks for."""
-    if not direction:
-        return False
-    if claim.direction:
-        return sum(a * b for a, b in zip(claim.direction, direction, strict=True)) < -_OPPOSED
-    return asks(claim) * warm(*direction) < -_OPPOSED
+    """Whether two tints lie on opposite sides of gray."""
+    return sum(a * b for a, b in zip(claim.direction, direction, strict=True)) < -_OPPOSED
 
 
-def asks(claim: Claim) -> int:
+def _asks(claim: Claim) -> int:
     """Whether a claim asks for warmth (1), for coolness (-1), or for neither."""
     if claim.measure != "warmth":
         return 0
@@ -179,7 +131,7 @@ def cast_of(claim: Claim) -> Values:
     """The direction in a and b in which a claim wants the light of the whole picture to be colored; () for other claims."""
     if not is_light(claim) or claim.measure in ("accent", "off_hue"):
         return ()
-    return claim.direction or tuple(asks(claim) * part / math.hypot(*WARM) for part in WARM if asks(claim))
+    return claim.direction or tuple(_asks(claim) * part / math.hypot(*WARM) for part in WARM if _asks(claim))
 
 
 def is_painted(claim: Claim, attribute: Attribute) -> bool:

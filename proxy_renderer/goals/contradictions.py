@@ -1,0 +1,235 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whether two wishes contradict each other: both cannot be had in one image."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+from ..color.constants import Lab
+from ..color.floats import chroma, lab_from_srgb, srgb_from_hex
+from ..color.shades import warm
+from ..prompt.lexicon.claim_text import ClaimText
+from ..prompt.lexicon.entries import Effect
+from ..schema import Values
+from .wish import Wish
+
+_DARK, _LIGHT = 38.0, 72.0
+"""L* of surroundings that leave no bright image, and no dark one."""
+_COLORED, _VIVID, _GRAY = 12.0, 35.0, 8.0
+"""C* from which light has a color, and a color is vivid, and below which it is none."""
+_WARMTH = 0.3
+"""Cosine with warm or cool light from which vivid surroundings are of the other kind."""
+_OPPOSED = 0.5
+"""Cosine between a tint and the other direction, from where an image cannot have both."""
+_WHITE_LIGHT = (5500.0, 7500.0)
+"""Kelvins between which light is neither warm nor cool."""
+_AIR = ("light", "fog", "tone", "ambience", "sky")
+"""Kinds of things whose color all that is seen takes on."""
+_FIXED = ("warmth", "tint", "accent", "chroma")
+"""Measures of what lies around that a color word for it fixes."""
+_ALL_LIGHT = ("light", "tone", "ambience")
+"""Kinds of things whose color is that of the light as a whole."""
+_MATTER = ("color", "finish", "substance", "glow")
+
+
+def contradicts(first: Wish, later: Wish) -> bool:
+    """Whether a wish cannot be had beside one that ranks before it.
+
+    Args:
+        first: Ranks before the other.
+        later: Ranks after it.
+    """
+    if first.attribute is later.attribute or first.word == later.word:
+        return False
+    if first.attribute.color and not first.implied and _ruled_out(first, later):
+        return True
+    if not _same_target(first, later):
+        return False
+    if _disjoint_claims(first, later):
+        return True
+    if first.quantity != later.quantity:
+        return False
+    if first.attribute.color and later.attribute.color:
+        return first.quantity != "light_color" or later.implied
+    if _overlapping(first.claims, later.claims):
+        return False  # the image can be as both want it: parameters are shared out by rank
+    if _other_class(first, later) or _disjoint_effects(first, later):
+        return True
+    if first.quantity == "light_color":
+        return later.implied and _other_light(first, later)
+    return first.about.exclusive and later.implied and not _share_an_axis(first, later)
+
+
+def _same_target(first: Wish, later: Wish) -> bool:
+    """Whether two wishes are about the same light, thing or image."""
+    a, b = first.attribute, later.attribute
+    if (a.lamp, a.lights, _lit_role(a.role)) != (b.lamp, b.lights, _lit_role(b.role)):
+        return False
+    if a.owners and b.owners:
+        return not {*a.owners}.isdisjoint(b.owners)
+    if first.quantity in _MATTER or later.quantity in _MATTER:
+        return bool(a.owners) == bool(b.owners) and a.region == b.region
+    if first.attribute.color and later.attribute.color:
+        return a.kind == b.kind
+    return True
+
+
+def _lit_role(role: str) -> str:
+    """A role among lights; the key is the light that words mean where they say nothing of others."""
+    return "" if role == "key" else role
+
+
+def _other_class(first: Wish, later: Wish) -> bool:
+    """Whether two wishes name classes that no image can be of together; of colors, claims say that."""
+    if not (first.named and later.named) or first.named == later.named or first.about.name.endswith("color"):
+        return False
+    classes = first.about.classes
+    return not _overlapping(classes[first.named], classes[later.named])
+
+
+def _overlapping(some: Sequence[ClaimText], others: Sequence[ClaimText]) -> bool:
+    """Whether an image can be of two classes: thick fog is light fog too."""
+    return any(
+        max(a.lower, b.lower) <= min(a.upper, b.upper) for a in some for b in others if _axis(a) == _axis(b)
+    )
+
+
+def _axis(claim: ClaimText) -> tuple[str, str, str]:
+    return claim.part, claim.measure, claim.color
+
+
+def _disjoint_claims(first: Wish, later: Wish) -> bool:
+    """Whether two wishes claim intervals of one measure that have nothing in common.
+
+    What lies around is a part of the image: what is usual of it, or implied, gives way to what is said of all of the image.
+    """
+    yields = later.implied or later.usual > 0
+    return any(
+        max(a.lower, b.lower) > min(a.upper, b.upper)
+        for a in first.claims
+        for b in later.claims
+        if _axis(a) == _axis(b)
+        or (yields and (a.part, b.part) == ("picture", "surroundings") and a.measure == b.measure)
+    )
+
+
+def _disjoint_effects(first: Wish, later: Wish) -> bool:
+    """Whether two wishes want ranges of one parameter that have nothing in common; defaults want none."""
+    pairs = (
+        (a, b)
+        for a in first.effects
+        for b in later.effects
+        if (a.owner, a.name, a.mode) == (b.owner, b.name, b.mode) and not (a.weak or b.weak)
+    )
+    return any(
+        any(max(x, y) > min(v, w) for x, v, y, w in zip(a.lower, a.upper, b.lower, b.upper, strict=True))
+        for a, b in pairs
+        if a.lower and b.lower
+    )
+
+
+def _share_an_axis(first: Wish, later: Wish) -> bool:
+    """Whether two wishes are about one measure, or about one parameter."""
+    measures = {_axis(c) for c in first.claims} & {_axis(c) for c in later.claims}
+    strong = [{(e.owner, e.name) for e in wish.effects if not e.weak} for wish in (first, later)]
+    parameters = strong[0] & strong[1]
+    return bool(measures or parameters)
+
+
+def _other_light(first: Wish, later: Wish) -> bool:
+    """Whether one is warm and the other cool, or one names a color of light and the other a temperature."""
+    gels = [
+        any(e.name == "color" and e.color and not e.weak for e in wish.effects) for wish in (first, later)
+    ]
+    return gels[0] != gels[1] or _warmth(first) * _warmth(later) < 0
+
+
+def _warmth(wish: Wish) -> int:
+    """1 for a wish for warm light, -1 for cool light, else 0."""
+    signs = [*map(asks, wish.claims), *(_kelvins(e) for e in wish.effects if not e.weak)]
+    return next((sign for sign in signs if sign), 0)
+
+
+def _ruled_out(color: Wish, wish: Wish) -> bool:
+    """Whether a named color leaves no room for a wish: a forest before a purple background is not green."""
+    lab = lab_from_srgb(color.attribute.color or ())
+    if wish.implied and (wish.quantity, wish.named) in set(_impossible(color, lab)):
+        return True
+    if wish.implied and wish.attribute.color:
+        return color.attribute.kind == wish.attribute.kind
+    if wish.attribute.color:
+        return False
+    if wish.quantity == "light_color" and color.attribute.kind in _ALL_LIGHT:
+        return not (color.attribute.of_one_light or wish.attribute.of_one_light) and _opposed(wish, lab)
+    if wish.quantity == "surroundings_color":
+        return _fixed(color, wish, lab)
+    if wish.quantity == "color" and chroma(lab) < _COLORED and color.quantity == "color":
+        same = not {*color.attribute.owners}.isdisjoint(wish.attribute.owners)
+        return same and any(c.measure == "chroma" and c.lower > 0.0 for c in wish.claims)
+    return False
+
+
+def _impossible(color: Wish, lab: Lab) -> Iterator[tuple[str, str]]:
+    """What an image cannot be where something has a color by name: quantity, and class."""
+    light, a, b = lab
+    attribute, strong = color.attribute, chroma(lab)
+    around = attribute.kind == "surroundings" and not attribute.owners
+    tinted = attribute.kind in _AIR and strong > _COLORED
+    warmth = warm(a, b) if around and strong > _VIVID else 0.0
+    rules = (
+        (around and light < _DARK, "brightness", "bright"),
+        (around and light > _LIGHT, "brightness", "dark"),
+        (around and strong < _GRAY, "saturation", "vivid"),
+        (strong > _VIVID, "saturation", "muted"),
+        (tinted or warmth < -_WARMTH, "light_color", "warm"),
+        (tinted or warmth > _WARMTH, "light_color", "cool"),
+    )
+    return ((quantity, named) for holds, quantity, named in rules if holds)
+
+
+def _opposed(wish: Wish, lab: Lab) -> bool:
+    """Whether a wish asks for light of the other side than a color's: for warm light, where it is said to be blue."""
+    strong = chroma(lab)
+    if strong <= _GRAY:
+        return False
+    direction = lab[1] / strong, lab[2] / strong
+    return any(_against(claim, direction) for claim in wish.claims if claim.part == "picture") or any(
+        _kelvins(effect) * warm(*lab[1:]) < -_OPPOSED for effect in wish.effects
+    )
+
+
+def _kelvins(effect: Effect) -> int:
+    """1 for an effect that makes light warm, -1 for one that makes it cool, else 0."""
+    if effect.name != "temperature" or effect.mode:
+        return 0
+    middle = (effect.lower[0] + effect.upper[0]) / 2
+    return 1 if middle < _WHITE_LIGHT[0] else -1 if middle > _WHITE_LIGHT[1] else 0
+
+
+def _against(claim: ClaimText, direction: Values) -> bool:
+    """Whether a color lies on the other side of what a claim about warmth or a tint asks for."""
+    if claim.color:
+        _, a, b = lab_from_srgb(srgb_from_hex(claim.color))
+        own = math.hypot(a, b)
+        return (a * direction[0] + b * direction[1]) / own < -_OPPOSED
+    return asks(claim) * warm(*direction) < -_OPPOSED
+
+
+def asks(claim: ClaimText) -> int:
+    """1 for a claim that asks for warmth, -1 for one that asks for coolness, 0 for others."""
+    if claim.measure != "warmth":
+        return 0
+    return 1 if claim.lower > 0.0 else -1 if claim.upper < 0.0 else 0
+
+
+def _fixed(color: Wish, wish: Wish, lab: Lab) -> bool:
+    """Whether a color leaves nothing of the color that a place or a sky usually has."""
+    kind = color.attribute.kind
+    claimed = [c for c in wish.claims if c.measure in _FIXED]
+    if kind in ("surroundings", "sky") and not color.attribute.owners:
+        part = "sky" if kind == "sky" else "surroundings"
+        return any(c.part == part for c in claimed)
+    grays = any((c.part, c.measure) == ("surroundings", "chroma") for c in claimed)
+    tints = kind in _ALL_LIGHT and chroma(lab) >= _COLORED
+    return grays and tints

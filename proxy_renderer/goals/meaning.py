@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From the words of a prompt to wishes: one for each quantity that a word is about."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+
+from ..prompt.lexicon.entries import OWNERS, Effect, Meaning, VocabularyEntry
+from ..prompt.lexicon.quantities import quantities
+from ..prompt.lexicon.vocabulary import Vocabulary
+from ..prompt.types import Attribute
+from ..schema import FAMILIES
+from ..schema.means import may_serve
+from .wish import Wish
+
+_SOFT = 0.8
+"""Strength below which a word is said softly."""
+_NOT = 0.6  # "not glossy" asks for a mild "matte"
+_OF_COLORS = {
+    "surroundings": "surroundings_color",
+    "sky": "surroundings_color",
+    "fog": "haze_color",
+    "subject": "color",
+    "glow": "color",
+}
+"""Kind of thing -> the quantity of its color; of all others it is the color of the light."""
+_OF_LIGHT = ("direction", "hardness", "light_color")
+"""Quantities whose classes speak of the key light, or of light as a whole."""
+_OF_MATTER = ("color", "finish", "substance")
+_NO_MATTER = ("light", "fog", "tone", "shadow")
+"""Kinds of things of which a word says nothing of a surface."""
+
+
+def wishes_of(attributes: Iterable[Attribute], vocabulary: Vocabulary) -> list[Wish]:
+    """What words wish for, in their order.
+
+    Args:
+        attributes: Of a prompt, bound.
+        vocabulary: What words mean.
+    """
+    return [wish for attribute in attributes for wish in _of_word(attribute, vocabulary)]
+
+
+def _of_word(attribute: Attribute, vocabulary: Vocabulary) -> Iterator[Wish]:
+    if attribute.color:
+        if not attribute.negated:
+            quantity = _OF_COLORS.get(attribute.kind, "light_color")
+            effects = _allowed(vocabulary.painted.get(attribute.kind, ()), attribute)
+            yield Wish(attribute, quantity, "", effects, strength=attribute.strength)
+        return
+    entry = vocabulary.entries.get(attribute.entry)
+    if entry is None:
+        return
+    found = _denied(entry, vocabulary) if attribute.negated else entry.meanings
+    mild = attribute.negated and entry.opposite and not any(m.effects for m in entry.never)
+    strength = _NOT if mild else attribute.strength
+    wishes = [_wish(meaning, attribute, strength) for meaning in found]
+    breadth = len({(c.measure, c.part) for wish in wishes for c in wish.claims})
+    vague = entry.slot == "lighting" and len(entry.classes) > 1
+    for wish in wishes:
+        if wish.effects or wish.claims or wish.named:
+            yield replace(wish, breadth=breadth, vague=vague)
+
+
+def _wish(meaning: Meaning, attribute: Attribute, strength: float) -> Wish:
+    """What a meaning comes to for a word that is said of something, softly or strongly."""
+    quantity = quantities().by_name[meaning.quantity]
+    named = meaning.named if _speaks_of(attribute, meaning.quantity) else ""
+    if named and attribute.strength < _SOFT:
+        named = quantity.softer.get(named, named) if quantity.softly else ""
+    claims = (*(() if attribute.negated else meaning.claims), *quantity.classes.get(named, ()))
+    return Wish(attribute, meaning.quantity, named, _allowed(meaning.effects, attribute), claims, strength)
+
+
+def _speaks_of(attribute: Attribute, quantity: str) -> bool:
+    """Whether a word names a class of a quantity where it stands: the classes of light speak of the key, or of all light."""
+    if quantity in _OF_LIGHT:
+        return not (attribute.told_apart or attribute.role in ("rim", "fill"))
+    if quantity in _OF_MATTER:
+        return attribute.region != "surroundings" and attribute.kind not in _NO_MATTER
+    return True
+
+
+def _allowed(effects: Iterable[Effect], attribute: Attribute) -> tuple[Effect, ...]:
+    """The effects that are means which a word has: no mood paints."""
+    return tuple(e for e in effects if may_serve(OWNERS[e.owner], attribute.slot, attribute.cause))
+
+
+def _denied(entry: VocabularyEntry, vocabulary: Vocabulary) -> list[Meaning]:
+    """What a denied word means: what it forbids, else its opposite, else that its effects do nothing."""
+    opposite = vocabulary.opposite(entry)
+    other = opposite.meanings if opposite else ()
+    acting = [m for m in entry.never if m.effects] or [m for m in other if m.effects]
+    if not acting and opposite is None:
+        acting = [replace(m, effects=tuple(_undone(m.effects))) for m in entry.meanings]
+    naming = [m for m in entry.never if m.named] or [m for m in other if m.named]
+    named = {m.quantity: m.named for m in naming}
+    doing = {m.quantity: m.effects for m in acting}
+    return [Meaning(q, named.get(q, ""), doing.get(q, ())) for q in dict.fromkeys([*named, *doing])]
+
+
+def _undone(effects: Iterable[Effect]) -> Iterator[Effect]:
+    """Effects at the values at which they change nothing, where a parameter has one."""
+    for effect in effects:
+        if effect.mode == "" and len(effect.lower) == 1 and OWNERS[effect.owner] != "light":
+            default = FAMILIES[effect.family].default
+            yield Effect(effect.owner, effect.name, "", (default,), (default,))

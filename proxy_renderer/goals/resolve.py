@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The one place where it is decided which word wins."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from ..prompt.lexicon.user_words import default_vocabulary
+from ..prompt.lexicon.vocabulary import Vocabulary
+from ..prompt.types import Attribute, Parsed
+from ..prompt.understood import Understood
+from ..schema import VibeError
+from ..schema.means import SURFACES
+from .contradictions import contradicts
+from .meaning import wishes_of
+from .wish import Wish
+
+
+@dataclass(frozen=True)
+class Lost:
+    """A wish that gave way.
+
+    Attributes:
+        wish: What is not sought.
+        winner: What it contradicts, and that ranks before it.
+    """
+
+    wish: Wish
+    winner: Wish
+
+    @property
+    def is_news(self) -> bool:
+        """Whether artists should hear of it: both were said, and mean what they say."""
+        return not any((self.wish.implied, self.wish.usual, self.winner.implied, self.winner.usual))
+
+    def __str__(self) -> str:
+        return f"'{self.wish.word}' gives way to '{self.winner.word}': they contradict each other on {self.wish.about.says}."
+
+
+@dataclass(frozen=True)
+class Goals:
+    """What the image must look like.
+
+    Attributes:
+        parsed: The prompt, bound.
+        wishes: Those that are sought, in the order of the prompt.
+        lost: Those that gave way, each with the winner.
+    """
+
+    parsed: Parsed
+    wishes: tuple[Wish, ...] = ()
+    lost: tuple[Lost, ...] = ()
+
+    @cached_property
+    def classes(self) -> dict[str, str]:
+        """Quantity -> the class that the image or its subject is to be of, by the wish that ranks first."""
+        ranked = sorted(self.wishes, key=lambda wish: wish.rank)
+        return {wish.quantity: wish.named for wish in reversed(ranked) if wish.named}
+
+    @cached_property
+    def overruled(self) -> tuple[Attribute, ...]:
+        """The words of which nothing is sought."""
+        sought = [wish.attribute for wish in self.wishes]
+        return tuple(
+            dict.fromkeys(each.wish.attribute for each in self.lost if each.wish.attribute not in sought)
+        )
+
+    def notes(self) -> Iterator[str]:
+        """Which words gave way to which, one sentence each."""
+        return (str(each) for each in self.lost if each.is_news)
+
+
+def goals_or_why(understood: Understood) -> Goals | VibeError:
+    """What a prompt asks for, or why nothing in it is understood."""
+    return understood.unknown or goals_of(understood.parsed)
+
+
+def goals_of(parsed: Parsed, vocabulary: Vocabulary | None = None) -> Goals:
+    """What a prompt asks for, its contradictions resolved.
+
+    Args:
+        parsed: The prompt, bound.
+        vocabulary: What words mean; the artist's own if None.
+    """
+    wishes = wishes_of(parsed.attributes, vocabulary or default_vocabulary())
+    return resolved(parsed, wishes)
+
+
+def resolved(parsed: Parsed, wishes: Sequence[Wish]) -> Goals:
+    """Goals of wishes: by rank, each is kept unless it contradicts one that is kept already.
+
+    Args:
+        parsed: The prompt.
+        wishes: In its order.
+    """
+    kept: list[Wish] = []
+    lost: list[Lost] = []
+    for wish in sorted(wishes, key=lambda each: each.rank):  # words of one rank in the order of the prompt
+        winner = next((first for first in kept if contradicts(first, wish)), None)
+        if winner is None:
+            kept.append(wish)
+        else:
+            lost.append(Lost(wish, winner))
+    idle = _idle(kept, lost)
+    lost += idle
+    kept = [wish for wish in kept if not any(wish is each.wish for each in idle)]
+    sought = {id(wish) for wish in kept}
+    return Goals(parsed, tuple(wish for wish in wishes if id(wish) in sought), tuple(lost))
+
+
+def _idle(kept: Sequence[Wish], lost: Sequence[Lost]) -> list[Lost]:
+    """Wishes that only support those of their word that gave way: they name no class and claim nothing of the image.
+
+    Of a material each quantity counts by itself: wet concrete is no less of concrete for being wet.
+    """
+    main = (each for each in reversed(lost) if each.wish.is_seen and each.wish.attribute.slot not in SURFACES)
+    winners = {id(each.wish.attribute): each.winner for each in main}
+    sought = {id(wish.attribute) for wish in kept if wish.is_seen}
+    return [
+        Lost(wish, winners[id(wish.attribute)])
+        for wish in kept
+        if id(wish.attribute) in winners.keys() - sought
+    ]

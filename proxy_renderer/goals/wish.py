@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A wish: what one word wants of one quantity. Ranges of parameters and claims about the image are computed from it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from ..prompt.lexicon.claim_text import ClaimText
+from ..prompt.lexicon.entries import Effect
+from ..prompt.lexicon.quantities import Quantity, quantities
+from ..prompt.types import Attribute
+
+_OWN: Mapping[str, tuple[str, ...]] = {
+    "material": ("color", "substance", "glow", "finish"),
+    "atmosphere": ("haze", "haze_color"),
+    "setting": (),
+}
+"""Slots of words that say only what is usual of other quantities than these: a rainy day is gray, but not if it is said to be golden."""
+_USUAL_FINISH = "finish"  # gold is usually shiny, and says so; "matte gold" is matte
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What one word wants of one quantity.
+
+    Attributes:
+        attribute: The word, with what it describes: source and target.
+        quantity: Name in `quantities.toml`.
+        named: The class that it asks for: "glossy"; "" where it names none, or is a color.
+        effects: What it does to parameters; of a color word, what colors do to such a thing.
+        claims: What the image has to look like, those of the class last.
+        strength: 1 as named; less for "slightly" and for what is only denied, more for "very".
+        breadth: How many things its word claims: what is about nothing else counts more.
+        vague: Whether its word is about the light as a whole, as a time of day is.
+    """
+
+    attribute: Attribute
+    quantity: str
+    named: str = ""
+    effects: tuple[Effect, ...] = ()
+    claims: tuple[ClaimText, ...] = ()
+    strength: float = 1.0
+    breadth: int = 1
+    vague: bool = False
+
+    @property
+    def word(self) -> str:
+        """The word of the prompt that it comes from."""
+        return self.attribute.cause or self.attribute.word
+
+    @property
+    def about(self) -> Quantity:
+        """Its quantity."""
+        return quantities().by_name[self.quantity]
+
+    @property
+    def implied(self) -> bool:
+        """Whether a mood stands for it: the prompt does not say it."""
+        return bool(self.attribute.cause)
+
+    @property
+    def is_seen(self) -> bool:
+        """Whether it says what the image is to look like, and not only what may be done for it."""
+        return bool(self.named or self.claims or self.attribute.color)
+
+    @cached_property
+    def usual(self) -> int:
+        """0 for what a word says; above for what a material, a weather (1) or a place (2) usually has."""
+        slot = self.attribute.slot
+        if slot not in _OWN or (self.quantity in _OWN[slot] and self.quantity != _USUAL_FINISH):
+            return 0
+        return 2 if slot == "setting" else 1
+
+    @cached_property
+    def rank(self) -> tuple[bool, int, bool, bool, bool, bool, int, int]:
+        """Who wins a conflict: the least.
+
+        What is more than a default; what is said before what is implied, and that before what is usual; what is said of one
+        thing before what is said of all; a named color before the color of a material; what is not vague; of what words are
+        mainly about, what is about nothing else.
+        """
+        default = not self.is_seen and all(e.weak for e in self.effects)
+        general = not (self.attribute.owners or self.attribute.told_apart or self.attribute.role)
+        main = min((e.priority for e in self.effects if not e.weak), default=4)
+        return (
+            default,
+            self.usual,
+            self.implied,
+            general,
+            not self.attribute.color,
+            self.vague,
+            self.breadth,
+            main,
+        )

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which effects of wishes act in a scene: on what, in which order, and what is left of them beside a rig."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from ..color.floats import lab_from_srgb
+from ..color.shades import hue_apart
+from ..goals.resolve import Goals
+from ..goals.wish import Wish
+from ..prompt.lexicon.entries import Effect
+from ..prompt.lexicon.quantities import quantities
+from ..prompt.lexicon.vocabulary import Vocabulary
+from ..prompt.types import Attribute
+from .owners import Owners
+from .types import LightPlan
+
+_PALE, _WHITE = 80.0, 93.0  # L* of pale and of white surroundings
+_HIDDEN = 60.0  # degrees of hue between a thing and its light from which neither looks as named
+_MAIN = 1  # priority of what a word is mainly about
+_SHEDS = ("light/", "world/", "volume/", "film/vignette", "film/exposure")
+"""Families of parameters that a rig sets itself."""
+_BESIDE_LIGHT = 0.5  # strength of a mood's grade where a rig gives it its light
+STAGES = 3
+"""How many there are, see `stage_of`."""
+Act = tuple[Wish, Effect]
+"""An effect, with the wish that it serves and with what that describes in the scene."""
+
+
+def acts(goals: Goals, vocabulary: Vocabulary, owners: Owners) -> list[Act]:
+    """The effects of all wishes, in the order of the prompt.
+
+    Args:
+        goals: What is sought.
+        vocabulary: What words mean.
+        owners: The scene's materials, lights and world.
+    """
+    described = _redirected(goals, vocabulary, owners)
+    wishes = (replace(w, attribute=described.get(id(w.attribute), w.attribute)) for w in goals.wishes)
+    return [(wish, effect) for wish in wishes for effect in _effects(wish, vocabulary, owners)]
+
+
+def _effects(wish: Wish, vocabulary: Vocabulary, owners: Owners) -> tuple[Effect, ...]:
+    """What a wish does: a color of surroundings that hide the world is painted on them alone."""
+    color, kind = wish.attribute.color, wish.attribute.kind
+    if color and wish.effects and kind == "surroundings" and owners.world_is_hidden():
+        light = lab_from_srgb(color)[0]
+        hidden = "hidden_white" if light > _WHITE else "hidden_pale" if light > _PALE else "hidden"
+        return vocabulary.painted[hidden]
+    return vocabulary.painted[kind] if color and wish.effects and kind == "world" else wish.effects
+
+
+def _redirected(goals: Goals, vocabulary: Vocabulary, owners: Owners) -> dict[int, Attribute]:
+    """Colors of light that are said of what the scene lacks, or that would hide a color, with what has them instead.
+
+    The world has the color of a light that is told apart and that the scene lacks.
+    """
+    said = list({id(wish.attribute): wish.attribute for wish in goals.wishes}.values())
+    gels = [a for a in said if a.color and a.kind == "light" and not a.role and not a.cause]
+    if any(a.lamp for a in gels):
+        lacking = (a for a in gels if a.lamp and not owners.lights.numbered[a.lamp])
+        return {id(a): replace(a, kind="world") for a in lacking}
+    if gels and _would_hide(gels[0], said, vocabulary, owners):
+        return {id(gels[0]): replace(gels[0], role="others")}
+    return {}
+
+
+def _would_hide(gel: Attribute, said: list[Attribute], vocabulary: Vocabulary, owners: Owners) -> bool:
+    """Whether a color of light, without a direction, leaves nothing of the subject's: "orange pumpkin, purple light".
+
+    The key then stays for the one, and the other lights get the other.
+    """
+    entries = [vocabulary.entries[a.entry] for a in said if not a.color and not a.cause]
+    directed = any(e.owner in ("light", "key") and e.name == "azimuth" for n in entries for e in n.effects)
+    colors = [a.color for a in said if a.color and a.kind == "subject" and not a.negated]
+    one_light = len(owners.lights.every) <= len(owners.lights.key)
+    if directed or not colors or one_light:
+        return False
+    assert gel.color
+    return all(c and hue_apart(c, gel.color) > _HIDDEN for c in colors)
+
+
+def beside_rig(goals: Goals, light: LightPlan) -> Goals:
+    """Goals without what a rig stands for: it serves its words, and it alone sets the light of a mood.
+
+    Of grade words what they do to the grade is left, and of moods half of that; the rig says what is to be seen of them.
+
+    Args:
+        goals: What is sought.
+        light: What the rig plans.
+    """
+    if not light.served:
+        return goals
+    return replace(goals, wishes=tuple(_left(wish, light) for wish in goals.wishes))
+
+
+def _left(wish: Wish, light: LightPlan) -> Wish:
+    """What is left of a wish beside a rig."""
+    served = wish.attribute in light.served
+    if not (served or wish.implied):
+        return wish
+    graded = tuple(e for e in wish.effects if not e.family.startswith(_SHEDS))
+    if served and wish.attribute.slot != "grade":
+        graded = ()
+    strength = _BESIDE_LIGHT * wish.strength if wish.implied else wish.strength
+    return replace(wish, effects=graded, claims=(), strength=strength)
+
+
+def grade_of(light: LightPlan) -> Iterator[Act]:
+    """What belongs to a rig of the film."""
+    for attribute, effect in light.grade:
+        quantity = quantities().of_parameter(effect.owner, effect.family, effect.mode)
+        yield Wish(attribute, quantity, effects=(effect,), strength=attribute.strength), effect
+
+
+def is_usual(wish: Wish, effect: Effect) -> bool:
+    """Whether a place only usually has it: the sky of a garden is blue, but not at night."""
+    return wish.attribute.slot == "setting" and effect.weak and effect.priority > _MAIN
+
+
+def stage_of(effect: Effect) -> int:
+    """What has to wait for what; the least comes first.
+
+    The world's strength for its color and for the key, glows for surfaces.
+    """
+    if effect.color == "own":
+        return 2
+    return 1 if effect.mode == "share" or effect.family == "world/strength" else 0
