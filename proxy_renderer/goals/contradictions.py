@@ -44,12 +44,16 @@ def contradicts(first: Wish, later: Wish) -> bool:
         return False
     if first.attribute.color and not first.implied and _ruled_out(first, later):
         return True
+    if _is_tinted(first) and _grays(later):
+        return True
     if not _same_target(first, later):
         return False
     if _disjoint_claims(first, later):
         return True
     if first.quantity != later.quantity:
         return False
+    if _is_gray(first) and any(c.measure == "chroma" and c.lower > 0.0 for c in later.claims):
+        return True
     if first.attribute.color and later.attribute.color:
         return first.quantity != "light_color" or later.implied
     if _overlapping(first.claims, later.claims):
@@ -68,11 +72,9 @@ def _same_target(first: Wish, later: Wish) -> bool:
         return False
     if a.owners and b.owners:
         return not {*a.owners}.isdisjoint(b.owners)
-    if first.quantity in _MATTER or later.quantity in _MATTER:
-        return bool(a.owners) == bool(b.owners) and a.region == b.region
-    if first.attribute.color and later.attribute.color:
-        return a.kind == b.kind
-    return True
+    if a.color and b.color:
+        return a.kind == b.kind and bool(a.owners) == bool(b.owners)
+    return a.region == b.region if first.quantity in _MATTER or later.quantity in _MATTER else True
 
 
 def _lit_role(role: str) -> str:
@@ -163,10 +165,7 @@ def _ruled_out(color: Wish, wish: Wish) -> bool:
     if wish.quantity == "light_color" and color.attribute.kind in _ALL_LIGHT:
         return not (color.attribute.of_one_light or wish.attribute.of_one_light) and _opposed(wish, lab)
     if wish.quantity == "surroundings_color":
-        return _fixed(color, wish, lab)
-    if wish.quantity == "color" and chroma(lab) < _COLORED and color.quantity == "color":
-        same = not {*color.attribute.owners}.isdisjoint(wish.attribute.owners)
-        return same and any(c.measure == "chroma" and c.lower > 0.0 for c in wish.claims)
+        return _fixed(color, wish)
     return False
 
 
@@ -223,13 +222,30 @@ def asks(claim: ClaimText) -> int:
     return 1 if claim.lower > 0.0 else -1 if claim.upper < 0.0 else 0
 
 
-def _fixed(color: Wish, wish: Wish, lab: Lab) -> bool:
+def _fixed(color: Wish, wish: Wish) -> bool:
     """Whether a color leaves nothing of the color that a place or a sky usually has."""
     kind = color.attribute.kind
-    claimed = [c for c in wish.claims if c.measure in _FIXED]
-    if kind in ("surroundings", "sky") and not color.attribute.owners:
-        part = "sky" if kind == "sky" else "surroundings"
-        return any(c.part == part for c in claimed)
-    grays = any((c.part, c.measure) == ("surroundings", "chroma") for c in claimed)
-    tints = kind in _ALL_LIGHT and chroma(lab) >= _COLORED
-    return grays and tints
+    if kind not in ("surroundings", "sky") or color.attribute.owners:
+        return False
+    return any(c.measure in _FIXED and c.part == kind for c in wish.claims)
+
+
+def _is_tinted(wish: Wish) -> bool:
+    """Whether a wish colors all of the light."""
+    color = wish.attribute.color
+    tinted = (
+        bool(color) and wish.attribute.kind in _ALL_LIGHT and chroma(lab_from_srgb(color or ())) >= _COLORED
+    )
+    return tinted or (wish.quantity == "light_color" and _warmth(wish) != 0)
+
+
+def _grays(wish: Wish) -> bool:
+    """Whether a wish takes the color from what lies around: galleries are gray, but not at sunset."""
+    return any((c.part, c.measure) == ("surroundings", "chroma") for c in wish.claims)
+
+
+def _is_gray(wish: Wish) -> bool:
+    """Whether a wish is the color of a thing, and a gray one: that of asphalt."""
+    own = [e.color for e in wish.effects if e.family == "material/tint" and e.color.startswith("#")]
+    color = wish.attribute.color or (srgb_from_hex(own[0]) if own else None)
+    return color is not None and chroma(lab_from_srgb(color)) < _COLORED

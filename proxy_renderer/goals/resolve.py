@@ -61,10 +61,15 @@ class Goals:
 
     @cached_property
     def overruled(self) -> tuple[Attribute, ...]:
-        """The words of which nothing is sought."""
+        """The words of which nothing is sought, or none of the classes that they name."""
+        named = [wish.attribute for wish in self.wishes if wish.named]
         sought = [wish.attribute for wish in self.wishes]
         return tuple(
-            dict.fromkeys(each.wish.attribute for each in self.lost if each.wish.attribute not in sought)
+            dict.fromkeys(
+                each.wish.attribute
+                for each in self.lost
+                if each.wish.attribute not in (named if each.wish.named else sought)
+            )
         )
 
     def notes(self) -> Iterator[str]:

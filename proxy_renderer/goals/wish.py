@@ -13,12 +13,16 @@ from ..prompt.lexicon.quantities import Quantity, quantities
 from ..prompt.types import Attribute
 
 _OWN: Mapping[str, tuple[str, ...]] = {
-    "material": ("color", "substance", "glow", "finish"),
+    "material": ("color", "substance", "glow"),
     "atmosphere": ("haze", "haze_color"),
     "setting": (),
 }
-"""Slots of words that say only what is usual of other quantities than these: a rainy day is gray, but not if it is said to be golden."""
-_USUAL_FINISH = "finish"  # gold is usually shiny, and says so; "matte gold" is matte
+"""Slots of words that say only what is usual of other quantities than these: a rainy day is gray, but not if it is said to be golden,
+and gold is shiny, but not if it is matte."""
+_CHANGES = ("times", "plus", "shade")
+"""Modes of effects that only change what is there."""
+_MAIN = 1
+"""Priority of what a word is mainly about."""
 
 
 @dataclass(frozen=True)
@@ -63,33 +67,37 @@ class Wish:
     @property
     def is_seen(self) -> bool:
         """Whether it says what the image is to look like, and not only what may be done for it."""
-        return bool(self.named or self.claims or self.attribute.color)
+        colored = self.attribute.color or (self.attribute.slot == "material" and self.quantity == "color")
+        return bool(self.named or self.claims or colored)
 
     @cached_property
     def usual(self) -> int:
         """0 for what a word says; above for what a material, a weather (1) or a place (2) usually has."""
         slot = self.attribute.slot
-        if slot not in _OWN or (self.quantity in _OWN[slot] and self.quantity != _USUAL_FINISH):
+        if slot not in _OWN or self.quantity in _OWN[slot]:
             return 0
-        return 2 if slot == "setting" else 1
+        if slot == "setting":  # "a dark background" is mainly dark; a desert is bright as a rule
+            return 0 if any(e.priority == _MAIN for e in self.effects) else 2
+        return 1
 
     @cached_property
-    def rank(self) -> tuple[bool, int, bool, bool, bool, bool, int, int]:
+    def rank(self) -> tuple[bool, int, bool, bool, int, bool, int, int]:
         """Who wins a conflict: the least.
 
         What is more than a default; what is said before what is implied, and that before what is usual; what is said of one
-        thing before what is said of all; a named color before the color of a material; what is not vague; of what words are
-        mainly about, what is about nothing else.
+        thing before what is said of all; a named color before that of a material, and what only changes what is there last; what
+        is not vague; what is about nothing else; what its word is mainly about.
         """
         default = not self.is_seen and all(e.weak for e in self.effects)
         general = not (self.attribute.owners or self.attribute.told_apart or self.attribute.role)
+        changes = bool(self.effects) and all(e.mode in _CHANGES for e in self.effects)
         main = min((e.priority for e in self.effects if not e.weak), default=4)
         return (
             default,
             self.usual,
             self.implied,
             general,
-            not self.attribute.color,
+            0 if self.attribute.color else 2 if changes else 1,
             self.vague,
             self.breadth,
             main,

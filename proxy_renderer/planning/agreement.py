@@ -46,8 +46,8 @@ class WishedRange:
     @property
     def rank(self) -> tuple[bool | int, ...]:
         """As `Wish.rank`, with what counts of this parameter alone."""
-        _, usual, implied, general, uncolored, vague, _, _ = self.wish.rank
-        return self.weak, usual, implied, uncolored, self.priority, general, vague or self.aside
+        _, usual, implied, general, paint, vague, _, _ = self.wish.rank
+        return self.weak, usual, implied, paint, self.priority, general, vague or self.aside
 
     @property
     def is_plain(self) -> bool:

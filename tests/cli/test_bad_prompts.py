@@ -3,6 +3,7 @@
 
 import pytest
 
+from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.prompts import compose
 from proxy_renderer.prompt.types import SceneWords

@@ -526,11 +526,12 @@ def test_explanations_name_everything():
     for prompt in PROMPTS:
         parsed = parse(prompt, SceneWords())
         texts = compose(parsed)
-        plan_ = plan(goals_of(parsed), make_instances(), CONTEXT)
-        text = explain(parsed, texts, plan_)
+        goals = goals_of(parsed)
+        plan_ = plan(goals, make_instances(), CONTEXT)
+        text = explain(goals, texts, plan_)
         assert texts.subject in text
         assert all(note in text for note in plan_.notes)
-        assert set(as_dict(parsed, texts, plan_)["plan"]) == set(plan_)
+        assert set(as_dict(goals, texts, plan_)["plan"]) == set(plan_)
 
 
 # ---- colors and views

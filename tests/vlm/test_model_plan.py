@@ -18,7 +18,7 @@ from proxy_renderer.optimize.rounds.refinement import Refinement
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.planning.types import Plan, PlanContext
 from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
-from proxy_renderer.prompt.types import Parsed, Prompts
+from proxy_renderer.prompt.types import Parsed, Prompts, SceneWords
 from proxy_renderer.prompt.understood import Understood
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import FAMILIES, Instance, VibeError
