@@ -54,6 +54,8 @@ def contradicts(first: Wish, later: Wish) -> bool:
         return False
     if _is_gray(first) and any(c.measure == "chroma" and c.lower > 0.0 for c in later.claims):
         return True
+    if later.attribute.kind == "ambience" and later.attribute.color and not first.attribute.color:
+        return _opposed(first, lab_from_srgb(later.attribute.color))
     if first.attribute.color and later.attribute.color:
         return first.quantity != "light_color" or later.implied
     if _overlapping(first.claims, later.claims):
@@ -156,7 +158,7 @@ def _warmth(wish: Wish) -> int:
 def _ruled_out(color: Wish, wish: Wish) -> bool:
     """Whether a named color leaves no room for a wish: a forest before a purple background is not green."""
     lab = lab_from_srgb(color.attribute.color or ())
-    if wish.implied and (wish.quantity, wish.named) in set(_impossible(color, lab)):
+    if wish.implied and (wish.quantity, wish.toward) in set(_impossible(color, lab)):
         return True
     if wish.implied and wish.attribute.color:
         return color.attribute.kind == wish.attribute.kind

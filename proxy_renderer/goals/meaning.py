@@ -47,7 +47,8 @@ def _of_word(attribute: Attribute, vocabulary: Vocabulary) -> Iterator[Wish]:
         if not attribute.negated:
             quantity = _OF_COLORS.get(attribute.kind, "light_color")
             effects = _allowed(vocabulary.painted.get(attribute.kind, ()), attribute)
-            yield Wish(attribute, quantity, "", effects, strength=attribute.strength)
+            anything = attribute.kind == "ambience"  # a color that is said of nothing
+            yield Wish(attribute, quantity, effects=effects, strength=attribute.strength, vague=anything)
         return
     entry = vocabulary.entries.get(attribute.entry)
     if entry is None:
@@ -70,7 +71,8 @@ def _wish(meaning: Meaning, attribute: Attribute, strength: float) -> Wish:
     if named and attribute.strength < _SOFT:
         named = quantity.softer.get(named, named) if quantity.softly else ""
     claims = (*(() if attribute.negated else meaning.claims), *quantity.classes.get(named, ()))
-    return Wish(attribute, meaning.quantity, named, _allowed(meaning.effects, attribute), claims, strength)
+    effects = _allowed(meaning.effects, attribute)
+    return Wish(attribute, meaning.quantity, named, named or meaning.named, effects, claims, strength)
 
 
 def _speaks_of(attribute: Attribute, quantity: str) -> bool:

@@ -33,6 +33,7 @@ class Wish:
         attribute: The word, with what it describes: source and target.
         quantity: Name in `quantities.toml`.
         named: The class that it asks for: "glossy"; "" where it names none, or is a color.
+        toward: The same where it is said too softly to ask for all of it: "slightly muted".
         effects: What it does to parameters; of a color word, what colors do to such a thing.
         claims: What the image has to look like, those of the class last.
         strength: 1 as named; less for "slightly" and for what is only denied, more for "very".
@@ -43,6 +44,7 @@ class Wish:
     attribute: Attribute
     quantity: str
     named: str = ""
+    toward: str = ""
     effects: tuple[Effect, ...] = ()
     claims: tuple[ClaimText, ...] = ()
     strength: float = 1.0
@@ -90,14 +92,17 @@ class Wish:
         """
         default = not self.is_seen and all(e.weak for e in self.effects)
         general = not (self.attribute.owners or self.attribute.told_apart or self.attribute.role)
-        changes = bool(self.effects) and all(e.mode in _CHANGES for e in self.effects)
+        painted = bool(self.attribute.color) and self.quantity != "light_color"
+        changes = (
+            self.quantity == "color" and bool(self.effects) and all(e.mode in _CHANGES for e in self.effects)
+        )
         main = min((e.priority for e in self.effects if not e.weak), default=4)
         return (
             default,
             self.usual,
             self.implied,
             general,
-            0 if self.attribute.color else 2 if changes else 1,
+            0 if painted else 2 if changes else 1,
             self.vague,
             self.breadth,
             main,
