@@ -12,7 +12,7 @@ from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.types import Attribute
 from ..schema import FAMILIES
 from ..schema.means import may_serve
-from .wish import Wish
+from .wish import Wish, breadth_of
 
 _SOFT = 0.8
 """Strength below which a word is said softly."""
@@ -57,11 +57,10 @@ def _of_word(attribute: Attribute, vocabulary: Vocabulary) -> Iterator[Wish]:
     mild = attribute.negated and entry.opposite and not any(m.effects for m in entry.never)
     strength = _NOT if mild else attribute.strength
     wishes = [_wish(meaning, attribute, strength) for meaning in found]
-    breadth = len({(c.measure, c.part) for wish in wishes for c in wish.claims})
     vague = entry.slot == "lighting" and len(entry.classes) > 1
     for wish in wishes:
         if wish.effects or wish.claims or wish.named:
-            yield replace(wish, breadth=breadth, vague=vague)
+            yield replace(wish, breadth=breadth_of(wishes), vague=vague)
 
 
 def _wish(meaning: Meaning, attribute: Attribute, strength: float) -> Wish:

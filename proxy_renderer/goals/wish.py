@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -48,7 +48,7 @@ class Wish:
     effects: tuple[Effect, ...] = ()
     claims: tuple[ClaimText, ...] = ()
     strength: float = 1.0
-    breadth: int = 1
+    breadth: int = 0
     vague: bool = False
 
     @property
@@ -107,3 +107,8 @@ class Wish:
             self.breadth,
             main,
         )
+
+
+def breadth_of(wishes: Iterable[Wish]) -> int:
+    """How many things the wishes of one word claim of the image."""
+    return len({(claim.measure, claim.part) for wish in wishes for claim in wish.claims})

@@ -44,6 +44,13 @@ class ClaimText:
     near: bool = True
     color: str = ""
 
+    def __str__(self) -> str:
+        """As `read_claim` reads it."""
+        lower, upper = (f"{end:.6g}" if math.isfinite(end) else "" for end in (self.lower, self.upper))
+        color = f" {self.color}" if self.color else ""
+        change = "" if self.change is None else f" or {'' if self.near else 'any '}{self.change:+.6g}"
+        return f"{self.part} {self.measure}{color} {lower}..{upper}{change}"
+
 
 def read_claim(text: str) -> ClaimText:
     """Reads "PART MEASURE [#RRGGBB] LOWER..UPPER [or [any] CHANGE]"; an end that is left out is open.

@@ -73,6 +73,13 @@ class Effect:
         """The schema family: "material/roughness"."""
         return f"{OWNERS[self.owner]}/{self.name}"
 
+    def __str__(self) -> str:
+        """As `parse_effect` reads it."""
+        ends = "..".join(",".join(f"{v:.6g}" for v in end) for end in (self.lower, self.upper))
+        mode = f" {self.mode}" if self.mode else ""
+        weak = " ?" if self.weak else ""
+        return f"{self.owner}/{self.name}{mode} {self.color or ends}{weak} !{self.priority}"
+
 
 @dataclass(frozen=True)
 class Meaning:

@@ -1,0 +1,312 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Goals as JSON, see docs/reference/goals.md: `vibe explain --goals` writes them, `vibe run --goals` reads them."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, TypeVar, get_args
+
+from ..color.floats import hex_from_srgb, srgb_from_hex
+from ..prompt.lexicon.claim_text import ClaimText, read_claim
+from ..prompt.lexicon.entries import OWNERS, SLOTS, parse_effect
+from ..prompt.lexicon.quantities import quantities
+from ..prompt.types import GLOW, Attribute, Parsed, PromptObject, SceneWords
+from ..schema import VibeError
+from ..schema.means import may_serve
+from ..schema.spec import Region
+from .resolve import Goals, resolved
+from .wish import Wish, breadth_of
+
+T = TypeVar("T")
+VERSION = 1
+"""Of the format."""
+_LARGEST, _MOST = 2_000_000, 500  # bytes of a file, and words in it
+_REGIONS: tuple[str, ...] = get_args(Region)
+_HELP = "Write a new file with `vibe explain PROMPT --goals`, and change that; docs/reference/goals.md has all fields."
+_TYPES = {
+    str: "a text in quotes",
+    float: "a number",
+    bool: "true or false",
+    list: "a list",
+    dict: "an object {...}",
+}
+
+
+def as_json(goals: Goals) -> dict[str, Any]:
+    """Goals as a JSON object: the words, each with what it describes and wishes for, and which wishes gave way.
+
+    Args:
+        goals: Resolved.
+    """
+    wishes = [*goals.wishes, *(each.wish for each in goals.lost)]
+    won = {id(each.wish): each.winner.word for each in goals.lost}
+    words: dict[int, Attribute] = {id(a): a for a in goals.parsed.attributes}
+    words |= {id(wish.attribute): wish.attribute for wish in wishes}
+    return {
+        "version": VERSION,
+        "prompt": goals.parsed.prompt,
+        "stays": list(goals.parsed.protected),
+        "words": [
+            _word(a)
+            | ({"vague": True} if any(w.vague for w in wishes if id(w.attribute) == key) else {})
+            | {"wishes": [_wish(w, won.get(id(w))) for w in wishes if id(w.attribute) == key]}
+            for key, a in words.items()
+        ],
+    }
+
+
+def _word(attribute: Attribute) -> dict[str, Any]:
+    """A word with what it describes; what is as usual is left out."""
+    target = {
+        "kind": attribute.kind,
+        "region": attribute.region,
+        "thing": attribute.thing,
+        "materials": list(attribute.owners),
+        "lights": list(attribute.lights),
+        "role": attribute.role,
+        "number": attribute.lamp,
+    }
+    return {
+        "word": attribute.word,
+        "look": attribute.entry,
+        "slot": attribute.slot,
+        "target": {name: value for name, value in target.items() if value or name in ("kind", "region")},
+        **({"color": hex_from_srgb(attribute.color)} if attribute.color else {}),
+        **({"strength": round(attribute.strength, 3)} if attribute.strength != 1.0 else {}),
+        **({"denied": True} if attribute.negated else {}),
+        **({"implied_by": attribute.cause} if attribute.cause else {}),
+    }
+
+
+def _wish(wish: Wish, winner: str | None) -> dict[str, Any]:
+    return {
+        "quantity": wish.quantity,
+        **({"class": wish.named} if wish.named else {}),
+        **({"parameters": [str(effect) for effect in wish.effects]} if wish.effects else {}),
+        **({"image": [str(claim) for claim in wish.claims]} if wish.claims else {}),
+        **({"strength": round(wish.strength, 3)} if wish.strength != wish.attribute.strength else {}),
+        **({"gave_way_to": winner} if winner is not None else {}),
+    }
+
+
+@dataclass(frozen=True)
+class WrittenGoals:
+    """Goals that were read, and are about no scene yet.
+
+    Attributes:
+        prompt: That they were made of; "" for none.
+        stays: Owners of parameters that stay as they are.
+        wishes: In the order of the file.
+        attributes: Its words, those among them that wish for nothing themselves, as names of rigs do.
+    """
+
+    prompt: str
+    stays: tuple[str, ...]
+    wishes: tuple[Wish, ...]
+    attributes: tuple[Attribute, ...]
+
+    def within(self, words: SceneWords) -> Goals:
+        """The goals in a scene: what describes a material or a light that is not there describes all of its region.
+
+        Args:
+            words: The scene's names.
+        """
+        bound = {id(a): _bound(a, words) for a in self.attributes}
+        notes = [
+            f"'{a.word}' described {', '.join(missing)}, which this scene lacks: it describes the {a.kind} instead."
+            for a in self.attributes
+            if (missing := [*{*a.owners} - {*words.materials}, *_lacking(a.lights, words)])
+        ]
+        objects = [PromptObject(words.subject or "subject", "subject")]
+        parsed = Parsed(self.prompt, objects, list(bound.values()), notes=notes, protected=self.stays)
+        wishes = [replace(wish, attribute=bound[id(wish.attribute)]) for wish in self.wishes]
+        return resolved(parsed, wishes)
+
+
+def _bound(attribute: Attribute, words: SceneWords) -> Attribute:
+    gone = _lacking(attribute.lights, words)
+    return replace(
+        attribute,
+        owners=tuple(name for name in attribute.owners if name in words.materials),
+        lights=tuple(name for name in attribute.lights if name not in gone),
+    )
+
+
+def _lacking(lights: Iterable[str], words: SceneWords) -> list[str]:
+    known = {*words.lights, *(f"{GLOW}{name}" for name in words.glows)}
+    return [name for name in lights if name not in known]
+
+
+def read(path: Path) -> WrittenGoals:
+    """Goals of a file: of goals, or a preset or a report that holds some.
+
+    Raises:
+        VibeError: It cannot be read, or a field of it is wrong; names the field and the remedy.
+    """
+    try:
+        if path.stat().st_size > _LARGEST:
+            raise VibeError(f"The goals {path} are larger than {_LARGEST // 1_000_000} MB.", _HELP)
+        raw = json.loads(path.read_text("utf-8"))
+    except OSError as error:
+        raise VibeError(f"The goals {path} cannot be read: {error.strerror}.", "Check --goals.") from error
+    except (ValueError, RecursionError) as error:
+        raise VibeError(f"The goals {path} are no JSON: {error}.", _HELP) from error
+    if isinstance(raw, dict) and "words" not in raw and isinstance(raw.get("goals"), dict):
+        raw = raw["goals"]
+    return from_json(raw)
+
+
+def from_json(raw: Any) -> WrittenGoals:
+    """Goals of a JSON value.
+
+    Raises:
+        VibeError: A field is missing, unknown or wrong.
+    """
+    goals = _Fields(raw, "goals")
+    if (version := goals.number("version", VERSION)) != VERSION:
+        raise VibeError(f"These goals are of version {version:g}; this is version {VERSION}.", _HELP)
+    rows = goals.take("words", list, [])
+    if not rows or len(rows) > _MOST:
+        raise VibeError(f"goals.words has {len(rows)} words.", f"Write 1 to {_MOST} of them.")
+    prompt = goals.take("prompt", str, "")
+    stays = tuple(goals.texts("stays"))
+    goals.end()
+    attributes, wishes = [], []
+    for number, row in enumerate(rows):
+        attribute, own = _read_word(_Fields(row, f"goals.words[{number}]"))
+        attributes.append(attribute)
+        wishes += own
+    return WrittenGoals(prompt, stays, tuple(wishes), tuple(attributes))
+
+
+def _read_word(word: _Fields) -> tuple[Attribute, list[Wish]]:
+    target = _Fields(word.take("target", dict, {}), f"{word.place}.target")
+    color = word.take("color", str, "")
+    attribute = Attribute(
+        word=word.take("word", str),
+        entry=word.take("look", str, ""),
+        slot=word.choice("slot", SLOTS),
+        region=target.choice("region", _REGIONS, "subject"),  # type: ignore[arg-type]
+        kind=target.take("kind", str, "subject"),
+        strength=word.number("strength", 1.0, 0.0, 3.0),
+        negated=word.take("denied", bool, False),
+        owners=tuple(target.texts("materials")),
+        role=target.take("role", str, ""),
+        color=word.color(color) if color else None,
+        thing=target.take("thing", str, ""),
+        cause=word.take("implied_by", str, ""),
+        lamp=int(target.number("number", 0, 0, 99)),
+        lights=tuple(target.texts("lights")),
+    )
+    vague = word.take("vague", bool, False)
+    rows = word.take("wishes", list, [])
+    target.end()
+    word.end()
+    read_all = [
+        _read_wish(_Fields(row, f"{word.place}.wishes[{n}]"), attribute) for n, row in enumerate(rows)
+    ]
+    wishes = [wish for wish in read_all if wish]
+    return attribute, [replace(wish, breadth=breadth_of(wishes), vague=vague) for wish in wishes]
+
+
+def _read_wish(row: _Fields, attribute: Attribute) -> Wish | None:
+    """A wish, checked; None for one that gave way when the goals were written."""
+    quantity = row.choice("quantity", tuple(quantities().by_name))
+    classes = tuple(quantities().by_name[quantity].classes)
+    named = row.choice("class", classes) if "class" in row.raw else ""
+    lost = "gave_way_to" in row.raw
+    row.take("gave_way_to", str, "")
+    effects = row.each("parameters", parse_effect)
+    for effect in effects:
+        if not may_serve(OWNERS[effect.owner], attribute.slot, attribute.cause):
+            problem = f"{row.place}.parameters: a word of slot {attribute.slot} may not change a material: '{effect}'."
+            raise VibeError(problem, "Remove it, or give the word the slot color, material or finish.")
+    claims = row.each("image", _read_claim)
+    if not attribute.color and not (effects or claims or named):
+        raise VibeError(f"{row.place} wishes for nothing.", "Give it a class, parameters or image.")
+    strength = row.number("strength", attribute.strength, 0.0, 3.0)
+    row.end()
+    return None if lost else Wish(attribute, quantity, named, named, effects, claims, strength)
+
+
+def _read_claim(text: str) -> ClaimText:
+    """A claim whose measure exists."""
+    claim = read_claim(text)
+    quantities().of_claim(claim)
+    return claim
+
+
+class _Fields:
+    """The fields of a JSON object, each taken once and checked.
+
+    Args:
+        raw: The JSON value.
+        place: Where it stands, for messages: "goals.words[2]".
+    """
+
+    def __init__(self, raw: Any, place: str) -> None:
+        if not isinstance(raw, dict):
+            raise VibeError(f"{place} is no object.", "Write {...} there.")
+        self.raw, self.place = raw, place
+        self._taken: set[str] = set()
+
+    def take(self, name: str, kind: type, default: Any = None) -> Any:
+        """A field of a type; VibeError where it is of another, or missing and has no default."""
+        self._taken.add(name)
+        value = self.raw.get(name, default)
+        if value is None:
+            raise VibeError(f"{self.place} has no '{name}'.", f"Add it: {_TYPES[kind]}.")
+        if kind is float and isinstance(value, int | float) and not isinstance(value, bool):
+            return float(value)
+        if not isinstance(value, kind):
+            raise VibeError(f"{self.place}.{name} is of the wrong type.", f"Write {_TYPES[kind]}.")
+        return value
+
+    def number(self, name: str, default: float, least: float = -math.inf, most: float = math.inf) -> float:
+        """A finite number between two others."""
+        value: float = self.take(name, float, default)
+        if not (math.isfinite(value) and least <= value <= most):
+            raise VibeError(
+                f"{self.place}.{name} is {value:g}.", f"Write a number from {least:g} to {most:g}."
+            )
+        return value
+
+    def choice(self, name: str, known: tuple[str, ...], default: str | None = None) -> str:
+        """One of several texts."""
+        value: str = self.take(name, str, default)
+        if value not in known:
+            raise VibeError(f"{self.place}.{name} is '{value}'.", f"Choose from: {', '.join(known)}.")
+        return value
+
+    def texts(self, name: str) -> list[str]:
+        """A list of texts; empty where it is missing."""
+        values: list[Any] = self.take(name, list, [])
+        if not all(isinstance(value, str) for value in values):
+            raise VibeError(f"{self.place}.{name} holds something else than texts.", 'Write ["...", "..."].')
+        return values
+
+    def color(self, code: str) -> tuple[float, ...]:
+        """A color of "#rrggbb"."""
+        try:
+            return srgb_from_hex(code)
+        except ValueError:
+            raise VibeError(f"{self.place}.color is '{code}'.", 'Write it as "#rrggbb".') from None
+
+    def each(self, name: str, read_text: Callable[[str], T]) -> tuple[T, ...]:
+        """Texts that are read; what is wrong with one of them is said with its place."""
+        try:
+            return tuple(map(read_text, self.texts(name)))
+        except VibeError as error:
+            raise VibeError(
+                f"{self.place}.{name}: {error.message.removeprefix('Vocabulary: ')}", error.remedy
+            ) from error
+
+    def end(self) -> None:
+        """VibeError where there are fields that nobody has taken: they would be ignored."""
+        if unknown := sorted(self.raw.keys() - self._taken):
+            known = ", ".join(sorted(self._taken))
+            raise VibeError(f"{self.place} has an unknown field '{unknown[0]}'.", f"Known are: {known}.")
