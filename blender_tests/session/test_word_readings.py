@@ -10,7 +10,7 @@ from vibe_render.ui import live as live_ui
 from vibe_render.ui import word_readings
 from vibe_render.ui.operators import words
 
-from proxy_renderer.prompt.binding.told import GENERAL
+from proxy_renderer.schema.targets import GENERAL
 
 
 @pytest.fixture

@@ -7,8 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from ..color.constants import Lab
-from ..schema import Values
+from ..schema import Values, VibeError
 from ..schema.spec import Region
+from ..schema.targets import NOT_USED
 
 
 @dataclass(frozen=True)
@@ -94,6 +95,7 @@ class Attribute:
         lamp: Number of the light that is meant, where the prompt tells several apart by color or side; else 0.
         phrases: Numbers of the lights that the prompt describes one by one and that this word is said of, as
             `mentions.light_phrases` counts them.
+        look: Number of the look word in the prompt, from 0; -1 where no reader has bound it.
         role: The lights that are meant: "key", "fill", "rim" or "others"; "" for light in general.
         color: The named color, sRGB in [0, 1]; None unless the slot is "color".
         thing: What the prompt calls the thing that it describes: "teapot", "wall", "key light".
@@ -124,6 +126,7 @@ class Attribute:
     english: str = ""
     place: tuple[int, int] | None = None
     phrases: tuple[int, ...] = ()
+    look: int = field(default=-1, compare=False)
 
     @property
     def of_glows(self) -> bool:
@@ -158,6 +161,55 @@ class PromptObject:
     materials: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True)
+class Candidate:
+    """Something that a word may describe.
+
+    Attributes:
+        name: As `--target` takes it, see `schema.targets`.
+        probability: By the reader's weights, in the prompt as a whole.
+    """
+
+    name: str
+    probability: float
+
+
+@dataclass(frozen=True)
+class PromptWord:
+    """A word of the prompt, understood: a look word, or a word that is not used.
+
+    Attributes:
+        text: As the prompt says it, with its intensity or negation: "very glossy".
+        key: What `--target` calls it: "glossy", or "red#2" where the prompt says it several times.
+        place: Where it begins and ends in the prompt; None if unknown.
+        entry: Its sense: name of the vocabulary entry, or of the color; "" where it is not used.
+        strength: 1 as named; below for "slightly", above for "very".
+        negated: "no", "without", "not".
+        target: Name of what it describes, see `schema.targets`; "not used" where it is left out.
+        confidence: Probability of the target; 1 where the artist or the place of the word leaves no doubt.
+        candidates: What it may describe, the target first, then the likeliest; empty for a word that is no look word.
+        others: What else of the scene it can describe.
+        guess: The known word that it is taken for, where it is misspelled.
+    """
+
+    text: str
+    key: str
+    place: tuple[int, int] | None = None
+    entry: str = ""
+    strength: float = 1.0
+    negated: bool = False
+    target: str = NOT_USED
+    confidence: float = 1.0
+    candidates: tuple[Candidate, ...] = ()
+    others: tuple[str, ...] = ()
+    guess: str = ""
+
+    @property
+    def is_used(self) -> bool:
+        """Whether it describes something."""
+        return self.target != NOT_USED
+
+
 @dataclass
 class Parsed:
     """A prompt, understood.
@@ -173,6 +225,8 @@ class Parsed:
         conflicts: Contradictions, and how each was resolved, one sentence each.
         protected: Owners of parameters that the prompt says should stay: "material/Plaster", "light/Key", "world".
         overruled: Attributes that ask for nothing but what earlier ones contradict.
+        words: Its look words and what is left out, in the order of the text.
+        unknown: Why nothing in it is understood; None where something is.
     """
 
     prompt: str
@@ -185,6 +239,8 @@ class Parsed:
     conflicts: list[str] = field(default_factory=list)
     overruled: list[Attribute] = field(default_factory=list)
     protected: tuple[str, ...] = ()
+    words: tuple[PromptWord, ...] = ()
+    unknown: VibeError | None = None
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import pytest
 
-from proxy_renderer.prompt.binding.told import GENERAL
+from proxy_renderer.schema.targets import GENERAL
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.types import LightWords, SceneWords
 from proxy_renderer.prompt.understood import Understood

@@ -116,7 +116,7 @@ class Search:
             understood, plan = Understood(prompt, context.scene_words(*(v.scene for v in views))), None
         offline = OfflineAdvisor(understood, plan)
         self.offline, asked = (
-            beside(self.reference, each, prompt, len(views), understood.words.lights)
+            beside(self.reference, each, prompt, len(views), understood.scene.lights)
             for each in (offline, advisor or offline)
         )
         self.confiner = Confiner(self.vector, self.shots, asked, options.baseline)
