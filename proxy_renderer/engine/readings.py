@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from ..optimize.context import scene_words
@@ -12,7 +13,7 @@ from ..prompt.types import PromptWord, SceneWords
 from ..prompt.understood import Understood
 from ..scene import load_scene
 from ..schema.messages import AskReadings, Readings, WordReading
-from ..schema.targets import parted, spoken
+from ..schema.targets import listed
 
 _OTHERS = 2  # known words that are offered in place of one that is not used
 
@@ -33,14 +34,7 @@ class WordReader:
         Raises:
             VibeError: The scene cannot be read.
         """
-        if not request.prompt.strip():
-            return Readings(request.prompt)
-        scene = self._described(request.job)
-        understood = Understood(request.prompt, scene, request.target)
-        note = str(understood.unknown or "")
-        if not understood.words:  # a target that cannot be is taken back by a click on its word
-            understood = Understood(request.prompt, scene)
-        return Readings(request.prompt, [*map(_reading, understood.words)], note)
+        return readings(request.prompt, self._described(request.job), request.target)
 
     def _described(self, job: str) -> SceneWords:
         """The names in an exported scene; none without one."""
@@ -52,20 +46,32 @@ class WordReader:
         return self._scene
 
 
+def readings(prompt: str, scene: SceneWords, target: Sequence[str] = ()) -> Readings:
+    """The words of a prompt as a vibe of a scene understands them.
+
+    Args:
+        prompt: What the artist has typed so far.
+        scene: The names in the scene.
+        target: "copper=Cup": what the artist says that words describe.
+    """
+    if not prompt.strip():
+        return Readings(prompt)
+    understood = Understood(prompt, scene, target)
+    note = str(understood.unknown or "")
+    if not understood.words:  # a target that cannot be is taken back by a click on its word
+        understood = Understood(prompt, scene)
+    return Readings(prompt, [*map(_reading, understood.words)], note)
+
+
 def _reading(word: PromptWord) -> WordReading:
     """A word with what it describes; one that is not used, with known words in its place."""
     names = [candidate.name for candidate in word.candidates]
     if not word.is_used:
         others = default_vocabulary().made(Nearest).choices(word.text, _OTHERS)
         return WordReading(word.text, "left out", word.target, others, word.key, names, [*word.others])
-    describes = f"describes {_listed(word.target)}"
+    describes = f"describes {listed(word.target)}"
     if word.guess:
         state, meaning = "guessed", f"taken for “{word.guess}”, {describes}"
     else:
         state, meaning = "understood", describes
     return WordReading(word.text, state, meaning, [], word.key, names, [*word.others])
-
-
-def _listed(target: str) -> str:
-    """A target as a sentence has it: "Cup and Table"."""
-    return " and ".join(map(spoken, parted(target)))

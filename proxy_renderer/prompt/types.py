@@ -3,13 +3,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..color.constants import Lab
 from ..schema import Values, VibeError
 from ..schema.spec import Region
 from ..schema.targets import NOT_USED
+
+if TYPE_CHECKING:
+    from .lexicon.vocabulary import Vocabulary
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -77,6 +83,21 @@ class SceneWords:
     groups: dict[str, tuple[str, ...]] = field(default_factory=dict)
     places: dict[str, tuple[float, float, float]] = field(default_factory=dict)
     looks: Mapping[str, MaterialLook] = field(default_factory=dict)
+    _made: dict[Any, tuple[Vocabulary, Any]] = field(
+        init=False, repr=False, compare=False, default_factory=dict
+    )
+
+    def made(self, make: Callable[[SceneWords, Vocabulary], T], vocabulary: Vocabulary) -> T:
+        """What is made of the names with a vocabulary, once for all prompts.
+
+        Args:
+            make: Takes the names and the vocabulary.
+            vocabulary: What words mean.
+        """
+        if make not in self._made or self._made[make][0] is not vocabulary:
+            self._made[make] = vocabulary, make(self, vocabulary)
+        made: T = self._made[make][1]
+        return made
 
 
 @dataclass(frozen=True)

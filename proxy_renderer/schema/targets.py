@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 
 GENERAL = {
@@ -16,6 +17,8 @@ OFFERED = ("lights", "key light", "world", "image", "not used")
 NOT_USED = "not used"
 NAME_OF = {kind: name for name, kind in reversed(GENERAL.items())}
 """Kind of target -> its name."""
+NUMBER = "#"
+"""Between a word and its number, where the prompt says it several times: "red#2"."""
 _AND = " + "
 
 
@@ -29,6 +32,19 @@ def parted(target: str) -> list[str]:
     return [name.strip() for name in target.split(_AND)]
 
 
-def spoken(target: str) -> str:
-    """A target as a sentence has it: "Cup + Table", "the key light"."""
-    return f"the {target}" if target in GENERAL and target != NOT_USED else target
+def listed(target: str) -> str:
+    """A target as a sentence has it: "Cup and Table", "the key light"."""
+    names = [f"the {name}" if name in GENERAL and name != NOT_USED else name for name in parted(target)]
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+
+
+def is_said(key: str, prompt: str) -> bool:
+    """Whether a prompt says the word of a key.
+
+    Args:
+        key: As `--target` calls the word: "very glossy", "red#2".
+        prompt: What the artist typed.
+    """
+    words = re.findall(r"[^\W_]+", key.partition(NUMBER)[0].casefold())
+    said = prompt.casefold().replace("colour", "color")
+    return bool(words) and words[-1] in said  # an intensity may stand elsewhere

@@ -86,7 +86,7 @@ def reading(
         foreign: Words of another language that are left in the prompt.
     """
     found = looks(text, words, vocabulary, foreign)
-    nouns = mentions(found, SceneIndex(words), vocabulary)
+    nouns = mentions(found, words.made(SceneIndex, vocabulary), vocabulary)
     every = targets(nouns, words)
     forms = ClauseForms(found, nouns, vocabulary)
     own, pairs = OwnNouns(found, nouns, vocabulary), []

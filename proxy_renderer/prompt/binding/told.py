@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from ...schema import VibeError
-from ...schema.targets import GENERAL, joined, parted
+from ...schema.targets import GENERAL, NUMBER, joined, parted
 from ..lexicon.entries import normalize
 from ..lexicon.vocabulary import Vocabulary
 from ..types import GLOW, SceneWords
@@ -16,9 +16,6 @@ from .becoming import becoming
 from .bound import Thing
 from .pairs import TargetPair
 from .targets import ROLES, Target
-
-_NUMBER = "#"
-"""Between a word and its number, where the prompt has it several times: "red#2"."""
 
 
 def target_keys(words: Iterable[str]) -> list[str]:
@@ -32,13 +29,13 @@ def target_keys(words: Iterable[str]) -> list[str]:
     found = []
     for word in plain:
         numbers[word] += 1
-        found.append(f"{word}{_NUMBER}{numbers[word]}" if plain.count(word) > 1 else word)
+        found.append(f"{word}{NUMBER}{numbers[word]}" if plain.count(word) > 1 else word)
     return found
 
 
 def plain_key(key: str) -> str:
     """The word of a key without its number: "red" of "red#2"."""
-    word, mark, number = key.rpartition(_NUMBER)
+    word, mark, number = key.rpartition(NUMBER)
     return word if mark and number.isdigit() else key
 
 

@@ -44,7 +44,7 @@ def _look_word(
     attributes = [a for a in parsed.attributes if a.look == number and not a.cause]
     if not attributes and number not in reader.unused:
         return None
-    names = dict.fromkeys(described_name(a, reader.scene) for a in attributes)
+    names = dict.fromkeys(pair.told or described_name(a, reader.scene) for a in attributes)
     target = joined(names) if names else NOT_USED
     candidates = _candidates(reader, number, next(iter(names), NOT_USED))
     offered = _offered(pair.look.token, reader.scene, reader.vocabulary)
@@ -84,15 +84,20 @@ def _offered(token: Token, scene: SceneWords, vocabulary: Vocabulary) -> Iterato
         return becoming(token, kind, vocabulary) is not None
 
     if fits("things"):
-        yield from sorted(scene.object_materials, key=lambda name: -_share(name, scene))[:_MOST]
+        yield from scene.made(_largest, vocabulary)
     if fits("lights"):
         yield from [*scene.lights][:_MOST]
     yield from (name for name in OFFERED if fits(GENERAL[name]))
 
 
-def _share(name: str, scene: SceneWords) -> float:
-    """The share of the image that an object covers."""
-    return sum(scene.looks[m].worn.get(name, 0.0) for m in scene.object_materials[name] if m in scene.looks)
+def _largest(scene: SceneWords, _: Vocabulary) -> list[str]:
+    """The objects that cover most of the image."""
+
+    def share(name: str) -> float:
+        looks = (scene.looks[m] for m in scene.object_materials[name] if m in scene.looks)
+        return sum(look.worn.get(name, 0.0) for look in looks)
+
+    return sorted(scene.object_materials, key=share, reverse=True)[:_MOST]
 
 
 def _placed(words: Iterable[PromptWord], prompt: str) -> tuple[PromptWord, ...]:
