@@ -71,12 +71,11 @@ def cars(scene):
 
 def sweep(scene):
     """A vase before a curved backdrop, whose box holds the vase and the camera does not."""
-    bpy.ops.mesh.primitive_plane_add(size=10.0)
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=1, y_subdivisions=8, size=10.0)
     paper = bpy.context.object
     paper.name = "Paper"
     for vertex in paper.data.vertices:
-        if vertex.co.y > 0.0:
-            vertex.co.z = 6.0
+        vertex.co.z = max(vertex.co.y - 2.0, 0.0) ** 2
     principled("Backdrop Paper", paper)
     ball("Vase", (0.0, -2.0, 0.8), 0.6)
     light(scene, "AREA", (-3.0, -6.0, 4.0))

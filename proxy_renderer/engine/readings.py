@@ -13,7 +13,7 @@ from ..prompt.types import PromptWord, SceneWords
 from ..prompt.understood import Understood
 from ..scene import load_scene
 from ..schema.messages import AskReadings, Readings, WordReading
-from ..schema.targets import listed
+from ..schema.targets import GENERAL, listed
 
 _OTHERS = 2  # known words that are offered in place of one that is not used
 
@@ -69,7 +69,8 @@ def _reading(word: PromptWord) -> WordReading:
     if not word.is_used:
         others = default_vocabulary().made(Nearest).choices(word.text, _OTHERS)
         return WordReading(word.text, "left out", word.target, others, word.key, names, [*word.others])
-    describes = f"describes {listed(word.target)}"
+    is_general = word.target in GENERAL and word.thing not in word.target
+    describes = f"describes {listed(word.target)}" + (f" ({word.thing})" if is_general else "")
     if word.guess:
         state, meaning = "guessed", f"taken for “{word.guess}”, {describes}"
     else:

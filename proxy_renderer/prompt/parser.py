@@ -14,7 +14,7 @@ from .binding.pairs import looks
 from .binding.reader import PromptReader
 from .binding.told import plain_key
 from .binding.words import prompt_words
-from .keyed import spoken
+from .keyed import KeyedSpan, keyed_spans, spoken
 from .languages.gloss import Gloss, gloss
 from .languages.retell import Retelling
 from .languages.unread import other_language, understood
@@ -42,10 +42,18 @@ def prepared(text: str, scene: SceneWords, vocabulary: Vocabulary) -> str:
     return _prepared(gloss(text, scene, vocabulary).english, scene, vocabulary)[0]
 
 
-def _prepared(text: str, scene: SceneWords, vocabulary: Vocabulary) -> tuple[str, list[Spared]]:
-    """A prompt with hours, temperatures and lists as sentences say them, and apart from it what is to stay as it is."""
-    told = kelvins.told(hours.told(text, vocabulary))
-    return without_spared(spoken(told, vocabulary, scene_names(scene)), scene, vocabulary)
+def _prepared(
+    text: str, scene: SceneWords, vocabulary: Vocabulary
+) -> tuple[str, list[KeyedSpan], list[Spared]]:
+    """A prompt with hours, temperatures and lists as sentences say them; apart from it what it says after keys, and what stays."""
+    told, own = kelvins.told(hours.told(text, vocabulary)), scene.made(_own_names, vocabulary)
+    said, spared = without_spared(spoken(told, vocabulary, scene_names(scene), own), scene, vocabulary)
+    return *keyed_spans(said, own), spared
+
+
+def _own_names(scene: SceneWords, _: Vocabulary) -> dict[str, str]:
+    """The names of a scene's objects, materials and lights, by how they are in lower case."""
+    return {name.lower(): name for name in (*scene.lights, *scene.materials, *scene.object_materials)}
 
 
 def _checked(prompt: str) -> str:
@@ -69,6 +77,7 @@ class _OpenedPrompt:
         glossed: In English words.
         mixed: Whether some of it is in a language that is not understood.
         said: As readers take it.
+        keyed: What it says of things that it sets before with a colon.
         spared: What is to stay as it is.
     """
 
@@ -76,6 +85,7 @@ class _OpenedPrompt:
     glossed: Gloss
     mixed: bool
     said: str
+    keyed: list[KeyedSpan]
     spared: list[Spared]
 
     @property
@@ -169,7 +179,7 @@ def read(
     glossed, retelling = opened.glossed, Retelling(opened.glossed)
     english = {word: retelling.english(word) for word in map(plain_key, told or ()) if glossed.language}
     found = PromptReader(vocabulary, scene, weights, told=told, english=english)
-    parsed = found.read(opened.said, opened.foreign_words)
+    parsed = found.read(opened.said, opened.foreign_words, opened.keyed)
     parsed.prompt = opened.text
     parsed.conflicts += map(str, opened.spared)
     parsed.protected = tuple(dict.fromkeys(key for each in opened.spared for key in each.kept))

@@ -207,7 +207,8 @@ class PromptWord:
         strength: 1 as named; below for "slightly", above for "very".
         negated: "no", "without", "not".
         target: Name of what it describes, see `schema.targets`; "not used" where it is left out.
-        confidence: Probability of the target; 1 where the artist or the place of the word leaves no doubt.
+        thing: What the prompt calls that: "cube"; "" where it says only the word.
+        confidence: Probability of the target; 1 where the artist says so, or the scene lacks what the prompt names.
         candidates: What it may describe, the target first, then the likeliest; empty for a word that is no look word.
         others: What else of the scene it can describe.
         guess: The known word that it is taken for, where it is misspelled.
@@ -220,6 +221,7 @@ class PromptWord:
     strength: float = 1.0
     negated: bool = False
     target: str = NOT_USED
+    thing: str = ""
     confidence: float = 1.0
     candidates: tuple[Candidate, ...] = ()
     others: tuple[str, ...] = ()

@@ -78,3 +78,46 @@ def test_what_cannot_be_is_one_line_with_its_remedy(pairs):
 @pytest.mark.parametrize("name", sorted(GENERAL))
 def test_what_every_scene_has_can_be_told(name):
     told("misty teal", teal=name)
+
+
+@pytest.mark.parametrize(
+    ("prompt", "names"),
+    [
+        ("Cube.003: copper, Plane: glossy teal, warm light", {"copper": "Cube.003", "glossy": "Plane", "teal": "Plane"}),
+        ("misty; cube.004 = gold; plane: velvet", {"gold": "Cube.004", "velvet": "Plane"}),
+        ("Area.001: warm, dim light", {"warm": "Area.001"}),
+    ],
+)  # fmt: skip
+def test_a_name_before_a_colon_is_a_target(prompt, names):
+    words = {word.text: word.target for word in Understood(prompt, SCENE).words}
+    assert {word: words[word] for word in names} == names
+
+
+def test_a_key_that_a_word_can_say_nothing_of_is_read_as_before():
+    assert not Understood("Cube.003: misty, glossy", SCENE).unknown
+
+
+@pytest.mark.parametrize("key", ["kupferner", "kupfern", "copper"])
+def test_a_word_of_another_language_is_told_as_it_is_typed(key):
+    understood = Understood("ein kupferner Würfel, warmes Licht", SCENE, [f"{key}=Plane"])
+    (copper, warm) = understood.words
+    assert (copper.key, copper.target) == ("kupferner", "Plane")
+    assert warm.target == "lights"
+    assert not any("target" in note for note in understood.parsed.conflicts)
+
+
+def test_several_names_are_one_target():
+    attributes, _ = told("copper teapot", copper="Cube.003 + Cube.004")
+    assert [a.owners for a in attributes] == [("Material", "Material.001")]
+
+
+def test_a_name_of_the_scene_comes_before_what_every_scene_has():
+    scene = SceneWords(
+        objects={"Light": "subject"},
+        materials={"Chalk": "subject"},
+        object_materials={"Light": ("Chalk",)},
+        lights={"Sun": LightWords("SUN", "key")},
+    )
+    (word,) = Understood("warm", scene, ["warm=Light"]).words
+    assert [a.owners for a in Understood("warm", scene, ["warm=Light"]).parsed.attributes] == [("Chalk",)]
+    assert word.target == "Light"

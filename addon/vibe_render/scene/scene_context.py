@@ -89,7 +89,8 @@ def shown(scene: Scene) -> set[Object]:
     """The objects that a render shows, see `visible`; of thousands, much faster than asking each."""
     collections = (*bpy.data.collections, *(each.collection for each in bpy.data.scenes))
     open_ones = {o for c in collections if not c.hide_render for o in c.objects}
-    return {o for o in layer(scene).objects if not o.hide_render and o in open_ones}
+    here = filter(None, layer(scene).objects)  # what was removed just now is there as None
+    return {o for o in here if not o.hide_render and o in open_ones}
 
 
 def depsgraph(scene: Scene) -> bpy.types.Depsgraph:

@@ -40,11 +40,16 @@ def described_name(attribute: Attribute, scene: SceneWords) -> str:
     return names or NAME_OF.get(kind, "lights" if attribute.role else "image")
 
 
+def glow_name(material: str) -> str:
+    """The name of what a material that glows lights, as that of a light."""
+    return f"glow of {material}"
+
+
 def _called(names: Collection[str], scene: SceneWords, is_matter: bool) -> str:
     """Lights by their names; materials by the objects that wear nothing else, as far as these wear all of them."""
     if not is_matter:
-        every = [name for name in (*scene.lights, *(GLOW + n for n in scene.glows)) if name in names]
-        called = [name.removeprefix(GLOW) for name in every]
+        called = [name for name in scene.lights if name in names]
+        called += [glow_name(name) for name in scene.glows if GLOW + name in names]
     else:
         objects = [o for o, worn in scene.object_materials.items() if worn and {*worn} <= {*names}]
         worn = {m for o in objects for m in scene.object_materials[o]}

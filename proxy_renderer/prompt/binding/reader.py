@@ -10,6 +10,7 @@ from dataclasses import replace
 from functools import cached_property
 
 from ...schema import VibeError
+from ..keyed import KeyedSpan
 from ..lexicon.entries import VocabularyEntry
 from ..lexicon.rigs import TIMES, rig_table
 from ..lexicon.vocabulary import Vocabulary
@@ -23,7 +24,7 @@ from .assignment import assigned, probabilities
 from .becoming import becoming
 from .bound import Thing, Things
 from .model import scores, shipped_weights
-from .pairs import PromptPairs, TargetPair, reading
+from .pairs import PromptPairs, TargetPair, looks, reading
 from .targets import LAMPS, MATTER, NOWHERE, TINGE
 from .told import ToldTargets, told_thing
 
@@ -66,7 +67,7 @@ class PromptReader:
         english: Mapping[str, str] | None = None,
     ) -> None:
         self.vocabulary, self.scene, self.is_part = vocabulary, scene, is_part
-        self.told = ToldTargets(told or {}, scene, vocabulary, english)
+        self._given = told or {}, english or {}
         self.weights = shipped_weights() if weights is None else weights
         self.subject = scene.subject
         self.mentioned: list[NamedThing] = []
@@ -74,13 +75,23 @@ class PromptReader:
         self.undone: list[str] = []
         self.lacking: list[str] = []
 
-    def read(self, text: str, foreign: Collection[str] = ()) -> Parsed:
+    def read(
+        self, text: str, foreign: Collection[str] = (), keyed: Collection[KeyedSpan] = ()
+    ) -> Parsed:
         """Binds every look word; the result lacks what `meaning.complete` adds.
 
         Args:
             text: The prompt, prepared.
             foreign: Words of another language that are left in it.
+            keyed: What it says of things that it sets before with a colon.
+
+        Raises:
+            VibeError: The scene has nothing of a name that was told.
         """
+        told, english = self._given
+        self.told = ToldTargets(
+            told, self.scene, self.vocabulary, english, self._after_keys(text, foreign, keyed)
+        )
         self.found: PromptPairs = reading(text, self.scene, self.vocabulary, foreign)
         self._phrases = light_phrases(self.found.passage, self.vocabulary, rig_table())
         bound = zip(assigned(self.found, self.weights), self.found.pairs, strict=True)
@@ -136,6 +147,18 @@ class PromptReader:
         said = self._attributes(look, entry, things.of(pair), self._lights(look))
         before = self.chosen[number - 1] if number else pair
         return [self._tinged(each, before.look) for each in said] if before.target.kind == TINGE else [*said]
+
+    def _after_keys(
+        self, text: str, foreign: Collection[str], keyed: Collection[KeyedSpan]
+    ) -> dict[int, str]:
+        """Number of each look word after a key -> the key."""
+
+        def count(end: int) -> int:
+            return len(looks(text[:end], self.scene, self.vocabulary, foreign).looks)
+
+        return {
+            number: span.name for span in keyed for number in range(count(span.start), count(span.end))
+        }
 
     def _lights(self, look: PromptLook) -> tuple[int, ...]:
         """The numbers of the lights in whose description a word stands."""

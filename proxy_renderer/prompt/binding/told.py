@@ -14,6 +14,7 @@ from ..lexicon.vocabulary import Vocabulary
 from ..types import GLOW, SceneWords
 from .becoming import becoming
 from .bound import Thing
+from .naming import glow_name
 from .pairs import TargetPair
 from .targets import ROLES, Target
 
@@ -66,6 +67,7 @@ class ToldTargets:
         scene: Its names.
         vocabulary: What words mean.
         english: Word of the prompt -> the same in English, where the prompt is in another language.
+        keyed: Number of a look word -> the name in the scene that the prompt itself sets before it: "Cup: copper".
 
     Raises:
         VibeError: The scene has nothing of such a name.
@@ -77,8 +79,9 @@ class ToldTargets:
         scene: SceneWords,
         vocabulary: Vocabulary,
         english: Mapping[str, str] | None = None,
+        keyed: Mapping[int, str] | None = None,
     ) -> None:
-        self._vocabulary = vocabulary
+        self._vocabulary, self._scene, self._keyed = vocabulary, scene, keyed or {}
         self._choices = [_choice(key, name, scene, english or {}) for key, name in told.items()]
         self._used: set[str] = set()
 
@@ -93,11 +96,18 @@ class ToldTargets:
         """
         numbers: Counter[str] = Counter()
         found = []
-        for pair in chosen:
+        for number, pair in enumerate(chosen):
             numbers[pair.look.text] += 1
             choice = self._of(pair, numbers[pair.look.text])
-            found.append(self._told(pair, choice) if choice else pair)
+            found.append(self._told(pair, choice) if choice else self._after_its_key(number, pair))
         return found
+
+    def _after_its_key(self, number: int, pair: TargetPair) -> TargetPair:
+        """A look word with the target that the prompt sets before it, if it can say something of that."""
+        name = self._keyed.get(number, "")
+        target = _target(pair.look.text, name, self._scene) if name else pair.target
+        means = becoming(pair.look.token, target.kind, self._vocabulary) if name else None
+        return TargetPair(pair.look, target, means, (), told=name) if means else pair
 
     def _of(self, pair: TargetPair, number: int) -> _Choice | None:
         names = {pair.look.text, pair.look.token.text}
@@ -152,17 +162,15 @@ def _target(word: str, name: str, scene: SceneWords) -> Target:
 
 
 def _named(name: str, scene: SceneWords) -> Target | None:
+    """What a name means: something of the scene, or what every scene has; upper and lower case count only between these."""
+    own = {each: Target("lights", frozenset({each})) for each in scene.lights}
+    own |= {glow_name(each): Target("lights", frozenset({GLOW + each})) for each in scene.glows}
+    own |= {each: Target("things", frozenset({each})) for each in scene.materials}
+    own |= {each: Target("things", frozenset(worn)) for each, worn in scene.object_materials.items()}
     said = name.casefold()
-    kind = GENERAL.get(said, "")
+    kind = "" if name in own else GENERAL.get(said, "")
     if kind in ROLES:
         return Target(kind, frozenset(n for n, light in scene.lights.items() if light.role == kind))
     if kind:
         return Target(kind)
-    for own, worn in scene.object_materials.items():
-        if own.casefold() == said:
-            return Target("things", frozenset(worn))
-    if own := next((own for own in scene.materials if own.casefold() == said), ""):
-        return Target("things", frozenset({own}))
-    lights = (*scene.lights, *(GLOW + own for own in scene.glows))
-    own = next((own for own in lights if own.casefold() == said), "")
-    return Target("lights", frozenset({own})) if own else None
+    return own.get(name) or next((target for each, target in own.items() if each.casefold() == said), None)

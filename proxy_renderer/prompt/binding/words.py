@@ -56,6 +56,7 @@ def _look_word(
         strength=pair.look.strength,
         negated=pair.look.negated,
         target=target,
+        thing=first.thing if first and first.thing not in first.word else "",
         confidence=candidates[0].probability,
         candidates=candidates,
         others=tuple(name for name in offered if name not in {c.name for c in candidates}),
