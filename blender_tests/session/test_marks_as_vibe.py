@@ -168,6 +168,14 @@ def test_what_a_render_hides_is_no_target(scene, tmp_path):
     assert "Ball.002" not in " ".join(names)
 
 
+def test_what_only_the_viewport_hides_is_a_target(scene, tmp_path):
+    balls(scene)
+    scene.objects["Ball.002"].hide_set(True)
+    scene.objects["Ball.001"].hide_viewport = True
+    (mark,) = marked(tmp_path, "copper balls")
+    assert mark.candidates[0] == "Ball + Ball.001 + Ball.002"
+
+
 def test_a_turned_flat_thing_is_where_it_is(scene, tmp_path):
     balls(scene)
     bpy.ops.mesh.primitive_plane_add(size=1.0, location=(3.0, 0.0, 1.0), rotation=(math.pi / 2, 0.0, 0.5))

@@ -49,9 +49,7 @@ def keyed_spans(text: str, names: Mapping[str, str]) -> tuple[str, list[KeyedSpa
     return said, spans
 
 
-def spoken(
-    text: str, vocabulary: Vocabulary, names: Container[str] = (), exact: Container[str] = ()
-) -> str:
+def spoken(text: str, vocabulary: Vocabulary, names: Container[str] = (), exact: Container[str] = ()) -> str:
     """ "fog: none, background: white" -> "no fog, white background"; lights that are listed get their colors likewise.
 
     Args:

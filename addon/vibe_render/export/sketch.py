@@ -10,6 +10,7 @@ import bpy
 from ..scene import scene_context
 from ..scene.geometry import visibility
 from ..scene.geometry.boxes import boxes
+from ..scene.nodes import owned
 from ..scene.subject import SubjectChoice
 from .analysis import VisibleScene, analyze, check_camera
 from .job_folder import write_sketch
@@ -31,6 +32,7 @@ def sketch_scene(scene: bpy.types.Scene, folder: Path, choice: SubjectChoice) ->
     check_camera(scene)
     depsgraph = scene_context.depsgraph(scene)
     camera = visibility.ray_camera(scene)
-    geometry = boxes(depsgraph, scene_context.shown(scene), camera)
+    shown = {obj for obj in scene_context.shown(scene) if not owned.is_unseen(obj)}
+    geometry = boxes(depsgraph, shown, camera)
     visible = VisibleScene(geometry, visibility.visible_surfaces(camera, geometry), frozenset())
     write_sketch(analyze(scene, choice, visible), folder)

@@ -45,13 +45,21 @@ def _stored() -> list[tuple[str, list[str]]]:
         stored = json.loads((own_folder("") / _NAME).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return []
-    rows = [{"prompt": row} if isinstance(row, str) else row for row in stored if isinstance(row, str | dict)] if isinstance(stored, list) else []
+    rows = (
+        [{"prompt": row} if isinstance(row, str) else row for row in stored if isinstance(row, str | dict)]
+        if isinstance(stored, list)
+        else []
+    )
     return [(row["prompt"], _texts(row.get("targets"))) for row in rows if isinstance(row.get("prompt"), str)]
 
 
 def _texts(value: Any) -> list[str]:
     """The pairs of word and target in a value of a file that anybody may have written."""
-    return [text for text in value if isinstance(text, str) and "=" in text.strip("= ")] if isinstance(value, list) else []
+    return (
+        [text for text in value if isinstance(text, str) and "=" in text.strip("= ")]
+        if isinstance(value, list)
+        else []
+    )
 
 
 def clear() -> None:

@@ -48,7 +48,9 @@ class WordReadings:
             live: The job folder that Live has exported, if the scene has not changed since.
         """
         words = _words(scene)
-        return self._asked is not None or words != self._read or bool(words[0] and self._is_stale(scene, live))
+        return (
+            self._asked is not None or words != self._read or bool(words[0] and self._is_stale(scene, live))
+        )
 
     def scene_changed(self, changed: Iterable[bpy.types.ID]) -> None:
         """Hears what has changed in Blender.

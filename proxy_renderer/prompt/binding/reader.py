@@ -75,9 +75,7 @@ class PromptReader:
         self.undone: list[str] = []
         self.lacking: list[str] = []
 
-    def read(
-        self, text: str, foreign: Collection[str] = (), keyed: Collection[KeyedSpan] = ()
-    ) -> Parsed:
+    def read(self, text: str, foreign: Collection[str] = (), keyed: Collection[KeyedSpan] = ()) -> Parsed:
         """Binds every look word; the result lacks what `meaning.complete` adds.
 
         Args:
@@ -156,9 +154,7 @@ class PromptReader:
         def count(end: int) -> int:
             return len(looks(text[:end], self.scene, self.vocabulary, foreign).looks)
 
-        return {
-            number: span.name for span in keyed for number in range(count(span.start), count(span.end))
-        }
+        return {number: span.name for span in keyed for number in range(count(span.start), count(span.end))}
 
     def _lights(self, look: PromptLook) -> tuple[int, ...]:
         """The numbers of the lights in whose description a word stands."""

@@ -119,7 +119,8 @@ class ToldTargets:
         means = becoming(pair.look.token, choice.target.kind, self._vocabulary)
         if means is None:
             raise VibeError(
-                f"'{choice.word}' can say nothing of {choice.name!r}.", "Choose another target, or 'not used'."
+                f"'{choice.word}' can say nothing of {choice.name!r}.",
+                "Choose another target, or 'not used'.",
             )
         return TargetPair(pair.look, choice.target, means, (), told=choice.name)
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 from ...schema.targets import GENERAL, NOT_USED, OFFERED, joined
 from ..lexicon.vocabulary import Vocabulary
 from ..tokens import Token
-from ..types import Attribute, Candidate, Parsed, PromptWord, SceneWords
+from ..types import Candidate, Parsed, PromptWord, SceneWords
 from .becoming import becoming
 from .naming import described_name, target_name
 from .reader import PromptReader

@@ -77,7 +77,11 @@ def _means(word: str, part: str, vocabulary: Vocabulary) -> bool:
 
 def _head(name: tuple[str, ...], vocabulary: Vocabulary) -> tuple[str, ...]:
     """A name without what follows its noun: "frame" of "frame black", "tent" of "tent small", "bathtub" of "bathtub freestanding"."""
-    ends = [n for n, word in enumerate(name, 1) if not (_is_of_surfaces(word, vocabulary) or _picks(word, vocabulary))]
+    ends = [
+        n
+        for n, word in enumerate(name, 1)
+        if not (_is_of_surfaces(word, vocabulary) or _picks(word, vocabulary))
+    ]
     things = [n for n in ends if name[n - 1] in thing_words().rows]
     return name[: max(things or ends, default=None)]
 

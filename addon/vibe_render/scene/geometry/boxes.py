@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
-from ..nodes import owned
 from .meshes import DEFAULT_MATERIAL, array, has_surface, hidden_from, slots_of
 from .triangles import SceneGeometry
 from .visibility import RayCamera
@@ -31,11 +31,13 @@ class _Box:
         material: Its name.
     """
 
-    extent: tuple[tuple[float, ...], tuple[float, ...]]
+    extent: tuple[tuple[float, ...], ...]
     material: str
 
 
-def boxes(depsgraph: bpy.types.Depsgraph, shown: Collection[bpy.types.Object], camera: RayCamera) -> SceneGeometry:
+def boxes(
+    depsgraph: bpy.types.Depsgraph, shown: Collection[bpy.types.Object], camera: RayCamera
+) -> SceneGeometry:
     """The sides of bounding boxes that face away from a camera: these never hide what is inside or before a box.
 
     Args:
@@ -48,28 +50,39 @@ def boxes(depsgraph: bpy.types.Depsgraph, shown: Collection[bpy.types.Object], c
     objects: dict[tuple[str, str], int] = {}
     materials: dict[str, int] = {}
     extents, matrices, owners, worn = [], [], [], []
-    for item in depsgraph.object_instances:
-        thing = item.object
-        if thing.type != "MESH" or not item.show_self:
-            continue
-        original, instancer = thing.original, item.parent.original if item.parent else None
-        if (instancer or original) not in shown or original.hide_render or owned.is_unseen(original):
-            continue
-        key = original.as_pointer()
+    for thing, instancer, matrix in _placed(depsgraph, shown):
+        key = thing.as_pointer()
         if key not in known:
             known[key] = list(_parts(thing))
-        name = original.name_full, instancer.name_full if instancer else ""
+        name = thing.original.name_full, instancer.name_full if instancer else ""
         number = objects.setdefault(name, len(objects))
         if number == len(hidden):
             hidden.append(hidden_from(thing))
         for box in known[key]:
             extents.append(box.extent)
-            matrices.append(item.matrix_world.copy())
+            matrices.append(matrix)
             owners.append(number)
             worn.append(materials.setdefault(box.material, len(materials)))
     low, high = np.moveaxis(np.array(extents).reshape(-1, 2, 1, 3), 1, 0)
     names = objects, materials, hidden
     return _geometry(low + _CORNERS * (high - low), matrices, (owners, worn), names, camera)
+
+
+def _placed(
+    depsgraph: bpy.types.Depsgraph, shown: Collection[bpy.types.Object]
+) -> Iterator[tuple[bpy.types.Object, bpy.types.Object | None, Matrix]]:
+    """Meshes that a render shows, each with its instancer and its place; as they are stored where the viewport hides them."""
+    seen = set()
+    for item in depsgraph.object_instances:
+        thing, original = item.object, item.object.original
+        instancer = item.parent.original if item.parent else None
+        seen.add(original)
+        if thing.type == "MESH" and item.show_self and not original.hide_render:
+            if (instancer or original) in shown:
+                yield thing, instancer, item.matrix_world.copy()
+    for obj in shown:
+        if obj.type == "MESH" and obj not in seen:
+            yield obj, None, obj.matrix_world.copy()
 
 
 def _parts(thing: bpy.types.Object) -> Iterator[_Box]:
@@ -90,7 +103,9 @@ def _parts(thing: bpy.types.Object) -> Iterator[_Box]:
         yield _Box(part, material.name_full if material else DEFAULT_MATERIAL)
 
 
-def _shares(mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None]) -> dict[bpy.types.Material | None, float]:
+def _shares(
+    mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None]
+) -> dict[bpy.types.Material | None, float]:
     """The share of a mesh's faces that wear each material."""
     index = mesh.attributes.get("material_index")
     faces = array(index.data, "value", (len(index.data),), np.int32) if index else np.zeros(1, np.int32)
