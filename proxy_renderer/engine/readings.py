@@ -67,7 +67,8 @@ def _reading(word: PromptWord) -> WordReading:
     """A word with what it describes; one that is not used, with known words in its place."""
     names = [candidate.name for candidate in word.candidates]
     if not word.is_used:
-        others = default_vocabulary().made(Nearest).choices(word.text, _OTHERS)
+        unknown = not word.candidates
+        others = default_vocabulary().made(Nearest).choices(word.text, _OTHERS) if unknown else []
         return WordReading(word.text, "left out", word.target, others, word.key, names, [*word.others])
     is_general = word.target in GENERAL and word.thing not in word.target
     describes = f"describes {listed(word.target)}" + (f" ({word.thing})" if is_general else "")

@@ -75,7 +75,10 @@ def _candidates(reader: PromptReader, number: int, target: str) -> tuple[Candida
     if chosen.told or id(chosen) in reader.absent:
         found[target] = 1.0
     likely = sorted(found, key=lambda name: (name != target, -found[name]))
-    return tuple(Candidate(n, round(found[n], 3)) for n in likely if n == target or found[n] >= _LEAST)
+    likely = [
+        n for n in likely if n == target or (found[n] >= _LEAST and n != NOT_USED)
+    ]  # it is offered last
+    return tuple(Candidate(name, round(found[name], 3)) for name in likely)
 
 
 def _offered(token: Token, scene: SceneWords, vocabulary: Vocabulary) -> Iterator[str]:

@@ -77,9 +77,9 @@ def _placed(
         thing, original = item.object, item.object.original
         instancer = item.parent.original if item.parent else None
         seen.add(original)
-        if thing.type == "MESH" and item.show_self and not original.hide_render:
-            if (instancer or original) in shown:
-                yield thing, instancer, item.matrix_world.copy()
+        is_shown = (instancer or original) in shown and not original.hide_render
+        if thing.type == "MESH" and item.show_self and is_shown:
+            yield thing, instancer, item.matrix_world.copy()
     for obj in shown:
         if obj.type == "MESH" and obj not in seen:
             yield obj, None, obj.matrix_world.copy()

@@ -52,7 +52,8 @@ class VIBE_OT_reading(bpy.types.Operator):
         layout, word = menu.layout, self._word()
         if word is None:
             return
-        layout.label(text=word.meaning[:1].upper() + word.meaning[1:])
+        if not word.candidates or word.meaning != f"describes {targets.listed(word.candidates[0])}":
+            layout.label(text=word.meaning[:1].upper() + word.meaning[1:])
         for other in word.others:
             button = layout.operator("vibe.reword", text=f"Say “{other}” instead")
             button.word, button.other = word.text, other
@@ -63,8 +64,6 @@ class VIBE_OT_reading(bpy.types.Operator):
     ) -> None:
         """What the word may be said to describe: what it is taken for first, then the likeliest, then the rest of the scene."""
         told = scene.vibe.targets.get(word.key)
-        if told or word.candidates:
-            layout.separator()
         if told:
             self._target(layout, "", "As it is read", "LOOP_BACK")
         for name in word.candidates:
