@@ -127,7 +127,7 @@ CASES = [
 def marked(folder, prompt, target=()):
     """What the panel marks."""
     sketch.sketch_scene(bpy.context.scene, folder, SubjectChoice())
-    asked = messages.AskReadings(schema_hash(), prompt, str(folder), target)
+    asked = messages.AskReadings(schema_hash(), prompt, str(folder), target=target)
     return WordReader().read(asked).words
 
 

@@ -86,6 +86,13 @@ def test_marks_follow_a_change_of_the_scene_when_it_is_quiet(typing):
     assert "Subject" not in (*red.candidates, *red.targets)
 
 
+def test_a_word_can_describe_what_the_menu_has_no_room_for(typing):
+    typing.vibe.prompt = "glossy cube"
+    assert bpy.ops.vibe.describe_another(word="glossy", target="Floor") == {"FINISHED"}
+    assert typing.vibe.told() == ["glossy=Floor"]
+    typing.vibe.targets.clear()
+
+
 def test_a_letter_needs_no_new_sketch(typing, monkeypatch):
     made = []
     monkeypatch.setattr(session_readings, "sketch_scene", lambda *given: made.append(given))
@@ -96,7 +103,7 @@ def test_a_letter_needs_no_new_sketch(typing, monkeypatch):
 
 def test_a_scene_that_cannot_be_exported_has_marks_too(typing):
     typing.camera = None
-    assert read(typing, "glossy red, warm light")["glossy"].state == "understood"
+    assert "Floor" in read(typing, "glossy red floor, warm light")["glossy"].candidates
 
 
 def test_a_choice_for_a_word_that_is_gone_is_not_sent(typing):

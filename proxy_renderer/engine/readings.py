@@ -9,7 +9,7 @@ from pathlib import Path
 from ..optimize.context import scene_words
 from ..prompt.lexicon.nearest import Nearest
 from ..prompt.lexicon.user_words import default_vocabulary
-from ..prompt.types import PromptWord, SceneWords
+from ..prompt.types import LightWords, PromptWord, SceneWords
 from ..prompt.understood import Understood
 from ..scene import load_scene
 from ..schema.messages import AskReadings, Readings, WordReading
@@ -34,13 +34,15 @@ class WordReader:
         Raises:
             VibeError: The scene cannot be read.
         """
-        return readings(request.prompt, self._described(request.job), request.target)
+        scene = self._described(request.job) if request.job else _named(request)
+        return readings(request.prompt, scene, request.target)
 
     def _described(self, job: str) -> SceneWords:
-        """The names in an exported scene; none without one."""
-        if not job:
+        """The names in an exported scene."""
+        try:
+            known = job, (Path(job) / "scene.json").stat().st_mtime_ns
+        except OSError:  # Live has ended, and its job is gone: the panel asks again
             return SceneWords()
-        known = job, (Path(job) / "scene.json").stat().st_mtime_ns
         if known != self._job:
             self._scene, self._job = scene_words(load_scene(job)), known
         return self._scene
@@ -61,6 +63,16 @@ def readings(prompt: str, scene: SceneWords, target: Sequence[str] = ()) -> Read
     if not understood.words:  # a target that cannot be is taken back by a click on its word
         understood = Understood(prompt, scene)
     return Readings(prompt, [*map(_reading, understood.words)], note)
+
+
+def _named(request: AskReadings) -> SceneWords:
+    """A scene of which only names are known: everything may be the subject."""
+    return SceneWords(
+        objects=dict.fromkeys(request.objects, "subject"),
+        materials=dict.fromkeys((m for names in request.objects.values() for m in names), "subject"),
+        object_materials={name: tuple(materials) for name, materials in request.objects.items()},
+        lights={name: LightWords(kind) for name, kind in request.lights.items()},
+    )
 
 
 def _reading(word: PromptWord) -> WordReading:

@@ -93,6 +93,8 @@ class AskReadings:
         schema: Blender's schema hash.
         prompt: What the artist has typed so far.
         job: The job folder, with or without surfaces and textures; "" where the scene cannot be exported.
+        objects: Where there is no job: object that a render shows -> names of its materials.
+        lights: Likewise: light -> its type, "AREA" and so on.
         target: "copper=Cup": what the artist says that words describe.
     """
 
@@ -100,6 +102,8 @@ class AskReadings:
     schema: str
     prompt: str
     job: str = ""
+    objects: dict[str, list[str]] = field(default_factory=dict)
+    lights: dict[str, str] = field(default_factory=dict)
     target: tuple[str, ...] = ()
 
 

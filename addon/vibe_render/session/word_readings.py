@@ -14,6 +14,7 @@ import bpy
 from ..core.schema_import import messages, schema
 from ..engine.process import Engine
 from ..export.sketch import sketch_scene
+from ..scene import scene_context
 from .scene_session import scene_settings
 
 _QUIET = 0.5  # seconds without a change of the scene, after which its words are read anew
@@ -83,7 +84,8 @@ class WordReadings:
         if self._asked is None and (typed or (self._is_quiet and self.due(scene, live))):
             prompt, targets = words
             self._job = str(live or self._described(scene) or "") if prompt else ""
-            engine.send(messages.AskReadings(schema.schema_hash(), prompt, self._job, targets))
+            names = ({}, {}) if self._job else _names(scene)
+            engine.send(messages.AskReadings(schema.schema_hash(), prompt, self._job, *names, targets))
             self._asked = words
         return arrived is not None
 
@@ -116,6 +118,16 @@ class WordReadings:
 def _words(scene: bpy.types.Scene) -> _Words:
     """The prompt, and what its artist says that words describe."""
     return scene.vibe.prompt, tuple(scene.vibe.told())
+
+
+def _names(scene: bpy.types.Scene) -> tuple[dict[str, list[str]], dict[str, str]]:
+    """All that is known of a scene that cannot be exported yet, such as one without a camera: objects with their materials, and lights."""
+    shown = sorted(scene_context.shown(scene), key=lambda obj: obj.name)
+    things = {o.name: o.material_slots for o in shown if o.type in scene_context.GEOMETRY}
+    objects = {
+        name: [slot.material.name for slot in slots if slot.material] for name, slots in things.items()
+    }
+    return objects, {o.name: o.data.type for o in shown if o.type == "LIGHT"}
 
 
 def _settings(scene: bpy.types.Scene) -> tuple[Any, ...]:

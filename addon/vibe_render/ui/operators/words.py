@@ -5,13 +5,15 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from typing import ClassVar
 
 import bpy
-from bpy.props import StringProperty
+from bpy.props import EnumProperty, StringProperty
 
 from ...core import drawing
 from ...core.schema_import import messages, targets
+from ...scene import scene_context
 from ...session.state import addon_state
 
 _ICONS = {"light": "LIGHT", "sky": "WORLD", "picture": "IMAGE_DATA", "air": "MOD_FLUID", "none": "X"}
@@ -72,6 +74,10 @@ class VIBE_OT_reading(bpy.types.Operator):
             layout.separator()
         for name in word.targets:
             self._named(layout, scene, name)
+        names = {*word.candidates, *word.targets} & {*scene.objects.keys()}
+        if names and len(names) < sum(1 for _ in _own_names(scene)):
+            layout.operator_context = "INVOKE_DEFAULT"
+            layout.operator("vibe.describe_another", icon="VIEWZOOM").word = self.key
 
     def _named(
         self, layout: bpy.types.UILayout, scene: bpy.types.Scene, name: str, is_taken: bool = False
@@ -92,6 +98,45 @@ def _icon(scene: bpy.types.Scene, name: str) -> str:
     if thing is None:
         return "MATERIAL"
     return "LIGHT" if thing.type == "LIGHT" else "OBJECT_DATA"
+
+
+def _own_names(scene: bpy.types.Scene) -> Iterator[str]:
+    """The objects and lights that a render shows."""
+    for obj in scene_context.shown(scene):
+        if obj.type == "LIGHT" or (obj.type in scene_context.GEOMETRY and obj.material_slots):
+            yield obj.name
+
+
+_items: list[tuple[str, str, str]] = []
+"""Of the search: Blender does not keep the texts of a list that is made when it is asked for."""
+
+
+def _names(_operator: bpy.types.Operator, context: bpy.types.Context) -> list[tuple[str, str, str]]:
+    _items[:] = [(name, name, "") for name in sorted(_own_names(context.scene), key=str.casefold)]
+    return _items
+
+
+class VIBE_OT_describe_another(bpy.types.Operator):
+    """Search all objects and lights for what this word describes"""
+
+    bl_idname = "vibe.describe_another"
+    bl_label = "Describes Another…"
+    bl_property = "target"
+    bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
+
+    word: StringProperty(description="What a target calls the word")
+    target: EnumProperty(items=_names)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Opens the search."""
+        context.window_manager.invoke_search_popup(self)
+        return {"FINISHED"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Keeps the choice in the scene."""
+        context.scene.vibe.tell(self.word, self.target)
+        drawing.redraw()
+        return {"FINISHED"}
 
 
 class VIBE_OT_describe(bpy.types.Operator):
@@ -139,4 +184,4 @@ class VIBE_OT_reword(bpy.types.Operator):
         return {"FINISHED"}
 
 
-CLASSES = (VIBE_OT_reading, VIBE_OT_describe, VIBE_OT_reword)
+CLASSES = (VIBE_OT_reading, VIBE_OT_describe, VIBE_OT_describe_another, VIBE_OT_reword)
