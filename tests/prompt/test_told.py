@@ -121,3 +121,12 @@ def test_a_name_of_the_scene_comes_before_what_every_scene_has():
     (word,) = Understood("warm", scene, ["warm=Light"]).words
     assert [a.owners for a in Understood("warm", scene, ["warm=Light"]).parsed.attributes] == [("Chalk",)]
     assert word.target == "Light"
+
+
+def test_equal_words_of_another_language_are_told_apart():
+    prompt = "roter Würfel, rote Ebene"
+    first, second = Understood(prompt, SCENE).words
+    assert (first.text, second.text) == ("roter", "rote")
+    assert [key.partition("#")[2] for key in (first.key, second.key)] == ["1", "2"]
+    told_first, told_second = Understood(prompt, SCENE, [f"{second.key}=Cube.003"]).words
+    assert (told_first.target, told_second.target) == (first.target, "Cube.003")

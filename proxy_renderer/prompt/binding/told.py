@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ...schema import VibeError
@@ -19,19 +19,14 @@ from .pairs import TargetPair
 from .targets import ROLES, Target
 
 
-def target_keys(words: Iterable[str]) -> list[str]:
-    """What `--target` calls each word of a prompt: itself, with its number where the prompt has it several times.
+def key_numbers(texts: Sequence[str]) -> list[str]:
+    """What follows each look word in its key: "#2" for the second of equal ones, nothing where the prompt says it once.
 
     Args:
-        words: In their order.
+        texts: Of all look words of a prompt, in English.
     """
-    plain = [normalize(word) for word in words]
-    numbers: Counter[str] = Counter()
-    found = []
-    for word in plain:
-        numbers[word] += 1
-        found.append(f"{word}{NUMBER}{numbers[word]}" if plain.count(word) > 1 else word)
-    return found
+    each = ((text, texts[: number + 1].count(text)) for number, text in enumerate(texts))
+    return [f"{NUMBER}{count}" if texts.count(text) > 1 else "" for text, count in each]
 
 
 def plain_key(key: str) -> str:

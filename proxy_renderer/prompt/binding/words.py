@@ -8,13 +8,14 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
 from ...schema.targets import GENERAL, NOT_USED, OFFERED, joined
+from ..lexicon.entries import normalize
 from ..lexicon.vocabulary import Vocabulary
 from ..tokens import Token
 from ..types import Candidate, Parsed, PromptWord, SceneWords
 from .becoming import becoming
 from .naming import described_name, target_name
 from .reader import PromptReader
-from .told import target_keys
+from .told import key_numbers
 
 _LEAST = 0.02  # probability of a candidate
 _MOST = 16  # objects, and lights, that a word is offered besides
@@ -28,12 +29,13 @@ def prompt_words(reader: PromptReader, parsed: Parsed, said: Callable[[str], str
         parsed: What it came to.
         said: The prompt's own words for English ones.
     """
-    looks = [_look_word(reader, parsed, number, said) for number in range(len(reader.chosen))]
-    words = [word for word in looks if word]
+    looks = (_look_word(reader, parsed, number, said) for number in range(len(reader.chosen)))
+    numbers = key_numbers([pair.look.text for pair in reader.chosen])
+    both = zip(looks, numbers, strict=True)
+    words = [replace(word, key=normalize(word.key) + number) for word, number in both if word]
     known = {word.text for word in words}
     words += [PromptWord(text, text) for text in dict.fromkeys(parsed.ignored) if text not in known]
-    keyed = zip(words, target_keys(word.key for word in words), strict=True)
-    return _placed((replace(word, key=key) for word, key in keyed), parsed.prompt)
+    return _placed(words, parsed.prompt)
 
 
 def _look_word(
