@@ -54,4 +54,4 @@ def _called(names: Collection[str], scene: SceneWords, is_matter: bool) -> str:
         objects = [o for o, worn in scene.object_materials.items() if worn and {*worn} <= {*names}]
         worn = {m for o in objects for m in scene.object_materials[o]}
         called = objects if worn == {*names} else [m for m in scene.materials if m in names]
-    return joined(called) if len(called) <= _MOST else ""
+    return joined(sorted(called)) if len(called) <= _MOST else ""

@@ -80,7 +80,7 @@ def _placed(
         is_shown = (instancer or original) in shown and not original.hide_render
         if thing.type == "MESH" and item.show_self and is_shown:
             yield thing, instancer, item.matrix_world.copy()
-    for obj in shown:
+    for obj in sorted(shown, key=lambda each: each.name_full):
         if obj.type == "MESH" and obj not in seen:
             yield obj, None, obj.matrix_world.copy()
 
